@@ -1,0 +1,1 @@
+"""Orchestrator for robotic cells: behaviour trees of ROS 2 action clients along a conveyor."""

@@ -1,0 +1,207 @@
+"""The verb `sim-cell`: real ROS 2 action servers for every component of a cell file."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import re
+import sys
+from pathlib import Path
+
+from bt_orchestrator.errors import Refused
+from bt_orchestrator.sim.controllers.stop_signals import StopSignals
+
+DESCRIPTION = """\
+Start a real ROS 2 action server for every component of a cell file and for its conveyor, with
+nominal durations, results, feedback and state topics, and with the faults you ask for. Prints
+`sim-cell ready: ...` when all servers are up; ends with Ctrl-C."""
+
+FAULTS = """\
+faults are written COMPONENT.[TASK][#NTH]=KIND[:SECONDS], for example
+    component_2a.TASK_A#2=abort   the second TASK_A is aborted
+    component_2a.#3=die:5         the server dies during its third goal, and is back after 5 s
+    unpacking_arm.#*=late:1.5     every task takes 1.5 s longer
+  without TASK goals of all tasks are counted; NTH counts from 1 (default), * is every one, and
+  0 means from the start, for the kinds that are about the server and not about a goal
+kinds:
+    false          ends SUCCEEDED with task_result: false
+    reject         the goal is refused
+    abort          ends ABORTED after its duration
+    cancel         the server cancels it by itself after its duration
+    hang           does not end by itself; a cancel request is obeyed
+    ignore_cancel  does not end by itself; cancel requests are refused
+    late:S         ends well, S seconds later
+    mute           the request is never answered and nothing is executed
+    die[:S]        half-way through the task action server and state topic vanish without an
+                   answer; with S both are back after S seconds and know nothing
+    absent[:S]     both are not there at first; with S they come after S seconds
+    not_ready[:S]  the state topic says not ready from the goal's end on (#0: from the start),
+                   for S seconds or for good
+    silent         nothing is ever published on the state topic
+
+exit status: 0 ended by Ctrl-C or SIGTERM, 1 the cell file is refused, 2 wrong use"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of the verb."""
+    parser.description = DESCRIPTION
+    parser.epilog = FAULTS
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.add_argument(
+        '--cell', required=True, type=Path, metavar='CELL', help='cell file (YAML)'
+    )
+    _add_selection(parser)
+    _add_ros_options(parser)
+    parser.add_argument(
+        '--log',
+        type=Path,
+        metavar='FILE',
+        help='append what really happens to every goal, one JSON object a line',
+    )
+
+
+def _add_selection(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        '--speed',
+        type=_factor,
+        default=1.0,
+        metavar='N',
+        help='divide all simulated seconds by N, those of faults too (default 1)',
+    )
+    parser.add_argument(
+        '--only',
+        action='append',
+        default=[],
+        metavar='NAMES',
+        help='simulate only these components, separated by commas; may be repeated; '
+        '`conveyor` is one of them',
+    )
+    parser.add_argument(
+        '--fail',
+        action='append',
+        default=[],
+        metavar='COMPONENT.FAULT',
+        help='make a component fail, see below; may be repeated',
+    )
+
+
+def _add_ros_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        '--namespace',
+        type=_namespace,
+        default='',
+        metavar='NS',
+        help='ROS namespace of relative action and topic names, so that two cells can run side by '
+        'side; absolute names of the cell file stay as they are',
+    )
+    parser.add_argument(
+        '--feedback',
+        type=_seconds,
+        default=0.5,
+        metavar='SECONDS',
+        help='real seconds between feedback messages of a goal; 0: only the one at its start '
+        '(default 0.5)',
+    )
+    parser.add_argument(
+        '--result-timeout',
+        type=_seconds,
+        default=10.0,
+        metavar='SECONDS',
+        help='real seconds for which a server remembers an ended goal (default 10)',
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    """Carry out the verb; returns the exit status."""
+    with StopSignals() as stop:
+        return _simulate(args, stop)
+
+
+def _simulate(args: argparse.Namespace, stop: StopSignals) -> int:
+    # Imported here, so that --help needs no ROS.
+    from bt_orchestrator.ros.action_types import InstalledActionTypes
+    from bt_orchestrator.ros.messages import InstalledInterfaces
+    from bt_orchestrator.script.cell_file import read_cell
+    from bt_orchestrator.sim.controllers.controller import Pace
+    from bt_orchestrator.sim.controllers.goal_log import GoalLog, UnusableLog
+    from bt_orchestrator.sim.controllers.node import Setup
+    from bt_orchestrator.sim.controllers.process import BadRosArguments, run_controllers
+    from bt_orchestrator.sim.controllers.selection import WrongSelection, names, select
+
+    types = InstalledActionTypes()
+    try:
+        cell = read_cell(args.cell, types)
+        setup = Setup(
+            components=select(cell, list(names(args.only)), args.fail, types),
+            types=types,
+            interfaces=InstalledInterfaces(),
+            log=GoalLog(args.log),
+            pace=Pace(args.speed, args.feedback),
+            namespace=args.namespace,
+            result_timeout_s=args.result_timeout,
+        )
+        run_controllers(setup, stop, _say_ready, getattr(args, 'ros_args', ()))
+    except Refused as refused:
+        print(refused, file=sys.stderr)
+        return 1
+    except (WrongSelection, UnusableLog, BadRosArguments) as error:
+        return _wrong_use(str(error))
+    return 0
+
+
+def sim_cell_main() -> int:
+    """Run as a program of its own, for `ros2 run` and `ros2 launch`, with --ros-args allowed."""
+    from bt_orchestrator.sim.controllers.process import BadRosArguments, without_ros_args
+
+    parser = argparse.ArgumentParser(prog='sim_cell')
+    add_arguments(parser)
+    try:
+        args = parser.parse_args(without_ros_args(sys.argv)[1:])
+    except BadRosArguments as error:
+        return _wrong_use(str(error))
+    args.ros_args = sys.argv
+    return run(args)
+
+
+def _say_ready(what: str) -> None:
+    print(f'sim-cell ready: {what}', flush=True)
+
+
+def _factor(text: str) -> float:
+    """Read a number that durations can be divided by."""
+    number = _number(text)
+    if number <= 0:
+        raise argparse.ArgumentTypeError(f'expected a number greater than 0, found {text!r}')
+    return number
+
+
+def _seconds(text: str) -> float:
+    number = _number(text)
+    if number < 0:
+        raise argparse.ArgumentTypeError(f'expected seconds, 0 or more, found {text!r}')
+    return number
+
+
+def _number(text: str) -> float:
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise argparse.ArgumentTypeError(f'expected a number, found {text!r}')
+    return number
+
+
+def _namespace(text: str) -> str:
+    """Read a ROS namespace."""
+    if not re.fullmatch(r'(/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*)?/?', text, re.ASCII):
+        raise argparse.ArgumentTypeError(
+            f'expected a ROS namespace such as /cell_b, found {text!r}'
+        )
+    return text.rstrip('/')
+
+
+def _wrong_use(what: str) -> int:
+    for line in what.splitlines():
+        print(f'bt-orchestrator sim-cell: error: {line}', file=sys.stderr)
+    return 2

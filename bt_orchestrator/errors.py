@@ -1,0 +1,62 @@
+"""What can go wrong in a way that a caller can act on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+
+class OrchestratorError(Exception):
+    """Base of all errors that this package raises on purpose."""
+
+
+@dataclass(frozen=True, order=True)
+class Finding:
+    """One mistake in a file, with its place and a hint.
+
+    Lines and columns count from 1, as editors do. A finding about a file as a whole (it cannot be
+    read, say) has line 1, column 1.
+    """
+
+    file: str
+    line: int
+    column: int
+    what: str
+    hint: str = ''
+
+    def __str__(self) -> str:
+        text = f'{self.file}:{self.line}:{self.column}: {self.what}'
+        return f'{text}; {self.hint}' if self.hint else text
+
+
+class Refused(OrchestratorError):
+    """A file was refused; carries every mistake that was found, in the order of the file."""
+
+    def __init__(self, findings: Sequence[Finding]) -> None:
+        self.findings = tuple(findings)
+        super().__init__('\n'.join(str(finding) for finding in self.findings))
+
+
+class UnknownActionType(OrchestratorError):
+    """An action or message type cannot be loaded here."""
+
+    def __init__(self, type_name: str, what: str, hint: str) -> None:
+        self.type_name = type_name
+        self.what = what
+        self.hint = hint
+        super().__init__(f'{what}; {hint}')
+
+
+class CommandRefused(OrchestratorError):
+    """A command cannot be carried out now; the message is the answer to its sender."""
+
+
+class MissingResult(OrchestratorError):
+    """A reference names the result of a task that was skipped or failed for this item.
+
+    semantics 6.3: the attempt ends with the reason `missing_result`.
+    """
+
+    def __init__(self, reference: str) -> None:
+        self.reference = reference
+        super().__init__(f'${{{reference}}} has no value: that task gave no result for this item')

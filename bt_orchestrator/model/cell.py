@@ -1,0 +1,94 @@
+"""The cell: what exists, as the cell file says it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Any
+
+from bt_orchestrator.model.fault import Fault
+
+DEFAULT_TIMEOUT_S = 300.0
+"""Seconds that a task may take when neither it nor its component says otherwise (semantics 2.4)."""
+
+DEFAULT_DURATION_S = 1.0
+"""Seconds that a simulated task takes without a nominal duration (formats: cell file)."""
+
+CONVEYOR = 'conveyor'
+"""Name under which the conveyor appears among the components."""
+
+
+class OnFailure(Enum):
+    """What happens when the last attempt of a task failed (semantics 2.7)."""
+
+    HOLD = 'hold'
+    CONTINUE = 'continue'
+    REJECT = 'reject'
+    ABORT_JOB = 'abort_job'
+
+
+@dataclass(frozen=True)
+class StateTopic:
+    """A topic on which a component says whether it may be sent a goal (semantics 2.5)."""
+
+    topic: str
+    type: str
+    field: str
+    ready: tuple[Any, ...]
+    """Values of the field that allow a goal."""
+
+    def __str__(self) -> str:
+        return f'{self.topic} = {" or ".join(str(value) for value in self.ready)}'
+
+
+@dataclass(frozen=True)
+class Component:
+    """One device controller with one ROS 2 action server."""
+
+    name: str
+    sections: tuple[int, ...]
+    """Sections that it belongs to, ascending; empty for a component of no section."""
+    action: str
+    type: str
+    state: StateTopic | None = None
+    timeout_s: float | None = DEFAULT_TIMEOUT_S
+    """Default for its tasks; None: no limit."""
+    durations_s: Mapping[str, float] = field(default_factory=dict)
+    """Nominal seconds of each task, for simulation and prediction."""
+    default_duration_s: float = DEFAULT_DURATION_S
+    results: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    """Simulated result fields of each task."""
+    faults: tuple[Fault, ...] = ()
+    """Faults of the simulated controller."""
+
+    def duration_s(self, task_name: str) -> float:
+        """Nominal seconds of a task."""
+        return self.durations_s.get(task_name, self.default_duration_s)
+
+
+@dataclass(frozen=True)
+class Conveyor:
+    """The indexing belt: how many positions it has and which goal moves it by one."""
+
+    sections: int
+    component: Component
+    """Its controller, a component of no section."""
+    task: str
+    """Task constant of one index move; a label where the type has no task field."""
+    retries: int = 0
+    on_failure: OnFailure = OnFailure.HOLD
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One robotic cell: a belt and the components along it."""
+
+    name: str
+    conveyor: Conveyor
+    components: Mapping[str, Component]
+    """By name, the conveyor among them."""
+
+    def by_action(self, action: str) -> Component | None:
+        """Return the component that serves an action name."""
+        return next((c for c in self.components.values() if c.action == action), None)

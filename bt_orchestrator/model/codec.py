@@ -1,0 +1,129 @@
+"""Frozen facts and events as plain data that JSON can carry, and back.
+
+Fields that equal their default are left out, enums are their values, and a text with references is
+`{"$": [...]}`. Records of events follow formats: events.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+import types
+import typing
+from collections.abc import Mapping
+from enum import Enum
+from functools import lru_cache
+from typing import Any, TypeVar, cast
+
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.reference import Reference, Template
+from bt_orchestrator.model.script import Script
+
+_T = TypeVar('_T')
+_TEMPLATE = '$'
+_FIRST = ('seq', 'time', 'event', 'job', 'section', 'item', 'task')
+
+
+def to_record(event: e.Event) -> dict[str, Any]:
+    """Return the one record of an event that every output carries (formats: events)."""
+    plain = {'event': event.event, **to_plain(event)}
+    plain['seq'], plain['time'] = event.seq, event.time
+    ordered = {key: plain[key] for key in _FIRST if plain.get(key) is not None}
+    return ordered | {key: plain[key] for key in plain if key not in _FIRST}
+
+
+def from_record(record: Mapping[str, Any]) -> e.Event:
+    """Return the event that a record describes.
+
+    :raises KeyError: there is no event of that name
+    """
+    fields = {key: value for key, value in record.items() if key != 'event'}
+    return from_plain(event_types()[record['event']], fields)
+
+
+@lru_cache(maxsize=1)
+def event_types() -> Mapping[str, type[e.Event]]:
+    """Return every event class by its name in the record."""
+    classes = (c for c in vars(e).values() if isinstance(c, type) and issubclass(c, e.Event))
+    return {c.event: c for c in classes if hasattr(c, 'event')}
+
+
+def digest(script: Script) -> str:
+    """Name a script by what it says: equal scripts have equal digests."""
+    text = json.dumps(to_plain(script), sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:12]
+
+
+def to_plain(value: Any) -> Any:
+    """Return a value as dicts, lists and scalars."""
+    if isinstance(value, Template):
+        parts = [p if isinstance(p, str) else to_plain(p) for p in value.parts]
+        return {_TEMPLATE: parts}
+    if dataclasses.is_dataclass(value):
+        return {
+            field.name: to_plain(getattr(value, field.name))
+            for field in dataclasses.fields(value)
+            if not _is_default(field, getattr(value, field.name))
+        }
+    if isinstance(value, Enum):
+        return value.value
+    if isinstance(value, Mapping):
+        return {str(key): to_plain(member) for key, member in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [to_plain(member) for member in value]
+    return value
+
+
+def from_plain(kind: type[_T], value: Any) -> _T:
+    """Return a value of an annotated type from plain data."""
+    return cast('_T', _read(kind, value))
+
+
+def _is_default(field: dataclasses.Field[Any], value: Any) -> bool:
+    if field.default is not dataclasses.MISSING:
+        return bool(value == field.default)
+    if field.default_factory is not dataclasses.MISSING:
+        return not value
+    return False
+
+
+def _read(kind: Any, value: Any) -> Any:
+    if kind is Any or value is None:
+        return _read_free(value)
+    if isinstance(kind, type) and dataclasses.is_dataclass(kind):
+        return _read_dataclass(kind, value)
+    if isinstance(kind, type) and issubclass(kind, Enum):
+        return kind(value)
+    origin, arguments = typing.get_origin(kind), typing.get_args(kind)
+    if origin in (types.UnionType, typing.Union):
+        return _read(next(a for a in arguments if a is not type(None)), value)
+    if origin is tuple:
+        return tuple(_read(arguments[0], member) for member in value)
+    if origin is Mapping:
+        return {arguments[0](k): _read(arguments[1], v) for k, v in value.items()}
+    return value
+
+
+def _read_dataclass(kind: type, value: Any) -> Any:
+    if kind is Template:
+        return _read_free(value)
+    hints = _hints(kind)
+    return kind(**{key: _read(hints[key], member) for key, member in value.items()})
+
+
+def _read_free(value: Any) -> Any:
+    """Read what has no annotation: argument values, which may be or hold templates."""
+    if isinstance(value, Mapping):
+        if list(value) == [_TEMPLATE]:
+            parts = value[_TEMPLATE]
+            return Template(tuple(p if isinstance(p, str) else _read(Reference, p) for p in parts))
+        return {key: _read_free(member) for key, member in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_read_free(member) for member in value]
+    return value
+
+
+@lru_cache(maxsize=256)
+def _hints(kind: type) -> Mapping[str, Any]:
+    return typing.get_type_hints(kind)

@@ -1,0 +1,51 @@
+"""What people and other systems ask of the cell, and the answers they get."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from bt_orchestrator.model.order import Job
+
+
+@dataclass(frozen=True)
+class SubmitJob:
+    """Put a job at the end of the queue."""
+
+    job: Job
+
+
+@dataclass(frozen=True)
+class AnswerHold:
+    """Decide about something that is held (semantics 7.1)."""
+
+    hold: str
+    answer: str
+    """One of the answers that the hold offers."""
+    who: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class RemoveItem:
+    """Record that an item was taken off the belt by hand (semantics 7.1)."""
+
+    item: str
+    who: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Shutdown:
+    """Cancel every goal and start nothing more (semantics 2.6)."""
+
+
+Command = SubmitJob | AnswerHold | RemoveItem | Shutdown
+
+
+@dataclass(frozen=True)
+class Answer:
+    """The answer to a command."""
+
+    accepted: bool
+    message: str
+    """What was done, or why it was refused and what to do."""

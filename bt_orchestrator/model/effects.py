@@ -1,0 +1,107 @@
+"""What follows from the end of a task: flags, items, the belt (semantics 3.2, 4.1, 4.2).
+
+Every function returns the events that follow, in order; nothing is changed here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.script import Task
+from bt_orchestrator.model.state import CellState, JobState, Phase
+
+
+def of_success(state: CellState, key: e.TaskKey) -> Iterator[e.Event]:
+    """Follow a task that succeeded, or that an operator marked done."""
+    task = state.task(key)
+    if task is None:
+        yield from _of_index_move(state)
+        return
+    yield from _of_flags(state, key)
+    if key.job is None or key.item is None or key.section is None:
+        return
+    if task.qty_change == 1:
+        yield e.ItemPlaced(job=key.job, item=key.item, section=key.section)
+    elif task.qty_change == -1 and state.items[key.item].section == key.section:
+        yield _taken_out(state, key.job, key.item, key.section)
+
+
+def of_passing(state: CellState, key: e.TaskKey) -> Iterator[e.Event]:
+    """Follow a task that was skipped, or failed and continued: as if it had run, but nothing was
+    placed or taken out."""
+    yield from _of_flags(state, key)
+    task = state.task(key)
+    if task is None or key.job is None or key.item is None or key.section is None:
+        return
+    item = state.items[key.item]
+    if task.qty_change == 1:
+        yield e.ItemMissing(job=key.job, item=key.item, section=key.section)
+    elif task.qty_change == -1 and not item.present and item.section == key.section:
+        yield e.PositionEnded(job=key.job, item=key.item, section=key.section)
+
+
+def of_abort(state: CellState, job: JobState, reason: str) -> Iterator[e.Event]:
+    """Begin the end of a job: its items are rejected, its goals cancelled (semantics 4.3)."""
+    if job.aborting:
+        return
+    name = job.job.id
+    yield e.JobAborting(job=name, reason=reason)
+    for item in job.items.values():
+        if not item.rejected and not item.gone:
+            yield e.ItemRejected(job=name, item=item.id, reason=reason)
+    for key, task in state.running.items():
+        if key.job == name and task.cancel_cause is None:
+            assert task.goal is not None
+            yield e.TaskCancelRequested(**key._asdict(), goal=task.goal, cause='abort_job')
+
+
+def why_skipped(state: CellState, key: e.TaskKey, task: Task) -> str | None:
+    """Say why a task is not needed; None: it is.
+
+    Conditions (6.5) are not asked here: they need the values of references.
+    """
+    if key.item is None:
+        return _why_initialization_skipped(state, key)
+    item = state.items[key.item]
+    if not item.present:
+        return 'empty position'
+    if not task.runs_for.includes(item.rejected):
+        return 'rejected item' if item.rejected else 'good item'
+    return None
+
+
+def _why_initialization_skipped(state: CellState, key: e.TaskKey) -> str | None:
+    assert key.job is not None
+    return 'job aborted' if state.jobs[key.job].aborting else None
+
+
+def _of_flags(state: CellState, key: e.TaskKey) -> Iterator[e.Event]:
+    if key.job is None:
+        return
+    script = state.script(key.job)
+    for dependency in script.upstream_of.get(key.task, ()):
+        count = state.flags[dependency.flag].count + 1
+        yield e.FlagRaised(**key._asdict(), flag=dependency.flag, count=count)
+    for dependency in script.downstream_of.get(key.task, ()):
+        count = state.flags[dependency.flag].count - 1
+        yield e.FlagLowered(**key._asdict(), flag=dependency.flag, count=count)
+
+
+def _taken_out(state: CellState, job: str, item: str, section: int) -> e.Event:
+    how = 'rejected' if state.items[item].rejected else 'packed'
+    return e.ItemRemoved(job=job, item=item, section=section, how=how)
+
+
+def _of_index_move(state: CellState) -> Iterator[e.Event]:
+    """Move every item, the last first, so that no slot ever holds two."""
+    for number in range(state.cell.conveyor.sections - 1, 0, -1):
+        item = state.slot(number)
+        if item is not None:
+            yield e.ItemMoved(job=item.job, item=item.id, section=number + 1)
+    yield e.BeltIndexed(beat=state.beat + 1)
+
+
+def is_startable(state: CellState, key: e.TaskKey) -> bool:
+    """Tell whether a task waits for its first or its next attempt."""
+    return state.phase(key) in (None, Phase.RETRYING)

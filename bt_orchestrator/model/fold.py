@@ -1,0 +1,383 @@
+"""The fold: how each event changes the state. Nothing else changes it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import singledispatch
+from typing import TypeVar
+
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.cell import OnFailure
+from bt_orchestrator.model.goal import Reason
+from bt_orchestrator.model.initialization import Preparation
+from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.packml import Mode
+from bt_orchestrator.model.state import (
+    CellState,
+    Cycle,
+    FlagState,
+    Hold,
+    ItemState,
+    JobState,
+    Phase,
+    Reading,
+    TaskState,
+    signature,
+)
+
+ENDED_KEPT = 100
+"""How many ended jobs the state remembers; the journal has them all."""
+
+STILL_RESERVED = (Reason.IN_DOUBT, Reason.SERVER_LOST)
+"""Ends after which the component may still be moving (semantics 2.6)."""
+
+
+def apply(state: CellState, event: e.Event) -> None:
+    """Change the state by one event.
+
+    :raises AssertionError: the event cannot have happened in this state
+    """
+    assert event.seq == state.seq + 1, f'event {event.seq} after {state.seq}'
+    _apply(event, state)
+    state.seq = event.seq
+
+
+@singledispatch
+def _apply(event: e.Event, state: CellState) -> None:
+    raise AssertionError(f'no fold for {type(event).__name__} at event {state.seq}')
+
+
+_Fold = TypeVar('_Fold', bound=Callable[..., None])
+
+
+def _on(*kinds: type[e.Event]) -> Callable[[_Fold], _Fold]:
+    """Register the fold of one or several event classes."""
+
+    def register(fold: _Fold) -> _Fold:
+        for kind in kinds:
+            _apply.register(kind, fold)
+        return fold
+
+    return register
+
+
+# --- jobs -----------------------------------------------------------------------------------
+
+
+@_on(e.ScriptLoaded)
+def _script_loaded(event: e.ScriptLoaded, state: CellState) -> None:
+    state.scripts[event.digest] = event.definition
+    state.preparations[event.digest] = Preparation(event.definition, state.cell)
+
+
+@_on(e.JobQueued)
+def _job_queued(event: e.JobQueued, state: CellState) -> None:
+    script = state.scripts[event.digest]
+    job = Job(event.job, script, event.quantity, event.params)
+    state.jobs[event.job] = JobState(job, event.digest, queued_at=event.time)
+    for dependency in script.dependencies:
+        flag = FlagState(dependency.initial, dependency.capacity)
+        state.flags.setdefault(dependency.flag, flag)
+
+
+@_on(e.JobStarted)
+def _job_started(event: e.JobStarted, state: CellState) -> None:
+    state.jobs[event.job].started_at = event.time
+
+
+@_on(e.JobAborting)
+def _job_aborting(event: e.JobAborting, state: CellState) -> None:
+    state.jobs[event.job].aborting = True
+
+
+@_on(e.JobCompleted, e.JobAborted)
+def _job_ended(event: e.JobCompleted | e.JobAborted, state: CellState) -> None:
+    ended = state.jobs.pop(event.job)
+    ended.ended_at = event.time
+    for task in ended.job.script.initialization:
+        state.tasks.pop(e.TaskKey(event.job, None, None, task.id), None)
+    state.ended[event.job] = ended
+    if len(state.ended) > ENDED_KEPT:
+        del state.ended[next(iter(state.ended))]
+    if not any(job.digest == ended.digest for job in state.jobs.values()):
+        del state.scripts[ended.digest], state.preparations[ended.digest]
+
+
+# --- tasks ----------------------------------------------------------------------------------
+
+
+@_on(e.TaskStarted)
+def _task_started(event: e.TaskStarted, state: CellState) -> None:
+    started = TaskState(
+        Phase.RUNNING,
+        attempt=event.attempt,
+        goal=event.goal,
+        started=event.time,
+        args=event.args,
+    )
+    state.tasks[event.key] = state.running[event.key] = started
+    state.reserved[event.component] = event.key
+    for zone in _zones(state, event.key):
+        state.zones[zone] = event.key
+
+
+@_on(e.TaskCancelRequested)
+def _task_cancel_requested(event: e.TaskCancelRequested, state: CellState) -> None:
+    task = replace(
+        state.tasks[event.key], cancel_cause=event.cause, cancelled_at=event.time
+    )
+    state.tasks[event.key] = state.running[event.key] = task
+
+
+@_on(e.TaskFailed)
+def _task_failed(event: e.TaskFailed, state: CellState) -> None:
+    reason = Reason(event.reason)
+    before = state.tasks.get(event.key, TaskState(Phase.FAILED))
+    state.running.pop(event.key, None)
+    state.tasks[event.key] = replace(
+        before,
+        phase=Phase.FAILED,
+        attempt=event.attempt,
+        reason=reason,
+        message=event.message,
+    )
+    if reason not in STILL_RESERVED:
+        _release(state, event.key)
+
+
+@_on(e.TaskRetrying)
+def _task_retrying(event: e.TaskRetrying, state: CellState) -> None:
+    _release(state, event.key)
+    state.tasks[event.key] = replace(
+        state.tasks[event.key],
+        phase=Phase.RETRYING,
+        not_before=event.not_before,
+        cancel_cause=None,
+        hold=None,
+    )
+
+
+@_on(e.TaskSucceeded)
+def _task_succeeded(event: e.TaskSucceeded, state: CellState) -> None:
+    _succeed(state, event.key)
+    if event.item is not None and event.results:
+        state.items[event.item].results[event.task] = event.results
+
+
+@_on(e.TaskMarkedDone)
+def _task_marked_done(event: e.TaskMarkedDone, state: CellState) -> None:
+    _succeed(state, event.key)
+
+
+@_on(e.TaskSkipped)
+def _task_skipped(event: e.TaskSkipped, state: CellState) -> None:
+    _end(state, event.key)
+
+
+@_on(e.TaskContinued)
+def _task_continued(event: e.TaskContinued, state: CellState) -> None:
+    _end(state, event.key)
+    if event.item is None or event.policy != OnFailure.CONTINUE.value:
+        return
+    item = state.items[event.item]
+    if not item.nonconforming:
+        state.jobs[item.job].progress.nonconforming += 1
+    item.nonconforming.append(event.task)
+
+
+def _succeed(state: CellState, key: e.TaskKey) -> None:
+    task = state.task(key)
+    if task is not None and key.section is None:
+        state.done_once.add(signature(task, state.tasks[key].args))
+    _end(state, key)
+
+
+def _end(state: CellState, key: e.TaskKey) -> None:
+    _release(state, key)
+    state.running.pop(key, None)
+    before = state.tasks.get(key, TaskState(Phase.DONE))
+    state.tasks[key] = replace(before, phase=Phase.DONE, hold=None)
+
+
+def _release(state: CellState, key: e.TaskKey) -> None:
+    """Free the component and the zones that a task has, if it still has them."""
+    task = state.task(key)
+    component = task.component if task else state.cell.conveyor.component.name
+    if state.reserved.get(component) == key:
+        del state.reserved[component]
+    for zone in _zones(state, key):
+        if state.zones.get(zone) == key:
+            del state.zones[zone]
+
+
+def _zones(state: CellState, key: e.TaskKey) -> tuple[str, ...]:
+    return () if key.job is None else state.script(key.job).zones_of.get(key.task, ())
+
+
+# --- cycles, flags, the belt ----------------------------------------------------------------
+
+
+@_on(e.CycleStarted)
+def _cycle_started(event: e.CycleStarted, state: CellState) -> None:
+    job = state.jobs[event.job]
+    if event.item not in state.items:
+        job.progress.started += 1
+        item = ItemState(event.item, event.job, job.progress.started)
+        state.items[event.item] = job.items[event.item] = item
+    state.items[event.item].open_cycles += 1
+    state.sections[event.section].cycle = Cycle(event.job, event.item, event.beat)
+
+
+@_on(e.TurnCompleted)
+def _turn_completed(event: e.TurnCompleted, state: CellState) -> None:
+    section = state.sections[event.section]
+    assert section.cycle is not None
+    section.turn_beat = section.cycle.beat
+
+
+@_on(e.CycleCompleted)
+def _cycle_completed(event: e.CycleCompleted, state: CellState) -> None:
+    state.sections[event.section].cycle = None
+    script = state.script(event.job)
+    for task in script.sections[event.section].tasks:
+        del state.tasks[e.TaskKey(event.job, event.section, event.item, task.id)]
+    item = state.items[event.item]
+    if event.section == script.last_before_sink and item.present and not item.rejected:
+        state.jobs[event.job].progress.processed += 1
+    item.open_cycles -= 1
+    _forget_if_gone(state, item)
+
+
+@_on(e.FlagRaised, e.FlagLowered)
+def _flag_changed(event: e.FlagRaised | e.FlagLowered, state: CellState) -> None:
+    state.flags[event.flag].count = event.count
+
+
+@_on(e.BeatStarted)
+def _beat_started(event: e.BeatStarted, state: CellState) -> None:
+    state.beat = event.beat
+
+
+@_on(e.BeltIndexStarted)
+def _belt_index_started(_: e.BeltIndexStarted, state: CellState) -> None:
+    state.indexing = True
+
+
+@_on(e.BeltIndexed)
+def _belt_indexed(event: e.BeltIndexed, state: CellState) -> None:
+    state.indexing = False
+    state.beat = event.beat
+    del state.tasks[e.INDEX_KEY]
+
+
+# --- items ----------------------------------------------------------------------------------
+
+
+@_on(e.ItemPlaced)
+def _item_placed(event: e.ItemPlaced, state: CellState) -> None:
+    _stand(state, event.item, event.section)
+    state.jobs[event.job].progress.placed += 1
+
+
+@_on(e.ItemMissing)
+def _item_missing(event: e.ItemMissing, state: CellState) -> None:
+    _stand(state, event.item, event.section)
+    state.items[event.item].present = False
+    state.jobs[event.job].progress.missing += 1
+
+
+@_on(e.ItemMoved)
+def _item_moved(event: e.ItemMoved, state: CellState) -> None:
+    state.sections[state.items[event.item].section].slot = None
+    _stand(state, event.item, event.section)
+
+
+@_on(e.ItemRejected)
+def _item_rejected(event: e.ItemRejected, state: CellState) -> None:
+    state.items[event.item].rejected = True
+
+
+@_on(e.ItemRemoved)
+def _item_removed(event: e.ItemRemoved, state: CellState) -> None:
+    item = state.items[event.item]
+    progress = state.jobs[event.job].progress
+    if event.how == 'by_hand':
+        item.present = False
+        progress.missing += 1
+        progress.removed += 1
+        return
+    if event.how == 'rejected':
+        progress.rejected += 1
+    else:
+        progress.packed += 1
+    _leave(state, item)
+
+
+@_on(e.PositionEnded)
+def _position_ended(event: e.PositionEnded, state: CellState) -> None:
+    _leave(state, state.items[event.item])
+
+
+def _stand(state: CellState, item: str, section: int) -> None:
+    assert state.sections[section].slot is None, f'two items in slot {section}'
+    state.sections[section].slot = item
+    state.items[item].section = section
+
+
+def _leave(state: CellState, item: ItemState) -> None:
+    state.sections[item.section].slot = None
+    item.section = 0
+    item.gone = True
+    _forget_if_gone(state, item)
+
+
+def _forget_if_gone(state: CellState, item: ItemState) -> None:
+    if item.gone and item.open_cycles == 0:
+        del state.items[item.id]
+        del state.jobs[item.job].items[item.id]
+
+
+# --- components, holds, the cell ------------------------------------------------------------
+
+
+@_on(e.ComponentStateChanged)
+def _component_state_changed(event: e.ComponentStateChanged, state: CellState) -> None:
+    state.readings[event.component] = Reading(event.ready, event.value)
+
+
+@_on(e.HoldRaised)
+def _hold_raised(event: e.HoldRaised, state: CellState) -> None:
+    hold = Hold(
+        id=event.hold,
+        job=event.job,
+        section=event.section,
+        item=event.item,
+        task=event.task,
+        reason=event.reason,
+        message=event.message,
+        answers=event.answers,
+        since=event.time,
+    )
+    state.holds[hold.id] = hold
+    state.holds_raised += 1
+    if hold.key is not None:
+        before = state.tasks.get(hold.key, TaskState(Phase.HELD))
+        state.tasks[hold.key] = replace(before, phase=Phase.HELD, hold=hold.id)
+
+
+@_on(e.HoldReleased)
+def _hold_released(event: e.HoldReleased, state: CellState) -> None:
+    del state.holds[event.hold]
+
+
+@_on(e.OperatorDecided)
+def _operator_decided(_: e.OperatorDecided, state: CellState) -> None:
+    """Change nothing: what the decision means follows as events of its own."""
+
+
+@_on(e.CellStateChanged)
+def _cell_state_changed(event: e.CellStateChanged, state: CellState) -> None:
+    if state.mode is Mode.STOPPED:
+        state.done_once.clear()
+    state.mode = Mode(event.state)

@@ -1,0 +1,96 @@
+"""Facts about goals: what is asked of an action server, and how it ended."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Any
+
+SERVER_TIMEOUT_S = 5.0
+"""Seconds that a request waits for a server that is not there."""
+
+RESULT_CHECK_S = 2.0
+"""Seconds after which the result of a goal in flight is asked for again (semantics 9.3)."""
+
+SERVER_LEASE_S = 20.0
+"""Seconds after which the ROS graph has forgotten a killed server (semantics 9.3)."""
+
+RESULT_TIMEOUT_S = 10.0
+"""Seconds for which a server remembers a goal that ended (semantics 9.2)."""
+
+REQUEST_CHECKS = 2
+"""Checks in a row at which the server must not know an unanswered request for it to be LOST.
+
+Two, because the first may overtake a server that is still making up its mind.
+"""
+
+
+class Reason(Enum):
+    """Why an attempt failed (semantics 2.3)."""
+
+    SERVER_UNAVAILABLE = 'server_unavailable'
+    GOAL_REJECTED = 'goal_rejected'
+    ABORTED = 'aborted'
+    CANCELED = 'canceled'
+    TIMEOUT = 'timeout'
+    TASK_RESULT_FALSE = 'task_result_false'
+    MISSING_RESULT = 'missing_result'
+    SERVER_LOST = 'server_lost'
+    IN_DOUBT = 'in_doubt'
+
+
+class GoalStatus(Enum):
+    """How a goal ended, as far as the gateway can tell."""
+
+    SUCCEEDED = 'succeeded'
+    ABORTED = 'aborted'
+    CANCELED = 'canceled'
+    REJECTED = 'rejected'
+    """The server answered the request with no."""
+    UNAVAILABLE = 'unavailable'
+    """No server came in time; the request was never sent."""
+    LOST = 'lost'
+    """The server that had the goal is gone or does not know it any more (semantics 9.3)."""
+
+
+@dataclass(frozen=True)
+class GoalRequest:
+    """One attempt at a task, ready to be sent."""
+
+    id: str
+    """Goal UUID, new for every attempt (semantics 9.2)."""
+    component: str
+    task: str
+    """Task constant, or a label where the action type has no task field."""
+    args: Mapping[str, Any] = field(default_factory=dict)
+    """Goal fields with plain values, references resolved."""
+
+
+@dataclass(frozen=True)
+class GoalEnd:
+    """The end of a goal."""
+
+    status: GoalStatus
+    result: Mapping[str, Any] = field(default_factory=dict)
+    """Result fields with plain values; empty unless the server sent a result."""
+    message: str = ''
+    """The server's or the gateway's own words, for a person."""
+
+
+@dataclass(frozen=True)
+class Feedback:
+    """The last feedback of a goal."""
+
+    time: float
+    """Seconds, of the gateway's clock."""
+    fields: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class StateReading:
+    """A change seen on a component's state topic (semantics 2.5)."""
+
+    component: str
+    value: Any
+    """The value of the field; None: nothing is published there (any more)."""

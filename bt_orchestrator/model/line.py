@@ -1,0 +1,219 @@
+"""The rules of cycles, turns and the belt, as questions to the state (semantics 3, 5.2, 6.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from enum import Enum
+from typing import NamedTuple
+
+from bt_orchestrator.model.events import TaskKey
+from bt_orchestrator.model.script import SectionList
+from bt_orchestrator.model.state import CellState, JobState, Phase, SectionState
+
+
+class Start(NamedTuple):
+    """A cycle that may begin now."""
+
+    job: str
+    item: str
+    beat: int
+
+
+class Wait(NamedTuple):
+    """Why something does not begin, in words that name what it waits for (semantics 7.4)."""
+
+    reason: str
+
+
+def task_list(state: CellState, job: str, section: int) -> SectionList | None:
+    """Return what a section does for a job; None: nothing."""
+    return state.script(job).sections.get(section)
+
+
+def stopped_because(state: CellState) -> str | None:
+    """Say why nothing new begins anywhere: no cycle, no index move (semantics 7.1)."""
+    if state.holds:
+        return 'waiting for an answer to ' + ', '.join(_hold_in_words(state))
+    if not state.mode.begins:
+        return f'the cell is {state.mode.value}'
+    return None
+
+
+def _hold_in_words(state: CellState) -> Iterator[str]:
+    for hold in state.holds.values():
+        yield f'hold {hold.id} ({hold.task or hold.item}: {hold.reason})'
+
+
+# --- jobs -----------------------------------------------------------------------------------
+
+
+def feeding_job(state: CellState) -> JobState | None:
+    """Return the first job that has source cycles left (semantics 6.1)."""
+    return next((job for job in state.jobs.values() if job.cycles_left > 0), None)
+
+
+def earlier_jobs(state: CellState, job: str) -> Iterator[JobState]:
+    """Yield the live jobs in front of a job."""
+    for one in state.jobs.values():
+        if one.job.id == job:
+            return
+        yield one
+
+
+def is_done_with(state: CellState, section: SectionState, job: JobState) -> bool:
+    """Tell whether a section has nothing to do any more for a job (semantics 6.1)."""
+    if job.cycles_left or (section.cycle and section.cycle.job == job.job.id):
+        return False
+    return not any(
+        not item.gone and _is_ahead(state, section, item.section, job)
+        for item in job.items.values()
+    )
+
+
+def _is_ahead(state: CellState, section: SectionState, at: int, job: JobState) -> bool:
+    """Tell whether an item at a position still has to pass through a section."""
+    if at == section.number:
+        unhandled = section.turn_beat < state.beat
+        return unhandled and job.job.script.sections.get(at) is not None
+    return (at or job.job.script.source) < section.number
+
+
+def waits_for_earlier_jobs(state: CellState, job: str, sections: tuple[int, ...]) -> Wait | None:
+    """Say which earlier job keeps sections from preparing for a job (semantics 5.2)."""
+    for earlier in earlier_jobs(state, job):
+        for number in sections:
+            if not is_done_with(state, state.sections[number], earlier):
+                return Wait(f'waiting for section {number} to finish {earlier.job.id}')
+    return None
+
+
+def waits_for_initialization(state: CellState, job: str, section: int) -> Wait | None:
+    """Say which initialization task keeps a section from beginning a job (semantics 5.2)."""
+    preparation = state.preparations[state.jobs[job].digest]
+    for task in preparation.needed_by(section):
+        if state.phase(TaskKey(job, None, None, task.id)) is not Phase.DONE:
+            return Wait(f'waiting for initialization {task.id} of {job}')
+    return None
+
+
+def is_complete(state: CellState, job: JobState) -> bool:
+    """Tell whether nothing of a job remains (semantics 6.1)."""
+    if job.cycles_left or job.items:
+        return False
+    return all(
+        state.phase(TaskKey(job.job.id, None, None, task.id)) is Phase.DONE
+        for task in job.job.script.initialization
+    )
+
+
+# --- cycles ---------------------------------------------------------------------------------
+
+
+def next_cycle(state: CellState, section: SectionState) -> Start | Wait:
+    """Return the cycle that a section without one may begin now (semantics 3.4, 3.7)."""
+    stopped = stopped_because(state)
+    if stopped:
+        return Wait(stopped)
+    if state.indexing:
+        return _ahead_of_the_move(state, section)
+    if section.slot is not None and section.turn_beat < state.beat:
+        arrived = _for_item(state, section, section.slot, state.beat)
+        if arrived is not None:
+            return arrived
+    beat = state.beat if section.turn_beat < state.beat else state.beat + 1
+    return _at_source(state, section, beat) or Wait(_idle(state, section))
+
+
+def _ahead_of_the_move(state: CellState, section: SectionState) -> Start | Wait:
+    if section.number > 1:
+        coming = state.sections[section.number - 1].slot
+        if coming is not None:
+            arriving = _for_item(state, section, coming, state.beat + 1)
+            if arriving is not None:
+                return arriving
+    return _at_source(state, section, state.beat + 1) or Wait('waiting for the belt to rest')
+
+
+def _for_item(
+    state: CellState, section: SectionState, item: str, beat: int
+) -> Start | Wait | None:
+    job = state.items[item].job
+    if task_list(state, job, section.number) is None:
+        return None
+    return waits_for_initialization(state, job, section.number) or Start(job, item, beat)
+
+
+def _at_source(state: CellState, section: SectionState, beat: int) -> Start | Wait | None:
+    job = feeding_job(state)
+    if job is None or job.job.script.source != section.number:
+        return None
+    name = job.job.id
+    return (
+        waits_for_earlier_jobs(state, name, (section.number,))
+        or waits_for_initialization(state, name, section.number)
+        or Start(name, job.job.item(job.progress.started + 1), beat)
+    )
+
+
+def _idle(state: CellState, section: SectionState) -> str:
+    if section.slot is not None:
+        return 'waiting for the belt to move'
+    return 'waiting for an item' if state.jobs else 'waiting for a job'
+
+
+# --- the belt -------------------------------------------------------------------------------
+
+
+class Advance(Enum):
+    """What the belt does at the end of a beat."""
+
+    INDEX = 'index'
+    NEXT_BEAT = 'next beat'
+    """The next beat begins without a move, the belt being empty (semantics 3.5)."""
+
+
+class Overrun(NamedTuple):
+    """An item would be moved out of the last section (semantics 3.6)."""
+
+    item: str
+
+
+def end_of_beat(state: CellState) -> Advance | Overrun | Wait:
+    """Return what the belt at rest does now (semantics 3.5)."""
+    owing = [w for w in map(lambda s: owes_turn(state, s), state.sections.values()) if w]
+    if owing:
+        return Wait('; '.join(owing))
+    last = state.sections[state.cell.conveyor.sections].slot
+    if last is not None:
+        return Overrun(last)
+    stopped = stopped_because(state)
+    if stopped:
+        return Wait(stopped)
+    if any(section.slot for section in state.sections.values()):
+        return Advance.INDEX
+    if _source_may_begin(state):
+        return Advance.NEXT_BEAT
+    return Wait('waiting for an item on the belt')
+
+
+def owes_turn(state: CellState, section: SectionState) -> str | None:
+    """Say what a section still has to do in this beat (semantics 3.4)."""
+    if section.turn_beat >= state.beat:
+        return None
+    if section.cycle is not None and section.cycle.beat == state.beat:
+        return f'waiting for section {section.number} to finish with {section.cycle.item}'
+    if section.slot is not None:
+        job = state.items[section.slot].job
+        if task_list(state, job, section.number) is not None:
+            return f'waiting for section {section.number} to begin with {section.slot}'
+    if isinstance(_at_source(state, section, state.beat), Start):
+        return f'waiting for section {section.number} to place the next item'
+    return None
+
+
+def _source_may_begin(state: CellState) -> bool:
+    job = feeding_job(state)
+    if job is None:
+        return False
+    section = state.sections[job.job.script.source]
+    return isinstance(_at_source(state, section, state.beat + 1), Start)

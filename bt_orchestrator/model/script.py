@@ -1,0 +1,239 @@
+"""The script: how one product is made, read and bound to a cell."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from functools import cached_property
+from typing import Any
+
+from bt_orchestrator.model.cell import DEFAULT_TIMEOUT_S, OnFailure
+from bt_orchestrator.model.reference import Template
+
+INDEX = 'index'
+"""Reserved task id of the belt's own move (formats: events)."""
+
+
+class RunsFor(Enum):
+    """For which items a task runs (semantics 6.4)."""
+
+    GOOD = 'good'
+    REJECTED = 'rejected'
+    ALL = 'all'
+
+    def includes(self, rejected: bool) -> bool:
+        """Tell whether a task with this setting runs for a rejected, or a good, item."""
+        return self is RunsFor.ALL or (self is RunsFor.REJECTED) == rejected
+
+
+class Release(Enum):
+    """When a section's turn is complete (semantics 3.8)."""
+
+    END_OF_CYCLE = 'end_of_cycle'
+    AFTER_LAST_CONVEYOR_TASK = 'after_last_conveyor_task'
+
+
+@dataclass(frozen=True)
+class Condition:
+    """A `when` or `unless` (semantics 6.5)."""
+
+    value: Template
+    equals: Any = True
+    negated: bool = False
+    """True for `unless`."""
+
+    def __str__(self) -> str:
+        word = 'unless' if self.negated else 'when'
+        return f'{word} {self.value}' + ('' if self.equals is True else f' = {self.equals}')
+
+
+@dataclass(frozen=True)
+class Task:
+    """One goal to one action server (semantics 1 and 2)."""
+
+    id: str
+    name: str
+    """Task constant of the action's Goal; a label where the type has no task field."""
+    action: str
+    component: str
+    """Name of the component that serves the action."""
+    args: Mapping[str, Any] = field(default_factory=dict)
+    """Goal fields; strings with references are Templates."""
+    requires_conveyor: bool = True
+    qty_change: int = 0
+    on_failure: OnFailure = OnFailure.HOLD
+    retries: int = 0
+    retry_delay_s: float = 0.0
+    timeout_s: float | None = DEFAULT_TIMEOUT_S
+    """The task's own, else its component's; None: no limit (semantics 2.4)."""
+    condition: Condition | None = None
+    runs_for: RunsFor = RunsFor.GOOD
+    repeatable: bool = False
+    """Doing it twice does no harm (semantics 2.6, 9.2)."""
+    once: bool = False
+    """Initialization only: skipped if it succeeded since the cell left Stopped (semantics 5.1)."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """One task, or a parallel group of tracks that ends when all of them ended (semantics 3.1)."""
+
+    tracks: tuple[tuple[Task, ...], ...]
+    """Each track is run in order, side by side with the others."""
+
+    @property
+    def tasks(self) -> Iterator[Task]:
+        """All tasks, in the order written."""
+        return (task for track in self.tracks for task in track)
+
+    @cached_property
+    def requires_conveyor(self) -> bool:
+        """Tell whether the belt must rest; a group does if any member does (semantics 3.3)."""
+        return any(task.requires_conveyor for task in self.tasks)
+
+    @property
+    def is_group(self) -> bool:
+        """Tell whether it was written as a parallel group."""
+        return len(self.tracks) > 1 or len(self.tracks[0]) > 1
+
+
+@dataclass(frozen=True)
+class SectionList:
+    """The task list of one section."""
+
+    section: int
+    steps: tuple[Step, ...]
+    release: Release = Release.END_OF_CYCLE
+
+    @property
+    def tasks(self) -> Iterator[Task]:
+        """All tasks, in the order written."""
+        return (task for step in self.steps for task in step.tasks)
+
+    @cached_property
+    def turn_steps(self) -> int:
+        """Count the steps that must be done before the belt may move (semantics 3.8)."""
+        if self.release is Release.END_OF_CYCLE:
+            return len(self.steps)
+        needing = [n for n, step in enumerate(self.steps, 1) if step.requires_conveyor]
+        return needing[-1] if needing else len(self.steps)
+
+
+@dataclass(frozen=True)
+class Dependency:
+    """A lateral dependency: D waits for U, through a counter (semantics 4.1)."""
+
+    flag: str
+    upstream: str
+    """Id of the task that adds one after it executed."""
+    downstream: str
+    """Id of the task that takes one after it executed."""
+    capacity: int = 1
+    initial: int = 0
+
+
+@dataclass(frozen=True)
+class Zone:
+    """Tasks that must never overlap (semantics 4.4)."""
+
+    name: str
+    tasks: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class InitializationDependency:
+    """Order between two initialization tasks (semantics 5.1)."""
+
+    upstream: str
+    downstream: str
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """Something that a work order may set."""
+
+    name: str
+    type: str
+    """One of str, int, float, bool."""
+    default: Any = None
+    required: bool = True
+
+
+@dataclass(frozen=True)
+class Script:
+    """How one product is made, bound to a cell: every action names an existing component."""
+
+    name: str
+    sections: Mapping[int, SectionList]
+    """By section number; sections without tasks are absent."""
+    initialization: tuple[Task, ...] = ()
+    initialization_dependencies: tuple[InitializationDependency, ...] = ()
+    dependencies: tuple[Dependency, ...] = ()
+    zones: tuple[Zone, ...] = ()
+    params: Mapping[str, Parameter] = field(default_factory=dict)
+    quantity: int | None = None
+    """Default for orders that name none."""
+
+    @cached_property
+    def source(self) -> int:
+        """The section that places items (semantics 3.2)."""
+        return next(s for s, tasks in self.sections.items() if _changes(tasks, 1))
+
+    @cached_property
+    def sink(self) -> int:
+        """The section that takes items out (semantics 3.2)."""
+        return max(s for s, tasks in self.sections.items() if _changes(tasks, -1))
+
+    @cached_property
+    def last_before_sink(self) -> int:
+        """The section whose cycle makes an item processed: the last before the sink, or the only
+        one."""
+        return max((s for s in self.sections if s < self.sink), default=self.sink)
+
+    @cached_property
+    def tasks(self) -> Mapping[str, Task]:
+        """All tasks by id, initialization included."""
+        listed = (task for tasks in self.sections.values() for task in tasks.tasks)
+        return {task.id: task for task in (*self.initialization, *listed)}
+
+    def section_of(self, task: str) -> int:
+        """Return the section whose list holds a task; 0 for an initialization task."""
+        return self._section_of.get(task, 0)
+
+    @cached_property
+    def _section_of(self) -> Mapping[str, int]:
+        return {t.id: n for n, tasks in self.sections.items() for t in tasks.tasks}
+
+    @cached_property
+    def upstream_of(self) -> Mapping[str, tuple[Dependency, ...]]:
+        """Dependencies by the id of their upstream task."""
+        return _grouped(self.dependencies, 'upstream')
+
+    @cached_property
+    def downstream_of(self) -> Mapping[str, tuple[Dependency, ...]]:
+        """Dependencies by the id of their downstream task."""
+        return _grouped(self.dependencies, 'downstream')
+
+    @cached_property
+    def zones_of(self) -> Mapping[str, tuple[str, ...]]:
+        """Names of the zones that each task is in, by task id."""
+        found: dict[str, tuple[str, ...]] = {}
+        for zone in self.zones:
+            for task in zone.tasks:
+                found[task] = (*found.get(task, ()), zone.name)
+        return found
+
+
+def _changes(tasks: SectionList, qty_change: int) -> bool:
+    return any(task.qty_change == qty_change for task in tasks.tasks)
+
+
+def _grouped(
+    dependencies: tuple[Dependency, ...], end: str
+) -> Mapping[str, tuple[Dependency, ...]]:
+    found: dict[str, tuple[Dependency, ...]] = {}
+    for dependency in dependencies:
+        task = getattr(dependency, end)
+        found[task] = (*found.get(task, ()), dependency)
+    return found

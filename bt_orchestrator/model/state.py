@@ -1,0 +1,260 @@
+"""The state of the cell: plain data, changed by `model.fold` alone and read by everyone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Any
+
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.events import INDEX_KEY, TaskKey
+from bt_orchestrator.model.goal import Reason
+from bt_orchestrator.model.initialization import Preparation
+from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.packml import Mode
+from bt_orchestrator.model.reference import Scope
+from bt_orchestrator.model.script import Script, Task
+
+
+class Phase(Enum):
+    """Where a task stands. A task without a state is new: nothing happened to it yet."""
+
+    RUNNING = 'running'
+    """An attempt is in flight."""
+    FAILED = 'failed'
+    """The attempt failed and nothing is decided yet."""
+    RETRYING = 'retrying'
+    """Another attempt was decided; it may start when `not_before` has passed."""
+    HELD = 'held'
+    """An operator must answer."""
+    DONE = 'done'
+    """Succeeded, skipped or continued: the cycle has passed it."""
+
+
+@dataclass(frozen=True)
+class TaskState:
+    """Progress of one task of one item."""
+
+    phase: Phase
+    attempt: int = 0
+    goal: str | None = None
+    started: float = 0.0
+    """Seconds, when the last attempt began."""
+    args: Mapping[str, Any] = field(default_factory=dict)
+    cancel_cause: str | None = None
+    """Why the orchestrator itself cancelled the goal in flight, if it did."""
+    cancelled_at: float = 0.0
+    reason: Reason | None = None
+    """Why the last attempt failed."""
+    message: str = ''
+    not_before: float = 0.0
+    hold: str | None = None
+
+
+@dataclass
+class ItemState:
+    """One unit on the line, from the start of its source cycle to its end."""
+
+    id: str
+    job: str
+    number: int
+    section: int = 0
+    """Whose slot it stands in; 0: in none (not placed yet, or gone)."""
+    present: bool = True
+    """False: an empty position (semantics 3.2)."""
+    rejected: bool = False
+    gone: bool = False
+    """It left the belt; kept only while a cycle still works on its data."""
+    open_cycles: int = 0
+    nonconforming: list[str] = field(default_factory=list)
+    """Ids of the tasks that failed and were continued (semantics 2.7)."""
+    results: dict[str, Mapping[str, Any]] = field(default_factory=dict)
+    """Result fields by task id (semantics 6.3)."""
+
+
+@dataclass
+class Progress:
+    """Counts of one job (semantics 6.2)."""
+
+    started: int = 0
+    """Source cycles begun."""
+    placed: int = 0
+    processed: int = 0
+    """Good items that have passed every section before the sink."""
+    packed: int = 0
+    rejected: int = 0
+    """Rejected items that have left the line."""
+    nonconforming: int = 0
+    missing: int = 0
+    removed: int = 0
+    """Of the missing, those that were placed and taken out by hand."""
+
+
+@dataclass
+class JobState:
+    """A job from acceptance to its end."""
+
+    job: Job
+    digest: str
+    queued_at: float = 0.0
+    started_at: float | None = None
+    ended_at: float | None = None
+    aborting: bool = False
+    progress: Progress = field(default_factory=Progress)
+    items: dict[str, ItemState] = field(default_factory=dict)
+    """Items that are on the line or in a cycle, oldest first."""
+
+    @property
+    def started(self) -> bool:
+        """Tell whether it has left the queue."""
+        return self.started_at is not None
+
+    @property
+    def cycles_left(self) -> int:
+        """Count the source cycles that have not begun."""
+        return 0 if self.aborting else self.job.quantity - self.progress.started
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """A section's pass through its list for one item."""
+
+    job: str
+    item: str
+    beat: int
+    """The beat its turn belongs to (semantics 3.7)."""
+
+
+@dataclass
+class SectionState:
+    """One section: its cycle in hand and its turn."""
+
+    number: int
+    cycle: Cycle | None = None
+    turn_beat: int = 0
+    """The last beat in which it completed a turn."""
+    slot: str | None = None
+    """Item, or empty position, that stands here."""
+
+
+@dataclass
+class FlagState:
+    """The counter of a lateral dependency (semantics 4.1)."""
+
+    count: int
+    capacity: int
+
+
+@dataclass(frozen=True)
+class Hold:
+    """Something that waits for an operator (semantics 7.1)."""
+
+    id: str
+    job: str | None
+    section: int | None
+    item: str | None
+    task: str | None
+    reason: str
+    message: str
+    answers: tuple[str, ...]
+    since: float
+
+    @property
+    def key(self) -> TaskKey | None:
+        """The task that is held, if it is a task."""
+        if self.task is None:
+            return None
+        return TaskKey(self.job, self.section, self.item, self.task)
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What a component's state topic said last; never heard of means not ready."""
+
+    ready: bool
+    value: Any = None
+
+
+class CellState:
+    """Everything that is so now, and nothing that is not in the events."""
+
+    def __init__(self, cell: Cell) -> None:
+        self.cell = cell
+        self.seq = 0
+        """Last event applied."""
+        self.mode = Mode.STOPPED
+        self.beat = 1
+        self.indexing = False
+        """True from `belt.index_started` to `belt.indexed`."""
+        self.sections = {n: SectionState(n) for n in range(1, cell.conveyor.sections + 1)}
+        self.scripts: dict[str, Script] = {}
+        """By digest; those that a live job uses."""
+        self.preparations: dict[str, Preparation] = {}
+        """What initialization means in this cell, by digest."""
+        self.jobs: dict[str, JobState] = {}
+        """Live jobs in queue order."""
+        self.ended: dict[str, JobState] = {}
+        """The last jobs that ended, oldest first."""
+        self.items: dict[str, ItemState] = {}
+        self.tasks: dict[TaskKey, TaskState] = {}
+        self.running: dict[TaskKey, TaskState] = {}
+        """The tasks in phase RUNNING."""
+        self.reserved: dict[str, TaskKey] = {}
+        """Components that a task has, by name."""
+        self.zones: dict[str, TaskKey] = {}
+        """Zones that a task is in, by name; a name means the same workspace in every script."""
+        self.flags: dict[str, FlagState] = {}
+        self.holds: dict[str, Hold] = {}
+        self.holds_raised = 0
+        self.readings = {
+            name: Reading(ready=component.state is None)
+            for name, component in cell.components.items()
+        }
+        self.done_once: set[str] = set()
+        """Signatures of initialization tasks that succeeded since Stopped (semantics 5.1)."""
+
+    def script(self, job: str) -> Script:
+        """Return the script of a live job."""
+        return self.jobs[job].job.script
+
+    def task(self, key: TaskKey) -> Task | None:
+        """Return the task that a key names; None for the belt's own move."""
+        return None if key.job is None else self.script(key.job).tasks[key.task]
+
+    def phase(self, key: TaskKey) -> Phase | None:
+        """Return where a task stands; None: new."""
+        found = self.tasks.get(key)
+        return found.phase if found else None
+
+    @property
+    def move(self) -> TaskState | None:
+        """The belt's own move, if one was begun in this beat."""
+        return self.tasks.get(INDEX_KEY)
+
+    @property
+    def next_hold(self) -> str:
+        """Id of the next hold; short, because operators type it."""
+        return str(self.holds_raised + 1)
+
+    def slot(self, section: int) -> ItemState | None:
+        """Return the item, or empty position, in a section's slot."""
+        item = self.sections[section].slot
+        return None if item is None else self.items[item]
+
+    def scope(self, key: TaskKey) -> Scope:
+        """Return what references may name for a task (semantics 6.3)."""
+        assert key.job is not None
+        job = self.jobs[key.job].job
+        item = self.items[key.item] if key.item is not None else None
+        return Scope(
+            params=job.params,
+            order={'id': job.id, 'quantity': job.quantity},
+            item={} if item is None else {'id': item.id, 'number': item.number},
+            results={} if item is None else item.results,
+        )
+
+
+def signature(task: Task, args: Mapping[str, Any]) -> str:
+    """Name what an initialization task does: action, task and arguments (semantics 5.1)."""
+    return f'{task.action} {task.name} {sorted(args.items())!r}'

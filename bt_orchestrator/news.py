@@ -1,0 +1,40 @@
+"""What gateways hand to the tick: goals and state readings, oldest first."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from bt_orchestrator.model.goal import StateReading
+from bt_orchestrator.ports import Goal
+
+
+class News:
+    """The queue behind `ActionGateway.drain`.
+
+    A goal that has two news between two drains (accepted, then ended) is listed once, at the place
+    of the later one: it is an object, and says both.
+    """
+
+    def __init__(self) -> None:
+        self._entries: dict[int, Goal | StateReading] = {}
+        self._wake: Callable[[], None] = _ignore
+
+    def listen(self, wake: Callable[[], None]) -> None:
+        """Name the function to call at each addition."""
+        self._wake = wake
+
+    def add(self, entry: Goal | StateReading) -> None:
+        """List something new."""
+        # By identity: two equal state readings are two readings, and values may be unhashable.
+        self._entries.pop(id(entry), None)
+        self._entries[id(entry)] = entry
+        self._wake()
+
+    def drain(self) -> Sequence[Goal | StateReading]:
+        """Return what was added since the last call."""
+        entries, self._entries = self._entries, {}
+        return tuple(entries.values())
+
+
+def _ignore() -> None:
+    """Stand for the wake function until one is named."""

@@ -1,0 +1,118 @@
+"""The seams: what the orchestrator needs from the outside world, and nothing about how.
+
+Every implementation of a port passes the contract tests of that port (test/contract).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Protocol
+
+from bt_orchestrator.model.action_type import ActionType
+from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.goal import Feedback, GoalEnd, GoalRequest, StateReading
+
+
+class Goal(Protocol):
+    """One goal at one action server.
+
+    Its states: requested (`accepted` False, `end` None), accepted (`accepted` True, `end` None),
+    ended (`end` set, for good). Only the gateway changes them.
+    """
+
+    @property
+    def request(self) -> GoalRequest:
+        """What was asked."""
+
+    @property
+    def accepted(self) -> bool:
+        """True once the server said yes."""
+
+    @property
+    def end(self) -> GoalEnd | None:
+        """How it ended; None while it has not."""
+
+    @property
+    def feedback(self) -> Feedback | None:
+        """The last feedback message; None if none came."""
+
+    def cancel(self) -> None:
+        """Ask the server to cancel; returns at once and may be called again.
+
+        A goal that is not accepted yet is cancelled on acceptance (semantics 2.4); one that waits
+        for its server is withdrawn and ends CANCELED. A server may refuse: then nothing changes.
+        """
+
+
+class ActionGateway(Protocol):
+    """The one way to the robots. All calls come from the tick thread."""
+
+    def listen(self, wake: Callable[[], None]) -> None:
+        """Name the function that is called whenever `drain` has something new."""
+
+    def send(self, request: GoalRequest) -> Goal:
+        """Send one goal; returns at once, whatever the server does.
+
+        A request whose server is not there waits for it, for the gateway's server timeout, and
+        ends UNAVAILABLE after that.
+        """
+
+    def drain(self) -> Sequence[Goal | StateReading]:
+        """Return what is new since the last call, oldest first.
+
+        A goal is listed when it was accepted and when it ended; a state topic when its field's
+        value changed or its publisher vanished.
+        """
+
+    def available(self, component: str) -> bool:
+        """Tell whether the component's action server is there now."""
+
+
+class ActionTypes(Protocol):
+    """What the installed interface packages say about action and message types."""
+
+    def action(self, name: str) -> ActionType:
+        """Return the description of an action type such as pkg/action/Name.
+
+        :raises UnknownActionType: it is not installed, or is no action type
+        """
+
+    def message_field(self, type_name: str, field: str) -> str:
+        """Return the ROS name of the type of a message's field, for instance string.
+
+        :raises UnknownActionType: the message type is not installed or has no such field
+        """
+
+
+class Timer(Protocol):
+    """A deadline that was set."""
+
+    def cancel(self) -> None:
+        """Forget it; harmless when it has passed."""
+
+
+class Clock(Protocol):
+    """Time as a port: no logic reads a wall clock or sleeps."""
+
+    def now(self) -> float:
+        """Seconds: since the epoch in a real run, from 0 in a virtual one."""
+
+    def call_at(self, time: float, callback: Callable[[], None]) -> Timer:
+        """Call back once, in the tick thread, when `now()` has reached `time`."""
+
+
+class EventStore(Protocol):
+    """The journal: the only durable truth."""
+
+    def append(self, events: Sequence[Event]) -> None:
+        """Make the events durable, all or none."""
+
+    def read(self, after: int = 0) -> Sequence[Event]:
+        """Return the events with a seq greater than `after`, oldest first."""
+
+
+class EventSink(Protocol):
+    """An output of the event stream; one that fails never stops the cell."""
+
+    def publish(self, events: Sequence[Event]) -> None:
+        """Hand on events that are durable, oldest first."""

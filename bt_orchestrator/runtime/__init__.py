@@ -1,0 +1,1 @@
+"""The engine: commands in, behaviour tree ticked, events out, goals sent. One thread."""

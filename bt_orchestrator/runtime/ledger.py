@@ -1,0 +1,72 @@
+"""The ledger: where events are stamped, applied and kept until they are durable."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+
+from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.fold import apply
+from bt_orchestrator.model.state import CellState
+from bt_orchestrator.ports import Clock, Timer
+from bt_orchestrator.tree.blackboard import BlackboardProjection
+
+
+class Ledger:
+    """The state and its pending events. Implements `tree.subject.Recorder`.
+
+    An event applies at once and is committed at the end of the settle (architecture rule 3).
+    """
+
+    def __init__(
+        self,
+        state: CellState,
+        clock: Clock,
+        projection: BlackboardProjection,
+        new_goal_id: Callable[[], str],
+        wake: Callable[[], None],
+    ) -> None:
+        self.state = state
+        self._clock = clock
+        self._projection = projection
+        self._new_goal_id = new_goal_id
+        self._wake = wake
+        self._pending: list[Event] = []
+        self._armed: dict[float, Timer] = {}
+
+    @property
+    def now(self) -> float:
+        """Seconds of the clock."""
+        return self._clock.now()
+
+    def record(self, events: Iterable[Event]) -> None:
+        """Stamp and apply events, in order, each before the next one is taken."""
+        for event in events:
+            stamped = replace(event, seq=self.state.seq + 1, time=self.now)
+            apply(self.state, stamped)
+            self._pending.append(stamped)
+            self._projection.follow(stamped)
+
+    def take_pending(self) -> list[Event]:
+        """Return what was recorded since the last call."""
+        pending, self._pending = self._pending, []
+        return pending
+
+    def new_goal_id(self) -> str:
+        """Return a goal UUID that was never used."""
+        return self._new_goal_id()
+
+    def wake_at(self, time: float) -> None:
+        """Ask for a settle at a time; asking again for the same time changes nothing."""
+        if time not in self._armed:
+            self._armed[time] = self._clock.call_at(time, lambda: self._expire(time))
+
+    def close(self) -> None:
+        """Forget every deadline."""
+        for timer in self._armed.values():
+            timer.cancel()
+        self._armed.clear()
+
+    def _expire(self, time: float) -> None:
+        del self._armed[time]
+        self._wake()

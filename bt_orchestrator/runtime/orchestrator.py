@@ -1,0 +1,144 @@
+"""The orchestrator: one settle after another, whatever the outside world is.
+
+A settle is: drain commands and news into events, tick the tree until nothing changes, commit all
+of it as one transaction, then send the goals and hand the events to the outputs (architecture
+rules 5 to 7). Live, recovery, simulation and checking all run this same code.
+"""
+
+from __future__ import annotations
+
+import itertools
+import logging
+import uuid
+from collections.abc import Callable, Sequence
+
+from bt_orchestrator.errors import CommandRefused
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.commands import Answer, Command
+from bt_orchestrator.model.state import CellState
+from bt_orchestrator.ports import ActionGateway, Clock, EventSink, EventStore
+from bt_orchestrator.runtime import lifecycle
+from bt_orchestrator.runtime.commands import answer_to
+from bt_orchestrator.runtime.flights import Flights
+from bt_orchestrator.runtime.ledger import Ledger
+from bt_orchestrator.tree.blackboard import BlackboardProjection
+from bt_orchestrator.tree.compile import CellTree
+
+log = logging.getLogger(__name__)
+
+_instances = itertools.count(1)
+
+MOST_TICKS = 100_000
+"""A settle that ticks more often than this is a defect of the rules, not a busy line."""
+
+
+class Orchestrator:
+    """Runs one cell. Every call comes from one thread, the tick thread."""
+
+    def __init__(
+        self,
+        cell: Cell,
+        gateway: ActionGateway,
+        clock: Clock,
+        store: EventStore,
+        sinks: Sequence[EventSink] = (),
+        *,
+        wake: Callable[[], None] = lambda: None,
+        auto_start: bool = True,
+        new_goal_id: Callable[[], str] = lambda: str(uuid.uuid4()),
+    ) -> None:
+        """Build the engine of a cell; nothing moves before the first settle.
+
+        :param wake: asks for a settle soon; called whenever there is something new
+        """
+        self.state = CellState(cell)
+        self._store = store
+        self._sinks = list(sinks)
+        self._auto_start = auto_start
+        self._projection = BlackboardProjection(_space(cell), self.state)
+        self._ledger = Ledger(self.state, clock, self._projection, new_goal_id, wake)
+        self.flights = Flights(self._ledger, gateway, clock, wake)
+        self.gateway = gateway
+        self.tree = CellTree(self._ledger, self._projection.space)
+        self._settling = False
+        gateway.listen(wake)
+
+    def ask(self, command: Command) -> Answer:
+        """Carry out a command, settle, and return the answer for its sender."""
+        try:
+            message = answer_to(command, self._ledger)
+        except CommandRefused as refused:
+            return Answer(accepted=False, message=str(refused))
+        self.settle()
+        return Answer(accepted=True, message=message)
+
+    def settle(self) -> bool:
+        """Take in what is new and let the cell react until nothing changes.
+
+        :return: whether anything happened
+        """
+        assert not self._settling, 'settle was called from within a settle'
+        self._settling = True
+        try:
+            self.flights.land()
+            self._tick_until_still()
+            return self._commit()
+        finally:
+            self._settling = False
+
+    def close(self) -> None:
+        """Give up the engine; goals in flight stay as they are."""
+        self._ledger.close()
+        self.tree.close()
+        self._projection.close()
+
+    def _tick_until_still(self) -> None:
+        self._adopt_new_jobs()
+        for _ in range(MOST_TICKS):
+            before = self.state.seq
+            self.tree.tick()
+            quiet = self.state.seq == before
+            self._live_on(quiet=quiet)
+            if self.state.seq == before:
+                return
+        raise AssertionError(f'the tree still changes the state after {MOST_TICKS} ticks')
+
+    def _adopt_new_jobs(self) -> None:
+        for name, job in self.state.jobs.items():
+            if not self.tree.has(name):
+                self.tree.insert(job)
+
+    def _live_on(self, *, quiet: bool) -> None:
+        """Let jobs end and the cell change its state, between ticks."""
+        for ended in lifecycle.jobs_ended(self.state):
+            self._ledger.record([ended])
+            self.tree.prune(ended.job)
+        due = lifecycle.next_mode(
+            self.state, self._ledger.now, quiet=quiet, auto_start=self._auto_start
+        )
+        if due is not None:
+            self._ledger.record([due])
+
+    def _commit(self) -> bool:
+        events = self._ledger.take_pending()
+        if not events:
+            return False
+        self._store.append(events)
+        for event in events:
+            self.flights.follow(event)
+        for sink in self._sinks:
+            self._hand_on(sink, events)
+        return True
+
+    def _hand_on(self, sink: EventSink, events: Sequence[e.Event]) -> None:
+        try:
+            sink.publish(events)
+        except Exception:  # noqa: BLE001 - an output that fails never stops the cell (rule 8)
+            log.exception('output %s failed', type(sink).__name__)
+
+
+def _space(cell: Cell) -> str:
+    """Name a place on the blackboard, which all engines of the process share."""
+    number = next(_instances)
+    return f'/{cell.name}' if number == 1 else f'/{cell.name}_{number}'

@@ -1,0 +1,1 @@
+"""YAML to model: reading with positions, and every check that needs no motion."""

@@ -1,0 +1,113 @@
+"""Reading a cell file: what exists (formats: cell file)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from bt_orchestrator.errors import Refused
+from bt_orchestrator.model.cell import CONVEYOR, Cell, Component, Conveyor, OnFailure
+from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.script.cell_keys import CELL, COMPONENT
+from bt_orchestrator.script.component_reader import ComponentReader
+from bt_orchestrator.script.composing import compose
+from bt_orchestrator.script.fields import Fields, fields_of
+from bt_orchestrator.script.names import check_name
+from bt_orchestrator.script.report import Report
+from bt_orchestrator.script.ros_names import check_token
+from bt_orchestrator.script.source_text import read_text
+from bt_orchestrator.script.yaml_nodes import Entry
+
+
+def read_cell(path: Path, types: ActionTypes) -> Cell:
+    """Read a cell file.
+
+    :raises Refused: with every mistake in it
+    """
+    return parse_cell(read_text(path), str(path), types)
+
+
+def parse_cell(text: str, file: str, types: ActionTypes) -> Cell:
+    """Read the text of a cell file; the file's name stands in the findings.
+
+    :raises Refused: with every mistake in it
+    """
+    report = Report(file)
+    root = compose(text, report)
+    fields = fields_of(root, CELL, report) if root else None
+    cell = _CellReader(fields, report, types).cell() if fields else None
+    report.refuse()
+    if cell is None:
+        raise Refused(report.findings)
+    return cell
+
+
+class _CellReader:
+    """Reads one cell file."""
+
+    def __init__(self, fields: Fields, report: Report, types: ActionTypes) -> None:
+        self._fields = fields
+        self._report = report
+        self._types = types
+        self._lines: dict[str, tuple[str, int]] = {}
+
+    def cell(self) -> Cell | None:
+        """Return the cell; None if its conveyor could not be read."""
+        name = self._fields.text('cell')
+        if name:
+            check_token(name, 'cell', self._fields.place('cell'), self._report)
+        belt = self._fields.table('conveyor')
+        conveyor = self._conveyor(belt) if belt else None
+        sections = belt.whole('sections') if belt and belt.is_sure('sections') else None
+        components = self._components(sections)
+        if name is None or conveyor is None:
+            return None
+        return Cell(name, conveyor, {CONVEYOR: conveyor.component, **components})
+
+    def _conveyor(self, fields: Fields) -> Conveyor:
+        reader = ComponentReader(fields, CONVEYOR, self._report, self._types)
+        component = reader.conveyor()
+        self._check_action(component, fields)
+        return Conveyor(
+            sections=fields.whole('sections'),
+            component=component,
+            task=reader.index_task(),
+            retries=fields.whole('retries'),
+            on_failure=OnFailure(fields.choice('on_failure')),
+        )
+
+    def _components(self, sections: int | None) -> dict[str, Component]:
+        node = self._fields.mapping('components')
+        if node is not None and not node.entries and node.is_complete:
+            what = 'a cell needs at least one component beside the conveyor'
+            self._report.add(node.place, what, CELL.by_name['components'].hint)
+        components = {}
+        for entry in node.entries if node else ():
+            component = self._component(entry, sections)
+            if component is not None:
+                components[component.name] = component
+        return components
+
+    def _component(self, entry: Entry, sections: int | None) -> Component | None:
+        name = entry.key.text
+        check_name(name, 'component name', entry.key.place, self._report)
+        if name == CONVEYOR:
+            what = f'a component cannot be named `{CONVEYOR}`: that is the belt itself'
+            self._report.add(entry.key.place, what, 'choose another name')
+        fields = fields_of(entry.value, COMPONENT, self._report)
+        if fields is None:
+            return None
+        component = ComponentReader(fields, name, self._report, self._types).component(sections)
+        self._check_action(component, fields)
+        return component
+
+    def _check_action(self, component: Component, fields: Fields) -> None:
+        """Report a second component of one action name: a goal names only the action."""
+        if not component.action:
+            return
+        line = fields.place('action').line
+        first, first_line = self._lines.setdefault(component.action, (component.name, line))
+        if first != component.name:
+            what = (
+                f'the action `{component.action}` already belongs to `{first}` (line {first_line})'
+            )
+            self._report.add(fields.place('action'), what, 'give each component its own action')

@@ -1,0 +1,148 @@
+"""The keys of a cell file."""
+
+from __future__ import annotations
+
+from bt_orchestrator.model.cell import DEFAULT_DURATION_S, DEFAULT_TIMEOUT_S, OnFailure
+from bt_orchestrator.script.keys import LONGEST_SECONDS, Key, Kind, Table, action, whole, words
+
+MOST_SECTIONS = 1000
+
+STATE = Table(
+    'a state topic',
+    (
+        Key('topic', Kind.TEXT, 'ROS 2 topic name', '/unpacking/state', required=True),
+        Key('type', Kind.TEXT, 'message type', 'std_msgs/msg/String', required=True),
+        Key('field', Kind.TEXT, 'field that is compared', 'data', required=True),
+        Key('ready', Kind.LIST, 'values that allow a goal', '[READY]', required=True),
+    ),
+)
+
+_TYPE = Key(
+    'type', Kind.TEXT, 'ROS 2 action type', 'my_interfaces/action/PackingArm', required=True
+)
+_STATE = Key(
+    'state',
+    Kind.TABLE,
+    'topic that says whether a goal may be sent; without it always',
+    '{topic: /unpacking/state, type: std_msgs/msg/String, field: data, ready: [READY]}',
+    of=(STATE,),
+)
+_TIMEOUT = Key(
+    'timeout',
+    Kind.TIMEOUT,
+    'seconds a task may take, from sending; none: no limit',
+    '60.0',
+    default=DEFAULT_TIMEOUT_S,
+    minimum=0,
+    maximum=LONGEST_SECONDS,
+)
+_RESULTS = Key(
+    'results',
+    Kind.MAPPING,
+    'result fields of each task, for simulation; else true, 0 and empty',
+    '{TASK_A: {measurement: 1.5}}',
+)
+
+COMPONENT = Table(
+    'a component',
+    (
+        Key(
+            'section',
+            Kind.SECTIONS,
+            'section it belongs to, or a list of them; absent: none',
+            '2',
+            minimum=1,
+        ),
+        action(),
+        _TYPE,
+        _STATE,
+        _TIMEOUT,
+        Key(
+            'durations',
+            Kind.MAPPING,
+            'nominal seconds of each task, for simulation and prediction; else 1.0',
+            '{PREPARE: 1.0}',
+        ),
+        _RESULTS,
+    ),
+    misplaced={
+        'duration': (
+            'a component has a nominal duration for each task',
+            'write for instance `durations: {TASK_A: 1.0}`',
+        ),
+    },
+)
+
+CONVEYOR = Table(
+    'the conveyor',
+    (
+        Key(
+            'sections',
+            Kind.WHOLE,
+            'positions of the belt, numbered from 1 in the direction of travel',
+            '5',
+            required=True,
+            minimum=1,
+            maximum=MOST_SECTIONS,
+        ),
+        action(),
+        _TYPE,
+        Key(
+            'task',
+            Kind.TEXT,
+            'task constant of one index move; only types with a task field need it',
+            'MOVE_ONE_INDEX',
+        ),
+        _STATE,
+        _TIMEOUT,
+        Key(
+            'duration',
+            Kind.SECONDS,
+            'nominal seconds of every conveyor task, for simulation and prediction',
+            '2.0',
+            default=DEFAULT_DURATION_S,
+            minimum=0,
+            maximum=LONGEST_SECONDS,
+        ),
+        whole('retries', 'further attempts after a failed index move', '1', 0, default=0),
+        Key(
+            'on_failure',
+            Kind.CHOICE,
+            'what a failed index move does',
+            'hold',
+            default=OnFailure.HOLD.value,
+            choices=words(OnFailure, OnFailure.CONTINUE, OnFailure.REJECT),
+        ),
+        _RESULTS,
+    ),
+    misplaced={
+        'durations': (
+            'the conveyor has one nominal duration for all its tasks',
+            'write for instance `duration: 2.0`',
+        ),
+        'section': ('the conveyor belongs to no section', 'remove `section`'),
+    },
+)
+
+CELL = Table(
+    'a cell file',
+    (
+        Key('cell', Kind.TEXT, 'name of the cell, a ROS name token', 'my_cell', required=True),
+        Key(
+            'conveyor',
+            Kind.TABLE,
+            'the indexing belt',
+            '{sections: 5, action: /conveyor/index, type: ...}',
+            required=True,
+            of=(CONVEYOR,),
+        ),
+        Key(
+            'components',
+            Kind.MAPPING,
+            'device controllers by name',
+            '{my_arm: {section: 1, action: /my_arm/task, type: ...}}',
+            required=True,
+            of=(COMPONENT,),
+        ),
+    ),
+)

@@ -1,0 +1,152 @@
+"""Plain values against the types of ROS 2 fields: does it fit, and if not, why not."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from bt_orchestrator.model.action_type import FieldType
+from bt_orchestrator.script.yaml_nodes import plain_value
+
+LARGEST_FLOAT32 = 3.4028235e38
+
+LARGEST_FLOAT64 = 1.7976931348623157e308
+
+ONE_BYTE = 255
+
+MOST_IN_WORDS = 2**31
+"""Beyond this the range of a type tells nobody anything unless it is broken."""
+
+
+class Misfit(NamedTuple):
+    """Why a value does not fit a type."""
+
+    needed: str
+    """What would fit: a whole number from 0 to 255 (uint8)."""
+    hint: str
+
+
+def _integers() -> dict[str, FieldType]:
+    types = {}
+    for bits in (8, 16, 32, 64):
+        half = 2 ** (bits - 1)
+        types[f'int{bits}'] = FieldType('int', f'int{bits}', -half, half - 1)
+        types[f'uint{bits}'] = FieldType('int', f'uint{bits}', 0, 2 * half - 1)
+    return types
+
+
+SIMPLE_TYPES: Mapping[str, FieldType] = {
+    'bool': FieldType('bool', 'bool'),
+    'boolean': FieldType('bool', 'bool'),
+    'byte': FieldType('bytes', 'byte'),
+    'octet': FieldType('bytes', 'byte'),
+    'char': FieldType('int', 'char', 0, ONE_BYTE),
+    'float': FieldType('float', 'float32'),
+    'float32': FieldType('float', 'float32'),
+    'double': FieldType('float', 'float64'),
+    'float64': FieldType('float', 'float64'),
+    'string': FieldType('str', 'string'),
+    'wstring': FieldType('str', 'wstring'),
+    **_integers(),
+}
+"""Types of one value, by the names that ROS 2 and IDL give them."""
+
+PARAMETER_TYPES: Mapping[str, FieldType] = {
+    'str': FieldType('str', 'str'),
+    'int': FieldType('int', 'int', -(2**63), 2**63 - 1),
+    'float': FieldType('float', 'float'),
+    'bool': FieldType('bool', 'bool'),
+}
+"""What a script's parameters may be."""
+
+
+def simple_type(ros_name: str) -> FieldType | None:
+    """Return the type of a field that holds one value; None for arrays and messages."""
+    bounded = re.fullmatch(r'(w?string)<=(\d+)', ros_name)
+    if bounded:
+        return FieldType('str', ros_name, string_maximum=int(bounded.group(2)))
+    return SIMPLE_TYPES.get(ros_name)
+
+
+def misfit(value: object, type_: FieldType) -> Misfit | None:
+    """Say why a plain value does not fit a field that holds one value; None if it fits.
+
+    A boolean is no number; a whole number fits a float. A byte is a number from 0 to 255.
+    """
+    if type_.kind == 'bool':
+        return None if isinstance(value, bool) else _bool_misfit(type_)
+    if type_.kind in ('int', 'bytes'):
+        return _int_misfit(value, type_)
+    if type_.kind == 'float':
+        return _float_misfit(value, type_)
+    if type_.kind == 'str':
+        return _str_misfit(value, type_)
+    return Misfit(f'a mapping ({type_.ros_name})', 'write {field: value, ...}')
+
+
+def needed_list(type_: FieldType) -> str:
+    """Say what a list must be, for a message."""
+    if type_.array_length is not None:
+        return f'a list of {type_.array_length} values ({type_.ros_name})'
+    if type_.array_maximum is not None:
+        return f'a list of at most {type_.array_maximum} values ({type_.ros_name})'
+    return f'a list ({type_.ros_name})'
+
+
+def list_fits(length: int, type_: FieldType) -> bool:
+    """Tell whether a list may have this length."""
+    if type_.array_length is not None:
+        return length == type_.array_length
+    return type_.array_maximum is None or length <= type_.array_maximum
+
+
+def _bool_misfit(type_: FieldType) -> Misfit:
+    return Misfit(_named('true or false', type_), 'write true or false, without quotes')
+
+
+def _int_misfit(value: object, type_: FieldType) -> Misfit | None:
+    low = 0 if type_.kind == 'bytes' else type_.minimum
+    high = ONE_BYTE if type_.kind == 'bytes' else type_.maximum
+    bounds = '' if low is None or high is None else f' from {low} to {high}'
+    needed = _named(f'a whole number{bounds}', type_)
+    if isinstance(value, bool) or not isinstance(value, int):
+        if high is not None and high > MOST_IN_WORDS:
+            needed = _named('a whole number', type_)
+        return Misfit(needed, _number_hint(value, 'write a whole number, without quotes'))
+    if (low is not None and value < low) or (high is not None and value > high):
+        return Misfit(needed, 'choose a number in that range')
+    return None
+
+
+def _float_misfit(value: object, type_: FieldType) -> Misfit | None:
+    needed = _named('a number', type_)
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return Misfit(needed, _number_hint(value, 'write a number, without quotes'))
+    largest = LARGEST_FLOAT32 if type_.ros_name.startswith('float32') else LARGEST_FLOAT64
+    if not -largest <= value <= largest:
+        return Misfit(_named('a finite number', type_), f'choose one up to {largest:g}')
+    return None
+
+
+def _str_misfit(value: object, type_: FieldType) -> Misfit | None:
+    if not isinstance(value, str):
+        hint = 'put it in quotes' if isinstance(value, (bool, int, float)) else 'write a text'
+        return Misfit(_named('text', type_), hint)
+    longest = type_.string_maximum
+    if longest is not None and len(value) > longest:
+        return Misfit(_named(f'text of at most {longest} characters', type_), 'shorten it')
+    return None
+
+
+def _number_hint(value: object, otherwise: str) -> str:
+    """Offer the number inside a quoted text; other texts need a number first."""
+    if isinstance(value, str):
+        inner = plain_value(value)
+        if isinstance(inner, (int, float)) and not isinstance(inner, bool):
+            return f'write {value} without quotes'
+    return otherwise
+
+
+def _named(words: str, type_: FieldType) -> str:
+    return f'{words} ({type_.ros_name})'

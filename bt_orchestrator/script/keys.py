@@ -1,0 +1,111 @@
+"""How the keys of the users' files are described: one table a kind of mapping.
+
+The tables are data: the reader takes ranges, defaults and suggestions from them, and whatever
+documents the formats is generated from them. Start at `cell_keys.CELL`, `script_keys.SCRIPT` and
+`script_keys.ORDER`; a key's `of` leads on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from functools import cached_property
+from typing import Any
+
+LARGEST_WHOLE = 2**31 - 1
+"""Counts travel as 32 bit numbers in messages."""
+
+LONGEST_SECONDS = 1e9
+"""About 30 years; beyond it a clock may overflow."""
+
+
+class Kind(Enum):
+    """What a value may be."""
+
+    TEXT = 'text'
+    """The text as written, whatever YAML would make of it."""
+    WHOLE = 'a whole number'
+    SECONDS = 'a number of seconds'
+    TIMEOUT = 'a number of seconds or none'
+    SWITCH = 'true or false'
+    CHOICE = 'one of a few words'
+    SECTIONS = 'a section number or a list of them'
+    VALUE = 'a value'
+    """Of a type that something else declares: a parameter, a message field."""
+    CONDITION = 'a reference or {value: ..., equals: ...}'
+    TABLE = 'a mapping'
+    MAPPING = 'a mapping of names'
+    LIST = 'a list'
+
+    @property
+    def in_words(self) -> str:
+        """How messages name it."""
+        return 'a mapping' if self is Kind.MAPPING else self.value
+
+
+@dataclass(frozen=True)
+class Key:
+    """One key."""
+
+    name: str
+    kind: Kind
+    meaning: str
+    example: str
+    """A value as a user would write it."""
+    required: bool = False
+    default: Any = None
+    """What holds when the key is absent; None: see the meaning."""
+    minimum: float | None = None
+    maximum: float | None = None
+    choices: tuple[str, ...] = ()
+    of: tuple[Table, ...] = ()
+    """Tables of the members (LIST, MAPPING), or of the mapping itself (TABLE, CONDITION)."""
+
+    @property
+    def hint(self) -> str:
+        """How to write it."""
+        none = ', or `none` for no limit' if self.kind is Kind.TIMEOUT else ''
+        return f'write for instance `{self.name}: {self.example}`{none}'
+
+
+@dataclass(frozen=True)
+class Table:
+    """All keys of one kind of mapping."""
+
+    name: str
+    """As messages put it: a component."""
+    keys: tuple[Key, ...]
+    misplaced: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    """Keys that belong elsewhere: why they are wrong here, and what to do."""
+
+    @cached_property
+    def by_name(self) -> Mapping[str, Key]:
+        """Keys by name."""
+        return {key.name: key for key in self.keys}
+
+    def tree(self) -> Iterator[Table]:
+        """Yield this table and all that its keys lead to, each as often as it is met."""
+        yield self
+        for key in self.keys:
+            for table in key.of:
+                yield from table.tree()
+
+
+def words(enum: type[Enum], *leave_out: Enum) -> tuple[str, ...]:
+    """Return an enum's words, as choices of a key."""
+    return tuple(str(member.value) for member in enum if member not in leave_out)
+
+
+def whole(name: str, meaning: str, example: str, minimum: int, default: int | None = None) -> Key:
+    """Return the key of a count."""
+    return Key(
+        name, Kind.WHOLE, meaning, example, default=default, minimum=minimum, maximum=LARGEST_WHOLE
+    )
+
+
+def action() -> Key:
+    """Return the key of an action name."""
+    return Key(
+        'action', Kind.TEXT, 'ROS 2 action name', '/unpacking/unpacking_action', required=True
+    )

@@ -1,0 +1,71 @@
+"""Finding the file of a script by its name (formats: commands)."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from bt_orchestrator.errors import Finding, Refused
+from bt_orchestrator.script.report import START, Place, did_you_mean
+from bt_orchestrator.script.yaml_nodes import quoted
+
+ENDINGS = ('.yaml', '.yml')
+
+
+def find_script(
+    name_or_path: str,
+    folders: Sequence[Path],
+    asked_in: str | None = None,
+    place: Place = START,
+) -> Path:
+    """Return the path of a script.
+
+    A name is looked up as NAME.yaml in each folder in turn. A path, which has a separator or a
+    YAML ending, is taken as it is. `asked_in` and `place` name the order that asks for it.
+
+    :raises Refused: there is no such file
+    """
+    path = Path(name_or_path) if is_path(name_or_path) else _found(name_or_path, folders)
+    if path is not None and _is_file(path):
+        return path
+    what, hint = _missing_path(path) if path else _missing_name(name_or_path, folders)
+    raise Refused([Finding(asked_in or name_or_path, place.line, place.column, what, hint)])
+
+
+def is_path(name_or_path: str) -> bool:
+    """Tell whether a script is named by its path."""
+    separators = [separator for separator in (os.sep, os.altsep) if separator]
+    return any(one in name_or_path for one in separators) or name_or_path.endswith(ENDINGS)
+
+
+def _found(name: str, folders: Sequence[Path]) -> Path | None:
+    candidates = (folder / f'{name}{ENDINGS[0]}' for folder in folders)
+    return next((path for path in candidates if _is_file(path)), None)
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def _missing_path(path: Path) -> tuple[str, str]:
+    names = [one.name for one in _scripts(path.parent)]
+    near = did_you_mean(path.name, names, 'check the path')
+    return f'there is no script file {quoted(str(path))}', near
+
+
+def _missing_name(name: str, folders: Sequence[Path]) -> tuple[str, str]:
+    known = [one.stem for folder in folders for one in _scripts(folder)]
+    looked = ', '.join(str(folder) for folder in folders) or 'no folder'
+    what = f'there is no script {quoted(name)}: looked in {looked}'
+    return what, did_you_mean(name, known, 'check the name, or give a path')
+
+
+def _scripts(folder: Path) -> list[Path]:
+    try:
+        return sorted(path for path in folder.iterdir() if path.suffix in ENDINGS)
+    except (OSError, ValueError):
+        return []

@@ -1,0 +1,203 @@
+"""Work orders: reading one from a file, and binding one to its script (formats: work order)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from bt_orchestrator.errors import Refused
+from bt_orchestrator.model.action_type import ActionType
+from bt_orchestrator.model.order import Job, WorkOrder
+from bt_orchestrator.model.script import Parameter, Script
+from bt_orchestrator.script.composing import compose
+from bt_orchestrator.script.field_types import PARAMETER_TYPES, misfit
+from bt_orchestrator.script.fields import Fields, fields_of
+from bt_orchestrator.script.keys import LARGEST_WHOLE
+from bt_orchestrator.script.names import check_order_id
+from bt_orchestrator.script.parameter_uses import misfitting_uses
+from bt_orchestrator.script.report import START, Place, Report, did_you_mean, listing, nearest
+from bt_orchestrator.script.script_keys import ORDER
+from bt_orchestrator.script.source_text import read_text
+from bt_orchestrator.script.yaml_nodes import Scalar, found, found_value, plain_value, quoted
+
+
+@dataclass(frozen=True)
+class OrderPlaces:
+    """Where an order's keys stand, so that mistakes found later point there too."""
+
+    file: str
+    """File name, or a word for an order that came in another way."""
+    places: Mapping[tuple[str, ...], Place] = field(default_factory=dict)
+    """By path: ('quantity',), ('params', 'lot')."""
+
+    def place(self, *path: str) -> Place:
+        """Return the place of a key, or of the nearest one around it."""
+        while path and path not in self.places:
+            path = path[:-1]
+        return self.places.get(path, START)
+
+
+@dataclass(frozen=True)
+class OrderFile:
+    """A work order as read from a file."""
+
+    order: WorkOrder
+    places: OrderPlaces
+
+
+def read_order(path: Path) -> OrderFile:
+    """Read a work order.
+
+    :raises Refused: with every mistake in it
+    """
+    return parse_order(read_text(path), str(path))
+
+
+def parse_order(text: str, file: str) -> OrderFile:
+    """Read the text of a work order; the file's name stands in the findings.
+
+    :raises Refused: with every mistake in it
+    """
+    report = Report(file)
+    root = compose(text, report)
+    fields = fields_of(root, ORDER, report) if root else None
+    if fields is None:
+        raise Refused(report.findings)
+    places = _places(fields)
+    params = _params(fields, places, report)
+    order_id = fields.text('order')
+    if order_id is not None:
+        check_order_id(order_id, fields.place('order'), report)
+    order = WorkOrder(
+        fields.text('script') or '', order_id, fields.optional_whole('quantity'), params
+    )
+    report.refuse()
+    return OrderFile(order, OrderPlaces(file, places))
+
+
+def bind_order(
+    order: WorkOrder,
+    script: Script,
+    job_id: str,
+    places: OrderPlaces | None = None,
+    types: Mapping[str, ActionType] | None = None,
+) -> Job:
+    """Make a job of an order: check it against its script and fill in what it leaves open.
+
+    Without places (an order that came over a service) findings name the order instead of a file.
+    With the types of the cell's components (`action_types`), values are checked against every goal
+    field that they go into; without, a value that does not fit fails when its goal is sent.
+
+    :raises Refused: with every mistake in the order
+    """
+    places = places or OrderPlaces(f'order {quoted(order.order or job_id)[1:-1]}')
+    report = Report(places.file)
+    if order.order is not None:
+        check_order_id(order.order, places.place('order'), report)
+    quantity = _quantity(order, script, places, report)
+    misspelt = _check_names(order, script, places, report)
+    params = {
+        name: _bound(parameter, order, places, report)
+        for name, parameter in script.params.items()
+        if name not in misspelt
+    }
+    if types is not None:
+        for use in misfitting_uses(script, order.order or job_id, quantity, params, types):
+            report.add(places.place(*use.path), use.what, use.hint)
+    report.refuse()
+    return Job(job_id, script, quantity, params)
+
+
+def param_from_text(text: str, parameter: Parameter) -> Any:
+    """Convert a value that arrived as text, written as in YAML, to a parameter's type.
+
+    A text parameter takes the text as it is, without the quotes around it if there are any. A text
+    that does not fit is returned unchanged: `bind_order` reports it with all other mistakes.
+    """
+    if parameter.type == 'str':
+        is_quoted = len(text) > 1 and text[0] == text[-1] and text[0] in '"\''
+        return text[1:-1] if is_quoted else text
+    value = plain_value(text.strip())
+    return text if value is None else value
+
+
+def params_from_text(texts: Mapping[str, str], script: Script) -> dict[str, Any]:
+    """Convert the values of an order that arrived as text; unknown names keep theirs."""
+    return {
+        name: param_from_text(text, script.params[name]) if name in script.params else text
+        for name, text in texts.items()
+    }
+
+
+def _places(fields: Fields) -> dict[tuple[str, ...], Place]:
+    places: dict[tuple[str, ...], Place] = {(): fields.node.place}
+    for key in ORDER.by_name:
+        if fields.has(key):
+            places[(key,)] = fields.place(key)
+    return places
+
+
+def _params(
+    fields: Fields, places: dict[tuple[str, ...], Place], report: Report
+) -> dict[str, Any]:
+    node = fields.mapping('params')
+    params: dict[str, Any] = {}
+    for entry in node.entries if node else ():
+        name = entry.key.text
+        if isinstance(entry.value, Scalar) and entry.value.value is not None:
+            params[name] = entry.value.value
+            places['params', name] = entry.value.place
+        else:
+            what = (
+                f'the parameter {quoted(name)} must be one plain value, not {found(entry.value)}'
+            )
+            report.add(entry.value.place, what, 'write text, a number, true or false')
+    return params
+
+
+def _quantity(order: WorkOrder, script: Script, places: OrderPlaces, report: Report) -> int:
+    quantity = script.quantity if order.quantity is None else order.quantity
+    if quantity is None:
+        what = f'the order names no quantity, and the script `{script.name}` has no default'
+        report.add(places.place('quantity'), what, 'add for instance `quantity: 12`')
+        return 1
+    if type(quantity) is not int or not 1 <= quantity <= LARGEST_WHOLE:
+        what = f'`quantity` must be from 1 to {LARGEST_WHOLE}, not {found_value(quantity)}'
+        report.add(places.place('quantity'), what, 'order at least one item')
+    return quantity
+
+
+def _check_names(
+    order: WorkOrder, script: Script, places: OrderPlaces, report: Report
+) -> set[str]:
+    """Report unknown parameters; return those that were probably meant, so not missing."""
+    meant = set()
+    for name in order.params:
+        if name not in script.params:
+            known = listing(script.params)
+            otherwise = f'its parameters are {known}' if known else 'it has none; remove this'
+            hint = did_you_mean(name, script.params, otherwise)
+            what = f'the script `{script.name}` has no parameter {quoted(name)}'
+            report.add(places.place('params', name), what, hint)
+            meant.add(nearest(name, script.params) or '')
+    return meant - set(order.params)
+
+
+def _bound(parameter: Parameter, order: WorkOrder, places: OrderPlaces, report: Report) -> Any:
+    """Return a parameter's value: the order's, else the default."""
+    name = parameter.name
+    if name not in order.params:
+        if parameter.required:
+            what = f'the parameter `{name}` is missing'
+            hint = f'add `{name}`, of type {parameter.type}, to `params`'
+            report.add(places.place('params', name), what, hint)
+        return parameter.default
+    value = order.params[name]
+    problem = misfit(value, PARAMETER_TYPES[parameter.type])
+    if problem is not None:
+        what = f'the parameter `{name}` must be {problem.needed}, not {found_value(value)}'
+        report.add(places.place('params', name), what, problem.hint)
+        return None
+    return float(value) if parameter.type == 'float' else value

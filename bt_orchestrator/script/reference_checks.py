@@ -1,0 +1,194 @@
+"""References in arguments and conditions: what they name, when it exists, and of which type."""
+
+from __future__ import annotations
+
+from bt_orchestrator.model.action_type import FieldType
+from bt_orchestrator.model.reference import Reference, Template
+from bt_orchestrator.model.script import RunsFor
+from bt_orchestrator.script.drafts import ScriptDraft, TaskDraft
+from bt_orchestrator.script.field_types import PARAMETER_TYPES, misfit
+from bt_orchestrator.script.references import (
+    Path,
+    ReferenceFault,
+    fixed_reference,
+    is_single,
+    split,
+)
+from bt_orchestrator.script.report import Report, did_you_mean, listing
+from bt_orchestrator.script.type_matching import in_words, is_assignable, is_printable
+from bt_orchestrator.script.yaml_nodes import Scalar, found_value, quoted
+
+TEXT = FieldType('str', 'string')
+
+
+class ReferenceReader:
+    """Reads the strings of one task that contain references (`argument_checks.Templates`).
+
+    A reference to a task's results is legal if that task has ended before this one starts, for
+    the same item: an earlier step of the same section (or an earlier task of the same track of a
+    group), or any task of an upstream section that is not a trailing one (semantics 3.8, 6.3).
+    A task that runs for rejected items only cannot give a result to one that runs for good items,
+    because no item becomes good again; the other way round is legal.
+    """
+
+    def __init__(self, script: ScriptDraft, task: TaskDraft, report: Report) -> None:
+        self._script = script
+        self._task = task
+        self._report = report
+
+    def read(self, node: Scalar, name: str, needed: FieldType) -> Template | None:
+        """Return the template of a string, for a field of a type; None if it is wrong."""
+        read = self.template(node)
+        if read is None:
+            return None
+        template, given = read
+        if given is not None and not is_assignable(given, needed):
+            what = f'`{name}` must be {in_words(needed)}, but {quoted(str(template))} is'
+            hint = 'refer to a value of that type'
+            if needed.kind == 'str' and not needed.is_array and is_printable(given):
+                hint = 'put text around the reference, and its value is formatted into it'
+            self._report.add(node.place, f'{what} {in_words(given)}', hint)
+        elif given is not None:
+            self._check_default(node, name, template, needed)
+        return template
+
+    def _check_default(
+        self, node: Scalar, name: str, template: Template, needed: FieldType
+    ) -> None:
+        """Report a parameter whose default is of the right type, and yet does not fit."""
+        reference = template.parts[0]
+        if not (isinstance(reference, Reference) and is_single(template)):
+            return
+        parameter = self._script.params.get(reference.name)
+        if reference.source != 'params' or parameter is None or parameter.default is None:
+            return
+        problem = misfit(parameter.default, needed)
+        if problem is not None:
+            default = found_value(parameter.default)
+            what = f'`{name}` must be {problem.needed}, but `{parameter.name}` is by default'
+            self._report.add(node.place, f'{what} {default}', 'change the default')
+
+    def template(self, node: Scalar) -> tuple[Template, FieldType | None] | None:
+        """Return a template and its type, None where the type is not known; None if it is wrong.
+
+        A string that is exactly one reference keeps the referenced type; any other is text.
+        """
+        try:
+            parts = list(split(node.text))
+            typed = [(part, TEXT) if isinstance(part, str) else self._find(part) for part in parts]
+        except ReferenceFault as fault:
+            self._report.add(node.place, fault.what, fault.hint)
+            return None
+        except _UnknownReference:
+            return None
+        template = Template(tuple(part for part, _ in typed))
+        if is_single(template):
+            return template, typed[0][1]
+        for part, type_ in typed:
+            if type_ is not None and not is_printable(type_):
+                what = f'{quoted(f"${{{part}}}")} is {in_words(type_)} and cannot be put into text'
+                self._report.add(node.place, what, 'refer to one of its fields')
+        return template, TEXT
+
+    def _find(self, written: Path) -> tuple[Reference, FieldType | None]:
+        if written.source == 'params':
+            return self._param(written)
+        if written.source in ('item', 'results') and self._task.position is None:
+            what = f'{quoted(str(written))} cannot be used here: initialization has no items'
+            raise ReferenceFault(what, 'use `params` or `order`')
+        if written.source == 'results':
+            return self._result(written)
+        return fixed_reference(written)
+
+    def _param(self, written: Path) -> tuple[Reference, FieldType | None]:
+        params = self._script.params
+        if written.rest in params:
+            type_ = PARAMETER_TYPES.get(params[written.rest].type)
+            return Reference('params', written.rest), type_
+        if not self._script.params_are_complete:
+            raise _UnknownReference
+        known = listing(params)
+        otherwise = f'the parameters are {known}' if known else f'declare it: {_declared(written)}'
+        hint = did_you_mean(written.rest, params, otherwise)
+        raise ReferenceFault(f'the script has no parameter {quoted(written.rest)}', hint)
+
+    # --- results --------------------------------------------------------------------------
+
+    def _result(self, written: Path) -> tuple[Reference, FieldType | None]:
+        """Ids may contain dots: the longest id that the reference begins with is meant."""
+        words = written.rest.split('.')
+        for length in range(len(words), 0, -1):
+            giver = self._script.by_id.get('.'.join(words[:length]))
+            if giver is not None:
+                self._check_order(giver, written)
+                return self._field(giver, tuple(words[length:]), written)
+        if not self._script.knows_all_ids:
+            raise _UnknownReference
+        hint = did_you_mean(
+            '.'.join(words[:-1]) or words[0], self._script.by_id, 'name a task of this script'
+        )
+        raise ReferenceFault(f'{quoted(str(written))} names no task of the script', hint)
+
+    def _check_order(self, giver: TaskDraft, written: Path) -> None:
+        fault = self._order_fault(giver)
+        if fault is not None:
+            what = f'{quoted(str(written))} has no value here: {fault}'
+            raise ReferenceFault(what, 'refer to a task that has ended before this one starts')
+
+    def _order_fault(self, giver: TaskDraft) -> str | None:
+        """Say why a task cannot have given a result before this one starts."""
+        task = self._task
+        if giver is task:
+            return 'it is this task itself'
+        if giver.section is None:
+            return f'`{giver.id}` is an initialization task and has no item'
+        if giver.is_beside(task):
+            return f'`{giver.id}` runs in parallel'
+        if not giver.precedes(task):
+            return f'`{giver.id}` runs later'
+        if giver.section != task.section and self._script.trailing(giver):
+            return f'`{giver.id}` runs after its section has released the conveyor'
+        pair = (giver.task.runs_for, task.task.runs_for)
+        if pair == (RunsFor.REJECTED, RunsFor.GOOD) and _is_sure(giver) and _is_sure(task):
+            return f'`{giver.id}` runs for rejected items only, and this task for good ones'
+        return None
+
+    def _field(
+        self, giver: TaskDraft, names: tuple[str, ...], written: Path
+    ) -> tuple[Reference, FieldType | None]:
+        reference = Reference('results', giver.id, names)
+        if giver.type is None:
+            return reference, None
+        results = giver.results
+        if not names:
+            what = f'{quoted(str(written))} names no result field'
+            raise ReferenceFault(what, _offer('', giver, list(results)))
+        known, type_ = results, None
+        for depth, name in enumerate(names):
+            type_ = known.get(name)
+            if type_ is None and name in giver.type.result.fields and not depth:
+                what = f'`{name}` is not kept: a task that has succeeded has it true'
+                raise ReferenceFault(what, _offer('', giver, list(known)))
+            if type_ is None:
+                what = f'{giver.type.name} has no result `{".".join(names[: depth + 1])}`'
+                raise ReferenceFault(what, _offer(name, giver, list(known)))
+            nested = type_.message if not type_.is_array else None
+            known = nested.fields if nested else {}
+        return reference, type_
+
+
+class _UnknownReference(Exception):
+    """A reference to something that could not be read (and was reported)."""
+
+
+def _is_sure(task: TaskDraft) -> bool:
+    return task.fields.is_sure('runs_for')
+
+
+def _offer(name: str, giver: TaskDraft, known: list[str]) -> str:
+    otherwise = f'there is {listing(known)}' if known else 'there is none to refer to'
+    return did_you_mean(name, known, otherwise) if giver.type else otherwise
+
+
+def _declared(written: Path) -> str:
+    return f'`params: {{{written.rest}: {{type: str}}}}`'

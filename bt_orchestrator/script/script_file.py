@@ -1,0 +1,119 @@
+"""Reading a script: how one product is made, checked against its cell (semantics 8.1)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from bt_orchestrator.errors import Refused
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.script import (
+    Dependency,
+    InitializationDependency,
+    Script,
+    SectionList,
+    Step,
+    Zone,
+)
+from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.script.balance_checks import check_balance
+from bt_orchestrator.script.composing import compose
+from bt_orchestrator.script.dependency_checks import DependencyReader
+from bt_orchestrator.script.drafts import ScriptDraft, SectionDraft
+from bt_orchestrator.script.fields import Fields, fields_of
+from bt_orchestrator.script.names import check_id
+from bt_orchestrator.script.parameters import read_parameters
+from bt_orchestrator.script.report import Report
+from bt_orchestrator.script.script_keys import SCRIPT
+from bt_orchestrator.script.section_checks import check_sections
+from bt_orchestrator.script.section_reader import SectionReader
+from bt_orchestrator.script.source_text import read_text
+from bt_orchestrator.script.task_reader import TaskReader
+from bt_orchestrator.script.task_values import complete_task
+
+
+def read_script(path: Path, cell: Cell, types: ActionTypes) -> Script:
+    """Read a script for a cell and check everything that can be known without moving.
+
+    :raises Refused: with every mistake in it
+    """
+    return parse_script(read_text(path), str(path), cell, types)
+
+
+def parse_script(text: str, file: str, cell: Cell, types: ActionTypes) -> Script:
+    """Read the text of a script; the file's name stands in the findings.
+
+    :raises Refused: with every mistake in it
+    """
+    report = Report(file)
+    root = compose(text, report)
+    fields = fields_of(root, SCRIPT, report) if root else None
+    if fields is None:
+        raise Refused(report.findings)
+    script = _ScriptReader(fields, cell, types, report).read()
+    report.refuse()
+    return script
+
+
+@dataclass(frozen=True)
+class _Relations:
+    lateral: tuple[Dependency, ...]
+    zones: tuple[Zone, ...]
+    initialization: tuple[InitializationDependency, ...]
+
+
+class _ScriptReader:
+    """Reads one script in three passes: the tasks, what refers to tasks, the script as a whole."""
+
+    def __init__(self, fields: Fields, cell: Cell, types: ActionTypes, report: Report) -> None:
+        self._fields = fields
+        self._cell = cell
+        self._types = types
+        self._report = report
+        self._draft = ScriptDraft(fields)
+
+    def read(self) -> Script:
+        """Return the script; it is of use only if nothing was reported."""
+        name = self._fields.text('script')
+        if name is not None:
+            check_id(name, 'script name', self._fields.place('script'), self._report)
+        quantity = self._fields.optional_whole('quantity')
+        read_parameters(self._draft, self._report)
+        tasks = TaskReader(self._cell, self._types, self._report)
+        sections = self._cell.conveyor.sections
+        SectionReader(self._draft, tasks, sections, self._report).read()
+        relations = self._relations()
+        check_balance(self._draft, self._report)
+        check_sections(self._draft, self._report)
+        return self._script(name or '', quantity, relations)
+
+    def _relations(self) -> _Relations:
+        reader = DependencyReader(self._draft, self._report)
+        return _Relations(tuple(reader.lateral()), tuple(reader.zones()), reader.initialization())
+
+    def _script(self, name: str, quantity: int | None, relations: _Relations) -> Script:
+        draft = self._draft
+        return Script(
+            name=name,
+            sections={n: self._section(draft.sections[n]) for n in sorted(draft.sections)},
+            initialization=tuple(
+                complete_task(draft, task, self._report) for task in draft.initialization
+            ),
+            initialization_dependencies=relations.initialization,
+            dependencies=relations.lateral,
+            zones=relations.zones,
+            params=draft.params,
+            quantity=quantity,
+        )
+
+    def _section(self, section: SectionDraft) -> SectionList:
+        steps = tuple(
+            Step(
+                tuple(
+                    tuple(complete_task(self._draft, task, self._report) for task in track)
+                    for track in step
+                )
+            )
+            for step in section.steps
+        )
+        return SectionList(section.section, steps, section.release)

@@ -1,0 +1,137 @@
+"""The keys of a script and of a work order."""
+
+from __future__ import annotations
+
+from bt_orchestrator.model.script import Release
+from bt_orchestrator.script.keys import Key, Kind, Table, whole, words
+from bt_orchestrator.script.task_keys import INITIALIZATION_TASK, TASK
+
+PARALLEL = Table(
+    'a parallel group',
+    (
+        Key(
+            'parallel',
+            Kind.LIST,
+            'members that run side by side: tasks, or lists of tasks run in order',
+            '[{task: ..., action: ...}, {task: ..., action: ...}]',
+            required=True,
+            of=(TASK,),
+        ),
+    ),
+)
+
+SECTION = Table(
+    'a section',
+    (
+        Key(
+            'release_conveyor',
+            Kind.CHOICE,
+            "when the section's turn is complete",
+            'after_last_conveyor_task',
+            default=Release.END_OF_CYCLE.value,
+            choices=words(Release),
+        ),
+        Key(
+            'tasks',
+            Kind.LIST,
+            'steps, run in order',
+            '[{task: ..., action: ...}]',
+            required=True,
+            of=(TASK, PARALLEL),
+        ),
+    ),
+)
+
+PARAMETER = Table(
+    'a parameter',
+    (
+        Key(
+            'type',
+            Kind.CHOICE,
+            'type of its values',
+            'str',
+            required=True,
+            choices=('str', 'int', 'float', 'bool'),
+        ),
+        Key('default', Kind.VALUE, 'used where an order names none; absent: required', '"none"'),
+    ),
+)
+
+INITIALIZATION_DEPENDENCY = Table(
+    'an initialization dependency',
+    (
+        Key('upstream', Kind.TEXT, 'task that is first', 'home_belt', required=True),
+        Key('downstream', Kind.TEXT, 'task that waits for it', 'ready_arm', required=True),
+    ),
+)
+
+LATERAL_DEPENDENCY = Table(
+    'a lateral dependency',
+    (
+        Key('flag', Kind.TEXT, 'name of the counter', 'camera_clear', required=True),
+        Key('upstream', Kind.TEXT, 'task that adds one', 'inspect', required=True),
+        Key('downstream', Kind.TEXT, 'task that takes one', 'assemble', required=True),
+        whole('capacity', 'upstream starts only below this count', '2', 1, default=1),
+        whole('initial', 'count at the start, up to the capacity', '1', 0, default=0),
+    ),
+)
+
+SCRIPT = Table(
+    'a script',
+    (
+        Key('script', Kind.TEXT, 'name of the script', 'my_process', required=True),
+        whole('quantity', 'items of an order that names no quantity', '12', 1),
+        Key(
+            'params',
+            Kind.MAPPING,
+            'what a work order may set',
+            '{lot: {type: str, default: "none"}}',
+            of=(PARAMETER,),
+        ),
+        Key(
+            'initialization',
+            Kind.LIST,
+            'tasks before the first cycle of a job',
+            '[{id: home_belt, task: HOME, action: /conveyor/index}]',
+            of=(INITIALIZATION_TASK,),
+        ),
+        Key(
+            'initialization_dependencies',
+            Kind.LIST,
+            'order among initialization tasks; all others run side by side',
+            '[{upstream: home_belt, downstream: ready_arm}]',
+            of=(INITIALIZATION_DEPENDENCY,),
+        ),
+        Key(
+            'sections',
+            Kind.MAPPING,
+            'task list of each section, by number: a list of steps, or {release_conveyor, tasks}',
+            '{1: [{task: ..., action: ...}]}',
+            required=True,
+            of=(SECTION,),
+        ),
+        Key(
+            'lateral_dependencies',
+            Kind.LIST,
+            'counters that order tasks of different sections',
+            '[{flag: camera_clear, upstream: inspect, downstream: assemble}]',
+            of=(LATERAL_DEPENDENCY,),
+        ),
+        Key(
+            'zones',
+            Kind.MAPPING,
+            'tasks that must never overlap, by the name of the workspace they share',
+            '{shared_table: [inspect, assemble]}',
+        ),
+    ),
+)
+
+ORDER = Table(
+    'a work order',
+    (
+        Key('order', Kind.TEXT, 'order id; assigned when absent', 'WO-1001'),
+        Key('script', Kind.TEXT, 'name of a script, or a path', 'my_process', required=True),
+        whole('quantity', "number of items; absent: the script's", '12', 1),
+        Key('params', Kind.MAPPING, 'values for the parameters of the script', '{lot: A7}'),
+    ),
+)

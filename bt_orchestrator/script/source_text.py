@@ -1,0 +1,58 @@
+"""Reading a user's file as text."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from bt_orchestrator.errors import Finding, Refused
+from bt_orchestrator.script.report import START, did_you_mean
+
+LARGEST_FILE = 4_000_000
+"""Bytes; a script of 2,000 tasks has about 250,000."""
+
+
+def read_text(path: Path) -> str:
+    """Return the text of a file.
+
+    :raises Refused: it cannot be read, is too large, or is not UTF-8
+    """
+    try:
+        with path.open('rb') as file:
+            data = file.read(LARGEST_FILE + 1)
+    except FileNotFoundError:
+        raise _refused(path, 'the file does not exist', _neighbour(path)) from None
+    except IsADirectoryError:
+        raise _refused(path, 'this is a directory', 'name the YAML file in it') from None
+    except (OSError, ValueError) as fault:
+        reason = getattr(fault, 'strerror', None) or str(fault)
+        what = f'the file cannot be read: {reason}'
+        raise _refused(path, what, 'check the path and its permissions') from None
+    if len(data) > LARGEST_FILE:
+        megabytes = LARGEST_FILE // 1_000_000
+        raise _refused(path, f'the file is larger than {megabytes} MB', 'is this the right file?')
+    return _decoded(data, path)
+
+
+def _decoded(data: bytes, path: Path) -> str:
+    try:
+        return data.decode('utf-8')
+    except UnicodeDecodeError as fault:
+        before = data[: fault.start]
+        line = before.count(b'\n') + 1
+        column = len(before[before.rfind(b'\n') + 1 :].decode('utf-8')) + 1
+        what = f'the file is not UTF-8 text: byte 0x{data[fault.start]:02x}'
+        finding = Finding(str(path), line, column, what, 'save it as UTF-8')
+        raise Refused([finding]) from None
+
+
+def _neighbour(path: Path) -> str:
+    """Offer the file nearby that is most like the one asked for."""
+    try:
+        names = sorted(entry.name for entry in path.parent.iterdir())
+    except OSError:
+        return f'there is no folder {path.parent} either'
+    return did_you_mean(path.name, names, 'check the path')
+
+
+def _refused(path: Path, what: str, hint: str) -> Refused:
+    return Refused([Finding(str(path), START.line, START.column, what, hint)])

@@ -1,0 +1,137 @@
+"""The keys of a task, in a section's list and in the initialization list."""
+
+from __future__ import annotations
+
+from bt_orchestrator.model.cell import OnFailure
+from bt_orchestrator.model.script import RunsFor
+from bt_orchestrator.script.keys import LONGEST_SECONDS, Key, Kind, Table, action, whole, words
+
+CONDITION = Table(
+    'a condition',
+    (
+        Key('value', Kind.TEXT, 'a reference', '"${results.inspect.size}"', required=True),
+        Key('equals', Kind.VALUE, 'the value that it is compared with', '3', required=True),
+    ),
+)
+
+_FIRST_TASK_KEYS = (
+    Key('id', Kind.TEXT, 'name of the task in the script; else section and number', 'inspect'),
+    Key(
+        'task',
+        Kind.TEXT,
+        'task constant of the action type; a label where the type has no task field',
+        'TASK_A',
+    ),
+    action(),
+    Key('args', Kind.MAPPING, 'goal fields; references are allowed', '{label: "${params.lot}"}'),
+)
+_LAST_TASK_KEYS = (
+    Key(
+        'continue_if_fail',
+        Kind.SWITCH,
+        'true means `on_failure: continue`',
+        'true',
+        default=False,
+    ),
+    whole('retries', 'further attempts after a failed one', '2', 0, default=0),
+    Key(
+        'retry_delay',
+        Kind.SECONDS,
+        'seconds before a further attempt',
+        '1.0',
+        default=0.0,
+        minimum=0,
+        maximum=LONGEST_SECONDS,
+    ),
+    Key(
+        'timeout',
+        Kind.TIMEOUT,
+        "seconds from sending; none: no limit; absent: the component's, else 300",
+        '10.0',
+        minimum=0,
+        maximum=LONGEST_SECONDS,
+    ),
+    Key(
+        'repeatable',
+        Kind.SWITCH,
+        'doing it twice does no harm, so it may be sent again after a crash',
+        'true',
+        default=False,
+    ),
+)
+
+
+def _on_failure(choices: tuple[str, ...]) -> Key:
+    meaning = 'what happens after the last failed attempt'
+    return Key('on_failure', Kind.CHOICE, meaning, 'hold', choices=choices)
+
+
+TASK = Table(
+    'a task',
+    (
+        *_FIRST_TASK_KEYS,
+        Key(
+            'requires_conveyor',
+            Kind.SWITCH,
+            'the belt must be at rest for it',
+            'false',
+            default=True,
+        ),
+        Key(
+            'qty_change',
+            Kind.WHOLE,
+            '1: places the item, -1: takes it out',
+            '1',
+            default=0,
+            minimum=-1,
+            maximum=1,
+        ),
+        _on_failure(words(OnFailure)),
+        *_LAST_TASK_KEYS,
+        Key(
+            'when',
+            Kind.CONDITION,
+            'run only if this holds; else the task is skipped',
+            '"${results.weigh.item_present}"',
+            of=(CONDITION,),
+        ),
+        Key(
+            'unless',
+            Kind.CONDITION,
+            'skip the task if this holds',
+            '"${results.weigh.item_present}"',
+            of=(CONDITION,),
+        ),
+        Key(
+            'runs_for',
+            Kind.CHOICE,
+            'items that it runs for',
+            'all',
+            default=RunsFor.GOOD.value,
+            choices=words(RunsFor),
+        ),
+    ),
+    misplaced={'once': ('only initialization tasks can run once', 'remove `once`')},
+)
+
+_NO_ITEM = 'initialization has no items, so `{}` means nothing there'
+
+INITIALIZATION_TASK = Table(
+    'an initialization task',
+    (
+        *_FIRST_TASK_KEYS,
+        _on_failure(words(OnFailure, OnFailure.REJECT)),
+        *_LAST_TASK_KEYS,
+        Key(
+            'once',
+            Kind.SWITCH,
+            'skip it if it succeeded since the cell last left Stopped or Aborted',
+            'true',
+            default=False,
+        ),
+    ),
+    misplaced={
+        key: (_NO_ITEM.format(key), f'remove `{key}`')
+        for key in ('requires_conveyor', 'qty_change', 'when', 'unless', 'runs_for')
+    },
+)

@@ -1,0 +1,22 @@
+"""Task constants and labels (semantics 2.1)."""
+
+from __future__ import annotations
+
+from bt_orchestrator.model.action_type import ActionType
+from bt_orchestrator.script.report import Place, Report, did_you_mean, listing
+from bt_orchestrator.script.yaml_nodes import quoted
+
+
+def check_task_name(name: str, type_: ActionType, place: Place, report: Report) -> None:
+    """Report a task that an action type does not have; without a task field any label will do."""
+    if not type_.has_task_field or name in type_.constants:
+        return
+    known = listing(type_.constants)
+    otherwise = f'its tasks are {known}' if known else 'add a constant to the goal of that type'
+    hint = did_you_mean(name, type_.constants, otherwise)
+    report.add(place, f'{type_.name} has no task {quoted(name)}', hint)
+
+
+def default_task_name(type_: ActionType) -> str:
+    """Return the label of a task that names none: the last part of the type's name."""
+    return type_.name.rpartition('/')[2]

@@ -1,0 +1,50 @@
+"""Second pass over a task: its arguments and its condition, which may refer to other tasks."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from bt_orchestrator.model.action_type import TASK, ActionType, MessageType
+from bt_orchestrator.model.script import Task
+from bt_orchestrator.script.argument_checks import MessageReader
+from bt_orchestrator.script.conditions import ConditionReader
+from bt_orchestrator.script.drafts import ScriptDraft, TaskDraft
+from bt_orchestrator.script.reference_checks import ReferenceReader
+from bt_orchestrator.script.report import Report
+from bt_orchestrator.script.yaml_nodes import MapNode
+
+
+def complete_task(script: ScriptDraft, draft: TaskDraft, report: Report) -> Task:
+    """Return a task with arguments and condition, checked against everything else."""
+    references = ReferenceReader(script, draft, report)
+    args = _args(draft, references, report)
+    if draft.position is None:
+        return replace(draft.task, args=args)
+    condition = ConditionReader(draft, references, report).read()
+    return replace(draft.task, args=args, condition=condition)
+
+
+def _args(draft: TaskDraft, references: ReferenceReader, report: Report) -> dict[str, Any]:
+    node = draft.fields.mapping('args')
+    if node is None or draft.type is None:
+        return {}
+    if draft.type.has_task_field:
+        node = _without_task_field(node, report)
+    return MessageReader(report, references).read(node, _settable(draft.type))
+
+
+def _without_task_field(node: MapNode, report: Report) -> MapNode:
+    """Report an argument that would select another task (semantics 2.1)."""
+    entry = node.find(TASK)
+    if entry is None:
+        return node
+    what = f'the field `{TASK}` cannot be an argument: it is set from the name of the task'
+    report.add(entry.key.place, what, 'remove it')
+    return MapNode(node.place, tuple(one for one in node.entries if one is not entry))
+
+
+def _settable(type_: ActionType) -> MessageType:
+    """Return the goal fields that arguments may set."""
+    fields = {name: kind for name, kind in type_.goal.fields.items() if name != TASK}
+    return MessageType(f'the goal of {type_.name}', fields)

@@ -1,0 +1,48 @@
+"""Virtual time: it moves only when asked, straight to the next deadline."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from bt_orchestrator.deadlines import Deadline, Deadlines
+
+NS_PER_S = 1_000_000_000
+
+
+class VirtualClock:
+    """Time as a number. Implements `ports.Clock`; starts at 0.
+
+    Inside it counts integer nanoseconds: 1.5 + 1.0 and 2.5 are one instant, and ties are ties.
+    """
+
+    def __init__(self) -> None:
+        self._now_ns = 0
+        self._deadlines = Deadlines()
+
+    def now(self) -> float:
+        """Return the virtual seconds since the start."""
+        return self._now_ns / NS_PER_S
+
+    def call_at(self, time: float, callback: Callable[[], None]) -> Deadline:
+        """Call back in `advance` when time has come; a time that has passed means now."""
+        return self._deadlines.add(max(round(time * NS_PER_S), self._now_ns), callback)
+
+    def next_deadline(self) -> float | None:
+        """Return the seconds to which `advance` would move; None when nothing is armed."""
+        time_ns = self._deadlines.next_ns()
+        return None if time_ns is None else time_ns / NS_PER_S
+
+    def advance(self) -> bool:
+        """Move to the next deadline and run every callback due there, in the order armed.
+
+        Those that a callback arms for the same instant run too, so that afterwards nothing is due.
+
+        :return: False, without moving, when nothing is armed
+        """
+        time_ns = self._deadlines.next_ns()
+        if time_ns is None:
+            return False
+        self._now_ns = time_ns
+        while callback := self._deadlines.pop_due(time_ns):
+            callback()
+        return True

@@ -1,0 +1,55 @@
+"""The `Clock` port on a ROS 2 node: any number of deadlines on one ROS timer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from rclpy.node import Node
+
+from bt_orchestrator.deadlines import Deadline, Deadlines
+from bt_orchestrator.sim.controllers.guard import guarded
+
+NS_PER_S = 1_000_000_000
+_FAR_S = 3600.0
+
+
+class NodeClock:
+    """Time of a node: the system's, or simulated with `use_sim_time`. Implements `ports.Clock`.
+
+    One timer for all, because every ROS timer is looked at in every turn of the executor. To be
+    used in the executor's thread only.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._clock = node.get_clock()
+        self._logger = node.get_logger()
+        self._deadlines = Deadlines()
+        self._timer = node.create_timer(_FAR_S, self._ring, autostart=False)
+
+    def now(self) -> float:
+        """Return seconds since the epoch, or the simulated time."""
+        return self._now_ns() / NS_PER_S
+
+    def call_at(self, time: float, callback: Callable[[], None]) -> Deadline:
+        """Call back once `now()` has reached a time; never before this call has returned."""
+        deadline = self._deadlines.add(round(time * NS_PER_S), callback)
+        self._arm()
+        return deadline
+
+    def _ring(self) -> None:
+        self._timer.cancel()
+        now_ns = self._now_ns()
+        while callback := self._deadlines.pop_due(now_ns):
+            guarded(callback, self._logger)
+        self._arm()
+
+    def _arm(self) -> None:
+        due_ns = self._deadlines.next_ns()
+        if due_ns is None:
+            self._timer.cancel()
+            return
+        self._timer.timer_period_ns = max(due_ns - self._now_ns(), 0)
+        self._timer.reset()
+
+    def _now_ns(self) -> int:
+        return int(self._clock.now().nanoseconds)

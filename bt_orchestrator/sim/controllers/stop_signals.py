@@ -1,0 +1,66 @@
+"""SIGINT and SIGTERM as a request, also while the main thread waits in the middleware."""
+
+from __future__ import annotations
+
+import signal
+import socket
+import threading
+from collections.abc import Callable
+from types import FrameType
+
+_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
+
+class StopSignals:
+    """A context in which the stop signals ask the process to end instead of ending it.
+
+    A Python signal handler runs in the main thread, and not while that waits in a library; so a
+    thread of its own reads what the interpreter writes at every signal. To be entered in the main
+    thread.
+    """
+
+    def __init__(self) -> None:
+        self._requested = threading.Event()
+        self._wake: Callable[[], object] = _nothing
+
+    def __enter__(self) -> StopSignals:
+        self._reader, self._writer = socket.socketpair()
+        self._writer.setblocking(False)
+        self._old_fd = signal.set_wakeup_fd(self._writer.fileno(), warn_on_full_buffer=False)
+        self._old_handlers = [signal.signal(number, _noted) for number in _SIGNALS]
+        self._thread = threading.Thread(target=self._listen, name='stop signals')
+        self._thread.start()
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        for number, handler in zip(_SIGNALS, self._old_handlers, strict=True):
+            signal.signal(number, handler)
+        signal.set_wakeup_fd(self._old_fd)
+        self._writer.close()
+        self._thread.join()
+        self._reader.close()
+
+    @property
+    def requested(self) -> bool:
+        """Whether a stop signal came."""
+        return self._requested.is_set()
+
+    def notify(self, wake: Callable[[], object]) -> None:
+        """Name what is called, in another thread, at a stop signal; at once if one came."""
+        self._wake = wake
+        if self.requested:
+            wake()
+
+    def _listen(self) -> None:
+        while written := self._reader.recv(1):
+            if written[0] in _SIGNALS:
+                self._requested.set()
+                self._wake()
+
+
+def _noted(number: int, frame: FrameType | None) -> None:
+    """Stand as the handler, without which the interpreter would write nothing."""
+
+
+def _nothing() -> None:
+    """Stand for the wake function until one is named."""

@@ -1,0 +1,174 @@
+"""The action server of one simulated controller."""
+
+from __future__ import annotations
+
+import uuid
+from collections.abc import Mapping
+from typing import Any, cast
+
+from rclpy.action.server import (
+    ActionServer,
+    CancelResponse,
+    GoalEvent,
+    GoalResponse,
+    ServerGoalHandle,
+)
+from rclpy.node import Node
+
+from bt_orchestrator.model.action_type import TASK
+from bt_orchestrator.model.goal import GoalStatus
+from bt_orchestrator.sim.controllers.controller import Controller
+from bt_orchestrator.sim.controllers.guard import report
+from bt_orchestrator.sim.controllers.interfaces import Interfaces
+from bt_orchestrator.sim.controllers.presence import Answer
+
+_ANSWERS = {Answer.ACCEPT: GoalResponse.ACCEPT, Answer.REJECT: GoalResponse.REJECT}
+
+SUB_TASK = 'current_sub_task'
+STAMP = 'stamp'
+"""Feedback fields that are filled where the type has them."""
+
+
+class _Muted(Exception):
+    """A goal request that gets no answer."""
+
+
+class TaskServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazzy's rclpy
+    """Carries goals to a controller and its answers back; decides nothing itself.
+
+    A goal that runs is no coroutine: rclpy would resume every pending one in each turn of the
+    executor. It is started by a callback, and its end becomes one short task.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        name: str,
+        type_name: str,
+        controller: Controller,
+        interfaces: Interfaces,
+        result_timeout_s: float,
+    ) -> None:
+        self._controller = controller
+        self._interfaces = interfaces
+        self._asking = ''
+        super().__init__(
+            node,
+            interfaces.action_class(type_name),
+            name,
+            execute_callback=_never_called,
+            goal_callback=self._answer,
+            handle_accepted_callback=self._start,
+            cancel_callback=self._cancel,
+            # Declared int, yet what is below takes fractions too.
+            result_timeout=cast(int, result_timeout_s),
+        )
+
+    async def execute(self, taken_data: Any) -> None:
+        """Handle what was taken from the middleware (rclpy's Waitable interface).
+
+        Overridden for three things: the goal callback is not told the UUID, a request could not be
+        left without an answer, and an exception would end the executor's loop.
+        """
+        if 'goal' in taken_data:
+            self._asking = goal_id(taken_data['goal'][1])
+        for kind, data in taken_data.items():
+            one: Any = {kind: data}
+            try:
+                await super().execute(one)
+            except _Muted:
+                pass
+            except Exception:  # noqa: BLE001 - whatever it is, the other servers go on
+                report(self._node.get_logger())
+
+    def notify_execute(self, goal_handle: Any, execute_callback: Any) -> None:
+        """Do nothing when a goal starts (rclpy would run a callback to its end): see `end`."""
+
+    def feedback(self, handle: ServerGoalHandle, text: str) -> None:  # type: ignore[type-arg]
+        """Publish feedback on a goal."""
+        message = self.action_type.Feedback()
+        types = message.get_fields_and_field_types()
+        if types.get(SUB_TASK) == 'string':
+            setattr(message, SUB_TASK, text)
+        if types.get(STAMP) == 'builtin_interfaces/Time':
+            setattr(message, STAMP, self._node.get_clock().now().to_msg())
+        handle.publish_feedback(message)
+
+    def end(
+        self,
+        handle: ServerGoalHandle,  # type: ignore[type-arg]
+        status: GoalStatus,
+        result: Mapping[str, Any],
+    ) -> None:
+        """End a goal and answer all who ask for its result."""
+
+        def conclude(handle: Any) -> Any:
+            message = self.action_type.Result()
+            self._interfaces.fill(message, result)
+            _ENDS[status](handle)
+            return message
+
+        super().notify_execute(handle, conclude)
+
+    def _answer(self, goal: Any) -> GoalResponse:
+        answer = self._controller.answer(self._asking, getattr(goal, TASK, None))
+        if answer is Answer.MUTE:
+            raise _Muted
+        return _ANSWERS[answer]
+
+    def _start(self, handle: Any) -> None:
+        handle.execute()
+        self._controller.start(ServedGoal(self, handle))
+
+    def _cancel(self, handle: Any) -> CancelResponse:
+        obeyed = self._controller.cancel(goal_id(handle))
+        return CancelResponse.ACCEPT if obeyed else CancelResponse.REJECT
+
+
+class ServedGoal:
+    """One accepted goal of a `TaskServer`. Implements `presence.ActiveGoal`."""
+
+    def __init__(self, server: TaskServer, handle: Any) -> None:
+        self.id = goal_id(handle)
+        self._server = server
+        self._handle = handle
+
+    def feedback(self, text: str) -> None:
+        """Publish feedback."""
+        self._server.feedback(self._handle, text)
+
+    def end(self, status: GoalStatus, result: Mapping[str, Any]) -> None:
+        """End it."""
+        self._server.end(self._handle, status, result)
+
+
+def goal_id(bearer: Any) -> str:
+    """Return the goal UUID, as text, of whatever has a `goal_id` message."""
+    return str(uuid.UUID(bytes=bytes(bearer.goal_id.uuid)))
+
+
+def _never_called(handle: Any) -> Any:
+    raise NotImplementedError
+
+
+def _end_succeeded(handle: Any) -> None:
+    handle.succeed()
+
+
+def _end_aborted(handle: Any) -> None:
+    handle.abort()
+
+
+def _end_canceled(handle: Any) -> None:
+    if not handle.is_cancel_requested:
+        # A goal may end canceled only after a cancel request; for a server that cancels on its
+        # own account rclpy has no public call.
+        handle._update_state(GoalEvent.CANCEL_GOAL)  # noqa: SLF001
+    handle.canceled()
+
+
+_ENDS = {
+    GoalStatus.SUCCEEDED: _end_succeeded,
+    GoalStatus.ABORTED: _end_aborted,
+    GoalStatus.CANCELED: _end_canceled,
+}

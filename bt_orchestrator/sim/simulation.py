@@ -1,0 +1,87 @@
+"""A virtual run of the real tree: the same engine, with time and robots that are numbers."""
+
+from __future__ import annotations
+
+import itertools
+import uuid
+from collections.abc import Callable, Iterable, Sequence
+from enum import Enum
+
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.commands import Answer, SubmitJob
+from bt_orchestrator.model.goal import GoalRequest
+from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.state import CellState
+from bt_orchestrator.ports import ActionTypes, EventSink, EventStore
+from bt_orchestrator.runtime.orchestrator import Orchestrator
+from bt_orchestrator.runtime.waits import Wait, waits
+from bt_orchestrator.sim.clock import VirtualClock
+from bt_orchestrator.sim.gateway import VirtualGateway
+
+_GOALS = uuid.UUID('6ba7b810-9dad-11d1-80b4-00c04fd430c8')
+"""Namespace of goal ids, so that two runs of one line have the same trace."""
+
+
+class Outcome(Enum):
+    """How a virtual run ended."""
+
+    FINISHED = 'finished'
+    """Every job ended."""
+    HELD = 'held'
+    """An operator would have to answer."""
+    STUCK = 'stuck'
+    """Nothing runs, nothing can start, and nobody is asked."""
+
+
+class Simulation:
+    """A cell in virtual time, from the first order to the end of the last."""
+
+    def __init__(
+        self,
+        cell: Cell,
+        types: ActionTypes,
+        store: EventStore,
+        sinks: Sequence[EventSink] = (),
+        *,
+        duration: Callable[[GoalRequest], float] | None = None,
+    ) -> None:
+        """Switch the cell on at time 0.
+
+        :param duration: seconds that a goal takes; without it the cell file's nominal ones
+        """
+        self.clock = VirtualClock()
+        numbers = itertools.count(1)
+        self.orchestrator = Orchestrator(
+            cell,
+            VirtualGateway(cell, types, self.clock, duration=duration),
+            self.clock,
+            store,
+            sinks,
+            new_goal_id=lambda: str(uuid.uuid5(_GOALS, str(next(numbers)))),
+        )
+
+    @property
+    def state(self) -> CellState:
+        """The state now."""
+        return self.orchestrator.state
+
+    def submit(self, jobs: Iterable[Job]) -> list[Answer]:
+        """Queue jobs now, in order."""
+        return [self.orchestrator.ask(SubmitJob(job)) for job in jobs]
+
+    def run(self) -> Outcome:
+        """Let time pass until nothing more can happen."""
+        self.orchestrator.settle()
+        while self.state.jobs and self.clock.advance():
+            self.orchestrator.settle()
+        if not self.state.jobs:
+            return Outcome.FINISHED
+        return Outcome.HELD if self.state.holds else Outcome.STUCK
+
+    def waits(self) -> list[Wait]:
+        """Say who waits for what now."""
+        return waits(self.orchestrator)
+
+    def close(self) -> None:
+        """Give the engine up."""
+        self.orchestrator.close()

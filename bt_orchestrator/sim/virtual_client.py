@@ -1,0 +1,146 @@
+"""The orchestrator's end of one action, in virtual time: waiting for the server and losing it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from bt_orchestrator.model.action_type import ActionType
+from bt_orchestrator.model.cell import Component
+from bt_orchestrator.model.goal import (
+    REQUEST_CHECKS,
+    RESULT_CHECK_S,
+    SERVER_LEASE_S,
+    Feedback,
+    GoalEnd,
+    GoalRequest,
+    GoalStatus,
+    StateReading,
+)
+from bt_orchestrator.news import News
+from bt_orchestrator.ports import Clock, Timer
+from bt_orchestrator.sim.virtual_controller import VirtualController
+from bt_orchestrator.sim.virtual_goal import VirtualGoal
+
+
+class VirtualClient:
+    """States: the server is known to the graph or not; a killed one still is, for its lease.
+
+    Implements `virtual_controller.Observer`. Ends goals when the ROS gateway would (semantics
+    9.3), with timers only where something is amiss.
+    """
+
+    def __init__(
+        self,
+        component: Component,
+        action_type: ActionType,
+        clock: Clock,
+        news: News,
+        server_timeout_s: float,
+        duration: Callable[[GoalRequest], float],
+    ) -> None:
+        self._component = component
+        self._clock = clock
+        self._news = news
+        self._server_timeout_s = server_timeout_s
+        self._controller = VirtualController(component, action_type, clock, duration, self)
+        self._waiting: dict[VirtualGoal, None] = {}
+        self._in_flight: dict[VirtualGoal, None] = {}
+        self._lease: Timer | None = None
+        self._value: Any = None
+        self.available = False
+        self._controller.switch_on()
+
+    def send(self, goal: VirtualGoal) -> None:
+        """Request the goal, or wait for the server."""
+        if self.available:
+            goal.timer = self._clock.call_at(self._clock.now(), lambda: self._deliver(goal))
+            return
+        self._waiting[goal] = None
+        goal.timer = self._after(self._server_timeout_s, lambda: self._give_up(goal))
+
+    def cancel(self, goal: VirtualGoal) -> None:
+        """Pass a cancel request on, or withdraw a goal that was not sent."""
+        if goal.end is not None:
+            return
+        if goal in self._waiting:
+            del self._waiting[goal]
+            self.ended(goal, GoalEnd(GoalStatus.CANCELED, message='withdrawn before it was sent'))
+        elif goal.accepted:
+            self._clock.call_at(self._clock.now(), lambda: self._controller.cancel(goal))
+        goal.cancel_requested = True
+
+    # --- what the controller shows ----------------------------------------------------------
+
+    def appeared(self) -> None:
+        """Send what waited; goals of the server's earlier life are unknown to it."""
+        self.available = True
+        if self._lease is not None:
+            self._lease.cancel()
+            self._lease = None
+        for goal in self._in_flight:
+            self._lose_at_check(goal)
+        waiting, self._waiting = self._waiting, {}
+        for goal in waiting:
+            goal.stop_timer()
+            self.send(goal)
+
+    def vanished(self) -> None:
+        """Notice nothing until the lease is over."""
+        self._lease = self._after(SERVER_LEASE_S, self._lease_over)
+
+    def announced(self, value: Any) -> None:
+        """Tell the value if it changed."""
+        if value != self._value:
+            self._value = value
+            self._news.add(StateReading(self._component.name, value))
+
+    def accepted(self, goal: VirtualGoal, feedback: Feedback | None) -> None:
+        """Tell; cancel what was cancelled before."""
+        goal.accepted = True
+        goal.feedback = feedback
+        self._news.add(goal)
+        if goal.cancel_requested:
+            self.cancel(goal)
+
+    def ended(self, goal: VirtualGoal, end: GoalEnd) -> None:
+        """Tell."""
+        goal.stop_timer()
+        self._in_flight.pop(goal, None)
+        goal.end = end
+        self._news.add(goal)
+
+    # --- loss -------------------------------------------------------------------------------
+
+    def _deliver(self, goal: VirtualGoal) -> None:
+        goal.timer = None
+        goal.sent_s = self._clock.now()
+        self._in_flight[goal] = None
+        self._controller.request(goal)
+        if self._controller.present and goal.end is None and not goal.accepted:
+            self._lose_at_check(goal)
+
+    def _lose_at_check(self, goal: VirtualGoal) -> None:
+        """End a goal when the server will have said often enough that it does not know it."""
+        goal.stop_timer()
+        passed = math.ceil((self._clock.now() - goal.sent_s) / RESULT_CHECK_S)
+        checks = max(passed, 1) + (0 if goal.accepted else REQUEST_CHECKS - 1)
+        end = GoalEnd(GoalStatus.LOST, message='the server does not know the goal (any more)')
+        due_s = goal.sent_s + checks * RESULT_CHECK_S
+        goal.timer = self._clock.call_at(due_s, lambda: self.ended(goal, end))
+
+    def _lease_over(self) -> None:
+        self.available = False
+        self._lease = None
+        for goal in tuple(self._in_flight):
+            self.ended(goal, GoalEnd(GoalStatus.LOST, message='the server is gone'))
+        self.announced(None)
+
+    def _give_up(self, goal: VirtualGoal) -> None:
+        del self._waiting[goal]
+        message = f'no server of {self._component.action} within {self._server_timeout_s:g} s'
+        self.ended(goal, GoalEnd(GoalStatus.UNAVAILABLE, message=message))
+
+    def _after(self, seconds: float, then: Callable[[], None]) -> Timer:
+        return self._clock.call_at(self._clock.now() + seconds, then)

@@ -1,0 +1,71 @@
+"""The belt indexer: ends a beat when every turn is complete (semantics 3.5, 3.6)."""
+
+from __future__ import annotations
+
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
+
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.line import Advance, Overrun, Wait, end_of_beat
+from bt_orchestrator.model.script import INDEX, Task
+from bt_orchestrator.model.state import CellState
+from bt_orchestrator.tree.subject import Recorder
+
+OVERRUN = 'overrun'
+"""Reason of the hold when an item would leave the belt unseen (semantics 3.6)."""
+
+
+class TurnsComplete(Behaviour):
+    """Condition: the belt moves, or every section has released it; never fails."""
+
+    def __init__(self, recorder: Recorder) -> None:
+        super().__init__('all turns complete')
+        self.recorder = recorder
+
+    def update(self) -> Status:
+        """Begin the move or the next beat when it is due; wait with the reason otherwise."""
+        state = self.recorder.state
+        if state.indexing:
+            return Status.SUCCESS
+        due = end_of_beat(state)
+        if isinstance(due, Overrun):
+            self._hold(due.item)
+        elif isinstance(due, Wait):
+            self.feedback_message = due.reason
+        elif due is Advance.INDEX:
+            self.recorder.record([e.BeltIndexStarted(beat=state.beat)])
+            return Status.SUCCESS
+        else:
+            self.recorder.record([e.BeatStarted(beat=state.beat + 1)])
+            self.feedback_message = 'next beat begins, the belt is empty'
+        return Status.RUNNING
+
+    def _hold(self, item: str) -> None:
+        state = self.recorder.state
+        if not any(hold.reason == OVERRUN for hold in state.holds.values()):
+            section = state.cell.conveyor.sections
+            held = e.HoldRaised(
+                hold=state.next_hold,
+                job=state.items[item].job,
+                section=section,
+                item=item,
+                reason=OVERRUN,
+                message=f'the belt would carry {item} out of section {section}',
+                answers=('remove_item',),
+            )
+            self.recorder.record([held])
+        self.feedback_message = f'waiting for {item} to be removed'
+
+
+def index_task(state: CellState) -> Task:
+    """Return the belt's own move as a task."""
+    conveyor = state.cell.conveyor
+    return Task(
+        id=INDEX,
+        name=conveyor.task,
+        action=conveyor.component.action,
+        component=conveyor.component.name,
+        retries=conveyor.retries,
+        on_failure=conveyor.on_failure,
+        timeout_s=conveyor.component.timeout_s,
+    )

@@ -1,0 +1,181 @@
+"""From cell and scripts to one behaviour tree: a pure function of what they say.
+
+    parallel CELL
+      parallel initialization   one branch a job: its tasks behind their guards
+      selector section S … 1    one branch a job: condition, steps, release, trailing steps, end;
+                                last, what begins the next cycle
+      sequence belt             all turns complete, then the index move
+
+The order of the children is the order of ties: initialization first, then the downstream section
+(semantics 4.4). Everything is without memory: each tick asks the state again.
+"""
+
+from __future__ import annotations
+
+from py_trees.behaviour import Behaviour
+from py_trees.common import ParallelPolicy, Status
+from py_trees.composites import Composite, Parallel, Selector, Sequence
+
+from bt_orchestrator.model.script import SectionList, Step, Task
+from bt_orchestrator.model.state import JobState
+from bt_orchestrator.tree.belt import TurnsComplete, index_task
+from bt_orchestrator.tree.guards import (
+    ConveyorGuard,
+    FlagGuard,
+    InitializationGuard,
+    ReadyGuard,
+    ZoneGuard,
+)
+from bt_orchestrator.tree.leaf import ActionLeaf
+from bt_orchestrator.tree.policies import OnFailureDecorator, Retry
+from bt_orchestrator.tree.section import CompleteCycle, CycleOf, NextCycle, ReleaseConveyor
+from bt_orchestrator.tree.subject import Recorder, Subject
+
+
+class CellTree:
+    """The tree of a cell, with a branch in it for every live job."""
+
+    def __init__(self, recorder: Recorder, space: str) -> None:
+        """Compile a tree for the jobs that the state has now.
+
+        :param space: where on the blackboard the cell's projection is
+        """
+        self._recorder = recorder
+        self._space = space
+        state = recorder.state
+        self.initialization = _parallel('initialization', [Standby('standby')])
+        self.sections: dict[int, Composite] = {
+            number: Selector(f'section {number}', memory=False, children=[
+                NextCycle(recorder, number)
+            ])
+            for number in sorted(state.sections, reverse=True)
+        }
+        self.belt = Sequence('belt', memory=False, children=[
+            TurnsComplete(recorder),
+            _decided(Subject(recorder, index_task(state))),
+        ])
+        parts: list[Behaviour] = [self.initialization, *self.sections.values(), self.belt]
+        self.root = _parallel(state.cell.name, parts)
+        self._branches: dict[str, list[Behaviour]] = {}
+        for job in state.jobs.values():
+            self.insert(job)
+        self.root.setup_with_descendants()
+
+    def tick(self) -> None:
+        """Tick every part once."""
+        self.root.tick_once()
+
+    def has(self, job: str) -> bool:
+        """Tell whether a job has its branches in the tree."""
+        return job in self._branches
+
+    def insert(self, job: JobState) -> None:
+        """Add the branches of a job, behind those of the jobs in front. Only between ticks."""
+        branches = self._branches[job.job.id] = []
+        if job.job.script.initialization:
+            branch = self._initialization(job)
+            self._insert(branch, self.initialization)
+            branches.append(branch)
+        for number, tasks in job.job.script.sections.items():
+            branch = self._cycle(job.job.id, tasks)
+            self._insert(branch, self.sections[number])
+            branches.append(branch)
+
+    def prune(self, job: str) -> None:
+        """Take the branches of a job out. Only between ticks."""
+        for branch in self._branches.pop(job):
+            parent = branch.parent
+            assert isinstance(parent, Composite)
+            parent.remove_child(branch)
+            for behaviour in branch.iterate():
+                _detach(behaviour)
+
+    def close(self) -> None:
+        """Give up the tree: take its readers off the blackboard."""
+        for behaviour in self.root.iterate():
+            _detach(behaviour)
+
+    @staticmethod
+    def _insert(branch: Behaviour, parent: Composite) -> None:
+        parent.insert_child(branch, len(parent.children) - 1)
+        branch.setup_with_descendants()
+
+    # --- initialization ---------------------------------------------------------------------
+
+    def _initialization(self, job: JobState) -> Behaviour:
+        preparation = self._recorder.state.preparations[job.digest]
+        children: list[Behaviour] = []
+        for task in job.job.script.initialization:
+            subject = Subject(self._recorder, task, job.job.id)
+            guarded = self._ready(subject, _decided(subject))
+            children.append(InitializationGuard(subject, preparation, guarded))
+        return _parallel(job.job.id, children)
+
+    # --- sections ---------------------------------------------------------------------------
+
+    def _cycle(self, job: str, tasks: SectionList) -> Behaviour:
+        steps = [self._step(job, tasks.section, step) for step in tasks.steps]
+        return Sequence(job, memory=False, children=[
+            CycleOf(self._recorder, tasks.section, job),
+            *steps[: tasks.turn_steps],
+            ReleaseConveyor(self._recorder, tasks.section),
+            *steps[tasks.turn_steps :],
+            CompleteCycle(self._recorder, tasks.section),
+        ])
+
+    def _step(self, job: str, section: int, step: Step) -> Behaviour:
+        tracks = [self._track(job, section, track) for track in step.tracks]
+        body = tracks[0] if not step.is_group else _parallel('parallel', tracks)
+        if not step.requires_conveyor:
+            return body
+        return ConveyorGuard(self._recorder, job, section, step, body, self._space)
+
+    def _track(self, job: str, section: int, track: tuple[Task, ...]) -> Behaviour:
+        tasks = [self._task(Subject(self._recorder, task, job, section)) for task in track]
+        if len(tasks) == 1:
+            return tasks[0]
+        return Sequence('in order', memory=False, children=tasks)
+
+    def _task(self, subject: Subject) -> Behaviour:
+        assert subject.job is not None
+        script = self._recorder.state.script(subject.job)
+        task = subject.task.id
+        behaviour = self._ready(subject, _decided(subject))
+        for zone in script.zones_of.get(task, ()):
+            behaviour = ZoneGuard(subject, zone, behaviour, self._space)
+        flags = (*script.upstream_of.get(task, ()), *script.downstream_of.get(task, ()))
+        for dependency in flags:
+            behaviour = FlagGuard(subject, dependency, behaviour, self._space)
+        return behaviour
+
+    def _ready(self, subject: Subject, behaviour: Behaviour) -> Behaviour:
+        topic = self._recorder.state.cell.components[subject.task.component].state
+        return behaviour if topic is None else ReadyGuard(subject, topic, behaviour, self._space)
+
+
+def _decided(subject: Subject) -> Behaviour:
+    """Compile a task's leaf and the decorators that decide about its failures."""
+    leaf: Behaviour = ActionLeaf(subject)
+    if subject.task.retries:
+        leaf = Retry(subject, leaf)
+    return OnFailureDecorator(subject, leaf)
+
+
+def _parallel(name: str, children: list[Behaviour]) -> Parallel:
+    # Not synchronised: py_trees would never tick a finished child again (see docs/architecture).
+    return Parallel(name, ParallelPolicy.SuccessOnAll(synchronise=False), children)
+
+
+class Standby(Behaviour):
+    """Keeps a part RUNNING that has nothing to do: the root never ends."""
+
+    def update(self) -> Status:
+        """Go on."""
+        return Status.RUNNING
+
+
+def _detach(behaviour: Behaviour) -> None:
+    """Close a behaviour's blackboard clients, which py_trees keeps for ever otherwise."""
+    for client in behaviour.blackboards:
+        client.unregister()
+    behaviour.blackboards.clear()

@@ -1,0 +1,166 @@
+"""Guards: decorators that keep a task from starting, and say what it waits for.
+
+A guard waits only while its task has an attempt to start. A task that runs, is done or will be
+skipped passes, so a finished task is never blocked by its own flag. Nothing is taken while waiting
+(semantics 4.4): the guards of one task are asked together, in the tick that starts it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from py_trees.behaviour import Behaviour
+from py_trees.common import Access, Status
+from py_trees.decorators import Decorator
+
+from bt_orchestrator.model import effects
+from bt_orchestrator.model.cell import StateTopic
+from bt_orchestrator.model.initialization import Preparation
+from bt_orchestrator.model.line import stopped_because, waits_for_earlier_jobs
+from bt_orchestrator.model.script import Dependency, Step
+from bt_orchestrator.model.state import Phase
+from bt_orchestrator.tree.blackboard import AT_REST
+from bt_orchestrator.tree.subject import Recorder, Subject, is_done
+
+
+class Guard(Decorator):
+    """Base: ticks its child unless there is something to wait for."""
+
+    def waits_for(self) -> str | None:
+        """Say what must become so before the child may be ticked; None: nothing."""
+        raise AssertionError(f'{type(self).__name__} guards nothing')
+
+    def tick(self) -> Iterator[Behaviour]:
+        """Wait RUNNING with the reason, or tick the child."""
+        reason = self.waits_for()
+        if reason is None:
+            self.feedback_message = ''
+            yield from super().tick()
+            return
+        self.feedback_message = reason
+        if self.decorated.status is not Status.INVALID:
+            self.decorated.stop(Status.INVALID)
+        self.status = Status.RUNNING
+        yield self
+
+    def update(self) -> Status:
+        """Be what the child is."""
+        return self.decorated.status
+
+
+class ConveyorGuard(Guard):
+    """A step that requires the conveyor waits for the belt to rest in its beat (semantics 3.3,
+    3.7)."""
+
+    def __init__(
+        self, recorder: Recorder, job: str, section: int, step: Step, child: Behaviour, space: str
+    ) -> None:
+        super().__init__('belt at rest', child)
+        self._subjects = [Subject(recorder, task, job, section) for task in step.tasks]
+        self._section = section
+        self._recorder = recorder
+        self.belt = self.attach_blackboard_client(name=self.name, namespace=space)
+        for key in ('belt', 'beat'):
+            self.belt.register_key(key=key, access=Access.READ)
+
+    def waits_for(self) -> str | None:
+        """Wait while the belt moves, or rests in the beat before this cycle's."""
+        cycle = self._recorder.state.sections[self._section].cycle
+        assert cycle is not None
+        rests = self.belt.get('belt') == AT_REST
+        if rests and self.belt.get('beat') == cycle.beat:
+            return None
+        if all(is_done(subject) for subject in self._subjects):
+            return None
+        return f'waiting for the belt to {"move" if rests else "rest"}'
+
+
+class FlagGuard(Guard):
+    """A lateral dependency's flag (semantics 4.1); also for a task that will be skipped (4.2)."""
+
+    def __init__(
+        self, subject: Subject, dependency: Dependency, child: Behaviour, space: str
+    ) -> None:
+        self.upstream = dependency.upstream == subject.task.id
+        bound = f'< {dependency.capacity}' if self.upstream else '> 0'
+        super().__init__(f'flag {dependency.flag} {bound}', child)
+        self.subject = subject
+        self.dependency = dependency
+        self.flags = self.attach_blackboard_client(name=self.name, namespace=f'{space}/flags')
+        self.flags.register_key(key=dependency.flag, access=Access.READ)
+
+    def waits_for(self) -> str | None:
+        """Wait while the count is at the wrong end."""
+        if not effects.is_startable(self.subject.state, self.subject.key):
+            return None
+        count = self.flags.get(self.dependency.flag)
+        flag = self.dependency.flag
+        if self.upstream:
+            full = count >= self.dependency.capacity
+            return f'waiting for {self.dependency.downstream} to take flag {flag}' if full else None
+        return None if count > 0 else f'waiting for {self.dependency.upstream} to set flag {flag}'
+
+
+class ZoneGuard(Guard):
+    """A shared workspace (semantics 4.4)."""
+
+    def __init__(self, subject: Subject, zone: str, child: Behaviour, space: str) -> None:
+        super().__init__(f'zone {zone} free', child)
+        self.subject = subject
+        self.zone = zone
+        self.zones = self.attach_blackboard_client(name=self.name, namespace=f'{space}/zones')
+        self.zones.register_key(key=zone, access=Access.READ)
+
+    def waits_for(self) -> str | None:
+        """Wait while another task is in the zone."""
+        there = self.zones.get(self.zone)
+        if not there or not self.subject.waits_to_start:
+            return None
+        return f'waiting for zone {self.zone}, taken by {there}'
+
+
+class ReadyGuard(Guard):
+    """A component's state topic (semantics 2.5)."""
+
+    def __init__(
+        self, subject: Subject, topic: StateTopic, child: Behaviour, space: str
+    ) -> None:
+        super().__init__(f'{topic}', child)
+        self.subject = subject
+        self.topic = topic
+        self.ready = self.attach_blackboard_client(name=self.name, namespace=f'{space}/ready')
+        self.ready.register_key(key=subject.task.component, access=Access.READ)
+
+    def waits_for(self) -> str | None:
+        """Wait while the topic does not say ready."""
+        if self.ready.get(self.subject.task.component) or not self.subject.waits_to_start:
+            return None
+        value = self.subject.state.readings[self.subject.task.component].value
+        found = 'nothing is published there' if value is None else f'it is {value}'
+        return f'waiting for {self.topic}; {found}'
+
+
+class InitializationGuard(Guard):
+    """An initialization task waits for other tasks and for the jobs in front (semantics 5)."""
+
+    def __init__(self, subject: Subject, preparation: Preparation, child: Behaviour) -> None:
+        upstream = preparation.upstream[subject.task.id]
+        super().__init__(f'after {", ".join(upstream)}' if upstream else 'earlier jobs done', child)
+        self.subject = subject
+        self._upstream = upstream
+        self._sections = preparation.sections[subject.task.id]
+
+    def waits_for(self) -> str | None:
+        """Wait for what comes first; a task that is not needed waits for nothing (5.1)."""
+        job, state = self.subject.job, self.subject.state
+        assert job is not None
+        if state.phase(self.subject.key) is not None or not self.subject.waits_to_start:
+            return None
+        stopped = stopped_because(state)
+        if stopped:
+            return stopped
+        for task in self._upstream:
+            if state.phase(self.subject.key._replace(task=task)) is not Phase.DONE:
+                return f'waiting for initialization {task}'
+        waiting = waits_for_earlier_jobs(state, job, self._sections)
+        return waiting.reason if waiting else None

@@ -1,0 +1,145 @@
+"""The action leaf: one task, as one goal after another until it is done."""
+
+from __future__ import annotations
+
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
+
+from bt_orchestrator.model import effects
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.goal import Reason
+from bt_orchestrator.model.reference import resolve
+from bt_orchestrator.model.state import Phase, TaskState
+from bt_orchestrator.tree.subject import Subject
+
+EARLY_S = 1e-6
+"""Seconds by which a deadline may be missed by rounding."""
+
+
+class ActionLeaf(Behaviour):
+    """One task at one action server.
+
+    Its states: new (it starts when nothing is in the way), RUNNING while its goal is in flight or
+    an operator is asked, FAILURE while a failed attempt waits for the decorators above to decide,
+    SUCCESS once the cycle has passed it. It holds none of that itself: it asks the state, so a
+    leaf that is built in the middle of a goal goes on where the old one stopped. `terminate` never
+    cancels a goal; only a recorded decision does.
+    """
+
+    def __init__(self, subject: Subject) -> None:
+        task = subject.task
+        super().__init__(task.name if task.id == task.name else f'{task.id}: {task.name}')
+        self.subject = subject
+
+    @property
+    def in_flight(self) -> bool:
+        """Tell whether the leaf is RUNNING because its goal is."""
+        progress = self.subject.progress
+        return progress is not None and progress.phase is Phase.RUNNING
+
+    def update(self) -> Status:
+        """Look where the task stands, and start it if it may."""
+        progress = self.subject.progress
+        if progress is None or progress.phase is Phase.RETRYING:
+            return self._start_if_free(progress)
+        return self._report(progress)
+
+    def _report(self, progress: TaskState) -> Status:
+        task = self.subject.task
+        if progress.phase is Phase.RUNNING:
+            attempt = f', attempt {progress.attempt}' if progress.attempt > 1 else ''
+            self.feedback_message = f'running at {task.action}{attempt}'
+            return Status.RUNNING
+        if progress.phase is Phase.HELD:
+            reason = progress.reason.value if progress.reason else 'held'
+            self.feedback_message = f'waiting for an answer to hold {progress.hold} ({reason})'
+            return Status.RUNNING
+        if progress.phase is Phase.FAILED:
+            self.feedback_message = f'failed: {progress.reason.value if progress.reason else ""}'
+            return Status.FAILURE
+        self.feedback_message = 'done'
+        return Status.SUCCESS
+
+    def _start_if_free(self, progress: TaskState | None) -> Status:
+        skipped = self.subject.why_skipped()
+        if skipped is not None:
+            return self._skip(skipped)
+        obstacle = self._obstacle(progress)
+        if obstacle is not None:
+            self.feedback_message = obstacle
+            return Status.RUNNING
+        return self._start(1 if progress is None else progress.attempt + 1)
+
+    def _skip(self, reason: str) -> Status:
+        key = self.subject.key
+        self.subject.recorder.record([e.TaskSkipped(**key._asdict(), reason=reason)])
+        self.subject.recorder.record(effects.of_passing(self.subject.state, key))
+        self.feedback_message = f'skipped: {reason}'
+        return Status.SUCCESS
+
+    def _obstacle(self, progress: TaskState | None) -> str | None:
+        """Say what keeps the next attempt from starting, besides the guards."""
+        state, task = self.subject.state, self.subject.task
+        if not state.mode.works:
+            return f'the cell is {state.mode.value}'
+        held = self.subject.waits_in_hold()
+        if held is not None:
+            return held
+        if progress is not None and progress.not_before > self.subject.recorder.now + EARLY_S:
+            self.subject.recorder.wake_at(progress.not_before)
+            return f'waiting to retry, attempt {progress.attempt + 1}'
+        busy = state.reserved.get(task.component)
+        return f'waiting for {task.component}, busy with {busy}' if busy is not None else None
+
+    def _start(self, attempt: int) -> Status:
+        recorder, task, key = self.subject.recorder, self.subject.task, self.subject.key
+        missing = self.subject.missing() if self.subject.job is not None else None
+        if missing is not None:
+            failed = e.TaskFailed(
+                **key._asdict(),
+                attempt=attempt,
+                reason=Reason.MISSING_RESULT.value,
+                message=str(missing),
+            )
+            recorder.record([failed])
+            self.feedback_message = f'failed: {missing}'
+            return Status.FAILURE
+        occupied = self._occupied()
+        if occupied is not None:
+            recorder.record([occupied])
+            return Status.RUNNING
+        if key.job is not None and not self.subject.state.jobs[key.job].started:
+            recorder.record([e.JobStarted(job=key.job)])
+        started = e.TaskStarted(
+            **key._asdict(),
+            name=task.name,
+            action=task.action,
+            component=task.component,
+            attempt=attempt,
+            goal=recorder.new_goal_id(),
+            args=self._args(),
+        )
+        recorder.record([started])
+        self.feedback_message = f'running at {task.action}'
+        return Status.RUNNING
+
+    def _args(self) -> dict[str, object]:
+        if self.subject.job is None:
+            return dict(self.subject.task.args)
+        return dict(resolve(self.subject.task.args, self.subject.state.scope(self.subject.key)))
+
+    def _occupied(self) -> e.HoldRaised | None:
+        """Hold a placing onto an occupied slot (semantics 3.2)."""
+        section = self.subject.section
+        if self.subject.task.qty_change != 1 or section is None:
+            return None
+        there = self.subject.state.sections[section].slot
+        if there is None:
+            return None
+        return e.HoldRaised(
+            hold=self.subject.state.next_hold,
+            **self.subject.key._asdict(),
+            reason='slot_occupied',
+            message=f'{there} stands where {self.subject.key.item} would be placed',
+            answers=('retry', 'skip', 'reject', 'abort_job'),
+        )

@@ -1,0 +1,61 @@
+"""Decorators that turn a failed attempt into one recorded decision (semantics 2.6, 2.7)."""
+
+from __future__ import annotations
+
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
+from py_trees.decorators import Decorator
+
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model import failures
+from bt_orchestrator.model.cell import OnFailure
+from bt_orchestrator.tree.subject import Subject
+
+
+class Retry(Decorator):
+    """Repeats a failed attempt, while the task's retries last."""
+
+    def __init__(self, subject: Subject, child: Behaviour) -> None:
+        retries = subject.task.retries
+        super().__init__(f'retry up to {retries} time{"s" if retries > 1 else ""}', child)
+        self.subject = subject
+
+    def update(self) -> Status:
+        """Record another attempt, or let the failure pass."""
+        self.feedback_message = ''
+        if self.decorated.status is not Status.FAILURE:
+            return self.decorated.status
+        state, key, task = self.subject.state, self.subject.key, self.subject.task
+        if not failures.may_retry(state, key, task):
+            return Status.FAILURE
+        not_before = self.subject.recorder.now + task.retry_delay_s
+        attempt = state.tasks[key].attempt + 1
+        retrying = e.TaskRetrying(**key._asdict(), attempt=attempt, not_before=not_before)
+        self.subject.recorder.record([retrying])
+        self.feedback_message = f'attempt {attempt}'
+        return Status.RUNNING
+
+
+class OnFailureDecorator(Decorator):
+    """Decides about a task that failed for good."""
+
+    WORDS = {
+        OnFailure.HOLD: 'hold if it fails',
+        OnFailure.CONTINUE: 'continue if it fails',
+        OnFailure.REJECT: 'reject if it fails',
+        OnFailure.ABORT_JOB: 'abort the job if it fails',
+    }
+
+    def __init__(self, subject: Subject, child: Behaviour) -> None:
+        super().__init__(self.WORDS[subject.task.on_failure], child)
+        self.subject = subject
+
+    def update(self) -> Status:
+        """Record the decision; the next tick shows what came of it."""
+        self.feedback_message = ''
+        if self.decorated.status is not Status.FAILURE:
+            return self.decorated.status
+        state, key = self.subject.state, self.subject.key
+        self.subject.recorder.record(failures.decide(state, key, self.subject.task))
+        self.feedback_message = 'decided'
+        return Status.RUNNING

@@ -1,0 +1,101 @@
+"""The behaviours around a section's task list: its cycle, its turn, and what comes next."""
+
+from __future__ import annotations
+
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
+
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.line import Wait, next_cycle
+from bt_orchestrator.model.state import Cycle, SectionState
+from bt_orchestrator.tree.subject import Recorder
+
+
+class _OfSection(Behaviour):
+    """Base of what belongs to one section."""
+
+    def __init__(self, name: str, recorder: Recorder, section: int) -> None:
+        super().__init__(name)
+        self.recorder = recorder
+        self.number = section
+
+    @property
+    def section(self) -> SectionState:
+        """The section now."""
+        return self.recorder.state.sections[self.number]
+
+    @property
+    def cycle(self) -> Cycle:
+        """The cycle in hand; only asked inside one."""
+        assert self.section.cycle is not None
+        return self.section.cycle
+
+
+class CycleOf(_OfSection):
+    """Condition: the cycle in hand is for this job."""
+
+    def __init__(self, recorder: Recorder, section: int, job: str) -> None:
+        super().__init__(f'works on {job}', recorder, section)
+        self.job = job
+
+    def update(self) -> Status:
+        """FAILURE lets the section look at its other jobs."""
+        cycle = self.section.cycle
+        if cycle is None or cycle.job != self.job:
+            self.feedback_message = ''
+            return Status.FAILURE
+        self.feedback_message = cycle.item
+        return Status.SUCCESS
+
+
+class ReleaseConveyor(_OfSection):
+    """Completes the section's turn, so that the belt may move (semantics 3.5, 3.8)."""
+
+    def __init__(self, recorder: Recorder, section: int) -> None:
+        super().__init__('release conveyor', recorder, section)
+
+    def update(self) -> Status:
+        """Record the turn, once in a cycle."""
+        cycle = self.cycle
+        if self.section.turn_beat < cycle.beat:
+            done = e.TurnCompleted(job=cycle.job, section=self.number, item=cycle.item)
+            self.recorder.record([done])
+        return Status.SUCCESS
+
+
+class CompleteCycle(_OfSection):
+    """Ends the cycle."""
+
+    def __init__(self, recorder: Recorder, section: int) -> None:
+        super().__init__('complete cycle', recorder, section)
+
+    def update(self) -> Status:
+        """Record the end. RUNNING: the section goes on with its next cycle in the next tick."""
+        cycle = self.cycle
+        done = e.CycleCompleted(job=cycle.job, section=self.number, item=cycle.item)
+        self.recorder.record([done])
+        self.feedback_message = f'finished with {cycle.item}'
+        return Status.RUNNING
+
+
+class NextCycle(_OfSection):
+    """Begins the section's next cycle when it may (semantics 3.4, 3.7); never ends."""
+
+    def __init__(self, recorder: Recorder, section: int) -> None:
+        super().__init__('next cycle', recorder, section)
+
+    def update(self) -> Status:
+        """Begin, or say what the section waits for."""
+        state = self.recorder.state
+        begin = next_cycle(state, self.section)
+        if isinstance(begin, Wait):
+            self.feedback_message = begin.reason
+            return Status.RUNNING
+        if not state.jobs[begin.job].started:
+            self.recorder.record([e.JobStarted(job=begin.job)])
+        started = e.CycleStarted(
+            job=begin.job, section=self.number, item=begin.item, beat=begin.beat
+        )
+        self.recorder.record([started])
+        self.feedback_message = f'begins with {begin.item}'
+        return Status.RUNNING

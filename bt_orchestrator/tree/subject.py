@@ -1,0 +1,121 @@
+"""What behaviours share: the state they read, and the task they are about."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Protocol
+
+from bt_orchestrator.errors import MissingResult
+from bt_orchestrator.model import effects
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.reference import Reference, resolve
+from bt_orchestrator.model.script import Condition, Task
+from bt_orchestrator.model.state import CellState, Phase, TaskState, signature
+
+
+class Recorder(Protocol):
+    """Where behaviours read the state and write events. The runtime implements it."""
+
+    @property
+    def state(self) -> CellState:
+        """The state with every recorded event applied."""
+
+    @property
+    def now(self) -> float:
+        """Time of this tick, seconds."""
+
+    def record(self, events: Iterable[e.Event]) -> None:
+        """Apply events, in order, each before the next one is taken."""
+
+    def new_goal_id(self) -> str:
+        """Return a goal UUID that was never used."""
+
+    def wake_at(self, time: float) -> None:
+        """Ask for a tick at a time."""
+
+
+@dataclass(frozen=True)
+class Subject:
+    """The task that a leaf and the decorators around it are about."""
+
+    recorder: Recorder
+    task: Task
+    job: str | None = None
+    section: int | None = None
+    """None for initialization and for the belt's own move."""
+
+    @property
+    def state(self) -> CellState:
+        """The state now."""
+        return self.recorder.state
+
+    @property
+    def key(self) -> e.TaskKey:
+        """The task of the item that the section works on now."""
+        if self.section is None:
+            return e.TaskKey(self.job, None, None, self.task.id)
+        cycle = self.state.sections[self.section].cycle
+        assert cycle is not None, f'section {self.section} has no cycle'
+        return e.TaskKey(self.job, self.section, cycle.item, self.task.id)
+
+    @property
+    def progress(self) -> TaskState | None:
+        """How far the task is; None: new."""
+        return self.state.tasks.get(self.key)
+
+    @property
+    def waits_to_start(self) -> bool:
+        """Tell whether the next thing is to start an attempt: it is neither begun nor skipped."""
+        return effects.is_startable(self.state, self.key) and self.why_skipped() is None
+
+    def why_skipped(self) -> str | None:
+        """Say why a task that may start is not needed (semantics 4.2, 5.1, 6.4, 6.5)."""
+        if self.job is None:
+            return None
+        return (
+            effects.why_skipped(self.state, self.key, self.task)
+            or self._done_before()
+            or self._unmet(self.task.condition)
+        )
+
+    def _done_before(self) -> str | None:
+        if not self.task.once:
+            return None
+        args = resolve(self.task.args, self.state.scope(self.key))
+        done = signature(self.task, args) in self.state.done_once
+        return 'done before' if done else None
+
+    def _unmet(self, condition: Condition | None) -> str | None:
+        """Say that a condition is not met. A missing value is no answer: the attempt fails."""
+        if condition is None:
+            return None
+        try:
+            value = resolve(condition.value, self.state.scope(self.key))
+        except MissingResult:
+            return None
+        return None if (value == condition.equals) != condition.negated else str(condition)
+
+    def missing(self) -> Reference | MissingResult | None:
+        """Return what an argument or the condition names that this item does not have."""
+        scope = self.state.scope(self.key)
+        try:
+            if self.task.condition is not None:
+                resolve(self.task.condition.value, scope)
+            resolve(self.task.args, scope)
+        except MissingResult as missing:
+            return missing
+        return None
+
+    def waits_in_hold(self) -> str | None:
+        """Say which hold keeps this task's section from starting anything (semantics 7.1)."""
+        for hold in self.state.holds.values():
+            same = hold.section == self.section and (hold.job is None) == (self.job is None)
+            if same:
+                return f'waiting for an answer to hold {hold.id} ({hold.task}: {hold.reason})'
+        return None
+
+
+def is_done(subject: Subject) -> bool:
+    """Tell whether the cycle has passed the task."""
+    return subject.state.phase(subject.key) is Phase.DONE

@@ -1,0 +1,65 @@
+"""Make or refresh .venv/<distro>; started by scripts/bootstrap, needs only the standard library.
+
+Steps, each skipped when nothing it reads has changed since it last ended well:
+
+    environment   a virtual environment with the pinned wheels
+    variables     what ROS 2 expects to find in os.environ
+    interfaces    bindings of every package in interfaces/
+    package       bt_orchestrator, installed as a user would have it
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import time
+from pathlib import Path
+
+from lock import only_one
+from report import Failure, say
+from steps import Environment
+from system import install_missing_packages
+
+ROOT = Path(__file__).resolve().parents[2]
+DISTROS = ('kilted', 'jazzy')
+
+
+def main() -> None:
+    options = parse_arguments()
+    environment = Environment(ROOT, options.distro)
+    use_interpreter(environment.interpreter(options.python))
+    with only_one(environment.folder.with_suffix('.lock')):
+        started = time.monotonic()
+        install_missing_packages(environment.folder.with_suffix('.apt.log'))
+        if environment.refresh():
+            say(f'{environment.folder} is ready after {time.monotonic() - started:.0f} s')
+
+
+def parse_arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog='scripts/bootstrap',
+        description='Make .venv/<distro>: ROS 2 from PyPI, the interfaces, and bt_orchestrator.',
+    )
+    parser.add_argument('--distro', choices=DISTROS, default=DISTROS[0], help='(default: kilted)')
+    parser.add_argument(
+        '--python',
+        metavar='EXE',
+        help='Python 3.10 to 3.13 to build with (default: the one used before, else python3)',
+    )
+    return parser.parse_args()
+
+
+def use_interpreter(executable: str) -> None:
+    """Go on in the interpreter that the environment is made of, unless this is it."""
+    if os.path.realpath(executable) != os.path.realpath(sys.executable):
+        os.execv(executable, [executable, '-I', str(Path(__file__).parent), *sys.argv[1:]])
+
+
+if __name__ == '__main__':
+    try:
+        main()
+    except Failure as failure:
+        sys.exit(f'bootstrap: {failure}')
+    except KeyboardInterrupt:
+        sys.exit('bootstrap: interrupted; run it again to go on')

@@ -1,0 +1,51 @@
+"""Packages of the operating system: checked by what they bring, installed with apt-get."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import shutil
+import sys
+import sysconfig
+from pathlib import Path
+
+from commands import run_logged
+from report import Failure, timed
+
+
+def install_missing_packages(log: Path) -> None:
+    """Install what is missing when that is possible, else name the command that does."""
+    missing = _missing_packages()
+    if not missing:
+        return
+    if os.geteuid() != 0 or shutil.which('apt-get') is None:
+        raise Failure(
+            'system packages are missing; install them and run this again:\n'
+            f'    sudo apt-get install -y {" ".join(missing)}'
+        )
+    with timed(f'apt-get install {" ".join(missing)}'):
+        _apt_get(log, 'update')
+        _apt_get(log, 'install', '--no-install-recommends', *missing)
+    if still := _missing_packages():
+        raise Failure(f'apt-get succeeded, but what {" ".join(still)} should bring is not there')
+
+
+def _missing_packages() -> list[str]:
+    python = 'python{}.{}'.format(*sys.version_info)
+    present = {
+        f'{python}-venv': importlib.util.find_spec('ensurepip') is not None,
+        f'{python}-dev': Path(sysconfig.get_path('include'), 'Python.h').exists(),
+        'g++': bool(shutil.which(os.environ.get('CXX', 'c++'))),
+        'graphviz': bool(shutil.which('dot')),
+    }
+    missing = [package for package, found in present.items() if not found]
+    own = [package for package in missing if package.startswith('python')]
+    if own and sys.base_prefix != '/usr':
+        # apt's packages are for apt's Python.
+        raise Failure(f'{sys.executable} lacks ensurepip or Python.h; use another with --python')
+    return missing
+
+
+def _apt_get(log: Path, *arguments: str) -> None:
+    options = ('-y', '-qq', '-o', 'DPkg::Lock::Timeout=300')  # another apt-get may be at work
+    run_logged(log, 'apt-get', *options, *arguments, DEBIAN_FRONTEND='noninteractive')

@@ -1,0 +1,74 @@
+"""Components of a cell file, and the conveyor."""
+
+from __future__ import annotations
+
+import pytest
+from fakes.action_types import FakeActionTypes
+from fakes.mistake_tables import table
+from fakes.script_texts import mistakes
+
+from bt_orchestrator.model.cell import Cell, OnFailure
+from bt_orchestrator.script.cell_file import parse_cell
+
+CELL = """\
+cell: c
+conveyor: {{sections: 3, action: /belt/index, type: plain_interfaces/action/Index}}
+components:
+  arm: {{{}}}
+"""
+
+BELT = """\
+cell: c
+conveyor: {{action: /belt/index, {}}}
+components: {{a: {{action: /arm/task, type: test_interfaces/action/Rich, section: 3}}}}
+"""
+
+
+def parsed(text: str) -> Cell:
+    return parse_cell(text, 'cell.yaml', FakeActionTypes())
+
+
+def arm(options: str) -> str:
+    return CELL.format(f'action: /arm/task, type: test_interfaces/action/Rich,\n    {options}')
+
+
+@pytest.mark.parametrize(('names', 'expected'), table('component_names'))
+def test_names(names: str, expected: list[str]) -> None:
+    assert mistakes(lambda: parsed(CELL.format(names))) == expected
+
+
+@pytest.mark.parametrize(('options', 'expected'), table('component_options'))
+def test_options(options: str, expected: list[str]) -> None:
+    assert mistakes(lambda: parsed(arm(options))) == expected
+
+
+@pytest.mark.parametrize(('options', 'expected'), table('conveyor'))
+def test_the_conveyor(options: str, expected: list[str]) -> None:
+    assert mistakes(lambda: parsed(BELT.format(options))) == expected
+
+
+def test_simulated_behaviour_is_read() -> None:
+    options = 'durations: {RUN: 2, STOP: 0}, results: {RUN: {value: 2, pose: {frame: x}}}'
+    component = parsed(arm(options)).components['arm']
+    assert (component.duration_s('RUN'), component.duration_s('STOP')) == (2.0, 0.0)
+    assert component.duration_s('OTHER') == 1.0
+    assert component.results == {'RUN': {'value': 2.0, 'pose': {'frame': 'x'}}}
+
+
+def test_a_component_needs_a_name_and_a_type_only() -> None:
+    component = parsed(arm('')).components['arm']
+    assert (component.sections, component.state, component.results) == ((), None, {})
+    assert component.durations_s == {}
+
+
+def test_the_conveyor_may_retry_and_abort() -> None:
+    options = 'sections: 3, type: plain_interfaces/action/Index, retries: 2, duration: 4, '
+    belt = parsed(BELT.format(options + 'on_failure: abort_job')).conveyor
+    assert (belt.retries, belt.on_failure) == (2, OnFailure.ABORT_JOB)
+    assert belt.component.duration_s('anything') == 4.0
+
+
+def test_the_index_task_of_a_type_without_task_field_is_a_label() -> None:
+    options = 'sections: 3, type: plain_interfaces/action/Index'
+    assert parsed(BELT.format(options)).conveyor.task == 'Index'
+    assert parsed(BELT.format(options + ', task: GO')).conveyor.task == 'GO'

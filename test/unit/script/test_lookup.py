@@ -1,0 +1,80 @@
+"""Finding a script by its name."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from bt_orchestrator.errors import Refused
+from bt_orchestrator.script.lookup import find_script, is_path
+from bt_orchestrator.script.report import Place
+
+
+@pytest.fixture
+def folders(tmp_path: Path) -> list[Path]:
+    folders = [tmp_path / 'own', tmp_path / 'installed']
+    for folder in folders:
+        folder.mkdir()
+        (folder / 'process.yaml').touch()
+    (folders[1] / 'inspect.yaml').touch()
+    return folders
+
+
+def refusal(name: str, folders: list[Path]) -> str:
+    with pytest.raises(Refused) as caught:
+        find_script(name, folders)
+    return str(caught.value)
+
+
+def test_a_name_is_looked_up_in_each_folder_in_turn(folders: list[Path]) -> None:
+    assert find_script('process', folders) == folders[0] / 'process.yaml'
+    assert find_script('process', folders[::-1]) == folders[1] / 'process.yaml'
+    assert find_script('inspect', folders) == folders[1] / 'inspect.yaml'
+
+
+def test_a_path_is_taken_as_it_is(folders: list[Path]) -> None:
+    path = str(folders[1] / 'inspect.yaml')
+    assert find_script(path, []) == Path(path)
+
+
+@pytest.mark.parametrize(
+    ('text', 'expected'),
+    [('process', False), ('v1.2', False), ('a/b', True), ('a.yaml', True), ('a.yml', True)],
+)
+def test_what_is_a_path(text: str, expected: bool) -> None:
+    assert is_path(text) is expected
+
+
+def test_an_unknown_name_is_told_with_the_nearest(folders: list[Path]) -> None:
+    assert refusal('inspct', folders) == (
+        f'inspct:1:1: there is no script `inspct`: looked in {folders[0]}, {folders[1]}; '
+        'did you mean `inspect`?'
+    )
+    assert refusal('x', []) == (
+        'x:1:1: there is no script `x`: looked in no folder; check the name, or give a path'
+    )
+
+
+def test_a_folder_that_is_not_there_is_no_mistake_of_its_own(folders: list[Path]) -> None:
+    nowhere = folders[0] / 'nowhere'
+    assert find_script('inspect', [nowhere, *folders]).name == 'inspect.yaml'
+    assert str(nowhere) in refusal('x', [nowhere])
+
+
+def test_an_unknown_path_is_told_with_its_neighbour(folders: list[Path]) -> None:
+    path = folders[1] / 'inspekt.yaml'
+    assert refusal(str(path), folders).endswith('; did you mean `inspect.yaml`?')
+    assert refusal('no/such.yaml', folders) == (
+        'no/such.yaml:1:1: there is no script file `no/such.yaml`; check the path'
+    )
+
+
+@pytest.mark.parametrize('name', ['a\x00b', 'x' * 5000, '', '.', 'a\x00/b.yaml'])
+def test_names_that_no_file_can_have(name: str, folders: list[Path]) -> None:
+    assert 'there is no script' in refusal(name, folders)
+
+
+def test_the_finding_may_point_into_an_order(folders: list[Path]) -> None:
+    with pytest.raises(Refused, match=r'^order\.yaml:2:9: there is no script `x`'):
+        find_script('x', folders, 'order.yaml', Place(2, 9))

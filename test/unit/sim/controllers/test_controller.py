@@ -1,0 +1,350 @@
+"""What one simulated controller does, on a virtual clock and without ROS."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from bt_orchestrator.model.action_type import ActionType, FieldType, MessageType
+from bt_orchestrator.model.cell import Component, StateTopic
+from bt_orchestrator.model.fault import parse_fault
+from bt_orchestrator.model.goal import GoalStatus
+from bt_orchestrator.sim.clock import VirtualClock
+from bt_orchestrator.sim.controllers.controller import Controller, Pace
+from bt_orchestrator.sim.controllers.goal_log import GoalLog
+from bt_orchestrator.sim.controllers.presence import Answer
+
+A = 1
+ACTION_TYPE = ActionType(
+    'p/action/T',
+    MessageType('Goal', {'task': FieldType('int', 'uint8')}),
+    MessageType(
+        'Result', {'task_result': FieldType('bool', 'boolean'), 'size': FieldType('int', 'int32')}
+    ),
+    {'A': A, 'B': 2},
+)
+
+
+@dataclass
+class FakeGoal:
+    """A goal that remembers what it was told."""
+
+    id: str
+    clock: VirtualClock
+    texts: list[str] = field(default_factory=list)
+    status: GoalStatus | None = None
+    result: Mapping[str, Any] = field(default_factory=dict)
+    ended_at: float | None = None
+
+    def feedback(self, text: str) -> None:
+        self.texts.append(text)
+
+    def end(self, status: GoalStatus, result: Mapping[str, Any]) -> None:
+        assert self.status is None, 'a goal ends once'
+        self.status, self.result, self.ended_at = status, result, self.clock.now()
+
+
+class FakePresence:
+    """Remembers, with the time, how a controller showed itself."""
+
+    def __init__(self, clock: VirtualClock) -> None:
+        self._clock = clock
+        self.seen: list[tuple[float, str]] = []
+
+    def appear(self) -> None:
+        self._note('appears')
+
+    def vanish(self) -> None:
+        self._note('vanishes')
+
+    def announce(self, ready: bool) -> None:
+        self._note('ready' if ready else 'not ready')
+
+    def warn(self, text: str) -> None:
+        """Nobody reads it here."""
+
+    def _note(self, what: str) -> None:
+        self.seen.append((self._clock.now(), what))
+
+
+class Bench:
+    """One controller with everything around it; a task takes 4 s."""
+
+    def __init__(self, *faults: str, pace: Pace | None = None, log: GoalLog | None = None) -> None:
+        self.clock = VirtualClock()
+        self.presence = FakePresence(self.clock)
+        component = Component(
+            'arm',
+            (1,),
+            '/arm/task',
+            'p/action/T',
+            state=StateTopic('/arm/state', 'std_msgs/msg/String', 'data', ('READY',)),
+            durations_s={'A': 4.0},
+            results={'B': {'size': 3}},
+            faults=tuple(parse_fault(spec) for spec in faults),
+        )
+        self.controller = Controller(
+            component, ACTION_TYPE, self.presence, self.clock, log or GoalLog(None), pace or Pace()
+        )
+        self.goals = 0
+        self.is_there = self.controller.switch_on()
+
+    def request(self, task: int = A) -> tuple[Answer, FakeGoal]:
+        """Ask for a task, and start it if it was accepted."""
+        self.goals += 1
+        goal = FakeGoal(f'g{self.goals}', self.clock)
+        answer = self.controller.answer(goal.id, task)
+        if answer is Answer.ACCEPT:
+            self.controller.start(goal)
+        return answer, goal
+
+    def accepted(self, task: int = A) -> FakeGoal:
+        answer, goal = self.request(task)
+        assert answer is Answer.ACCEPT
+        return goal
+
+    def finish(self) -> None:
+        """Let time run until nothing is armed."""
+        while self.clock.advance():
+            pass
+
+
+def test_a_task_takes_its_nominal_duration_and_ends_well() -> None:
+    bench = Bench()
+    goal = bench.accepted()
+    bench.finish()
+
+    assert (goal.ended_at, goal.status) == (4.0, GoalStatus.SUCCEEDED)
+    assert goal.result == {'task_result': True, 'size': 0}
+
+
+def test_results_of_the_cell_file_are_given_and_a_task_without_duration_takes_a_second() -> None:
+    bench = Bench()
+    goal = bench.accepted(task=2)
+    bench.finish()
+
+    assert goal.ended_at == 1.0
+    assert goal.result == {'task_result': True, 'size': 3}
+
+
+def test_feedback_comes_at_the_start_and_at_intervals() -> None:
+    bench = Bench(pace=Pace(feedback_s=1.0))
+    goal = bench.accepted()
+    bench.finish()
+
+    assert goal.texts == ['A 0%', 'A 25%', 'A 50%', 'A 75%']
+
+
+def test_a_feedback_interval_of_zero_gives_the_first_feedback_only() -> None:
+    bench = Bench(pace=Pace(feedback_s=0.0))
+    goal = bench.accepted()
+    bench.finish()
+
+    assert goal.texts == ['A 0%']
+
+
+def test_speed_divides_the_seconds_of_tasks_and_faults() -> None:
+    bench = Bench('#1=late:6', '#1=not_ready:20', pace=Pace(speed=10.0))
+    goal = bench.accepted()
+    bench.finish()
+
+    assert goal.ended_at == 1.0
+    assert bench.presence.seen[-2:] == [(1.0, 'not ready'), (3.0, 'ready')]
+
+
+def test_a_second_goal_is_rejected_while_one_runs_and_not_counted() -> None:
+    bench = Bench('#2=abort')
+    first = bench.accepted()
+
+    assert bench.request()[0] is Answer.REJECT
+
+    bench.finish()
+    second = bench.accepted()
+    bench.finish()
+    assert first.status is GoalStatus.SUCCEEDED
+    assert second.status is GoalStatus.ABORTED
+
+
+def test_a_value_that_is_no_task_constant_is_rejected() -> None:
+    assert Bench().request(task=9)[0] is Answer.REJECT
+
+
+def test_a_cancel_request_is_obeyed_at_once() -> None:
+    bench = Bench()
+    goal = bench.accepted()
+
+    assert bench.controller.cancel(goal.id)
+    assert goal.status is GoalStatus.CANCELED
+
+    bench.accepted()  # it is free again
+
+
+def test_a_cancel_request_for_another_goal_is_refused() -> None:
+    bench = Bench()
+    goal = bench.accepted()
+
+    assert not bench.controller.cancel('of yesterday')
+    assert goal.status is None
+
+
+@pytest.mark.parametrize(
+    ('fault', 'status', 'time'),
+    [
+        ('=false', GoalStatus.SUCCEEDED, 4.0),
+        ('=abort', GoalStatus.ABORTED, 4.0),
+        ('=cancel', GoalStatus.CANCELED, 4.0),
+        ('=late:2.5', GoalStatus.SUCCEEDED, 6.5),
+        ('=hang', None, None),
+        ('=ignore_cancel', None, None),
+        ('=die', None, None),
+    ],
+)
+def test_how_and_when_a_fault_ends_a_goal(
+    fault: str, status: GoalStatus | None, time: float | None
+) -> None:
+    bench = Bench(fault)
+    goal = bench.accepted()
+    bench.finish()
+
+    assert (goal.status, goal.ended_at) == (status, time)
+    assert goal.result.get('task_result', False) is ('late' in fault)
+
+
+def test_a_goal_that_hangs_obeys_a_cancel_request() -> None:
+    bench = Bench('=hang')
+    goal = bench.accepted()
+    bench.finish()
+
+    assert bench.controller.cancel(goal.id)
+    assert goal.status is GoalStatus.CANCELED
+
+
+def test_a_goal_that_ignores_cancel_goes_on_for_good() -> None:
+    bench = Bench('=ignore_cancel')
+    goal = bench.accepted()
+    bench.finish()
+
+    assert not bench.controller.cancel(goal.id)
+    assert goal.status is None
+    assert bench.request()[0] is Answer.REJECT
+
+
+@pytest.mark.parametrize(('fault', 'answer'), [('=reject', Answer.REJECT), ('=mute', Answer.MUTE)])
+def test_a_request_that_is_not_accepted_executes_nothing(fault: str, answer: Answer) -> None:
+    bench = Bench(fault)
+
+    assert bench.request()[0] is answer
+    bench.accepted()  # the next goal finds it idle
+
+
+def test_a_controller_that_dies_is_back_after_its_time_and_knows_nothing() -> None:
+    bench = Bench('#1=die:5')
+    goal = bench.accepted()
+    bench.finish()
+
+    assert bench.presence.seen == [
+        (0.0, 'appears'),
+        (0.0, 'ready'),
+        (2.0, 'vanishes'),
+        (7.0, 'appears'),
+        (7.0, 'ready'),
+    ]
+    assert not bench.controller.cancel(goal.id)
+    second = bench.accepted()
+    bench.finish()
+    assert second.status is GoalStatus.SUCCEEDED
+
+
+def test_an_absent_controller_comes_after_its_time_or_never() -> None:
+    late, never = Bench('=absent:3'), Bench('=absent')
+    late.finish()
+    never.finish()
+
+    assert not late.is_there
+    assert late.presence.seen == [(3.0, 'appears'), (3.0, 'ready')]
+    assert not never.presence.seen
+
+
+def test_not_ready_from_the_start_says_nothing_else_before() -> None:
+    bench = Bench('#0=not_ready:5')
+    bench.finish()
+
+    assert bench.presence.seen == [(0.0, 'appears'), (0.0, 'not ready'), (5.0, 'ready')]
+
+
+def test_an_absent_controller_may_come_unready() -> None:
+    bench = Bench('=absent:3', '#0=not_ready')
+    bench.finish()
+
+    assert bench.presence.seen == [(3.0, 'appears'), (3.0, 'not ready')]
+
+
+def test_not_ready_lasts_from_the_end_of_the_goal_for_good() -> None:
+    bench = Bench('A#1=not_ready')
+    bench.accepted()
+    bench.finish()
+
+    assert bench.presence.seen[2:] == [(4.0, 'not ready')]
+
+
+def test_a_later_not_ready_is_not_ended_by_an_earlier_one() -> None:
+    bench = Bench('#*=not_ready:5')
+    bench.accepted()
+    bench.clock.advance()  # feedback
+    bench.controller.cancel('g1')
+    bench.accepted()
+    bench.finish()
+
+    assert [time for time, what in bench.presence.seen if what == 'ready'] == [0.0, 9.5]
+
+
+def test_a_silent_state_topic_never_says_anything() -> None:
+    bench = Bench('=silent', '#1=not_ready:1')
+    bench.accepted()
+    bench.finish()
+
+    assert bench.presence.seen == [(0.0, 'appears')]
+
+
+def test_switched_off_it_aborts_the_goal_and_takes_no_other() -> None:
+    bench = Bench()
+    goal = bench.accepted()
+    bench.controller.switch_off()
+
+    assert goal.status is GoalStatus.ABORTED
+    assert bench.request()[0] is Answer.REJECT
+
+
+def test_the_log_tells_what_happened_to_every_goal(tmp_path: Path) -> None:
+    path = tmp_path / 'goals.jsonl'
+    log = GoalLog(path)
+    bench = Bench('#2=reject', '#3=mute', '#4=die', log=log)
+    bench.accepted()
+    bench.finish()
+    bench.request()
+    bench.request()
+    bench.accepted()
+    bench.finish()
+    log.close()
+
+    lines = [json.loads(line) for line in path.read_text().splitlines()]
+    assert [(line['event'], line.get('goal')) for line in lines] == [
+        ('appeared', None),
+        ('accepted', 'g1'),
+        ('started', 'g1'),
+        ('ended', 'g1'),
+        ('rejected', 'g2'),
+        ('muted', 'g3'),
+        ('accepted', 'g4'),
+        ('started', 'g4'),
+        ('died', 'g4'),
+    ]
+    assert {line['component'] for line in lines} == {'arm'}
+    assert lines[3]['status'] == 'succeeded'
+    assert lines[3]['time'] == 4.0
+    assert all(line['task'] == 'A' for line in lines[1:])
