@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 from bt_orchestrator.errors import Refused
-from bt_orchestrator.sim.controllers.stop_signals import StopSignals
+from bt_orchestrator.stop_signals import StopSignals
 
 DESCRIPTION = """\
 Start a real ROS 2 action server for every component of a cell file and for its conveyor, with
@@ -151,16 +151,17 @@ def _simulate(args: argparse.Namespace, stop: StopSignals) -> int:
 
 def sim_cell_main() -> int:
     """Run as a program of its own, for `ros2 run` and `ros2 launch`, with --ros-args allowed."""
-    from bt_orchestrator.sim.controllers.process import BadRosArguments, without_ros_args
+    with StopSignals() as stop:
+        from bt_orchestrator.sim.controllers.process import BadRosArguments, without_ros_args
 
-    parser = argparse.ArgumentParser(prog='sim_cell')
-    add_arguments(parser)
-    try:
-        args = parser.parse_args(without_ros_args(sys.argv)[1:])
-    except BadRosArguments as error:
-        return _wrong_use(str(error))
-    args.ros_args = sys.argv
-    return run(args)
+        parser = argparse.ArgumentParser(prog='sim_cell')
+        add_arguments(parser)
+        try:
+            args = parser.parse_args(without_ros_args(sys.argv)[1:])
+        except BadRosArguments as error:
+            return _wrong_use(str(error))
+        args.ros_args = sys.argv
+        return _simulate(args, stop)
 
 
 def _say_ready(what: str) -> None:

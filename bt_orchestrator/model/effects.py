@@ -89,12 +89,18 @@ def _of_flags(state: CellState, key: e.TaskKey) -> Iterator[e.Event]:
 
 
 def _taken_out(state: CellState, job: str, item: str, section: int) -> e.Event:
+    if not state.items[item].present:
+        return e.PositionEnded(job=job, item=item, section=section)
     how = 'rejected' if state.items[item].rejected else 'packed'
     return e.ItemRemoved(job=job, item=item, section=section, how=how)
 
 
 def _of_index_move(state: CellState) -> Iterator[e.Event]:
-    """Move every item, the last first, so that no slot ever holds two."""
+    """Move every item, the last first, so that no slot ever holds two. Only an empty position can
+    be in the last slot (semantics 3.6)."""
+    last = state.slot(state.cell.conveyor.sections)
+    if last is not None:
+        yield e.PositionEnded(job=last.job, item=last.id, section=last.section)
     for number in range(state.cell.conveyor.sections - 1, 0, -1):
         item = state.slot(number)
         if item is not None:

@@ -32,7 +32,7 @@ def decide(state: CellState, key: e.TaskKey, task: Task) -> Iterator[e.Event]:
     if policy is OnFailure.HOLD:
         yield raise_hold(state, key, task)
     elif key == e.INDEX_KEY:
-        yield from _abort_all_on_the_belt(state)
+        yield from abort_all_on_the_belt(state, 'the index move failed')
         yield raise_hold(state, key, task)
     else:
         yield from pass_over(state, key, policy, f'{task.id} failed: {_failure(state, key)}')
@@ -103,7 +103,8 @@ def _failure(state: CellState, key: e.TaskKey) -> str:
     return f'{word}, {failed.message}' if failed.message else word
 
 
-def _abort_all_on_the_belt(state: CellState) -> Iterator[e.Event]:
+def abort_all_on_the_belt(state: CellState, reason: str) -> Iterator[e.Event]:
+    """Abort every job with something on the belt (semantics 3.5)."""
     jobs = {state.items[s.slot].job for s in state.sections.values() if s.slot is not None}
     for job in [job for job in state.jobs.values() if job.job.id in jobs]:
-        yield from effects.of_abort(state, job, 'the index move failed')
+        yield from effects.of_abort(state, job, reason)

@@ -183,9 +183,9 @@ def end_of_beat(state: CellState) -> Advance | Overrun | Wait:
     owing = [w for w in map(lambda s: owes_turn(state, s), state.sections.values()) if w]
     if owing:
         return Wait('; '.join(owing))
-    last = state.sections[state.cell.conveyor.sections].slot
-    if last is not None:
-        return Overrun(last)
+    last = state.slot(state.cell.conveyor.sections)
+    if last is not None and last.present:
+        return Overrun(last.id)
     stopped = stopped_because(state)
     if stopped:
         return Wait(stopped)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.commands import Command, Shutdown, SubmitJob
+from bt_orchestrator.model.commands import AnswerHold, Command, RemoveItem, SubmitJob
 from bt_orchestrator.model.failures import SHUTDOWN
 from bt_orchestrator.model.packml import Mode
-from bt_orchestrator.runtime import orders
+from bt_orchestrator.runtime import operators, orders
 from bt_orchestrator.runtime.ledger import Ledger
 
 
@@ -18,7 +18,12 @@ def answer_to(command: Command, ledger: Ledger) -> str:
     if isinstance(command, SubmitJob):
         ledger.record(list(orders.submit(ledger.state, command)))
         return f'{command.job.id} is queued'
-    assert isinstance(command, Shutdown)
+    if isinstance(command, AnswerHold):
+        ledger.record(operators.answer(ledger.state, command, ledger.now))
+        return f'hold {command.hold}: {command.answer}'
+    if isinstance(command, RemoveItem):
+        ledger.record(operators.remove(ledger.state, command))
+        return f'{command.item} is off the belt'
     return _shut_down(ledger)
 
 

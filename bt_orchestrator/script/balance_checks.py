@@ -9,15 +9,19 @@ from bt_orchestrator.model.script import RunsFor
 from bt_orchestrator.script.drafts import ScriptDraft, TaskDraft
 from bt_orchestrator.script.report import Report, listing
 
+GOOD, REJECTED = False, True
+"""States of an item, as `RunsFor.includes` takes them."""
+
 
 def check_balance(script: ScriptDraft, report: Report) -> None:
     """Report whatever would leave an item unplaced, on the belt, or taken out twice.
 
-    A good item passes every task from the source to the sink; a task that may reject it leads to
-    a rejected item, which must meet exactly one `-1` behind that task. A `-1` that may reject has
-    failed to take the item out, so it needs another one behind it. A task that rejects before or
-    at the `+1` leaves an empty position and needs none (3.2). Where a `-1` runs in parallel to a
-    task that may reject, nobody could tell which comes first: refused.
+    A good item passes every task from the source to the sink and meets exactly one `-1`. Behind a
+    task that may reject it, it must meet exactly one `-1` that runs for rejected items. A `-1`
+    that may reject has then failed to take the item out, so it needs another one behind it. A task
+    that rejects before or at the `+1` leaves an empty position and needs none; nor does one that
+    runs for rejected items only, or that no item on the belt can reach. Where a `-1` runs in
+    parallel to a task that may reject, nobody could tell which comes first: refused.
     """
     if not _is_readable(script):
         return
@@ -53,9 +57,33 @@ class _Balance:
         if early or not all(task.fields.is_sure('runs_for') for task in self._taking):
             return
         self._check_good()
-        for task in self._script.listed:
-            if self._rejects(task) and self._reaches(task):
+        self._check_rejects()
+
+    def _check_rejects(self) -> None:
+        """Follow what can be left of an item, step by step, and check whatever rejects it."""
+        states = frozenset((GOOD, REJECTED))
+        for number in sorted(self._script.sections):
+            for step in self._script.sections[number].steps:
+                left = [self._follow(track, states) for track in step]
+                states = frozenset.intersection(*left) if left else states
+
+    def _follow(self, track: tuple[TaskDraft, ...], states: frozenset[bool]) -> frozenset[bool]:
+        """Return the states in which an item can be on the belt behind a track.
+
+        It starts with both, because an operator may reject any item.
+        """
+        for task in track:
+            if not self._source.precedes(task) and not self._source.is_beside(task):
+                continue
+            here = {state for state in states if task.task.runs_for.includes(state)}
+            is_taking = task.task.qty_change < 0
+            if self._rejects(task) and (GOOD in here or (here and is_taking)):
                 self._check_rejected(task)
+            if is_taking:
+                states -= here
+            if GOOD in states or (task.may_reject and here):
+                states |= {REJECTED}
+        return states
 
     def _check_ends(self) -> None:
         first = self._source.section or 0
@@ -84,21 +112,6 @@ class _Balance:
         """Tell whether a task may reject; a trailing one may not, which is reported elsewhere."""
         is_sure = task.fields.is_sure('on_failure') and not self._script.trailing(task)
         return task.may_reject and is_sure
-
-    def _reaches(self, task: TaskDraft) -> bool:
-        """Tell whether a placed item can be there when the task runs."""
-        if not self._source.precedes(task) and not self._source.is_beside(task):
-            return False
-        return any(
-            task.task.runs_for.includes(rejected) and not self._is_out_before(task, rejected)
-            for rejected in (False, True)
-        )
-
-    def _is_out_before(self, task: TaskDraft, rejected: bool) -> bool:
-        return any(
-            taker.precedes(task) and taker.task.runs_for.includes(rejected)
-            for taker in self._taking
-        )
 
     def _check_rejected(self, task: TaskDraft) -> None:
         takers = [one for one in self._taking if one.task.runs_for.includes(rejected=True)]

@@ -12,7 +12,7 @@ STATE = Table(
     (
         Key('topic', Kind.TEXT, 'ROS 2 topic name', '/unpacking/state', required=True),
         Key('type', Kind.TEXT, 'message type', 'std_msgs/msg/String', required=True),
-        Key('field', Kind.TEXT, 'field that is compared', 'data', required=True),
+        Key('field', Kind.TEXT, 'field that is compared, or a path to it', 'data', required=True),
         Key('ready', Kind.LIST, 'values that allow a goal', '[READY]', required=True),
     ),
 )
@@ -42,6 +42,12 @@ _RESULTS = Key(
     'result fields of each task, for simulation; else true, 0 and empty',
     '{TASK_A: {measurement: 1.5}}',
 )
+_FAULTS = Key(
+    'faults',
+    Kind.LIST,
+    'faults of the simulated controller, each `[TASK][#NTH]=KIND[:SECONDS]` as for `sim-cell`',
+    '["TASK_A#2=abort"]',
+)
 
 COMPONENT = Table(
     'a component',
@@ -64,6 +70,7 @@ COMPONENT = Table(
             '{PREPARE: 1.0}',
         ),
         _RESULTS,
+        _FAULTS,
     ),
     misplaced={
         'duration': (
@@ -114,6 +121,7 @@ CONVEYOR = Table(
             choices=words(OnFailure, OnFailure.CONTINUE, OnFailure.REJECT),
         ),
         _RESULTS,
+        _FAULTS,
     ),
     misplaced={
         'durations': (

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
 from bt_orchestrator.errors import UnknownActionType
 from bt_orchestrator.model.action_type import ActionType, FieldType, MessageType
 from bt_orchestrator.model.cell import DEFAULT_TIMEOUT_S, Component, StateTopic
+from bt_orchestrator.model.fault import Fault, parse_fault
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.argument_checks import MessageReader
+from bt_orchestrator.script.fault_checks import unseen
 from bt_orchestrator.script.field_types import misfit, simple_type
 from bt_orchestrator.script.fields import Fields
 from bt_orchestrator.script.keys import LONGEST_SECONDS
@@ -72,6 +74,7 @@ class ComponentReader:
             state=self._state(),
             timeout_s=self._fields.timeout('timeout', DEFAULT_TIMEOUT_S),
             results=self._results(),
+            faults=tuple(self._faults()),
         )
 
     def _action_type(self) -> ActionType | None:
@@ -195,6 +198,27 @@ class ComponentReader:
                 message = MessageType(f'the result of {self._type.name}', fields)
                 results[entry.key.text] = MessageReader(self._report).read(entry.value, message)
         return results
+
+    def _faults(self) -> Iterator[Fault]:
+        for item in self._fields.items('faults'):
+            if not isinstance(item, Scalar) or item.value is None:
+                what = f'a fault must be text, not {found(item)}'
+                self._report.add(item.place, what, 'write it in quotes: "TASK_A#2=abort"')
+                continue
+            try:
+                fault = parse_fault(item.text)
+            except ValueError as error:
+                self._report.add(item.place, str(error), 'write for instance "TASK_A#2=late:3.5"')
+            else:
+                self._check_fault(fault, item)
+                yield fault
+
+    def _check_fault(self, fault: Fault, item: Scalar) -> None:
+        if self._type is not None:
+            has_state = self._fields.has('state')
+            reason = unseen(fault, self._name, self._type, has_state=has_state)
+            if reason is not None:
+                self._report.add(item.place, reason.what, reason.hint)
 
     def _check_task(self, key: Scalar) -> None:
         if self._type is not None:

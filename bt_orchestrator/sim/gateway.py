@@ -58,6 +58,13 @@ class VirtualGateway:
         client.send(goal)
         return goal
 
+    def adopt(self, request: GoalRequest) -> VirtualGoal:
+        """Take over a goal that was sent before, by its UUID (semantics 9.2).
+
+        The robots outlive their orchestrator: a new one takes over from a journal.
+        """
+        return self._clients[request.component].adopt(request)
+
     def drain(self) -> Sequence[Goal | StateReading]:
         """Return what is new."""
         return self._news.drain()

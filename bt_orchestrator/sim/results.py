@@ -66,6 +66,8 @@ def _merged(default: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, A
     merged = dict(default)
     for name, value in given.items():
         inner = default.get(name)
-        nested = isinstance(value, Mapping) and isinstance(inner, Mapping)
-        merged[name] = _merged(inner, value) if nested else value
+        if isinstance(value, Mapping) and isinstance(inner, Mapping):
+            merged[name] = _merged(inner, value)
+        else:
+            merged[name] = value
     return merged

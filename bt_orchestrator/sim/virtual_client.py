@@ -11,6 +11,7 @@ from bt_orchestrator.model.cell import Component
 from bt_orchestrator.model.goal import (
     REQUEST_CHECKS,
     RESULT_CHECK_S,
+    RESULT_TIMEOUT_S,
     SERVER_LEASE_S,
     Feedback,
     GoalEnd,
@@ -22,6 +23,8 @@ from bt_orchestrator.news import News
 from bt_orchestrator.ports import Clock, Timer
 from bt_orchestrator.sim.virtual_controller import VirtualController
 from bt_orchestrator.sim.virtual_goal import VirtualGoal
+
+_UNKNOWN = 'the server does not know the goal (any more)'
 
 
 class VirtualClient:
@@ -47,6 +50,7 @@ class VirtualClient:
         self._controller = VirtualController(component, action_type, clock, duration, self)
         self._waiting: dict[VirtualGoal, None] = {}
         self._in_flight: dict[VirtualGoal, None] = {}
+        self._remembered: dict[str, tuple[VirtualGoal, float | None]] = {}
         self._lease: Timer | None = None
         self._value: Any = None
         self.available = False
@@ -59,6 +63,18 @@ class VirtualClient:
             return
         self._waiting[goal] = None
         goal.timer = self._after(self._server_timeout_s, lambda: self._give_up(goal))
+
+    def adopt(self, request: GoalRequest) -> VirtualGoal:
+        """Return the goal that the server knows by this UUID, else one that ends LOST."""
+        known, _ = self._remembered.get(request.id, (None, None))
+        if known is not None:
+            self._clock.call_at(self._clock.now(), lambda: self._news.add(known))
+            return known
+        goal = VirtualGoal(request, self.cancel)
+        end = GoalEnd(GoalStatus.LOST, message=_UNKNOWN)
+        wait_s = 0.0 if self.available else self._server_timeout_s
+        goal.timer = self._after(wait_s, lambda: self.ended(goal, end))
+        return goal
 
     def cancel(self, goal: VirtualGoal) -> None:
         """Pass a cancel request on, or withdraw a goal that was not sent."""
@@ -88,6 +104,7 @@ class VirtualClient:
 
     def vanished(self) -> None:
         """Notice nothing until the lease is over."""
+        self._remembered.clear()
         self._lease = self._after(SERVER_LEASE_S, self._lease_over)
 
     def announced(self, value: Any) -> None:
@@ -100,6 +117,8 @@ class VirtualClient:
         """Tell; cancel what was cancelled before."""
         goal.accepted = True
         goal.feedback = feedback
+        self._forget_old()
+        self._remembered[goal.request.id] = goal, None
         self._news.add(goal)
         if goal.cancel_requested:
             self.cancel(goal)
@@ -109,6 +128,11 @@ class VirtualClient:
         goal.stop_timer()
         self._in_flight.pop(goal, None)
         goal.end = end
+        if goal.request.id in self._remembered:
+            del self._remembered[goal.request.id]
+            if end.status is not GoalStatus.LOST:
+                # Again at the last place: the oldest end comes first.
+                self._remembered[goal.request.id] = goal, self._clock.now()
         self._news.add(goal)
 
     # --- loss -------------------------------------------------------------------------------
@@ -126,7 +150,7 @@ class VirtualClient:
         goal.stop_timer()
         passed = math.ceil((self._clock.now() - goal.sent_s) / RESULT_CHECK_S)
         checks = max(passed, 1) + (0 if goal.accepted else REQUEST_CHECKS - 1)
-        end = GoalEnd(GoalStatus.LOST, message='the server does not know the goal (any more)')
+        end = GoalEnd(GoalStatus.LOST, message=_UNKNOWN)
         due_s = goal.sent_s + checks * RESULT_CHECK_S
         goal.timer = self._clock.call_at(due_s, lambda: self.ended(goal, end))
 
@@ -141,6 +165,15 @@ class VirtualClient:
         del self._waiting[goal]
         message = f'no server of {self._component.action} within {self._server_timeout_s:g} s'
         self.ended(goal, GoalEnd(GoalStatus.UNAVAILABLE, message=message))
+
+    def _forget_old(self) -> None:
+        """Forget what ended so long ago that a server would have (semantics 9.2)."""
+        for id_, (_, ended_s) in tuple(self._remembered.items()):
+            if ended_s is None:
+                continue
+            if ended_s + RESULT_TIMEOUT_S > self._clock.now():
+                break
+            del self._remembered[id_]
 
     def _after(self, seconds: float, then: Callable[[], None]) -> Timer:
         return self._clock.call_at(self._clock.now() + seconds, then)

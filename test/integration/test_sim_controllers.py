@@ -13,6 +13,7 @@ from bt_orchestrator_interfaces.action import Component, Conveyor
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from sim_cell_process import SimCellProcess
 from std_msgs.msg import String
+from test_msgs.action import Fibonacci
 
 TASK_S = 0.2
 CELL = """
@@ -154,8 +155,6 @@ def test_the_conveyor_moves(ros: ActionCaller) -> None:
 
 
 def test_any_action_type_works_by_name_and_type_alone(ros: ActionCaller) -> None:
-    from test_msgs.action import Fibonacci
-
     seen: list[Any] = []
     end = ros.call('/counter/count', Fibonacci, Fibonacci.Goal(order=5), on_feedback=seen.append)
 

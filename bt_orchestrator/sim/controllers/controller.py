@@ -195,8 +195,9 @@ class Controller:
         if work is None:
             return
         self._record('ended', goal=work.goal.id, task=work.task, status=status.value)
-        work.goal.end(status, result)
+        # Before the end is told, so that nobody who hears of it believes in readiness.
         self._withdraw(work.faults.find(FaultKind.NOT_READY))
+        work.goal.end(status, result)
 
     def _stop_work(self) -> _Work | None:
         work, self._work = self._work, None

@@ -14,7 +14,7 @@ from rclpy.task import Future
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.sim.controllers.guard import report
 from bt_orchestrator.sim.controllers.node import ControllerNode, Setup
-from bt_orchestrator.sim.controllers.stop_signals import StopSignals
+from bt_orchestrator.stop_signals import StopSignals
 
 _LAST_WORDS_S = 2.0
 """Longest time for telling clients that their goals were aborted."""

@@ -59,9 +59,11 @@ def is_left_by(tasks: list[str], failing: set[int], by_hand: int | None) -> bool
         state = 'rejected' if rejected else 'good'
         if f'runs_for: {state}' not in task and 'runs_for: all' not in task:
             continue
+        is_taking = 'qty_change: -1' in task
         if number in failing:
-            rejected = by_script = True
-        elif 'qty_change: -1' in task:
+            by_script = by_script or not rejected or is_taking
+            rejected = True
+        elif is_taking:
             return False
     return by_script
 

@@ -8,6 +8,7 @@ from fakes.mistake_tables import table
 from fakes.script_texts import mistakes
 
 from bt_orchestrator.model.cell import Cell, OnFailure
+from bt_orchestrator.model.fault import Fault, FaultKind
 from bt_orchestrator.script.cell_file import parse_cell
 
 CELL = """\
@@ -53,6 +54,17 @@ def test_simulated_behaviour_is_read() -> None:
     assert (component.duration_s('RUN'), component.duration_s('STOP')) == (2.0, 0.0)
     assert component.duration_s('OTHER') == 1.0
     assert component.results == {'RUN': {'value': 2.0, 'pose': {'frame': 'x'}}}
+
+
+def test_faults_of_the_simulated_controller_are_read() -> None:
+    component = parsed(arm('faults: [RUN=abort, "#2=late:3.5"]')).components['arm']
+    late = Fault(FaultKind.LATE, nth=2, seconds=3.5)
+    assert component.faults == (Fault(FaultKind.ABORT, 'RUN'), late)
+
+
+def test_the_conveyor_may_have_faults() -> None:
+    options = 'sections: 3, type: plain_interfaces/action/Index, faults: ["#1=hang"]'
+    assert parsed(BELT.format(options)).conveyor.component.faults == (Fault(FaultKind.HANG),)
 
 
 def test_a_component_needs_a_name_and_a_type_only() -> None:

@@ -292,6 +292,21 @@ def test_not_ready_lasts_from_the_end_of_the_goal_for_good() -> None:
     assert bench.presence.seen[2:] == [(4.0, 'not ready')]
 
 
+def test_it_says_not_ready_before_it_ends_the_goal() -> None:
+    bench = Bench('#1=not_ready')
+    told: list[str] = []
+
+    class ListeningGoal(FakeGoal):
+        def end(self, status: GoalStatus, result: Mapping[str, Any]) -> None:
+            told.append(bench.presence.seen[-1][1])
+
+    assert bench.controller.answer('g', A) is Answer.ACCEPT
+    bench.controller.start(ListeningGoal('g', bench.clock))
+    bench.finish()
+
+    assert told == ['not ready']
+
+
 def test_a_later_not_ready_is_not_ended_by_an_earlier_one() -> None:
     bench = Bench('#*=not_ready:5')
     bench.accepted()

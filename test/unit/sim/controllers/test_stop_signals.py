@@ -8,7 +8,7 @@ import threading
 
 import pytest
 
-from bt_orchestrator.sim.controllers.stop_signals import StopSignals
+from bt_orchestrator.stop_signals import StopSignals
 
 PATIENCE_S = 10.0
 

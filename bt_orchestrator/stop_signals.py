@@ -20,7 +20,8 @@ class StopSignals:
     """
 
     def __init__(self) -> None:
-        self._requested = threading.Event()
+        self.count = 0
+        """How many stop signals came."""
         self._wake: Callable[[], object] = _nothing
 
     def __enter__(self) -> StopSignals:
@@ -43,7 +44,7 @@ class StopSignals:
     @property
     def requested(self) -> bool:
         """Whether a stop signal came."""
-        return self._requested.is_set()
+        return self.count > 0
 
     def notify(self, wake: Callable[[], object]) -> None:
         """Name what is called, in another thread, at a stop signal; at once if one came."""
@@ -54,7 +55,7 @@ class StopSignals:
     def _listen(self) -> None:
         while written := self._reader.recv(1):
             if written[0] in _SIGNALS:
-                self._requested.set()
+                self.count += 1
                 self._wake()
 
 

@@ -1,0 +1,183 @@
+"""Putting it together: from the files a user names to what runs. Knows every class."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple, TypeVar
+
+from bt_orchestrator.errors import Finding, Refused
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.ports import ActionTypes, EventSink
+from bt_orchestrator.script.cell_file import read_cell
+from bt_orchestrator.script.lookup import find_script
+from bt_orchestrator.script.order_file import OrderFile, OrderPlaces, bind_order, read_order
+from bt_orchestrator.script.parameter_uses import action_types
+from bt_orchestrator.script.script_file import read_script
+from bt_orchestrator.sim.simulation import Simulation
+from bt_orchestrator.store.memory import MemoryStore
+
+_T = TypeVar('_T')
+
+
+class Given(NamedTuple):
+    """A job, and where its order is written."""
+
+    job: Job
+    places: OrderPlaces
+
+
+class Findings:
+    """Collects the mistakes of several files, in the order the files were read."""
+
+    def __init__(self) -> None:
+        self._findings: dict[Finding, None] = {}
+
+    def of(self, read: Callable[[], _T]) -> _T | None:
+        """Return what was read; None if it was refused."""
+        try:
+            return read()
+        except Refused as refused:
+            self._findings.update(dict.fromkeys(refused.findings))
+            return None
+
+    def refuse(self) -> None:
+        """End here if there was any mistake.
+
+        :raises Refused: with all of them
+        """
+        if self._findings:
+            raise Refused(list(self._findings))
+
+
+def installed_types() -> ActionTypes:
+    """Return what the installed interface packages say; needs them, but not rclpy."""
+    from bt_orchestrator.ros.action_types import InstalledActionTypes
+
+    return InstalledActionTypes()
+
+
+def load_scripts(
+    names: Sequence[str], cell_file: Path, folders: Sequence[Path], types: ActionTypes
+) -> tuple[Cell, list[Script]]:
+    """Read a cell, and scripts against it.
+
+    :raises Refused: with every mistake in all files; a script cannot be read without its cell
+    """
+    findings = Findings()
+    cell = findings.of(lambda: read_cell(cell_file, types))
+    paths = [findings.of(lambda name=name: find_script(name, folders)) for name in names]
+    scripts = [
+        findings.of(lambda path=path: read_script(path, cell, types))
+        for path in paths
+        if path is not None and cell is not None
+    ]
+    findings.refuse()
+    assert cell is not None
+    return cell, [script for script in scripts if script is not None]
+
+
+def load_jobs(
+    orders: Sequence[Path], cell_file: Path, folders: Sequence[Path], types: ActionTypes
+) -> tuple[Cell, list[Given]]:
+    """Read a cell, work orders and their scripts, and bind them to jobs.
+
+    An order without id is called WO-1, WO-2 and so on, whatever is free.
+
+    :raises Refused: with every mistake in all files
+    """
+    findings = Findings()
+    cell = findings.of(lambda: read_cell(cell_file, types))
+    read = [findings.of(lambda path=path: read_order(path)) for path in orders]
+    files = [file for file in read if file is not None]
+    findings.of(lambda: _refuse_duplicates(files))
+    jobs = None if cell is None else _bind(files, _ScriptShelf(cell, folders, types), findings)
+    findings.refuse()
+    assert cell is not None
+    assert jobs is not None
+    return cell, jobs
+
+
+def build_simulation(cell: Cell, types: ActionTypes, sinks: Sequence[EventSink]) -> Simulation:
+    """Build a virtual run of a cell."""
+    return Simulation(cell, types, MemoryStore(), sinks)
+
+
+def queue(simulation: Simulation, given: Sequence[Given]) -> None:
+    """Queue jobs in a virtual run, now.
+
+    :raises Refused: the cell did not accept all of them
+    """
+    answers = simulation.submit(one.job for one in given)
+    refused = [
+        Finding(one.places.file, place.line, place.column, answer.message)
+        for one, answer in zip(given, answers, strict=True)
+        if not answer.accepted
+        for place in [one.places.place('script')]
+    ]
+    if refused:
+        raise Refused(refused)
+
+
+class _ScriptShelf:
+    """Reads each script once, however many orders name it."""
+
+    def __init__(self, cell: Cell, folders: Sequence[Path], types: ActionTypes) -> None:
+        self._cell = cell
+        self._folders = folders
+        self._types = types
+        self._scripts: dict[Path, Script] = {}
+        self.types_by_component = action_types(cell, types)
+
+    def script_of(self, file: OrderFile) -> Script:
+        """Return the script that an order names.
+
+        :raises Refused: it cannot be found, or has mistakes
+        """
+        places = file.places
+        path = find_script(file.order.script, self._folders, places.file, places.place('script'))
+        if path not in self._scripts:
+            self._scripts[path] = read_script(path, self._cell, self._types)
+        return self._scripts[path]
+
+
+def _bind(
+    files: Sequence[OrderFile], shelf: _ScriptShelf, findings: Findings
+) -> list[Given]:
+    ids = _free_ids({file.order.order for file in files})
+    given = []
+    for file in files:
+        job_id = file.order.order or next(ids)
+        job = findings.of(lambda file=file, job_id=job_id: _job(file, job_id, shelf))
+        if job is not None:
+            given.append(Given(job, file.places))
+    return given
+
+
+def _job(file: OrderFile, job_id: str, shelf: _ScriptShelf) -> Job:
+    script = shelf.script_of(file)
+    return bind_order(file.order, script, job_id, file.places, shelf.types_by_component)
+
+
+def _free_ids(taken: set[str | None]) -> Iterator[str]:
+    return (name for n in itertools.count(1) if (name := f'WO-{n}') not in taken)
+
+
+def _refuse_duplicates(files: Sequence[OrderFile]) -> None:
+    """Refuse orders with the id of an order in front of them (formats: work order)."""
+    first: dict[str, OrderPlaces] = {}
+    findings = []
+    for file in files:
+        name, places = file.order.order, file.places
+        if name is not None and first.setdefault(name, places) is not places:
+            place = places.place('order')
+            before = f'{first[name].file}:{first[name].place("order").line}'
+            what = f'the order `{name}` was given before, in {before}'
+            findings.append(
+                Finding(places.file, place.line, place.column, what, 'choose another id')
+            )
+    if findings:
+        raise Refused(findings)

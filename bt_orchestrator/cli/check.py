@@ -1,0 +1,98 @@
+"""The verb `check`: all mistakes of scripts, and of the cell they are for."""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from bt_orchestrator.cli import bootstrap
+from bt_orchestrator.cli.folders import script_folders
+from bt_orchestrator.errors import Finding, Refused
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.ports import ActionTypes
+
+DESCRIPTION = """\
+Read scripts against the cell they are for, and print every mistake in them as
+FILE:LINE:COLUMN: WHAT; HINT. Moves nothing and needs no node."""
+
+EPILOG = 'exit status: 0 fine, 1 there are mistakes, 2 wrong use'
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of the verb."""
+    parser.description = DESCRIPTION
+    parser.epilog = EPILOG
+    parser.add_argument(
+        'scripts', nargs='+', metavar='SCRIPT', help='name or path of a script (YAML)'
+    )
+    add_cell_options(parser)
+    parser.add_argument('--json', action='store_true', help='one JSON object: findings, ok')
+
+
+def add_cell_options(parser: argparse.ArgumentParser) -> None:
+    """Declare where the cell and the scripts are."""
+    parser.add_argument(
+        '--cell', required=True, type=Path, metavar='CELL', help='cell file (YAML)'
+    )
+    parser.add_argument(
+        '--trees',
+        action='append',
+        type=Path,
+        default=[],
+        metavar='DIR',
+        help='folder in which scripts are looked up by name; may be repeated '
+        '(default: trees/ here, then the installed ones)',
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    """Carry out the verb; returns the exit status."""
+    return check(args, bootstrap.installed_types())
+
+
+def check(args: argparse.Namespace, types: ActionTypes) -> int:
+    """Check what the options name, with the types that are known.
+
+    :raises Refused: there are mistakes, and they are not wanted as JSON
+    """
+    folders = script_folders(args.trees)
+    try:
+        cell, scripts = bootstrap.load_scripts(args.scripts, args.cell, folders, types)
+    except Refused as refused:
+        if not args.json:
+            raise
+        print(json.dumps(as_json(refused.findings)))
+        return 1
+    if args.json:
+        print(json.dumps(as_json(())))
+    else:
+        print('\n'.join(summary(script, cell) for script in scripts))
+    return 0
+
+
+def as_json(findings: Sequence[Finding]) -> dict[str, Any]:
+    """Return findings as plain data."""
+    return {
+        'findings': [dataclasses.asdict(finding) for finding in findings],
+        'ok': not findings,
+    }
+
+
+def summary(script: Script, cell: Cell) -> str:
+    """Say in one line that a script is fine."""
+    tasks = sum(1 for tasks in script.sections.values() for _ in tasks.tasks)
+    sections = len(script.sections)
+    initialization = f' and {len(script.initialization)} of initialization' if script.initialization else ''
+    return (
+        f'{script.name}: {_count(tasks, "task")} in {_count(sections, "section")}'
+        f'{initialization}, fits cell {cell.name}'
+    )
+
+
+def _count(number: int, what: str) -> str:
+    return f'{number} {what}' if number == 1 else f'{number} {what}s'

@@ -1,0 +1,49 @@
+"""Where shipped files are: scripts, cell files, orders."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from bt_orchestrator.errors import Finding, Refused
+
+PACKAGE = 'bt_orchestrator'
+
+
+def script_folders(asked: Sequence[Path]) -> list[Path]:
+    """Return the folders in which scripts are looked up by name, in order.
+
+    Without any asked for: `trees/` in the working directory, then the installed one (formats).
+    """
+    if asked:
+        return list(asked)
+    return [folder for folder in (Path('trees'), *_shares('trees')) if folder.is_dir()]
+
+
+def shipped(*path: str) -> Path:
+    """Return a file that comes with the package.
+
+    :raises Refused: it is not installed
+    """
+    places = list(_shares(*path))
+    found = next((place for place in places if place.exists()), None)
+    if found is None:
+        what = f'the shipped file is not installed; looked in {", ".join(map(str, places))}'
+        raise Refused([Finding('/'.join(path), 1, 1, what, 'install the package again')])
+    return found
+
+
+def _shares(*path: str) -> list[Path]:
+    """Return where a shipped file may be: the ROS package, the environment, the source tree."""
+    roots = [Path(sys.prefix) / 'share' / PACKAGE, Path(__file__).parents[2]]
+    try:
+        from ament_index_python.packages import PackageNotFoundError, get_package_share_directory
+    except ImportError:
+        pass
+    else:
+        try:
+            roots.insert(0, Path(get_package_share_directory(PACKAGE)))
+        except (PackageNotFoundError, EnvironmentError):
+            pass
+    return [root.joinpath(*path) for root in dict.fromkeys(roots)]

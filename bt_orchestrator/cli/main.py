@@ -1,0 +1,139 @@
+"""The program `bt-orchestrator`: one verb, one file of this folder."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import os
+import sys
+from collections.abc import Mapping, Sequence
+from types import ModuleType
+from typing import Any
+
+from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.errors import OrchestratorError, Refused
+
+PROGRAM = 'bt-orchestrator'
+
+VERBS: Mapping[str, tuple[str, str]] = {
+    'check': ('check', 'all mistakes of scripts and their cell, with places and hints'),
+    'simulate': ('simulate', 'run work orders in virtual time and print the prediction'),
+    'sim-cell': ('sim_cell', 'serve every component of a cell as a simulated ROS 2 action server'),
+    'run': ('run', 'the tree node of a cell: takes orders and runs them'),
+    'demo': ('demo', 'a simulated cell, its tree node and one order, with live progress'),
+    'submit': ('submit', 'give a running node work orders'),
+    'status': ('status', 'how the cell of a running node stands'),
+    'events': ('events', 'what happens at a running node, one event a line'),
+    'answer': ('answer', 'decide about something that is held'),
+    'remove-item': ('remove_item', 'record that an item was taken off the belt by hand'),
+}
+"""Module and one line of help of each verb; a module has `add_arguments` and `run`."""
+
+TAKE_ROS_ARGUMENTS = ('run', 'sim-cell', 'demo')
+"""Verbs that are ROS 2 nodes: --ros-args is for them, up to -- or the end."""
+
+INTERRUPTED = 130
+PIPE_CLOSED = 141
+"""Exit statuses of shells for SIGINT and SIGPIPE."""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Carry out a command line and return the exit status.
+
+    0: done, 1: something is refused or did not work out, 2: wrong use.
+    """
+    words = list(sys.argv[1:] if argv is None else argv)
+    try:
+        status = _carry_out(words)
+        sys.stdout.flush()
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except BrokenPipeError:
+        _silence_output()
+        return PIPE_CLOSED
+    return status
+
+
+def _carry_out(words: Sequence[str]) -> int:
+    verb = next((word for word in words if not word.startswith('-')), None)
+    try:
+        module = None if verb not in VERBS else _module(verb)
+        own_words = without_ros_arguments(words) if verb in TAKE_ROS_ARGUMENTS else words
+        args = _parser(verb, module).parse_args(own_words)
+        args.ros_args = words
+        return int(_module(args.verb).run(args))
+    except Refused as refused:
+        print(refused, file=sys.stderr)
+        return 1
+    except OrchestratorError as error:
+        return _complain(verb, str(error), 2 if isinstance(error, WrongUse) else 1)
+    except ModuleNotFoundError as error:
+        if (error.name or PROGRAM).startswith('bt_orchestrator.'):
+            raise  # a defect, nothing that a user can install
+        what = f'the Python package {error.name} is not installed'
+        return _complain(verb, f'{what}; install it, or source the ROS 2 workspace it is in', 1)
+
+
+def without_ros_arguments(words: Sequence[str]) -> list[str]:
+    """Return a command line without what stands between --ros-args and --."""
+    own: list[str] = []
+    is_ros = False
+    for word in words:
+        if word == '--ros-args':
+            is_ros = True
+        elif is_ros and word == '--':
+            is_ros = False
+        elif not is_ros:
+            own.append(word)
+    return own
+
+
+def _parser(verb: str | None, module: ModuleType | None) -> argparse.ArgumentParser:
+    """Declare all verbs, and the options of the one that is asked for."""
+    parser = argparse.ArgumentParser(
+        prog=PROGRAM,
+        description='Behaviour trees of ROS 2 action clients for a cell along a conveyor.',
+        epilog=f'{PROGRAM} VERB --help says more about a verb',
+    )
+    parser.add_argument('--version', action=_Version, help='print the version and exit')
+    verbs = parser.add_subparsers(dest='verb', metavar='VERB', required=True)
+    for name, (_, help_line) in VERBS.items():
+        of_verb = verbs.add_parser(name, help=help_line, allow_abbrev=False)
+        if name == verb and module is not None:
+            module.add_arguments(of_verb)
+    return parser
+
+
+def _module(verb: str) -> ModuleType:
+    """Import a verb; the others are not, for they may need ROS 2, and time."""
+    return importlib.import_module(f'bt_orchestrator.cli.{VERBS[verb][0]}')
+
+
+class _Version(argparse.Action):
+    """Looks the version up when it is asked for, and not at every start."""
+
+    def __init__(self, option_strings: Sequence[str], dest: str, **options: Any) -> None:
+        super().__init__(option_strings, dest, nargs=0, **options)
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        from importlib.metadata import PackageNotFoundError, version
+
+        try:
+            found = version('bt_orchestrator')
+        except PackageNotFoundError:
+            found = 'not installed'
+        print(f'{PROGRAM} {found}')
+        parser.exit()
+
+
+def _complain(verb: str | None, what: str, status: int) -> int:
+    for line in what.splitlines():
+        print(f'{PROGRAM} {verb}: error: {line}', file=sys.stderr)
+    return status
+
+
+def _silence_output() -> None:
+    """Let nobody write into the closed pipe any more, not even Python at its exit."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, sys.stdout.fileno())
+    os.close(nowhere)

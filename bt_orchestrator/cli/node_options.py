@@ -1,0 +1,33 @@
+"""Options of the verbs that talk to a running tree node."""
+
+from __future__ import annotations
+
+import argparse
+import getpass
+
+DEFAULT_NODE = '/bt_orchestrator'
+
+
+def add_node_options(parser: argparse.ArgumentParser) -> None:
+    """Declare which node is meant and how long to wait for it."""
+    parser.add_argument(
+        '--node',
+        default=DEFAULT_NODE,
+        metavar='NAME',
+        help=f'full name of the tree node (default {DEFAULT_NODE})',
+    )
+    parser.add_argument(
+        '--timeout',
+        type=float,
+        default=5.0,
+        metavar='SECONDS',
+        help='longest time to wait for the node (default 5)',
+    )
+
+
+def add_who_options(parser: argparse.ArgumentParser) -> None:
+    """Declare who decides, and why."""
+    parser.add_argument('--reason', required=True, metavar='TEXT', help='why, for the record')
+    parser.add_argument(
+        '--who', default=getpass.getuser(), metavar='NAME', help='who decides (default: you)'
+    )

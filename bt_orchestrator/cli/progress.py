@@ -1,0 +1,57 @@
+"""Progress of a line in plain lines, one a step that a person would want to see."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from bt_orchestrator.model import events as e
+
+
+class Progress:
+    """Turns the event stream into lines for a terminal or a log."""
+
+    def __init__(self) -> None:
+        self.held = False
+        """An operator must answer, and nothing goes on."""
+        self._start: float | None = None
+        self._started: dict[e.TaskKey, e.TaskStarted] = {}
+
+    def follow(self, event: e.Event) -> Iterator[str]:
+        """Yield the lines that an event deserves, usually none or one."""
+        if self._start is None:
+            self._start = event.time
+        for line in self._lines(event):
+            yield f'{event.time - self._start:7.2f} s  {line}'
+
+    def _lines(self, event: e.Event) -> Iterator[str]:
+        if isinstance(event, e.TaskStarted):
+            self._started[event.key] = event
+        elif isinstance(event, e.TaskSucceeded):
+            yield from self._succeeded(event)
+        elif isinstance(event, e.TaskFailed):
+            message = f' ({event.message})' if event.message else ''
+            yield f'{_place(event)}{event.task} failed: {event.reason}{message}'
+        elif isinstance(event, e.TaskSkipped):
+            yield f'{_place(event)}{event.task} skipped: {event.reason}'
+        elif isinstance(event, e.ItemRemoved):
+            yield f'section {event.section:<3} {event.item} {event.how.replace("_", " ")}'
+        elif isinstance(event, e.HoldRaised):
+            yield f'HOLD {event.hold}: {event.task or event.item}, {event.reason}'
+        elif isinstance(event, e.CellStateChanged):
+            self.held = event.state == 'Held'
+            reason = f' ({event.reason})' if event.reason else ''
+            yield f'cell {event.state}{reason}'
+        elif isinstance(event, e.JobQueued | e.JobCompleted | e.JobAborted):
+            yield f'{event.job} {event.event.split(".")[1]}'
+
+    def _succeeded(self, event: e.TaskSucceeded) -> Iterator[str]:
+        started = self._started.pop(event.key, None)
+        if started is not None:
+            took = f'{event.time - started.time:.2f} s'
+            yield f'{_place(event)}{started.name} at {started.action}, {took}'
+
+
+def _place(event: e.TaskEvent) -> str:
+    if event.section is not None:
+        return f'section {event.section:<3} {event.item}  '
+    return f'initialization {event.job}  ' if event.job else 'belt        '

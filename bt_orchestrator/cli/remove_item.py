@@ -1,0 +1,31 @@
+"""The verb `remove-item`: record that an item was taken off the belt by hand."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from bt_orchestrator.cli.node_options import add_node_options, add_who_options
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of the verb."""
+    parser.description = (
+        'Record that an item was taken off the belt by hand; it leaves an empty position.'
+    )
+    parser.add_argument('item', metavar='ITEM', help='for example WO-1001/3')
+    add_who_options(parser)
+    add_node_options(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Carry out the verb; returns 1 when it was refused."""
+    from bt_orchestrator_interfaces.srv import RemoveItem
+
+    from bt_orchestrator.ros.client import NodeClient
+
+    request = RemoveItem.Request(item=args.item, who=args.who, reason=args.reason)
+    with NodeClient(args.node, args.timeout) as client:
+        response = client.call(RemoveItem, 'remove_item', request)
+    print(response.message, file=sys.stdout if response.accepted else sys.stderr)
+    return 0 if response.accepted else 1

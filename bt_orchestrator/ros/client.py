@@ -1,0 +1,102 @@
+"""Talking to a running tree node: calls, the latched status, the event stream."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import rclpy
+from bt_orchestrator_interfaces.msg import Event, Status
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.ros.qos import EVENTS, LATCHED
+
+STEP_S = 0.1
+"""Longest time between two looks at whether to stop waiting."""
+
+
+class NodeUnreachable(OrchestratorError):
+    """No tree node answers under the name given."""
+
+
+class NodeClient:
+    """A client of one tree node. A context: entering joins the ROS graph, leaving leaves it."""
+
+    def __init__(self, node: str, timeout_s: float) -> None:
+        """Prepare a client.
+
+        :param node: the tree node's full name, for instance /bt_orchestrator
+        :param timeout_s: longest time to wait for the node and for each of its answers
+        """
+        self._name = '/' + node.strip('/')
+        self._timeout_s = timeout_s
+
+    def __enter__(self) -> NodeClient:
+        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+        self._node = Node('bt_orchestrator_client', start_parameter_services=False)
+        self._executor = SingleThreadedExecutor()
+        self._executor.add_node(self._node)
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self._executor.shutdown()
+        self._node.destroy_node()
+        rclpy.try_shutdown()
+
+    def call(self, kind: Any, service: str, request: Any) -> Any:
+        """Call one of the node's services and return its response.
+
+        :raises NodeUnreachable: it is not there, or does not answer
+        """
+        client = self._node.create_client(kind, f'{self._name}/{service}')
+        self.wait_until(client.service_is_ready, f'the service {self._name}/{service}')
+        future = client.call_async(request)
+        self.wait_until(future.done, f'an answer of {self._name}/{service}')
+        return future.result()
+
+    def status(self) -> Any:
+        """Return the node's latched status (bt_orchestrator_interfaces/msg/Status).
+
+        :raises NodeUnreachable: none came
+        """
+        received: list[Any] = []
+        self.on_status(received.append)
+        self.wait_until(lambda: bool(received), f'the status of {self._name}')
+        return received[-1]
+
+    def on_status(self, callback: Callable[[Any], None]) -> None:
+        """Call back with every status, the latched one first."""
+        self._node.create_subscription(Status, f'{self._name}/status', callback, LATCHED)
+
+    def on_event(self, callback: Callable[[Any], None]) -> None:
+        """Call back with every event from now on; returns when the node is connected.
+
+        :raises NodeUnreachable: it is not there
+        """
+        topic = f'{self._name}/events'
+        subscription = self._node.create_subscription(Event, topic, callback, EVENTS)
+        self.wait_until(
+            lambda: self._node.count_publishers(subscription.topic_name) > 0, f'the topic {topic}'
+        )
+
+    def wait_until(self, condition: Callable[[], bool], what: str) -> None:
+        """Spin until a condition holds.
+
+        :raises NodeUnreachable: it does not within the time-out; names `what` was waited for
+        """
+        deadline = time.monotonic() + self._timeout_s
+        while not condition():
+            if time.monotonic() > deadline:
+                raise NodeUnreachable(
+                    f'{what} did not come within {self._timeout_s:g} s; is the tree node running '
+                    '(bt-orchestrator run), with this ROS_DOMAIN_ID and name?'
+                )
+            self.spin()
+
+    def spin(self) -> None:
+        """Handle what comes within STEP_S."""
+        self._executor.spin_once(timeout_sec=STEP_S)

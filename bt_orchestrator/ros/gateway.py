@@ -1,0 +1,146 @@
+"""The robots, through ROS 2 actions and topics."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+from rclpy.node import Node
+from rclpy.timer import Timer
+
+from bt_orchestrator.model.cell import Cell, Component
+from bt_orchestrator.model.goal import SERVER_TIMEOUT_S, GoalRequest, StateReading
+from bt_orchestrator.news import News
+from bt_orchestrator.ports import ActionTypes, Goal
+from bt_orchestrator.ros.action_link import ActionLink
+from bt_orchestrator.ros.callbacks import guarded
+from bt_orchestrator.ros.goal import RosGoal
+from bt_orchestrator.ros.interface_classes import action_class
+from bt_orchestrator.ros.state_watch import StateWatch
+
+_POLL_PERIOD_S = 0.1
+"""Between two looks for a server that a goal waits for."""
+
+_WATCH_PERIOD_S = 0.5
+"""Between two looks at the goals in flight; what is due is done at the next look."""
+
+_STATE_PERIOD_S = 1.0
+"""Between two looks at the publishers of state topics."""
+
+
+class RosGateway:
+    """One action client and one state topic a component. Implements `ports.ActionGateway`.
+
+    Everything, its own timers too, runs in the thread of the node's executor; `send` and `drain`
+    are called there as well. Its timers use the steady clock: servers come and die in real time,
+    whatever the simulated one does.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        cell: Cell,
+        types: ActionTypes,
+        *,
+        server_timeout_s: float = SERVER_TIMEOUT_S,
+    ) -> None:
+        """Create clients and subscriptions.
+
+        :raises UnknownActionType: an action or message type of the cell is not installed
+        """
+        self._node = node
+        self._news = News()
+        self._types = types
+        self._server_timeout_s = server_timeout_s
+        components = cell.components.values()
+        self._links = {component.name: self._link(component) for component in components}
+        self._states = [
+            StateWatch(node, component, component.state, self._news)
+            for component in components
+            if component.state is not None
+        ]
+        self._poll_timer = self._timer(_POLL_PERIOD_S, self._poll)
+        self._poll_timer.cancel()
+        self._timers = [self._poll_timer, self._timer(_WATCH_PERIOD_S, self._watch)]
+        if self._states:
+            self._timers.append(self._timer(_STATE_PERIOD_S, self._look_at_states))
+
+    def listen(self, wake: Callable[[], None]) -> None:
+        """Name the function to call when there is something new; it is called in callbacks."""
+        self._news.listen(wake)
+
+    def send(self, request: GoalRequest) -> RosGoal:
+        """Send one goal."""
+        goal = self._links[request.component].send(request)
+        self._poll_if_waiting()
+        return goal
+
+    def adopt(self, request: GoalRequest) -> RosGoal:
+        """Take over a goal that an earlier process sent, by its UUID (semantics 9.2).
+
+        Nothing is sent but questions for its result. It ends as the server says, or LOST if the
+        server does not know it, or if there is no server within the server timeout; it counts as
+        accepted when the server has not denied it for a while.
+        """
+        goal = self._links[request.component].adopt(request)
+        self._poll_if_waiting()
+        return goal
+
+    def drain(self) -> Sequence[Goal | StateReading]:
+        """Return what is new."""
+        return self._news.drain()
+
+    def available(self, component: str) -> bool:
+        """Tell whether the component's server is in the ROS graph."""
+        return self._links[component].available
+
+    def close(self) -> None:
+        """Destroy clients, subscriptions and timers; goals that run go on running."""
+        for timer in self._timers:
+            self._node.destroy_timer(timer)
+        for state in self._states:
+            state.close()
+        for link in self._links.values():
+            link.close()
+
+    def _link(self, component: Component) -> ActionLink:
+        return ActionLink(
+            self._node,
+            component,
+            action_class(component.type),
+            self._types.action(component.type),
+            self._news,
+            self._server_timeout_s,
+            self._now,
+        )
+
+    def _now(self) -> float:
+        return float(self._node.get_clock().now().nanoseconds) / 1e9
+
+    def _timer(self, period_s: float, callback: Callable[[], None]) -> Timer:
+        return self._node.create_timer(
+            period_s,
+            guarded(callback, self._node.get_logger()),
+            clock=Clock(clock_type=ClockType.STEADY_TIME),
+        )
+
+    def _poll_if_waiting(self) -> None:
+        if any(link.is_waiting for link in self._links.values()):
+            if self._poll_timer.is_canceled():
+                self._poll_timer.reset()
+        else:
+            self._poll_timer.cancel()
+
+    def _poll(self) -> None:
+        for link in self._links.values():
+            link.poll()
+        self._poll_if_waiting()
+
+    def _watch(self) -> None:
+        for link in self._links.values():
+            link.watch()
+
+    def _look_at_states(self) -> None:
+        for state in self._states:
+            state.look()

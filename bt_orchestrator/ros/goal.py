@@ -1,0 +1,69 @@
+"""One goal at a real action server."""
+
+from __future__ import annotations
+
+import uuid
+from collections.abc import Callable
+from typing import Any
+
+from unique_identifier_msgs.msg import UUID
+
+from bt_orchestrator.model.goal import Feedback, GoalEnd, GoalRequest
+from bt_orchestrator.ros.messages import to_plain
+
+
+class RosGoal:
+    """States as in `ports.Goal`, which it implements. Only its `ActionLink` changes it."""
+
+    __slots__ = (
+        '_cancel',
+        '_feedback',
+        '_feedback_message',
+        'accepted',
+        'adopted',
+        'cancel_requested',
+        'end',
+        'id',
+        'next_check_s',
+        'request',
+        'response',
+        'unknown_count',
+    )
+
+    def __init__(self, request: GoalRequest, cancel: Callable[[RosGoal], None]) -> None:
+        self.request = request
+        self.accepted = False
+        self.end: GoalEnd | None = None
+        self.id = UUID(uuid=list(uuid.UUID(request.id).bytes))
+        self.adopted = False
+        """True for a goal of an earlier process, which is asked for and never sent."""
+        self.cancel_requested = False
+        self.response: Any = None
+        """Future of the server's answer to the request."""
+        self.next_check_s = 0.0
+        """When its result is asked for again, on the steady clock."""
+        self.unknown_count = 0
+        """How often the server did not know it."""
+        self._cancel = cancel
+        self._feedback: Feedback | None = None
+        self._feedback_message: tuple[float, Any] | None = None
+
+    @property
+    def feedback(self) -> Feedback | None:
+        """The last feedback; converted when somebody looks, as servers may send a lot of it."""
+        if self._feedback_message is not None:
+            time, message = self._feedback_message
+            self._feedback = Feedback(time, to_plain(message))
+            self._feedback_message = None
+        return self._feedback
+
+    def keep_feedback(self, time: float, message: Any) -> None:
+        """Replace the last feedback.
+
+        :param time: seconds, of the gateway's clock
+        """
+        self._feedback_message = (time, message)
+
+    def cancel(self) -> None:
+        """Ask the server to cancel; see `ports.Goal`."""
+        self._cancel(self)

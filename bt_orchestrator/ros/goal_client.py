@@ -1,0 +1,106 @@
+"""rclpy's action client, for one who asks again by UUID. The only place that knows its inside."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.action.client import ActionClient, ClientGoalHandle
+from rclpy.node import Node
+from unique_identifier_msgs.msg import UUID
+
+from bt_orchestrator.ros.callbacks import report
+
+
+class GoalClient(ActionClient):  # type: ignore[type-arg] # no Generic in Jazzy's rclpy
+    """An action client without the habits of rclpy's that hurt here.
+
+    - Its futures are kept from the executor, which would make a task, and so another turn, of
+      each of their callbacks. They are called at once, in the executor's thread. That also ends
+      the leak of rclpy 7.1.6 and 9.1.2, where one future a goal stayed in the list for ever.
+    - A result may be asked for any number of times; one entry of two words is kept for each
+      question, until it is answered or the goal is forgotten.
+    - An exception while handling what was taken is reported, and does not end the spinning.
+    """
+
+    def __init__(self, node: Node, action_class: Any, name: str) -> None:
+        self._asked: dict[bytes, list[int]] = {}
+        super().__init__(node, action_class, name)
+
+    def add_future(self, future: Any) -> None:
+        """Do not tell the executor of a future (rclpy's Waitable interface)."""
+
+    def remove_future(self, future: Any) -> None:
+        """Do nothing: it was not told (rclpy's Waitable interface)."""
+
+    async def execute(self, taken_data: Any) -> None:
+        """Handle what was taken from the middleware (rclpy's Waitable interface)."""
+        for kind, data in taken_data.items():
+            one: Any = {kind: data}
+            try:
+                await super().execute(one)
+            except Exception:  # noqa: BLE001 - whatever it is, the other goals go on
+                report(self._logger)
+
+    def ask_result(self, goal_id: UUID, answered: Callable[[Any], None]) -> None:
+        """Ask for the result of a goal of any client; an unknown goal is answered at once.
+
+        :param answered: called with each answer, which has `status` and `result`
+        """
+        self._get_result_async(self._handle(goal_id))
+        sequence = next(reversed(self._pending_result_requests))
+        del self._result_sequence_number_to_goal_id[sequence]
+        pending: dict[int, Any] = self._pending_result_requests
+        pending[sequence] = _Question(sequence, pending, answered)
+        self._asked.setdefault(bytes(goal_id.uuid), []).append(sequence)
+
+    def request_cancel(self, goal_id: UUID) -> None:
+        """Ask to cancel a goal of any client; the answer does not matter, its end will tell."""
+        self._cancel_goal_async(self._handle(goal_id))
+
+    def forget(self, goal_id: UUID, *, answers_come: bool) -> None:
+        """Free what was kept for a goal.
+
+        :param answers_come: whether the open questions will be answered; rclpy warns of answers
+            that it knows no question for
+        """
+        key = bytes(goal_id.uuid)
+        self._feedback_callbacks.pop(key, None)
+        self._goal_handles.pop(key, None)
+        for sequence in self._asked.pop(key, ()):
+            if not answers_come:
+                self._pending_result_requests.pop(sequence, None)
+
+    def forget_request(self, response: Any) -> None:
+        """Stop waiting for the answer to a goal request.
+
+        :param response: the future of `send_goal_async`
+        """
+        self._remove_pending_goal_request(response)
+
+    def forget_cancels(self) -> None:
+        """Stop waiting for answers to cancel requests."""
+        self._pending_cancel_requests.clear()
+
+    def _handle(self, goal_id: UUID) -> Any:
+        """Make a goal handle by hand, the only way to speak of a goal that nobody answered for."""
+        response = self._action_type.Impl.SendGoalService.Response(accepted=True)
+        return ClientGoalHandle(self, goal_id, response)
+
+
+class _Question:
+    """A request for a result, in the place of rclpy's future for it."""
+
+    __slots__ = ('_answered', '_pending', '_sequence')
+
+    def __init__(
+        self, sequence: int, pending: dict[int, Any], answered: Callable[[Any], None]
+    ) -> None:
+        self._sequence = sequence
+        self._pending = pending
+        self._answered = answered
+
+    def set_result(self, response: Any) -> None:
+        """Take the answer (called by rclpy)."""
+        self._pending.pop(self._sequence, None)
+        self._answered(response)

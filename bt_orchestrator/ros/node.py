@@ -1,0 +1,153 @@
+"""The tree node: one cell on ROS 2, from its parameters to a clean end."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+
+import rclpy
+from rclpy.executors import Executor, ExternalShutdownException
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.model.commands import Shutdown
+from bt_orchestrator.ports import EventSink, EventStore
+from bt_orchestrator.ros.action_types import InstalledActionTypes
+from bt_orchestrator.ros.clock import RosClock
+from bt_orchestrator.ros.executors import make_executor
+from bt_orchestrator.ros.gateway import RosGateway
+from bt_orchestrator.ros.heart import Heart
+from bt_orchestrator.ros.outputs import Diagnostics, EventsTopic, StatusTopic
+from bt_orchestrator.ros.parameters import NodeParameters, declare
+from bt_orchestrator.ros.services import Services
+from bt_orchestrator.runtime.orchestrator import Orchestrator
+from bt_orchestrator.script.cell_file import read_cell
+from bt_orchestrator.stop_signals import StopSignals
+
+NODE_NAME = 'bt_orchestrator'
+
+FAREWELL_S = 10.0
+"""Longest time that a stop waits for the ends of cancelled goals."""
+
+
+class BadRosArguments(OrchestratorError):
+    """What follows --ros-args cannot be understood."""
+
+
+class TreeNode:
+    """A cell's engine with its gateway, services and outputs on one ROS node and one thread."""
+
+    def __init__(
+        self, node: Node, defaults: NodeParameters, store: EventStore, sinks: Sequence[EventSink]
+    ) -> None:
+        """Read the parameters and the cell file, and wire everything.
+
+        :raises Refused: the cell file, with every mistake in it
+        :raises UnknownExecutor: the parameter `executor` names none
+        """
+        self.node = node
+        self.parameters = declare(node, defaults)
+        types = InstalledActionTypes()
+        cell = read_cell(self.parameters.cell, types)
+        self.executor: Executor = make_executor(self.parameters.executor)
+        self.heart = Heart(node, self.executor)
+        self._gateway = RosGateway(
+            node, cell, types, server_timeout_s=self.parameters.server_timeout_s
+        )
+        self.orchestrator = Orchestrator(
+            cell,
+            self._gateway,
+            RosClock(node),
+            store,
+            [EventsTopic(node), *sinks],
+            wake=self.heart.wake,
+            auto_start=self.parameters.auto_start,
+        )
+        Services(node, self.orchestrator, types, self.parameters.trees)
+        self._status = StatusTopic(node, self.orchestrator)
+        Diagnostics(node, self.orchestrator, self.heart)
+        self.executor.add_node(node)
+
+    @property
+    def ready_line(self) -> str:
+        """One line that says what runs under which name."""
+        name = self.node.get_fully_qualified_name()
+        cell = self.orchestrator.state.cell
+        return f'tree node ready: {name} runs cell {cell.name} ({self.parameters.cell})'
+
+    def serve(self, stop: StopSignals) -> None:
+        """Run the cell until a stop signal comes."""
+        self.heart.start(self.orchestrator.settle, self.parameters.tick_rate_hz)
+        self._status.publish_now()
+        while not stop.requested:
+            self._spin_once(None)
+
+    def finish(self, stop: StopSignals) -> list[str]:
+        """Cancel every goal and wait for the ends, not longer than FAREWELL_S.
+
+        :return: the tasks whose goals have not ended, in words
+        """
+        first = stop.count
+        deadline = time.monotonic() + FAREWELL_S
+        self.orchestrator.ask(Shutdown())
+        running = self.orchestrator.state.running
+        while running and stop.count == first and time.monotonic() < deadline:
+            self._spin_once(0.1)
+        self._status.publish_now()
+        return [f'{key} (goal {task.goal})' for key, task in running.items()]
+
+    def close(self) -> None:
+        """Let go of everything."""
+        self.orchestrator.close()
+        self._gateway.close()
+        self.executor.shutdown()
+        self.node.destroy_node()
+
+    def _spin_once(self, timeout_s: float | None) -> None:
+        try:
+            self.executor.spin_once(timeout_sec=timeout_s)
+        except ExternalShutdownException:
+            raise
+        except Exception as error:  # noqa: BLE001 - an exception in a callback ends no cell
+            self.node.get_logger().error(f'a callback failed: {error!r}')
+
+
+def run_node(
+    defaults: NodeParameters,
+    make_store: Callable[[], EventStore],
+    stop: StopSignals,
+    on_ready: Callable[[str], None],
+    *,
+    namespace: str = '',
+    ros_args: Sequence[str] = (),
+) -> list[str]:
+    """Run the tree node until a stop signal.
+
+    :param defaults: parameter values unless ROS is told otherwise
+    :return: the tasks whose goals had not ended when it left, in words
+    :raises OrchestratorError: it cannot start; says why
+    """
+    try:
+        # rclpy's own handlers would end the context before goals are cancelled.
+        rclpy.init(args=list(ros_args), signal_handler_options=SignalHandlerOptions.NO)
+    except RuntimeError as error:
+        raise BadRosArguments(f'ROS refuses its arguments: {error}') from error
+    try:
+        node = Node(NODE_NAME, namespace=namespace)
+        cell = TreeNode(node, defaults, make_store(), [])
+        # A task makes a waiting executor return; its own wake() would not.
+        stop.notify(lambda: cell.executor.create_task(_nothing))
+        on_ready(cell.ready_line)
+        try:
+            cell.serve(stop)
+            return cell.finish(stop)
+        finally:
+            stop.notify(_nothing)
+            cell.close()
+    finally:
+        rclpy.try_shutdown()
+
+
+def _nothing() -> None:
+    """Do nothing: waking the executor is all."""

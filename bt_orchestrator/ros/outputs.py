@@ -1,0 +1,116 @@
+"""What the node tells the world: events topic, latched status, diagnostics."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+
+from bt_orchestrator_interfaces.msg import Event as EventMessage
+from bt_orchestrator_interfaces.msg import Status
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.node import Node
+
+from bt_orchestrator.model.codec import to_record
+from bt_orchestrator.model.events import Event
+from bt_orchestrator.ros.heart import Heart
+from bt_orchestrator.ros.qos import EVENTS, LATCHED
+from bt_orchestrator.ros.status_message import status_message
+from bt_orchestrator.ros.stamps import to_time
+from bt_orchestrator.runtime.orchestrator import Orchestrator
+
+STATUS_PERIOD_S = 0.1
+"""Shortest time between two status messages."""
+
+FRESH_S = 1.0
+"""Longest time for which a status stands unrefreshed: availability and feedback are no events."""
+
+
+class EventsTopic:
+    """`~/events`: every durable record. Implements `ports.EventSink`."""
+
+    def __init__(self, node: Node) -> None:
+        self._publisher = node.create_publisher(EventMessage, '~/events', EVENTS)
+
+    def publish(self, events: Sequence[Event]) -> None:
+        """Publish the records, in order."""
+        for event in events:
+            message = EventMessage(
+                seq=event.seq,
+                stamp=to_time(event.time),
+                event=event.event,
+                record=json.dumps(to_record(event), ensure_ascii=False),
+            )
+            self._publisher.publish(message)
+
+
+class StatusTopic:
+    """`~/status`, latched: built outside the tick, at most ten times a second."""
+
+    def __init__(self, node: Node, orchestrator: Orchestrator) -> None:
+        self._node = node
+        self._orchestrator = orchestrator
+        self._publisher = node.create_publisher(Status, '~/status', LATCHED)
+        self._published_seq = -1
+        self._beats = 0
+        node.create_timer(STATUS_PERIOD_S, self._refresh)
+
+    def publish_now(self) -> None:
+        """Publish whatever is so now."""
+        now = self._node.get_clock().now().nanoseconds / 1e9
+        self._published_seq = self._orchestrator.state.seq
+        self._beats = 0
+        self._publisher.publish(status_message(self._orchestrator, now))
+
+    def _refresh(self) -> None:
+        self._beats += 1
+        changed = self._published_seq != self._orchestrator.state.seq
+        if changed or self._beats * STATUS_PERIOD_S >= FRESH_S:
+            self.publish_now()
+
+
+class Diagnostics:
+    """`/diagnostics` at 1 Hz: the cell, and every component that is not as it should be."""
+
+    def __init__(self, node: Node, orchestrator: Orchestrator, heart: Heart) -> None:
+        self._node = node
+        self._orchestrator = orchestrator
+        self._heart = heart
+        self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', 10)
+        node.create_timer(1.0, self._publish)
+
+    def _publish(self) -> None:
+        message = DiagnosticArray(status=[self._cell(), self._servers()])
+        message.header.stamp = self._node.get_clock().now().to_msg()
+        self._publisher.publish(message)
+
+    def _cell(self) -> DiagnosticStatus:
+        state = self._orchestrator.state
+        level, text = DiagnosticStatus.OK, state.mode.value
+        if state.holds:
+            level, text = DiagnosticStatus.WARN, f'{len(state.holds)} holds wait for an answer'
+        if self._heart.failures:
+            level, text = DiagnosticStatus.ERROR, f'{self._heart.failures} settles failed'
+        values = {'state': state.mode.value, 'seq': str(state.seq), 'jobs': str(len(state.jobs))}
+        values |= {f'hold {h.id}': f'{h.task or h.item}: {h.reason}' for h in state.holds.values()}
+        return self._status('cell', level, text, values)
+
+    def _servers(self) -> DiagnosticStatus:
+        components = self._orchestrator.state.cell.components
+        gone = [c for c in components.values() if not self._orchestrator.gateway.available(c.name)]
+        if not gone:
+            text = f'all {len(components)} action servers are there'
+            return self._status('action servers', DiagnosticStatus.OK, text, {})
+        text = f'{len(gone)} of {len(components)} action servers are not there'
+        missing = {c.name: c.action for c in gone}
+        return self._status('action servers', DiagnosticStatus.WARN, text, missing)
+
+    def _status(
+        self, part: str, level: bytes, text: str, values: dict[str, str]
+    ) -> DiagnosticStatus:
+        return DiagnosticStatus(
+            level=level,
+            name=f'{self._node.get_fully_qualified_name().lstrip("/")}: {part}',
+            hardware_id=self._orchestrator.state.cell.name,
+            message=text,
+            values=[KeyValue(key=key, value=value) for key, value in values.items()],
+        )

@@ -1,0 +1,63 @@
+"""Parameters of the tree node, declared with what a user needs to know about them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
+from rclpy.node import Node
+
+DEFAULT_TICK_RATE_HZ = 10.0
+
+
+@dataclass(frozen=True)
+class NodeParameters:
+    """The values that the node started with."""
+
+    cell: Path
+    trees: tuple[Path, ...]
+    tick_rate_hz: float
+    executor: str
+    auto_start: bool
+    server_timeout_s: float
+
+
+def declare(node: Node, defaults: NodeParameters) -> NodeParameters:
+    """Declare every parameter; what ROS was told otherwise wins over the defaults."""
+
+    def value(name: str, default: Any, text: str, **limits: Any) -> Any:
+        descriptor = ParameterDescriptor(description=text, read_only=True, **limits)
+        return node.declare_parameter(name, default, descriptor).value
+
+    return NodeParameters(
+        cell=Path(value('cell', str(defaults.cell), 'Cell file (YAML): what exists.')),
+        trees=tuple(
+            Path(folder)
+            for folder in value(
+                'trees', [str(folder) for folder in defaults.trees],
+                'Folders in which scripts are looked up by name, in order.',
+            )
+        ),
+        tick_rate_hz=value(
+            'tick_rate_hz', defaults.tick_rate_hz,
+            'Heartbeat of the tree in Hz. News wake it at once, whatever the rate.',
+            floating_point_range=[FloatingPointRange(from_value=0.1, to_value=1000.0)],
+        ),
+        executor=value(
+            'executor', defaults.executor,
+            'rclpy executor: single, or events (Kilted and newer).',
+            additional_constraints='single or events',
+        ),
+        auto_start=value(
+            'auto_start', defaults.auto_start,
+            'The cell resets and starts by itself when an order arrives.',
+        ),
+        server_timeout_s=value(
+            'server_timeout', defaults.server_timeout_s,
+            'Seconds that a goal waits for its action server before it fails with '
+            'server_unavailable.',
+            floating_point_range=[FloatingPointRange(from_value=0.0, to_value=3600.0)],
+        ),
+    )

@@ -1,0 +1,13 @@
+"""Seconds as messages."""
+
+from __future__ import annotations
+
+from builtin_interfaces.msg import Time
+
+_NS = 1_000_000_000
+
+
+def to_time(seconds: float) -> Time:
+    """Return seconds since the epoch as a message."""
+    whole, rest = divmod(round(seconds * _NS), _NS)
+    return Time(sec=int(whole), nanosec=int(rest))

@@ -1,0 +1,144 @@
+"""The state of a cell as one message (bt_orchestrator_interfaces/msg/Status)."""
+
+from __future__ import annotations
+
+import json
+
+from bt_orchestrator_interfaces.msg import (
+    ComponentStatus,
+    FlagStatus,
+    HoldStatus,
+    JobStatus,
+    SectionStatus,
+    Status,
+    TaskStatus,
+)
+
+from bt_orchestrator.model.cell import Component
+from bt_orchestrator.model.events import TaskKey
+from bt_orchestrator.model.isa95 import job_word
+from bt_orchestrator.model.state import CellState, JobState, Phase, SectionState, TaskState
+from bt_orchestrator.ros.stamps import to_time
+from bt_orchestrator.runtime.orchestrator import Orchestrator
+from bt_orchestrator.tree.reasons import waiting
+
+ENDED_SHOWN = 10
+"""How many ended jobs the status still lists, the last ones."""
+
+
+def status_message(orchestrator: Orchestrator, now: float) -> Status:
+    """Build the whole message."""
+    state, tree = orchestrator.state, orchestrator.tree
+    ended = list(state.ended.values())[-ENDED_SHOWN:]
+    return Status(
+        stamp=to_time(now),
+        seq=state.seq,
+        cell=state.cell.name,
+        state=state.mode.value,
+        belt_moving=state.indexing,
+        belt_waiting=waiting(tree.belt),
+        initialization_waiting=waiting(tree.initialization),
+        sections=[_section(orchestrator, section) for section in state.sections.values()],
+        components=[_component(orchestrator, c) for c in state.cell.components.values()],
+        jobs=[_job(state, job) for job in (*state.jobs.values(), *ended)],
+        flags=[
+            FlagStatus(name=name, count=flag.count, capacity=flag.capacity)
+            for name, flag in state.flags.items()
+        ],
+        holds=_holds(state),
+    )
+
+
+def _section(orchestrator: Orchestrator, section: SectionState) -> SectionStatus:
+    state = orchestrator.state
+    slot = state.slot(section.number)
+    cycle = section.cycle
+    return SectionStatus(
+        section=section.number,
+        slot=section.slot or '',
+        slot_empty_position=slot is not None and not slot.present,
+        job=cycle.job if cycle else '',
+        item=cycle.item if cycle else '',
+        running=[
+            _task(orchestrator, key, task)
+            for key, task in state.running.items()
+            if key.section == section.number
+        ],
+        waiting=waiting(orchestrator.tree.sections[section.number]),
+    )
+
+
+def _task(orchestrator: Orchestrator, key: TaskKey, progress: TaskState) -> TaskStatus:
+    task = orchestrator.state.task(key)
+    conveyor = orchestrator.state.cell.conveyor
+    return TaskStatus(
+        id=key.task,
+        name=task.name if task else conveyor.task,
+        action=task.action if task else conveyor.component.action,
+        attempt=progress.attempt,
+        goal=progress.goal or '',
+        started=to_time(progress.started),
+        feedback=_feedback(orchestrator, progress.goal),
+    )
+
+
+def _component(orchestrator: Orchestrator, component: Component) -> ComponentStatus:
+    state = orchestrator.state
+    key = state.reserved.get(component.name)
+    progress = state.tasks.get(key) if key else None
+    reading = state.readings[component.name]
+    return ComponentStatus(
+        name=component.name,
+        action=component.action,
+        available=orchestrator.gateway.available(component.name),
+        ready=reading.ready,
+        state='' if reading.value is None else str(reading.value),
+        task=str(key) if key else '',
+        feedback=_feedback(orchestrator, progress.goal if progress else None),
+    )
+
+
+def _feedback(orchestrator: Orchestrator, goal: str | None) -> str:
+    flight = orchestrator.flights.goal(goal) if goal else None
+    if flight is None or flight.feedback is None:
+        return ''
+    return json.dumps(flight.feedback.fields)
+
+
+def _job(state: CellState, job: JobState) -> JobStatus:
+    progress, name = job.progress, job.job.id
+    live = job.ended_at is None
+    return JobStatus(
+        id=name,
+        script=job.job.script.name,
+        state=job_word(state, job).value,
+        quantity=job.job.quantity,
+        started=progress.started,
+        placed=progress.placed,
+        processed=progress.processed,
+        packed=progress.packed,
+        rejected=progress.rejected,
+        nonconforming=progress.nonconforming,
+        missing=progress.missing,
+        initialization=[
+            task.id
+            for task in job.job.script.initialization
+            if live and state.phase(TaskKey(name, None, None, task.id)) is not Phase.DONE
+        ],
+    )
+
+
+def _holds(state: CellState) -> list[HoldStatus]:
+    return [
+        HoldStatus(
+            id=hold.id,
+            job=hold.job or '',
+            section=hold.section or 0,
+            item=hold.item or '',
+            task=hold.task or '',
+            reason=hold.reason,
+            message=hold.message,
+            answers=list(hold.answers),
+        )
+        for hold in state.holds.values()
+    ]

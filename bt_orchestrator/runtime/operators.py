@@ -1,0 +1,107 @@
+"""What operators decide about holds and items (semantics 7.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from bt_orchestrator.errors import CommandRefused
+from bt_orchestrator.model import effects
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.cell import OnFailure
+from bt_orchestrator.model.commands import AnswerHold, RemoveItem
+from bt_orchestrator.model.failures import abort_all_on_the_belt, pass_over
+from bt_orchestrator.model.state import CellState, Hold
+
+
+def answer(state: CellState, command: AnswerHold, now: float) -> Iterator[e.Event]:
+    """Decide about a hold.
+
+    :raises CommandRefused: there is no such hold, or it does not offer that answer
+    """
+    hold = _offering(state, command)
+    yield e.OperatorDecided(
+        hold=hold.id, answer=command.answer, who=command.who, reason=command.reason
+    )
+    if hold.key == e.INDEX_KEY and command.answer == OnFailure.ABORT_JOB.value:
+        yield from abort_all_on_the_belt(state, _in_words(command))  # the move stays held (3.5)
+        return
+    yield e.HoldReleased(hold=hold.id)
+    assert hold.key is not None
+    yield from _ANSWERS[command.answer](state, hold.key, command, now)
+
+
+def remove(state: CellState, command: RemoveItem) -> Iterator[e.Event]:
+    """Take an item off the belt by hand; it leaves an empty position.
+
+    :raises CommandRefused: the item is not on the belt
+    """
+    item = state.items.get(command.item)
+    if item is None or not item.section or not item.present:
+        standing = [s.slot for s in state.sections.values() if s.slot is not None]
+        present = ', '.join(name for name in standing if state.items[name].present)
+        raise CommandRefused(
+            f'{command.item} is not on the belt; on it: {present or "nothing"}'
+        )
+    yield e.OperatorDecided(
+        item=item.id, answer='remove_item', who=command.who, reason=command.reason
+    )
+    section = item.section
+    yield e.ItemRemoved(job=item.job, item=item.id, section=section, how='by_hand')
+    for hold in [h for h in state.holds.values() if h.item == item.id and h.task is None]:
+        yield e.HoldReleased(hold=hold.id)
+
+
+def _offering(state: CellState, command: AnswerHold) -> Hold:
+    hold = state.holds.get(command.hold)
+    if hold is None:
+        there = ', '.join(state.holds) or 'none'
+        raise CommandRefused(f'there is no hold {command.hold}; holds now: {there}')
+    if hold.task is None:
+        raise CommandRefused(
+            f'hold {hold.id} takes no answer; take {hold.item} off the belt and say so with '
+            f'remove-item {hold.item}'
+        )
+    if command.answer not in hold.answers:
+        raise CommandRefused(
+            f'hold {hold.id} ({hold.task}: {hold.reason}) can be answered with '
+            f'{", ".join(hold.answers)}; found {command.answer!r}'
+        )
+    return hold
+
+
+def _retry(
+    state: CellState, key: e.TaskKey, _: AnswerHold, now: float
+) -> Iterator[e.Event]:
+    attempt = state.tasks[key].attempt + 1
+    yield e.TaskRetrying(**key._asdict(), attempt=attempt, not_before=now)
+
+
+def _mark_done(state: CellState, key: e.TaskKey, _: AnswerHold, __: float) -> Iterator[e.Event]:
+    yield e.TaskMarkedDone(**key._asdict())
+    yield from effects.of_success(state, key)
+
+
+def _skip(state: CellState, key: e.TaskKey, by: AnswerHold, _: float) -> Iterator[e.Event]:
+    yield e.TaskSkipped(**key._asdict(), reason=_in_words(by))
+    yield from effects.of_passing(state, key)
+
+
+def _reject(state: CellState, key: e.TaskKey, by: AnswerHold, _: float) -> Iterator[e.Event]:
+    yield from pass_over(state, key, OnFailure.REJECT, _in_words(by))
+
+
+def _abort_job(state: CellState, key: e.TaskKey, by: AnswerHold, _: float) -> Iterator[e.Event]:
+    yield from pass_over(state, key, OnFailure.ABORT_JOB, _in_words(by))
+
+
+_ANSWERS = {
+    'retry': _retry,
+    'mark_done': _mark_done,
+    'skip': _skip,
+    'reject': _reject,
+    'abort_job': _abort_job,
+}
+
+
+def _in_words(command: AnswerHold) -> str:
+    return f'{command.who} decided {command.answer}: {command.reason}'

@@ -1,0 +1,46 @@
+"""Faults of simulated controllers against the component and the action type they strike at."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from bt_orchestrator.model.action_type import TASK_RESULT, ActionType
+from bt_orchestrator.model.fault import Fault, FaultKind
+from bt_orchestrator.script.report import did_you_mean, listing
+
+_OF_STATE = (FaultKind.NOT_READY, FaultKind.SILENT)
+
+
+class Unseen(NamedTuple):
+    """Why a fault could never be seen."""
+
+    what: str
+    hint: str
+
+
+def unseen(
+    fault: Fault, component: str, action_type: ActionType, *, has_state: bool
+) -> Unseen | None:
+    """Say why a fault of a component could never be seen; None: it can."""
+    if fault.task is not None:
+        wrong_task = _wrong_task(fault.task, component, action_type)
+        if wrong_task is not None:
+            return wrong_task
+    if fault.kind in _OF_STATE and not has_state:
+        what = f'component `{component}` has no state topic in the cell file'
+        return Unseen(what, 'remove the fault, or give the component a `state`')
+    if fault.kind is FaultKind.FALSE and TASK_RESULT not in action_type.result.fields:
+        what = f'the Result of {action_type.name} has no field `{TASK_RESULT}`'
+        return Unseen(what, 'let it `abort` instead')
+    return None
+
+
+def _wrong_task(task: str, component: str, action_type: ActionType) -> Unseen | None:
+    if not action_type.has_task_field:
+        what = f'{action_type.name} has no task field, its goals cannot be told apart'
+        return Unseen(what, f'leave the task out: {component}.#1=...')
+    constants = action_type.constants
+    if task in constants or not constants:
+        return None
+    hint = did_you_mean(task, constants, f'its tasks are {listing(constants)}')
+    return Unseen(f'{action_type.name} has no task `{task}`', hint)

@@ -1,0 +1,82 @@
+"""Faults of simulated controllers as the command line gives them: COMPONENT.FAULT."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.model.cell import CONVEYOR, Cell, Component
+from bt_orchestrator.model.fault import Fault, parse_fault
+from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.script.fault_checks import unseen
+from bt_orchestrator.script.report import did_you_mean, listing
+
+_OPTION = re.compile(r'(?P<component>[\w-]+)\.?(?P<fault>.*)', re.DOTALL)
+
+
+class WrongFaults(OrchestratorError):
+    """Faults that do not fit the cell; one mistake a line."""
+
+
+def with_faults(cell: Cell, options: Sequence[str], types: ActionTypes) -> Cell:
+    """Return a cell whose components have these faults too.
+
+    :param options: as users write them, `COMPONENT.[TASK][#NTH]=KIND[:SECONDS]`
+    :raises WrongFaults: with everything that is wrong
+    """
+    components = dict(cell.components)
+    mistakes = add_faults(components, cell, options, types)
+    if mistakes:
+        raise WrongFaults('\n'.join(mistakes))
+    conveyor = replace(cell.conveyor, component=components[CONVEYOR])
+    return replace(cell, conveyor=conveyor, components=components)
+
+
+def add_faults(
+    chosen: dict[str, Component], cell: Cell, options: Sequence[str], types: ActionTypes
+) -> list[str]:
+    """Give faults to the components chosen from a cell, beside those they have.
+
+    :return: the options that are wrong, and why
+    """
+    mistakes = []
+    for option in options:
+        try:
+            component, fault = _read(option, cell, chosen)
+            _check(fault, component, types)
+        except ValueError as error:
+            mistakes.append(f'--fail {option}: {error}')
+        else:
+            chosen[component.name] = replace(component, faults=(*component.faults, fault))
+    return mistakes
+
+
+def unknown_component(name: str, cell: Cell) -> str:
+    """Say that a cell has no component of that name, and which one was meant."""
+    hint = did_you_mean(name, cell.components, f'the cell has {listing(cell.components)}')
+    return f'no component `{name}` in cell `{cell.name}`; {hint}'
+
+
+def _read(option: str, cell: Cell, chosen: Mapping[str, Component]) -> tuple[Component, Fault]:
+    match = _OPTION.fullmatch(option.strip())
+    if match is None:
+        raise ValueError('expected COMPONENT.FAULT, as in arm.TASK_A#2=abort')
+    name = match['component']
+    if name not in cell.components:
+        raise ValueError(unknown_component(name, cell))
+    if name not in chosen:
+        raise ValueError(f'component `{name}` is not simulated here; add it to --only')
+    return chosen[name], parse_fault(match['fault'])
+
+
+def _check(fault: Fault, component: Component, types: ActionTypes) -> None:
+    reason = unseen(
+        fault,
+        component.name,
+        types.action(component.type),
+        has_state=component.state is not None,
+    )
+    if reason is not None:
+        raise ValueError(f'{reason.what}; {reason.hint}')

@@ -1,0 +1,310 @@
+"""What every ActionGateway does, whatever is at its other end (see ports.py).
+
+Subclass it and say how a bench is made.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Sequence
+
+import pytest
+from contract.gateway_bench import TASK_S, Bench, Log, component, goal_request
+
+from bt_orchestrator.model.cell import Component
+from bt_orchestrator.model.goal import RESULT_CHECK_S, SERVER_LEASE_S, GoalStatus
+from bt_orchestrator.ports import Goal
+
+SLACK_S = 3.0
+"""How much later than due a busy machine may be."""
+
+COMPONENTS = (
+    component('good'),
+    component('other'),
+    component('false', '=false'),
+    component('rejecting', '=reject'),
+    component('aborting', '=abort'),
+    component('canceling', '=cancel'),
+    component('hanging', '#*=hang'),
+    component('stubborn', '#*=ignore_cancel'),
+    component('late', '=late:0.6'),
+    component('mute', '=mute'),
+    component('mortal', '=die'),
+    component('reborn', '=die:0.1'),
+    component('absent', '=absent'),
+    component('ready', state=True),
+    component('tired', '=not_ready:0.5', state=True),
+    component('not_ready', '#0=not_ready', state=True),
+    component('silent', '=silent', state=True),
+    component('lost_state', '=die', state=True),
+)
+
+
+class GatewayContract(ABC):
+    """The contract; one bench serves all tests, each with components of its own."""
+
+    @staticmethod
+    @abstractmethod
+    def make_bench(components: Sequence[Component]) -> Bench:
+        """Return a running bench."""
+
+    @pytest.fixture(scope='class')
+    @classmethod
+    def bench(cls) -> Iterator[Bench]:
+        bench = cls.make_bench(COMPONENTS)
+        yield bench
+        bench.close()
+
+    # --- ends -------------------------------------------------------------------------------
+
+    def test_success_brings_all_result_fields(self, bench: Bench) -> None:
+        goal = _send(bench, 'good')
+        _run_to_end(bench, goal)
+        assert goal.end is not None
+        assert goal.end.status is GoalStatus.SUCCEEDED
+        assert goal.end.result == {'task_result': True, 'item_present': True, 'measurement': 1.5}
+
+    def test_not_done_is_success_with_a_false_result(self, bench: Bench) -> None:
+        goal = _send(bench, 'false')
+        _run_to_end(bench, goal)
+        assert goal.end is not None
+        assert goal.end.status is GoalStatus.SUCCEEDED
+        assert goal.end.result['task_result'] is False
+
+    @pytest.mark.parametrize(
+        ('name', 'status', 'accepted'),
+        [
+            ('rejecting', GoalStatus.REJECTED, False),
+            ('aborting', GoalStatus.ABORTED, True),
+            ('canceling', GoalStatus.CANCELED, True),
+        ],
+    )
+    def test_server_ends_it(
+        self, bench: Bench, name: str, status: GoalStatus, accepted: bool
+    ) -> None:
+        goal = _send(bench, name)
+        _run_to_end(bench, goal)
+        assert goal.end is not None
+        assert goal.end.status is status
+        assert goal.accepted is accepted
+
+    def test_late_is_still_success(self, bench: Bench) -> None:
+        goal = _send(bench, 'late')
+        began = bench.now
+        _run_to_end(bench, goal)
+        assert goal.end is not None
+        assert goal.end.status is GoalStatus.SUCCEEDED
+        assert bench.now - began >= TASK_S + 0.6 - 0.05
+
+    # --- states of a goal -------------------------------------------------------------------
+
+    def test_is_requested_then_accepted_then_ended(self, bench: Bench) -> None:
+        goal = _send(bench, 'good')
+        assert (goal.accepted, goal.end) == (False, None)
+        bench.run_until(lambda: goal.accepted, 'the acceptance')
+        assert goal.end is None
+        _run_to_end(bench, goal)
+        assert goal.accepted
+
+    def test_keeps_its_request(self, bench: Bench) -> None:
+        goal = _send(bench, 'good')
+        assert (goal.request.component, goal.request.task) == ('good', 'TASK_A')
+        _run_to_end(bench, goal)
+
+    def test_keeps_the_last_feedback(self, bench: Bench) -> None:
+        goal = _send(bench, 'good')
+        assert goal.feedback is None
+        _run_to_end(bench, goal)
+        assert goal.feedback is not None
+        assert goal.feedback.fields['current_sub_task'].startswith('TASK_A')
+
+    def test_goals_of_two_components_do_not_mix(self, bench: Bench) -> None:
+        long, short = _send(bench, 'good', 'TASK_B'), _send(bench, 'other', 'TASK_A')
+        _run_to_end(bench, short)
+        assert long.end is None
+        _run_to_end(bench, long)
+        assert long.end is not None
+        assert short.end is not None
+        assert (long.end.result['measurement'], short.end.result['measurement']) == (0.0, 1.5)
+
+    # --- cancel -----------------------------------------------------------------------------
+
+    def test_cancel_while_it_runs(self, bench: Bench) -> None:
+        goal = _send(bench, 'hanging')
+        bench.run_until(lambda: goal.accepted, 'the acceptance')
+        goal.cancel()
+        goal.cancel()
+        _run_to_end(bench, goal)
+        assert goal.end is not None
+        assert goal.end.status is GoalStatus.CANCELED
+
+    def test_cancel_before_acceptance_cancels_on_acceptance(self, bench: Bench) -> None:
+        goal = _send(bench, 'hanging')
+        goal.cancel()
+        assert goal.end is None
+        _run_to_end(bench, goal)
+        assert goal.accepted
+        assert goal.end is not None
+        assert goal.end.status is GoalStatus.CANCELED
+
+    def test_cancel_while_it_waits_withdraws_it(self, bench: Bench) -> None:
+        goal = _send(bench, 'absent')
+        goal.cancel()
+        _run_to_end(bench, goal, within_s=SLACK_S)
+        assert goal.end is not None
+        assert goal.end.status is GoalStatus.CANCELED
+        assert not goal.accepted
+
+    def test_refused_cancel_changes_nothing(self, bench: Bench) -> None:
+        goal = _send(bench, 'stubborn')
+        bench.run_until(lambda: goal.accepted, 'the acceptance')
+        goal.cancel()
+        bench.run_for(1.0)
+        assert goal.accepted
+        assert goal.end is None
+
+    def test_cancel_after_the_end_changes_nothing(self, bench: Bench) -> None:
+        goal = _send(bench, 'good')
+        _run_to_end(bench, goal)
+        end = goal.end
+        goal.cancel()
+        bench.run_for(0.5)
+        assert goal.end is end
+
+    # --- servers that are not there ---------------------------------------------------------
+
+    def test_no_server_for_good_is_unavailable(self, bench: Bench) -> None:
+        goal = _send(bench, 'absent')
+        began = bench.now
+        _run_to_end(bench, goal)
+        assert goal.end is not None
+        assert goal.end.status is GoalStatus.UNAVAILABLE
+        assert '/absent/task' in goal.end.message
+        assert 3.0 - 0.1 <= bench.now - began <= 3.0 + SLACK_S
+
+    def test_waits_for_a_server_that_comes(self) -> None:
+        bench = self.make_bench([component('late_riser', '=absent:1.5')])
+        try:
+            goal = _send(bench, 'late_riser')
+            _run_to_end(bench, goal)
+            assert goal.end is not None
+            assert goal.end.status is GoalStatus.SUCCEEDED
+        finally:
+            bench.close()
+
+    def test_available_says_whether_the_server_is_there(self, bench: Bench) -> None:
+        bench.run_until(lambda: bench.gateway.available('good'), 'the server')
+        assert not bench.gateway.available('absent')
+
+    # --- servers that are lost (semantics 9.3) ----------------------------------------------
+
+    def test_request_that_is_never_answered_is_lost(self, bench: Bench) -> None:
+        goal = _send(bench, 'mute')
+        began = bench.now
+        _run_to_end(bench, goal)
+        assert goal.end is not None
+        assert goal.end.status is GoalStatus.LOST
+        assert RESULT_CHECK_S <= bench.now - began <= 2 * RESULT_CHECK_S + SLACK_S
+        assert not goal.accepted
+
+    def test_component_works_after_a_lost_request(self, bench: Bench) -> None:
+        goal = _send(bench, 'mute')  # its second one, or its third
+        bench.run_until(lambda: goal.end is not None, 'an end')
+        again = _send(bench, 'mute')
+        _run_to_end(bench, again)
+        assert again.end is not None
+        assert again.end.status is GoalStatus.SUCCEEDED
+
+    @pytest.mark.timeout(120)
+    def test_server_that_dies_and_stays_away_is_lost(self, bench: Bench) -> None:
+        goal = _send(bench, 'mortal')
+        bench.run_until(lambda: goal.accepted, 'the acceptance')
+        _run_to_end(bench, goal, within_s=2 * SERVER_LEASE_S)
+        assert goal.end is not None
+        assert goal.end.status is GoalStatus.LOST
+        assert goal.accepted
+        assert not bench.gateway.available('mortal')
+
+    def test_server_that_dies_and_comes_back_at_once_is_lost(self, bench: Bench) -> None:
+        goal = _send(bench, 'reborn')
+        began = bench.now
+        _run_to_end(bench, goal)
+        assert goal.end is not None
+        assert goal.end.status is GoalStatus.LOST
+        assert bench.now - began <= RESULT_CHECK_S + SLACK_S
+        again = _send(bench, 'reborn')
+        _run_to_end(bench, again)
+        assert again.end is not None
+        assert again.end.status is GoalStatus.SUCCEEDED
+
+    # --- what is told -----------------------------------------------------------------------
+
+    def test_lists_a_goal_when_it_was_accepted_and_when_it_ended(self, bench: Bench) -> None:
+        goal = _send(bench, 'good')
+        bench.gateway.drain()
+        bench.run_until(lambda: goal.accepted, 'the acceptance')
+        assert bench.gateway.drain() == (goal,)
+        assert bench.gateway.drain() == ()
+        _run_to_end(bench, goal)
+        assert bench.gateway.drain() == (goal,)
+        bench.run_for(0.5)
+        assert bench.gateway.drain() == ()
+
+    def test_lists_the_oldest_end_first_and_each_goal_once(self, bench: Bench) -> None:
+        bench.gateway.drain()
+        slow, quick = _send(bench, 'good', 'TASK_B'), _send(bench, 'other', 'TASK_A')
+        _run_to_end(bench, slow)
+        assert bench.gateway.drain() == (quick, slow)
+
+    def test_wakes_whoever_listens_at_all_news(self, bench: Bench) -> None:
+        log = Log(bench.gateway)
+        woken: list[int] = []
+        bench.gateway.listen(lambda: woken.append(len(log.update())))
+        try:
+            goal = _send(bench, 'good')
+            _run_to_end(bench, goal)
+        finally:
+            bench.gateway.listen(lambda: None)
+        assert log.entries.count(goal) == 2
+        assert all(woken)
+
+    # --- state topics (semantics 2.5) -------------------------------------------------------
+
+    def test_tells_the_state_from_the_start_and_its_changes_only(self) -> None:
+        bench = self.make_bench(
+            [
+                component('ready', state=True),
+                component('not_ready', '#0=not_ready', state=True),
+                component('silent', '=silent', state=True),
+            ]
+        )
+        try:
+            log = Log(bench.gateway)
+            bench.run_until(lambda: log.readings('ready'), 'a reading')
+            bench.run_until(lambda: log.readings('not_ready'), 'a reading')
+            bench.run_for(2.5)
+            assert log.readings('ready') == ['READY']
+            assert log.readings('not_ready') == ['NOT_READY']
+            assert log.readings('silent') == []
+        finally:
+            bench.close()
+
+    def test_tells_a_change_of_state(self, bench: Bench) -> None:
+        log = Log(bench.gateway)
+        _run_to_end(bench, _send(bench, 'tired'))
+        told = ['NOT_READY', 'READY']
+        bench.run_until(lambda: log.readings('tired')[-2:] == told, 'not ready, and ready again')
+
+    @pytest.mark.timeout(120)
+    def test_tells_that_a_state_topic_lost_its_publisher(self, bench: Bench) -> None:
+        log = Log(bench.gateway)
+        _run_to_end(bench, _send(bench, 'lost_state'), within_s=2 * SERVER_LEASE_S)
+        bench.run_until(lambda: log.readings('lost_state')[-1:] == [None], 'the loss')
+
+
+def _send(bench: Bench, name: str, task: str = 'TASK_A') -> Goal:
+    return bench.gateway.send(goal_request(name, task))
+
+
+def _run_to_end(bench: Bench, goal: Goal, within_s: float = 20.0) -> None:
+    bench.run_until(lambda: goal.end is not None, f'the end of {goal.request}', within_s)

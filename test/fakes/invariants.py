@@ -1,0 +1,155 @@
+"""What holds in every run, checked by a fold of its own (not by `model.fold`)."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.script import Script
+
+FREEING = (e.TaskSucceeded, e.TaskSkipped, e.TaskContinued, e.TaskMarkedDone, e.TaskRetrying)
+"""Events after which a task has no component any more, whatever was in doubt."""
+
+
+class Invariants:
+    """Follows the events of one cell and raises AssertionError at the first that cannot be."""
+
+    def __init__(self, cell: Cell) -> None:
+        self._cell = cell
+        self._seen = 0
+        self._time = 0.0
+        self._scripts: dict[str, Script] = {}
+        self._jobs: dict[str, Script] = {}
+        self._slots: dict[int, str] = {}
+        self._there: set[str] = set()
+        """Items that stand on the belt."""
+        self._placed = 0
+        self._out: Counter[str] = Counter()
+        self._flags: dict[str, tuple[int, int]] = {}
+        self._busy: dict[str, e.TaskKey] = {}
+        self._zones: dict[str, e.TaskKey] = {}
+        self._moving = False
+
+    def follow(self, events: Sequence[e.Event]) -> None:
+        """Take in the events that are new."""
+        for event in events[self._seen :]:
+            self._seen += 1
+            assert event.seq == self._seen, event
+            assert event.time >= self._time, event
+            self._time = event.time
+            self._take(event)
+            self._check(event)
+
+    def _check(self, event: e.Event) -> None:
+        assert self._placed == sum(self._out.values()) + len(self._there), event
+        for flag, (count, capacity) in self._flags.items():
+            assert 0 <= count <= capacity, (flag, event)
+        for key in self._busy.values():
+            assert not (self._moving and self._needs_belt(key)), (key, event)
+
+    def _take(self, event: e.Event) -> None:
+        for kind, take in self._takers.items():
+            if isinstance(event, kind):
+                take(self, event)
+
+    # --- jobs and flags ---------------------------------------------------------------------
+
+    def _script_loaded(self, event: e.ScriptLoaded) -> None:
+        self._scripts[event.digest] = event.definition
+
+    def _job_queued(self, event: e.JobQueued) -> None:
+        script = self._jobs[event.job] = self._scripts[event.digest]
+        for dependency in script.dependencies:
+            traits = dependency.initial, dependency.capacity
+            self._flags.setdefault(dependency.flag, traits)
+
+    def _flag(self, event: e.FlagEvent) -> None:
+        count, capacity = self._flags[event.flag]
+        change = 1 if isinstance(event, e.FlagRaised) else -1
+        assert event.count == count + change, event
+        self._flags[event.flag] = event.count, capacity
+
+    # --- components and zones ---------------------------------------------------------------
+
+    def _started(self, event: e.TaskStarted) -> None:
+        assert event.component not in self._busy, (event, self._busy)
+        self._busy[event.component] = event.key
+        for zone in self._zones_of(event.key):
+            assert zone not in self._zones, (event, self._zones)
+            self._zones[zone] = event.key
+
+    def _failed(self, event: e.TaskFailed) -> None:
+        if event.reason not in ('in_doubt', 'server_lost'):
+            self._free(event)
+
+    def _free(self, event: e.TaskEvent) -> None:
+        for owners in (self._busy, self._zones):
+            for name in [name for name, key in owners.items() if key == event.key]:
+                del owners[name]
+
+    def _zones_of(self, key: e.TaskKey) -> list[str]:
+        if key.job is None:
+            return []
+        return [z.name for z in self._jobs[key.job].zones if key.task in z.tasks]
+
+    def _needs_belt(self, key: e.TaskKey) -> bool:
+        if key.job is None or key.section is None:
+            return False
+        steps = self._jobs[key.job].sections[key.section].steps
+        step = next(s for s in steps if key.task in [task.id for task in s.tasks])
+        return any(task.requires_conveyor for task in step.tasks)
+
+    # --- the belt and its items -------------------------------------------------------------
+
+    def _index_started(self, _: e.BeltIndexStarted) -> None:
+        assert not self._moving
+        self._moving = True
+
+    def _indexed(self, _: e.BeltIndexed) -> None:
+        assert self._moving
+        self._moving = False
+
+    def _stands(self, event: e.ItemPlaced | e.ItemMissing) -> None:
+        assert event.section not in self._slots, event
+        self._slots[event.section] = event.item
+        if isinstance(event, e.ItemPlaced):
+            self._placed += 1
+            self._there.add(event.item)
+
+    def _moved(self, event: e.ItemMoved) -> None:
+        assert self._moving, event
+        assert event.section not in self._slots, event
+        assert self._slots.pop(event.section - 1) == event.item, event
+        self._slots[event.section] = event.item
+
+    def _removed(self, event: e.ItemRemoved) -> None:
+        assert event.item in self._there, event
+        assert event.section is not None
+        assert self._slots[event.section] == event.item, event
+        self._there.remove(event.item)
+        self._out[event.how] += 1
+        script = self._jobs[event.job]
+        if event.how != 'by_hand' and event.section == script.sink:
+            del self._slots[event.section]
+
+    def _position_ended(self, event: e.PositionEnded) -> None:
+        assert event.item not in self._there, event
+        assert self._slots.pop(event.section) == event.item, event
+
+    _takers: dict[type[e.Event], Callable[..., None]] = {
+        e.ScriptLoaded: _script_loaded,
+        e.JobQueued: _job_queued,
+        e.FlagEvent: _flag,
+        e.TaskStarted: _started,
+        e.TaskFailed: _failed,
+        e.BeltIndexStarted: _index_started,
+        e.BeltIndexed: _indexed,
+        e.ItemPlaced: _stands,
+        e.ItemMissing: _stands,
+        e.ItemMoved: _moved,
+        e.ItemRemoved: _removed,
+        e.PositionEnded: _position_ended,
+        **dict.fromkeys(FREEING, _free),
+    }

@@ -1,0 +1,166 @@
+"""One virtual run, what happened in it, and the checks that hold for every run."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from fakes.invariants import Invariants
+
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.codec import from_record, to_record
+from bt_orchestrator.model.commands import Answer, AnswerHold, Command, RemoveItem, SubmitJob
+from bt_orchestrator.model.fold import apply
+from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.model.state import CellState, JobState
+from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.sim.simulation import Simulation
+from bt_orchestrator.store.memory import MemoryStore
+from bt_orchestrator.tree.compile import CellTree
+
+
+class VirtualRun:
+    """A line at work. Every step forward is checked against `Invariants` and a replay."""
+
+    def __init__(self, cell: Cell, types: ActionTypes, *, rebuild: bool = False) -> None:
+        """Switch the line on.
+
+        :param rebuild: compile the tree anew after every settle
+        """
+        self.store = MemoryStore()
+        self.sim = Simulation(cell, types, self.store)
+        self._invariants = Invariants(cell)
+        self._rebuild = rebuild
+
+    # --- going on ---------------------------------------------------------------------------
+
+    def submit(
+        self, job: str, script: Script, quantity: int = 1, **params: object
+    ) -> Answer:
+        """Queue a job now."""
+        values = {name: p.default for name, p in script.params.items()} | params
+        return self.ask(SubmitJob(Job(job, script, quantity, values)))
+
+    def go(self, until: float = 1e6) -> VirtualRun:
+        """Let time pass until nothing more can happen, at most to a time."""
+        orchestrator, clock = self.sim.orchestrator, self.sim.clock
+        orchestrator.settle()
+        while self.sim.state.jobs:
+            due = clock.next_deadline()
+            if due is None or due > until:
+                break
+            clock.advance()
+            orchestrator.settle()
+            self._renew_tree()
+        self._check()
+        return self
+
+    def ask(self, command: Command) -> Answer:
+        """Give a command now; everything due at this moment has happened."""
+        answer = self.sim.orchestrator.ask(command)
+        self._renew_tree()
+        self._check()
+        return answer
+
+    def answer(self, answer: str, hold: str | None = None) -> Answer:
+        """Answer a hold, the only one unless named; the operator is Ann."""
+        if hold is None:
+            (hold,) = self.state.holds
+        return self.ask(AnswerHold(hold, answer, 'Ann', 'it looked so'))
+
+    def remove(self, item: str) -> Answer:
+        """Take an item off the belt by hand."""
+        return self.ask(RemoveItem(item, 'Ann', 'it fell over'))
+
+    # --- looking ----------------------------------------------------------------------------
+
+    @property
+    def now(self) -> float:
+        return self.sim.clock.now()
+
+    @property
+    def state(self) -> CellState:
+        return self.sim.state
+
+    @property
+    def ended(self) -> bool:
+        """Tell whether no job is live any more."""
+        return not self.state.jobs
+
+    def job(self, name: str = 'J') -> JobState:
+        """Return a job, live or ended."""
+        return self.state.jobs.get(name) or self.state.ended[name]
+
+    @property
+    def records(self) -> list[dict[str, Any]]:
+        """Everything that happened, as records."""
+        return [to_record(event) for event in self.store.read()]
+
+    def all(self, event: str, **fields: object) -> list[dict[str, Any]]:
+        """Return the records of one event, of those fields."""
+        return [
+            record
+            for record in self.records
+            if record['event'] == event
+            and all(record.get(name) == value for name, value in fields.items())
+        ]
+
+    def times(self, event: str, **fields: object) -> list[float]:
+        """Return when an event happened."""
+        return [record['time'] for record in self.all(event, **fields)]
+
+    def starts(self, task: str, **fields: object) -> list[float]:
+        """Return when the attempts of a task began."""
+        return self.times('task.started', task=task, **fields)
+
+    def order(self, event: str, field: str = 'task') -> list[str]:
+        """Return one field of an event, in the order of happening."""
+        return [record[field] for record in self.all(event)]
+
+    def reasons(self) -> list[str]:
+        """Return why attempts failed."""
+        return self.order('task.failed', 'reason')
+
+    def waits(self) -> dict[str, str]:
+        """Return what each part of the cell waits for now."""
+        found: dict[str, str] = {}
+        for wait in self.sim.waits():
+            before = found.get(wait.part)
+            found[wait.part] = wait.reason if before is None else f'{before}; {wait.reason}'
+        return found
+
+    def counts(self, name: str = 'J') -> dict[str, int]:
+        """Return a job's counts that are not 0 (semantics 6.2)."""
+        return {key: count for key, count in vars(self.job(name).progress).items() if count}
+
+    # --- checking ---------------------------------------------------------------------------
+
+    def _renew_tree(self) -> None:
+        if self._rebuild:
+            orchestrator = self.sim.orchestrator
+            orchestrator.tree.close()
+            space = orchestrator._projection.space
+            orchestrator.tree = CellTree(orchestrator._ledger, space)
+
+    def _check(self) -> None:
+        events = self.store.read()
+        self._invariants.follow(events)
+        assert snapshot(replayed(self.state.cell, events)) == snapshot(self.state)
+
+
+def replayed(cell: Cell, events: Any) -> CellState:
+    """Return the state that a journal, written and read, tells of."""
+    state = CellState(cell)
+    for event in events:
+        apply(state, from_record(json.loads(json.dumps(to_record(event)))))
+    return state
+
+
+def snapshot(state: CellState) -> dict[str, Any]:
+    """Return what a state holds, to be compared."""
+    plain = {name: value for name, value in vars(state).items() if name != 'cell'}
+    plain['preparations'] = sorted(state.preparations)
+    return plain
+
+

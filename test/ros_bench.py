@@ -1,0 +1,129 @@
+"""The real gateway on a node of its own, and a simulated cell in another process."""
+
+from __future__ import annotations
+
+import json
+import signal
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import rclpy
+from contract.gateway_bench import SERVER_TIMEOUT_S, cell_of
+from rclpy.context import Context
+from rclpy.executors import Executor, SingleThreadedExecutor
+from rclpy.node import Node
+from sim_cell_process import SimCellProcess
+
+from bt_orchestrator.model.cell import Cell, Component
+from bt_orchestrator.model.fault import EVERY, Fault
+from bt_orchestrator.ros.action_types import InstalledActionTypes
+from bt_orchestrator.ros.gateway import RosGateway
+
+DISCOVERY_S = 20.0
+
+
+class RosBench:
+    """A gateway whose callbacks run in `run_until` and `run_for`, in the caller's thread."""
+
+    def __init__(
+        self,
+        components: Sequence[Component],
+        make_executor: Callable[[Context], Executor] = lambda c: SingleThreadedExecutor(context=c),
+        **options: Any,
+    ) -> None:
+        self._directory = tempfile.TemporaryDirectory(prefix='bt_orchestrator_bench_')
+        self.cell = cell_of(components)
+        self._context = Context()
+        rclpy.init(context=self._context)
+        self.node = Node('bench', context=self._context)
+        self._executor = make_executor(self._context)
+        self._executor.add_node(self.node)
+        self.server = self.start_server()
+        options = {'server_timeout_s': SERVER_TIMEOUT_S, **options}
+        self.gateway = RosGateway(self.node, self.cell, InstalledActionTypes(), **options)
+
+    @property
+    def now(self) -> float:
+        return time.monotonic()
+
+    def start_server(self) -> SimCellProcess:
+        """Start the other process; the former one should have ended."""
+        file = Path(self._directory.name, 'cell.yaml')
+        file.write_text(cell_text(self.cell))
+        names = [name for name in self.cell.components if name != 'conveyor']
+        server = SimCellProcess(file, '--only', ','.join(names), *fault_options(self.cell))
+        server.wait_until_ready()
+        return server
+
+    def run_until(self, condition: Callable[[], Any], what: str, within_s: float = 20.0) -> None:
+        if not self._spin(within_s, condition):
+            raise AssertionError(f'waited {within_s:.0f} s for {what}')
+
+    def run_for(self, seconds: float) -> None:
+        self._spin(seconds, lambda: False)
+
+    def kill_server(self) -> None:
+        """End the other process without a word to anybody."""
+        self.server.stop(signal.SIGKILL)
+
+    def close(self) -> None:
+        self.gateway.close()
+        self._executor.shutdown()
+        self.node.destroy_node()
+        self._context.shutdown()
+        self.server.stop()
+        self._directory.cleanup()
+
+    def _spin(self, seconds: float, condition: Callable[[], Any]) -> bool:
+        deadline = time.monotonic() + seconds
+        while not condition():
+            left_s = deadline - time.monotonic()
+            if left_s <= 0:
+                return False
+            self._executor.spin_once(timeout_sec=min(left_s, 0.1))
+        return True
+
+
+def cell_text(cell: Cell) -> str:
+    """Write a cell file; JSON is YAML too."""
+    components = {n: _component(c) for n, c in cell.components.items() if n != 'conveyor'}
+    belt = cell.conveyor.component
+    conveyor = {
+        'sections': cell.conveyor.sections,
+        'action': belt.action,
+        'type': belt.type,
+        'task': cell.conveyor.task,
+    }
+    return json.dumps({'cell': cell.name, 'conveyor': conveyor, 'components': components})
+
+
+def fault_options(cell: Cell) -> list[str]:
+    """Write the faults of all components as options of sim-cell."""
+    return [
+        word
+        for name, component in cell.components.items()
+        for fault in component.faults
+        for word in ('--fail', f'{name}.{_fault(fault)}')
+    ]
+
+
+def _component(component: Component) -> dict[str, Any]:
+    state = component.state
+    topic = {} if state is None else {'state': {**vars(state), 'ready': list(state.ready)}}
+    return {
+        'section': 1,
+        'action': component.action,
+        'type': component.type,
+        'durations': dict(component.durations_s),
+        'results': {task: dict(result) for task, result in component.results.items()},
+        **topic,
+    }
+
+
+def _fault(fault: Fault) -> str:
+    nth = '*' if fault.nth == EVERY else fault.nth
+    seconds = '' if fault.seconds is None else f':{fault.seconds}'
+    return f'{fault.task or ""}#{nth}={fault.kind.value}{seconds}'

@@ -1,0 +1,281 @@
+"""Semantics 2: tasks, their ends, retries and policies."""
+
+from __future__ import annotations
+
+import pytest
+from fakes.line import Line, with_section
+from fakes.virtual_run import VirtualRun
+
+WORK_AT = 3.0
+"""When section 2 of the shortest line begins with its first item."""
+
+
+def work(options: str = '') -> str:
+    """Return the shortest line, with options for the task of section 2."""
+    return with_section(2, f'- {{id: work, @a2{", " + options if options else ""}}}')
+
+
+def faulty(fault: str, options: str = '', *, quantity: int = 1) -> VirtualRun:
+    """Run the shortest line with a fault of the component in section 2."""
+    return Line(faults={'a2': fault}).run(work(options), quantity)
+
+
+# --- 2.2 ------------------------------------------------------------------------------------
+
+
+def test_2_2_a_task_succeeds_with_its_result_fields() -> None:
+    run = Line(results={'a2': {'measurement': 4.5}}).run(work())
+    (done,) = run.all('task.succeeded', task='work')
+    assert done['time'] == WORK_AT + 1
+    assert done['results'] == {'item_present': True, 'measurement': 4.5}
+
+
+def test_2_2_succeeded_with_task_result_false_is_a_failure() -> None:
+    run = faulty('#1=false', 'on_failure: continue')
+    assert run.times('task.failed', task='work', reason='task_result_false') == [WORK_AT + 1]
+    assert run.all('task.succeeded', task='work') == []
+
+
+# --- 2.3 ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ('fault', 'reason', 'after_s'),
+    [
+        ('#1=false', 'task_result_false', 1),
+        ('#1=reject', 'goal_rejected', 0),
+        ('#1=abort', 'aborted', 1),
+        ('#1=cancel', 'canceled', 1),
+        ('#0=absent', 'server_unavailable', 5),
+        ('#1=hang', 'timeout', 10),
+        ('#1=ignore_cancel', 'in_doubt', 15),
+        ('#1=mute', 'server_lost', 4),
+        ('#1=die', 'server_lost', 20.5),
+        ('#1=die:1', 'server_lost', 2),
+    ],
+)
+def test_2_3_every_end_has_its_own_reason(fault: str, reason: str, after_s: float) -> None:
+    run = faulty(fault, 'timeout: 10' if 'die' not in fault else 'timeout: none')
+    (failed,) = run.all('task.failed')
+    assert (failed['reason'], failed['time']) == (reason, WORK_AT + after_s)
+    (hold,) = run.state.holds.values()
+    assert (hold.task, hold.section, hold.item, hold.reason) == ('work', 2, 'J/1', reason)
+
+
+def test_2_3_missing_result_ends_the_attempt_without_a_goal() -> None:
+    text = with_section(
+        2,
+        """
+        - {id: look, @a2, on_failure: continue}
+        - {id: use, @b2, args: {special_argument_2: "${results.look.measurement}"}, retries: 3}
+        """,
+    )
+    run = Line(faults={'a2': '#1=abort'}).run(text)
+    (failed,) = run.all('task.failed', task='use')
+    assert failed['reason'] == 'missing_result'
+    assert 'goal' not in failed
+    assert run.starts('use') == []
+    assert failed['message'] == (
+        '${results.look.measurement} has no value: that task gave no result for this item'
+    )
+
+
+# --- 2.4 ------------------------------------------------------------------------------------
+
+
+def test_2_4_at_the_timeout_the_goal_is_cancelled_and_its_end_awaited() -> None:
+    run = faulty('#1=hang', 'timeout: 2.5')
+    assert run.times('task.cancel_requested', cause='timeout') == [WORK_AT + 2.5]
+    assert run.times('task.failed', reason='timeout') == [WORK_AT + 2.5]
+
+
+def test_2_4_without_a_terminal_status_the_component_is_in_doubt_after_the_grace() -> None:
+    run = faulty('#1=ignore_cancel', 'timeout: 2.5, retries: 3, on_failure: continue')
+    assert run.times('task.failed', reason='in_doubt') == [WORK_AT + 2.5 + 5]
+    assert run.starts('work') == [WORK_AT]
+    assert run.state.reserved['a2'].task == 'work'
+    assert [hold.reason for hold in run.state.holds.values()] == ['in_doubt']
+
+
+def test_2_4_the_components_timeout_and_300_s_are_the_defaults() -> None:
+    run = faulty('#1=hang')
+    assert run.times('task.failed', reason='timeout') == [WORK_AT + 300]
+
+
+def test_2_4_no_limit_has_to_be_written() -> None:
+    run = Line(faults={'a2': '#1=late:5000'}).run(work('timeout: none'))
+    assert run.times('task.succeeded', task='work') == [WORK_AT + 5001]
+
+
+def test_2_4_a_goal_in_time_is_not_cancelled() -> None:
+    run = faulty('#1=late:1.4', 'timeout: 2.5')
+    assert run.all('task.cancel_requested') == []
+    assert run.times('task.succeeded', task='work') == [WORK_AT + 2.4]
+
+
+# --- 2.5 ------------------------------------------------------------------------------------
+
+
+def test_2_5_one_component_runs_one_task_at_a_time() -> None:
+    text = """
+    sections:
+      1: [{id: place, @a1, qty_change: 1}]
+      2: [{id: two, @arm}]
+      3: [{id: three, @arm}, {id: pack, @a3, qty_change: -1}]
+    """
+    run = Line().run(text, 2)
+    assert run.starts('three', item='J/1') == [6.0]
+    assert run.starts('two', item='J/2') == [7.0]
+    run = Line().begin(text, 2).go(until=6.0)
+    assert run.waits()['section 2'] == 'waiting for arm, busy with three of J/1'
+
+
+def test_2_5_a_component_that_is_not_ready_is_sent_no_goal() -> None:
+    line = Line(topics=('a2',), faults={'a2': '#0=not_ready:8'})
+    run = line.begin(work()).go(until=5.0)
+    assert run.waits()['section 2'] == 'waiting for /a2/state = READY; it is NOT_READY'
+    run.go()
+    assert run.starts('work') == [8.0]
+
+
+def test_2_5_a_component_that_says_nothing_is_not_ready() -> None:
+    run = Line(topics=('a2',), faults={'a2': '#0=silent'}).run(work())
+    assert run.starts('work') == []
+    assert run.waits()['section 2'] == (
+        'waiting for /a2/state = READY; nothing is published there'
+    )
+
+
+def test_2_5_readiness_is_asked_again_for_the_next_item() -> None:
+    run = Line(topics=('a2',), faults={'a2': '#1=not_ready:20'}).run(work(), 2)
+    assert run.starts('work') == [3.0, 24.0]
+
+
+# --- 2.6 ------------------------------------------------------------------------------------
+
+
+def test_2_6_a_failed_attempt_is_repeated_after_the_retry_delay() -> None:
+    run = faulty('#1=abort #2=reject #3=false', 'retries: 3, retry_delay: 1.5')
+    assert run.starts('work') == [3.0, 5.5, 7.0, 9.5]
+    assert [r['attempt'] for r in run.all('task.started', task='work')] == [1, 2, 3, 4]
+    assert run.ended
+    assert run.counts()['packed'] == 1
+
+
+def test_2_6_while_it_waits_to_retry_it_says_so() -> None:
+    line = Line(faults={'a2': '#1=abort'})
+    run = line.begin(work('retries: 1, retry_delay: 5')).go(until=4.0)
+    assert run.waits()['section 2'] == 'waiting to retry, attempt 2'
+
+
+def test_2_6_every_attempt_has_a_goal_of_its_own() -> None:
+    run = faulty('#1=abort', 'retries: 1')
+    goals = [record['goal'] for record in run.all('task.started')]
+    assert len(goals) == len(set(goals)) == 5
+
+
+def test_2_6_after_the_last_attempt_the_policy_decides() -> None:
+    run = faulty('#1=abort #2=abort #3=abort', 'retries: 2')
+    assert run.starts('work') == [3.0, 4.0, 5.0]
+    assert run.times('hold.raised') == [6.0]
+
+
+def test_2_6_server_lost_holds_whatever_the_policy_and_keeps_the_component() -> None:
+    run = faulty('#1=die:1', 'retries: 2, on_failure: continue')
+    assert run.starts('work') == [WORK_AT]
+    assert run.state.reserved['a2'].task == 'work'
+    run.answer('retry')
+    run.go()
+    assert run.starts('work') == [3.0, 5.0]
+    assert run.ended
+
+
+def test_2_6_server_lost_of_a_repeatable_task_is_retried() -> None:
+    run = faulty('#1=die:1', 'retries: 1, repeatable: true')
+    assert run.reasons() == ['server_lost']
+    assert run.starts('work') == [3.0, 5.0]
+    assert run.ended
+
+
+def test_2_6_server_lost_of_a_repeatable_task_obeys_its_policy() -> None:
+    run = faulty('#1=die:1', 'on_failure: continue, repeatable: true')
+    assert run.all('hold.raised') == []
+    assert run.counts()['nonconforming'] == 1
+
+
+def test_2_6_the_own_cancel_of_abort_job_is_no_failed_attempt() -> None:
+    text = with_section(
+        2,
+        """
+        - parallel:
+          - {id: work, @a2, retries: 3}
+          - {id: bad, @b2, on_failure: abort_job}
+        """,
+    ).replace('qty_change: -1', 'qty_change: -1, runs_for: all')
+    run = Line(seconds={'a2': 9.0}, faults={'b2': '#1=abort'}).run(text)
+    assert run.times('task.cancel_requested', task='work', cause='abort_job') == [4.0]
+    assert run.starts('work') == [3.0]
+    assert run.order('task.continued', 'policy') == ['abort_job', 'abort_job']
+    assert run.all('hold.raised') == []
+    assert run.counts()['rejected'] == 1
+
+
+def test_2_6_in_a_job_that_aborts_other_failures_keep_their_retries_and_policy() -> None:
+    text = with_section(2, '- {id: work, @a2, on_failure: abort_job}').replace(
+        'qty_change: -1', 'qty_change: -1, runs_for: all, retries: 1'
+    )
+    run = Line(faults={'a2': '#1=abort', 'a3': '#1=abort #2=abort'}).run(text)
+    assert run.starts('pack') == [7.0, 8.0]
+    assert [hold.task for hold in run.state.holds.values()] == ['pack']
+    run.answer('retry')
+    run.go()
+    assert run.counts()['rejected'] == 1
+
+
+# --- 2.7 ------------------------------------------------------------------------------------
+
+
+def test_2_7_hold_is_the_default() -> None:
+    run = faulty('#1=abort')
+    assert run.times('hold.raised', task='work', reason='aborted') == [4.0]
+
+
+@pytest.mark.parametrize('option', ['on_failure: continue', 'continue_if_fail: true'])
+def test_2_7_continue_marks_the_item_nonconforming(option: str) -> None:
+    run = Line(faults={'a2': '#1=abort'}).begin(work(option), 2).go(until=4.0)
+    assert run.state.items['J/1'].nonconforming == ['work']
+    run.go()
+    assert run.ended
+    assert run.counts() == {
+        'started': 2,
+        'placed': 2,
+        'processed': 2,
+        'packed': 2,
+        'nonconforming': 1,
+    }
+
+
+def test_2_7_an_item_is_nonconforming_once() -> None:
+    text = with_section(
+        2, '[{id: one, @a2, on_failure: continue}, {id: two, @b2, on_failure: continue}]'
+    )
+    run = Line(faults={'a2': '#1=abort', 'b2': '#1=abort'}).run(text)
+    assert run.counts()['nonconforming'] == 1
+
+
+def test_2_7_reject_rejects_the_item() -> None:
+    text = work('on_failure: reject').replace('qty_change: -1', 'qty_change: -1, runs_for: all')
+    run = Line(faults={'a2': '#1=abort'}).run(text, 2)
+    assert run.times('item.rejected', item='J/1') == [4.0]
+    assert run.counts()['rejected'] == 1
+    assert run.counts()['packed'] == 1
+
+
+def test_2_7_abort_job_rejects_the_items_and_places_no_more() -> None:
+    text = work('on_failure: abort_job').replace(
+        'qty_change: -1', 'qty_change: -1, runs_for: all'
+    )
+    run = Line(faults={'a2': '#1=abort'}).run(text, 9)
+    assert run.times('job.aborting') == [4.0]
+    assert run.counts() == {'started': 2, 'placed': 2, 'rejected': 2}
+    assert run.times('job.aborted') == [10.0]
