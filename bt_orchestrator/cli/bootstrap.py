@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple, TypeVar
 
@@ -60,6 +61,14 @@ def installed_types() -> ActionTypes:
     return InstalledActionTypes()
 
 
+def load_cell(path: Path, types: ActionTypes) -> Cell:
+    """Read a cell.
+
+    :raises Refused: with every mistake in its file
+    """
+    return read_cell(path, types)
+
+
 def load_scripts(
     names: Sequence[str], cell_file: Path, folders: Sequence[Path], types: ActionTypes
 ) -> tuple[Cell, list[Script]]:
@@ -68,10 +77,10 @@ def load_scripts(
     :raises Refused: with every mistake in all files; a script cannot be read without its cell
     """
     findings = Findings()
-    cell = findings.of(lambda: read_cell(cell_file, types))
-    paths = [findings.of(lambda name=name: find_script(name, folders)) for name in names]
+    cell = findings.of(partial(load_cell, cell_file, types))
+    paths = [findings.of(partial(find_script, name, folders)) for name in names]
     scripts = [
-        findings.of(lambda path=path: read_script(path, cell, types))
+        findings.of(partial(read_script, path, cell, types))
         for path in paths
         if path is not None and cell is not None
     ]
@@ -90,10 +99,10 @@ def load_jobs(
     :raises Refused: with every mistake in all files
     """
     findings = Findings()
-    cell = findings.of(lambda: read_cell(cell_file, types))
-    read = [findings.of(lambda path=path: read_order(path)) for path in orders]
+    cell = findings.of(partial(load_cell, cell_file, types))
+    read = [findings.of(partial(read_order, path)) for path in orders]
     files = [file for file in read if file is not None]
-    findings.of(lambda: _refuse_duplicates(files))
+    findings.of(partial(_refuse_duplicates, files))
     jobs = None if cell is None else _bind(files, _ScriptShelf(cell, folders, types), findings)
     findings.refuse()
     assert cell is not None
@@ -144,14 +153,12 @@ class _ScriptShelf:
         return self._scripts[path]
 
 
-def _bind(
-    files: Sequence[OrderFile], shelf: _ScriptShelf, findings: Findings
-) -> list[Given]:
+def _bind(files: Sequence[OrderFile], shelf: _ScriptShelf, findings: Findings) -> list[Given]:
     ids = _free_ids({file.order.order for file in files})
     given = []
     for file in files:
         job_id = file.order.order or next(ids)
-        job = findings.of(lambda file=file, job_id=job_id: _job(file, job_id, shelf))
+        job = findings.of(partial(_job, file, job_id, shelf))
         if job is not None:
             given.append(Given(job, file.places))
     return given

@@ -87,7 +87,9 @@ def summary(script: Script, cell: Cell) -> str:
     """Say in one line that a script is fine."""
     tasks = sum(1 for tasks in script.sections.values() for _ in tasks.tasks)
     sections = len(script.sections)
-    initialization = f' and {len(script.initialization)} of initialization' if script.initialization else ''
+    initialization = (
+        f' and {len(script.initialization)} of initialization' if script.initialization else ''
+    )
     return (
         f'{script.name}: {_count(tasks, "task")} in {_count(sections, "section")}'
         f'{initialization}, fits cell {cell.name}'

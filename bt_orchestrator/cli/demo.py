@@ -7,7 +7,6 @@ import json
 import os
 import random
 import tempfile
-
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -28,8 +27,8 @@ from bt_orchestrator.stop_signals import StopSignals
 
 DESCRIPTION = """\
 Show the whole path on this machine: simulated controllers in two processes, the tree node in a
-third, one work order, progress as it happens, and a summary. Needs no cell and no robot; everything
-it starts is gone when it ends."""
+third, one work order, progress as it happens, and a summary. Needs no cell and no robot;
+everything it starts is gone when it ends."""
 
 READY_S = 60.0
 """Longest time that a program may take to be ready, on a slow and busy machine."""
@@ -44,14 +43,34 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--order', type=Path, metavar='ORDER', help='work order (default: the shipped WO-1001)'
     )
-    parser.add_argument('--trees', action='append', type=Path, default=[], metavar='DIR',
-                        help='folder of scripts; may be repeated')
-    parser.add_argument('--speed', type=float, default=4.0, metavar='N',
-                        help='divide all simulated seconds by N (default 4)')
-    parser.add_argument('--fail', action='append', default=[], metavar='COMPONENT.FAULT',
-                        help='make a component fail; see `sim-cell --help`')
-    parser.add_argument('--executor', choices=('single', 'events'), default='single',
-                        help='executor of the tree node')
+    parser.add_argument(
+        '--trees',
+        action='append',
+        type=Path,
+        default=[],
+        metavar='DIR',
+        help='folder of scripts; may be repeated',
+    )
+    parser.add_argument(
+        '--speed',
+        type=float,
+        default=4.0,
+        metavar='N',
+        help='divide all simulated seconds by N (default 4)',
+    )
+    parser.add_argument(
+        '--fail',
+        action='append',
+        default=[],
+        metavar='COMPONENT.FAULT',
+        help='make a component fail; see `sim-cell --help`',
+    )
+    parser.add_argument(
+        '--executor',
+        choices=('single', 'events'),
+        default='single',
+        help='executor of the tree node',
+    )
 
 
 def run(args: argparse.Namespace) -> int:
@@ -140,7 +159,7 @@ def _wait_for_servers(client: Any, stop: StopSignals) -> None:
     seen: list[Any] = []
     client.on_status(seen.append)
     client.wait_until(
-        lambda: stop.requested or bool(seen) and all(c.available for c in seen[-1].components),
+        lambda: stop.requested or (bool(seen) and all(c.available for c in seen[-1].components)),
         'every action server at the node',
     )
 
@@ -157,5 +176,3 @@ def _sum_up(events: list[Event], cell: Cell, job: str) -> int:
         print(line)
     done = next((j for j in result.jobs if j.job == job), None)
     return 0 if done is not None and done.packed == done.quantity else 1
-
-

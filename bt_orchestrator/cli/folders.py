@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from bt_orchestrator.errors import Finding, Refused
@@ -42,8 +43,6 @@ def _shares(*path: str) -> list[Path]:
     except ImportError:
         pass
     else:
-        try:
+        with suppress(OSError, PackageNotFoundError):
             roots.insert(0, Path(get_package_share_directory(PACKAGE)))
-        except (PackageNotFoundError, EnvironmentError):
-            pass
     return [root.joinpath(*path) for root in dict.fromkeys(roots)]

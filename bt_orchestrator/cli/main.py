@@ -57,7 +57,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _carry_out(words: Sequence[str]) -> int:
     verb = next((word for word in words if not word.startswith('-')), None)
     try:
-        module = None if verb not in VERBS else _module(verb)
+        module = _module(verb) if verb is not None and verb in VERBS else None
         own_words = without_ros_arguments(words) if verb in TAKE_ROS_ARGUMENTS else words
         args = _parser(verb, module).parse_args(own_words)
         args.ros_args = words

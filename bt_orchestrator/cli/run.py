@@ -17,7 +17,8 @@ cancelled and their ends awaited for at most 10 s (a second Ctrl-C leaves at onc
 EPILOG = """\
 every option is also a ROS parameter of the node, which wins: --ros-args -p tick_rate_hz:=20.0
 
-exit status: 0 ended by a signal, 1 the cell file is refused or a goal had not ended, 2 wrong use"""
+exit status: 0 ended by a signal, 1 the cell file is refused or a goal had not ended,
+2 wrong use"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -76,9 +77,7 @@ def _run(args: argparse.Namespace, stop: StopSignals) -> int:
         server_timeout_s=SERVER_TIMEOUT_S,
     )
     ros_args = getattr(args, 'ros_args', ())
-    left = run_node(
-        defaults, MemoryStore, stop, _say, namespace=args.namespace, ros_args=ros_args
-    )
+    left = run_node(defaults, MemoryStore, stop, _say, namespace=args.namespace, ros_args=ros_args)
     for task in left:
         print(f'still running at its server: {task}', file=sys.stderr)
     return 1 if left else 0

@@ -54,11 +54,10 @@ def _belt(status: Any) -> str:
 
 
 def _job(job: Any) -> str:
-    counts = [f'{job.packed} of {job.quantity} packed']
-    for name in ('rejected', 'missing', 'nonconforming'):
-        if getattr(job, name):
-            counts.append(f'{getattr(job, name)} {name}')
-    return f'  {job.id} ({job.script}): {job.state}, {", ".join(counts)}'
+    named = ('rejected', 'missing', 'nonconforming')
+    bad = [f'{getattr(job, name)} {name}' for name in named if getattr(job, name)]
+    counts = ', '.join([f'{job.packed} of {job.quantity} packed', *bad])
+    return f'  {job.id} ({job.script}): {job.state}, {counts}'
 
 
 def _slot(section: Any) -> str:

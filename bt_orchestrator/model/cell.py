@@ -10,7 +10,7 @@ from typing import Any
 from bt_orchestrator.model.fault import Fault
 
 DEFAULT_TIMEOUT_S = 300.0
-"""Seconds that a task may take when neither it nor its component says otherwise (semantics 2.4)."""
+"""Seconds that a task may take unless it or its component says otherwise (semantics 2.4)."""
 
 DEFAULT_DURATION_S = 1.0
 """Seconds that a simulated task takes without a nominal duration (formats: cell file)."""

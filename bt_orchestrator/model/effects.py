@@ -24,12 +24,14 @@ def of_success(state: CellState, key: e.TaskKey) -> Iterator[e.Event]:
     if task.qty_change == 1:
         yield e.ItemPlaced(job=key.job, item=key.item, section=key.section)
     elif task.qty_change == -1 and state.items[key.item].section == key.section:
-        yield _taken_out(state, key.job, key.item, key.section)
+        yield from _taken_out(state, key.job, key.item, key.section)
 
 
 def of_passing(state: CellState, key: e.TaskKey) -> Iterator[e.Event]:
-    """Follow a task that was skipped, or failed and continued: as if it had run, but nothing was
-    placed or taken out."""
+    """Follow a task that was skipped, or failed and continued.
+
+    As if it had run (semantics 4.2), but nothing was placed or taken out.
+    """
     yield from _of_flags(state, key)
     task = state.task(key)
     if task is None or key.job is None or key.item is None or key.section is None:
@@ -38,7 +40,7 @@ def of_passing(state: CellState, key: e.TaskKey) -> Iterator[e.Event]:
     if task.qty_change == 1:
         yield e.ItemMissing(job=key.job, item=key.item, section=key.section)
     elif task.qty_change == -1 and not item.present and item.section == key.section:
-        yield e.PositionEnded(job=key.job, item=key.item, section=key.section)
+        yield from _ended_at_sink(state, key.job, key.item, key.section)
 
 
 def of_abort(state: CellState, job: JobState, reason: str) -> Iterator[e.Event]:
@@ -48,7 +50,7 @@ def of_abort(state: CellState, job: JobState, reason: str) -> Iterator[e.Event]:
     name = job.job.id
     yield e.JobAborting(job=name, reason=reason)
     for item in job.items.values():
-        if not item.rejected and not item.gone:
+        if item.present and not item.rejected and not item.gone:
             yield e.ItemRejected(job=name, item=item.id, reason=reason)
     for key, task in state.running.items():
         if key.job == name and task.cancel_cause is None:
@@ -88,16 +90,25 @@ def _of_flags(state: CellState, key: e.TaskKey) -> Iterator[e.Event]:
         yield e.FlagLowered(**key._asdict(), flag=dependency.flag, count=count)
 
 
-def _taken_out(state: CellState, job: str, item: str, section: int) -> e.Event:
+def _taken_out(state: CellState, job: str, item: str, section: int) -> Iterator[e.Event]:
     if not state.items[item].present:
-        return e.PositionEnded(job=job, item=item, section=section)
+        yield from _ended_at_sink(state, job, item, section)
+        return
     how = 'rejected' if state.items[item].rejected else 'packed'
-    return e.ItemRemoved(job=job, item=item, section=section, how=how)
+    yield e.ItemRemoved(job=job, item=item, section=section, how=how)
+
+
+def _ended_at_sink(state: CellState, job: str, item: str, section: int) -> Iterator[e.Event]:
+    """End an empty position, unless a later section has a `-1` too and is the sink."""
+    if section == state.script(job).sink:
+        yield e.PositionEnded(job=job, item=item, section=section)
 
 
 def _of_index_move(state: CellState) -> Iterator[e.Event]:
-    """Move every item, the last first, so that no slot ever holds two. Only an empty position can
-    be in the last slot (semantics 3.6)."""
+    """Move every item, the last first, so that no slot ever holds two.
+
+    Only an empty position can be in the last slot (semantics 3.6).
+    """
     last = state.slot(state.cell.conveyor.sections)
     if last is not None:
         yield e.PositionEnded(job=last.job, item=last.id, section=last.section)

@@ -1,7 +1,7 @@
 """What happened: the only way in which the state of the cell changes.
 
-Journal, trace, ROS topic and exports carry the same records (formats: events). Where a place in the
-line matters an event names job, section, item and task; fields that do not apply are None and
+Journal, trace, ROS topic and exports carry the same records (formats: events). Where a place in
+the line matters an event names job, section, item and task; fields that do not apply are None and
 absent from the record.
 """
 
@@ -333,7 +333,7 @@ class ItemRejected(ItemEvent):
 
 @dataclass(frozen=True, kw_only=True)
 class ItemRemoved(ItemEvent):
-    """The item left the belt; by hand, it leaves an empty position."""
+    """The item left the belt; by hand or before the sink, it leaves an empty position."""
 
     event: ClassVar[str] = 'item.removed'
     section: int | None = None

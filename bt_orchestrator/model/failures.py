@@ -23,7 +23,7 @@ def may_retry(state: CellState, key: e.TaskKey, task: Task) -> bool:
     failed = state.tasks[key]
     if failed.attempt > task.retries or failed.reason is Reason.MISSING_RESULT:
         return False
-    return _is_settled(failed, task) and not _is_own_cancel(state, key, failed)
+    return _is_settled(failed, task) and not _is_own_cancel(failed)
 
 
 def decide(state: CellState, key: e.TaskKey, task: Task) -> Iterator[e.Event]:
@@ -79,7 +79,7 @@ def _policy(state: CellState, key: e.TaskKey, task: Task) -> OnFailure:
     failed = state.tasks[key]
     if not _is_settled(failed, task) or failed.cancel_cause == SHUTDOWN:
         return OnFailure.HOLD
-    if _is_own_cancel(state, key, failed):
+    if _is_own_cancel(failed):
         return OnFailure.ABORT_JOB
     return task.on_failure
 
@@ -91,10 +91,12 @@ def _is_settled(failed: TaskState, task: Task) -> bool:
     return failed.reason is not Reason.IN_DOUBT
 
 
-def _is_own_cancel(state: CellState, key: e.TaskKey, failed: TaskState) -> bool:
-    if failed.cancel_cause in (SHUTDOWN, ABORT_JOB):
-        return True
-    return key.job is not None and state.jobs[key.job].aborting
+def _is_own_cancel(failed: TaskState) -> bool:
+    """Tell whether the attempt ended because the orchestrator wished so (semantics 2.6).
+
+    What fails while an aborted job drains is a failure like any other.
+    """
+    return failed.cancel_cause in (SHUTDOWN, ABORT_JOB)
 
 
 def _failure(state: CellState, key: e.TaskKey) -> str:

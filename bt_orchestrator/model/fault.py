@@ -30,7 +30,8 @@ class FaultKind(Enum):
     MUTE = 'mute'
     """The goal request is never answered and nothing is executed."""
     DIE = 'die'
-    """The server dies after accepting; with `seconds` it is back after so long, knowing nothing."""
+    """The server dies after accepting; with `seconds` it is back after so long, knowing
+    nothing."""
     ABSENT = 'absent'
     """The server is not there at first; with `seconds` it comes after so long. Only `#0`."""
     NOT_READY = 'not_ready'

@@ -124,9 +124,7 @@ def _task_started(event: e.TaskStarted, state: CellState) -> None:
 
 @_on(e.TaskCancelRequested)
 def _task_cancel_requested(event: e.TaskCancelRequested, state: CellState) -> None:
-    task = replace(
-        state.tasks[event.key], cancel_cause=event.cause, cancelled_at=event.time
-    )
+    task = replace(state.tasks[event.key], cancel_cause=event.cause, cancelled_at=event.time)
     state.tasks[event.key] = state.running[event.key] = task
 
 
@@ -311,7 +309,11 @@ def _item_removed(event: e.ItemRemoved, state: CellState) -> None:
         progress.rejected += 1
     else:
         progress.packed += 1
-    _leave(state, item)
+    if event.section == state.script(event.job).sink:
+        _leave(state, item)
+        return
+    item.present = False
+    progress.processed += event.how == 'packed'
 
 
 @_on(e.PositionEnded)

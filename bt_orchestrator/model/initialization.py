@@ -43,8 +43,9 @@ class Preparation:
         )
 
     def _waits_downstream(self, task: str) -> bool:
-        """Tell whether it waits, itself or through others, for a section downstream of one it
-        counts for: an item could otherwise wait for a section that waits for the line behind it.
+        """Tell whether it waits, itself or through others, for a section behind one it counts for.
+
+        An item could otherwise wait for a section that waits for the line behind it (5.2).
         """
         first = min(self.sections[task])
         return any(max(self.sections[t]) > first for t in (task, *self._ancestors(task)))

@@ -120,11 +120,14 @@ def next_cycle(state: CellState, section: SectionState) -> Start | Wait:
         arrived = _for_item(state, section, section.slot, state.beat)
         if arrived is not None:
             return arrived
-    beat = state.beat if section.turn_beat < state.beat else state.beat + 1
+    taken = section.turn_beat >= state.beat or section.slot is not None
+    beat = state.beat + 1 if taken else state.beat
     return _at_source(state, section, beat) or Wait(_idle(state, section))
 
 
 def _ahead_of_the_move(state: CellState, section: SectionState) -> Start | Wait:
+    if section.turn_beat > state.beat:
+        return Wait('waiting for the belt to rest')  # never more than one cycle ahead
     if section.number > 1:
         coming = state.sections[section.number - 1].slot
         if coming is not None:
@@ -180,7 +183,7 @@ class Overrun(NamedTuple):
 
 def end_of_beat(state: CellState) -> Advance | Overrun | Wait:
     """Return what the belt at rest does now (semantics 3.5)."""
-    owing = [w for w in map(lambda s: owes_turn(state, s), state.sections.values()) if w]
+    owing = [w for w in (owes_turn(state, s) for s in state.sections.values()) if w]
     if owing:
         return Wait('; '.join(owing))
     last = state.slot(state.cell.conveyor.sections)
@@ -206,6 +209,7 @@ def owes_turn(state: CellState, section: SectionState) -> str | None:
         job = state.items[section.slot].job
         if task_list(state, job, section.number) is not None:
             return f'waiting for section {section.number} to begin with {section.slot}'
+        return None
     if isinstance(_at_source(state, section, state.beat), Start):
         return f'waiting for section {section.number} to place the next item'
     return None

@@ -187,8 +187,10 @@ class Script:
 
     @cached_property
     def last_before_sink(self) -> int:
-        """The section whose cycle makes an item processed: the last before the sink, or the only
-        one."""
+        """The section whose cycle makes an item processed (semantics 6.2).
+
+        The last one before the sink; the sink itself where there is no other.
+        """
         return max((s for s in self.sections if s < self.sink), default=self.sink)
 
     @cached_property

@@ -52,7 +52,7 @@ class NodeClient:
 
         :raises NodeUnreachable: it is not there, or does not answer
         """
-        client = self._node.create_client(kind, f'{self._name}/{service}')
+        client: Any = self._node.create_client(kind, f'{self._name}/{service}')
         self.wait_until(client.service_is_ready, f'the service {self._name}/{service}')
         future = client.call_async(request)
         self.wait_until(future.done, f'an answer of {self._name}/{service}')

@@ -14,8 +14,8 @@ from bt_orchestrator.model.codec import to_record
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.ros.heart import Heart
 from bt_orchestrator.ros.qos import EVENTS, LATCHED
-from bt_orchestrator.ros.status_message import status_message
 from bt_orchestrator.ros.stamps import to_time
+from bt_orchestrator.ros.status_message import status_message
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 
 STATUS_PERIOD_S = 0.1

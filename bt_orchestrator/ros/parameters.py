@@ -36,26 +36,31 @@ def declare(node: Node, defaults: NodeParameters) -> NodeParameters:
         trees=tuple(
             Path(folder)
             for folder in value(
-                'trees', [str(folder) for folder in defaults.trees],
+                'trees',
+                [str(folder) for folder in defaults.trees],
                 'Folders in which scripts are looked up by name, in order.',
             )
         ),
         tick_rate_hz=value(
-            'tick_rate_hz', defaults.tick_rate_hz,
+            'tick_rate_hz',
+            defaults.tick_rate_hz,
             'Heartbeat of the tree in Hz. News wake it at once, whatever the rate.',
             floating_point_range=[FloatingPointRange(from_value=0.1, to_value=1000.0)],
         ),
         executor=value(
-            'executor', defaults.executor,
+            'executor',
+            defaults.executor,
             'rclpy executor: single, or events (Kilted and newer).',
             additional_constraints='single or events',
         ),
         auto_start=value(
-            'auto_start', defaults.auto_start,
+            'auto_start',
+            defaults.auto_start,
             'The cell resets and starts by itself when an order arrives.',
         ),
         server_timeout_s=value(
-            'server_timeout', defaults.server_timeout_s,
+            'server_timeout',
+            defaults.server_timeout_s,
             'Seconds that a goal waits for its action server before it fails with '
             'server_unavailable.',
             floating_point_range=[FloatingPointRange(from_value=0.0, to_value=3600.0)],

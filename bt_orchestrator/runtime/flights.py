@@ -124,9 +124,7 @@ class Flights:
 def _of_reading(state: CellState, reading: StateReading) -> Iterator[e.Event]:
     topic = state.cell.components[reading.component].state
     ready = topic is not None and reading.value in topic.ready
-    yield e.ComponentStateChanged(
-        component=reading.component, ready=ready, value=reading.value
-    )
+    yield e.ComponentStateChanged(component=reading.component, ready=ready, value=reading.value)
 
 
 def _of_end(key: e.TaskKey, task: TaskState, end: GoalEnd) -> e.TaskEvent:

@@ -1,4 +1,4 @@
-"""What the cell and its jobs become by themselves: job ends, PackML states (semantics 6.1, 7.2)."""
+"""What becomes of the cell and its jobs by itself: ends, PackML states (semantics 6.1, 7.2)."""
 
 from __future__ import annotations
 

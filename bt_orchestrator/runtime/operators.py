@@ -39,9 +39,7 @@ def remove(state: CellState, command: RemoveItem) -> Iterator[e.Event]:
     if item is None or not item.section or not item.present:
         standing = [s.slot for s in state.sections.values() if s.slot is not None]
         present = ', '.join(name for name in standing if state.items[name].present)
-        raise CommandRefused(
-            f'{command.item} is not on the belt; on it: {present or "nothing"}'
-        )
+        raise CommandRefused(f'{command.item} is not on the belt; on it: {present or "nothing"}')
     yield e.OperatorDecided(
         item=item.id, answer='remove_item', who=command.who, reason=command.reason
     )
@@ -69,9 +67,7 @@ def _offering(state: CellState, command: AnswerHold) -> Hold:
     return hold
 
 
-def _retry(
-    state: CellState, key: e.TaskKey, _: AnswerHold, now: float
-) -> Iterator[e.Event]:
+def _retry(state: CellState, key: e.TaskKey, _: AnswerHold, now: float) -> Iterator[e.Event]:
     attempt = state.tasks[key].attempt + 1
     yield e.TaskRetrying(**key._asdict(), attempt=attempt, not_before=now)
 

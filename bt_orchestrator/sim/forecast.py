@@ -7,6 +7,7 @@ import statistics
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell, OnFailure
@@ -28,7 +29,7 @@ class JobForecast:
     nonconforming: int = 0
     started_s: float | None = None
     finished_s: float | None = None
-    """None: it had not ended when the events did."""
+    """Both from the first event on. None: it had not come to that when the events ended."""
     aborted: bool = False
     per_item_s: float | None = None
     """In steady state; None with fewer than two items packed."""
@@ -82,11 +83,10 @@ class Forecast:
         return max(self.sections, key=lambda load: load.busy_per_cycle_s, default=None)
 
 
-def forecast(cell: Cell, events: Iterable[e.Event]) -> Forecast:
+def forecast(events: Iterable[e.Event], cell: Cell) -> Forecast:
     """Fold the events of a whole run, oldest first."""
     fold = ForecastFold()
-    for event in events:
-        fold.follow(event)
+    fold.publish(list(events))
     return fold.forecast(cell)
 
 
@@ -125,24 +125,39 @@ class _Job:
         )
 
 
+class _Attempt(NamedTuple):
+    start_s: float
+    component: str
+    section: int | None
+
+
 class ForecastFold:
-    """Takes in one event after another; `forecast` may be asked at any time."""
+    """Takes in one event after another. Implements `ports.EventSink`.
+
+    `forecast` may be asked at any time.
+    """
 
     def __init__(self) -> None:
         self._first_s: float | None = None
         self._now_s = 0.0
+        """Seconds since the first event; so are all times here."""
         self._jobs: dict[str, _Job] = {}
         self._packed_s: list[float] = []
         self._cycles: dict[int, int] = defaultdict(int)
-        self._open: dict[e.TaskKey, e.TaskStarted] = {}
-        self._by_section: dict[int, list[Span]] = defaultdict(list)
-        self._by_component: dict[str, list[Span]] = defaultdict(list)
+        self._open: dict[e.TaskKey, _Attempt] = {}
+        self._ended: list[tuple[_Attempt, float]] = []
+        """Attempts with their ends."""
+
+    def publish(self, events: Sequence[e.Event]) -> None:
+        """Take in the next events."""
+        for event in events:
+            self.follow(event)
 
     def follow(self, event: e.Event) -> None:
         """Take in the next event."""
-        self._now_s = event.time
         if self._first_s is None:
             self._first_s = event.time
+        self._now_s = event.time - self._first_s
         if isinstance(event, e.TaskEvent):
             self._follow_task(event)
         elif isinstance(event, e.CycleStarted):
@@ -154,63 +169,63 @@ class ForecastFold:
 
     def _follow_task(self, event: e.TaskEvent) -> None:
         if isinstance(event, e.TaskStarted):
-            self._open[event.key] = event
+            self._open[event.key] = _Attempt(self._now_s, event.component, event.section)
         elif isinstance(event, (e.TaskSucceeded, e.TaskFailed)):
-            started = self._open.pop(event.key, None)
-            if started is not None:  # a task may fail without having been sent
-                self._add(self._by_section, self._by_component, started)
-        elif isinstance(event, e.TaskContinued) and event.policy == OnFailure.CONTINUE.value:
-            if event.job is not None and event.item is not None:
-                self._jobs[event.job].nonconforming.add(event.item)
+            attempt = self._open.pop(event.key, None)
+            if attempt is not None:  # a task may fail without having been sent
+                self._ended.append((attempt, self._now_s))
+        elif isinstance(event, e.TaskContinued):
+            self._follow_continued(event)
 
-    def _add(
-        self,
-        by_section: dict[int, list[Span]],
-        by_component: dict[str, list[Span]],
-        started: e.TaskStarted,
-    ) -> None:
-        span = Span(started.time, self._now_s)
-        by_component[started.component].append(span)
-        if started.section is not None:
-            by_section[started.section].append(span)
+    def _follow_continued(self, event: e.TaskContinued) -> None:
+        if event.job is None or event.item is None:
+            return
+        if event.policy == OnFailure.CONTINUE.value:
+            self._jobs[event.job].nonconforming.add(event.item)
 
     def _follow_item(self, event: e.ItemEvent) -> None:
         job = self._jobs[event.job]
         if isinstance(event, e.ItemMissing):
             job.missing += 1
-        elif isinstance(event, e.ItemRemoved) and event.how == 'packed':
-            job.packed_s.append(event.time)
-            self._packed_s.append(event.time)
-        elif isinstance(event, e.ItemRemoved) and event.how == 'rejected':
-            job.rejected += 1
         elif isinstance(event, e.ItemRemoved):
-            job.missing += 1
+            if event.how == 'packed':
+                job.packed_s.append(self._now_s)
+                self._packed_s.append(self._now_s)
+            elif event.how == 'rejected':
+                job.rejected += 1
+            else:
+                job.missing += 1
 
     def _follow_job(self, event: e.Event) -> None:
         if isinstance(event, e.JobQueued):
             self._jobs[event.job] = _Job(event)
         elif isinstance(event, e.JobStarted):
-            self._jobs[event.job].started_s = event.time
+            self._jobs[event.job].started_s = self._now_s
         elif isinstance(event, (e.JobCompleted, e.JobAborted)):
-            self._jobs[event.job].finished_s = event.time
+            self._jobs[event.job].finished_s = self._now_s
             self._jobs[event.job].aborted = isinstance(event, e.JobAborted)
 
     def forecast(self, cell: Cell) -> Forecast:
         """Say what follows from the events so far; a task that still runs counts until now."""
-        by_section = defaultdict(list, {n: list(spans) for n, spans in self._by_section.items()})
-        by_component = defaultdict(list, {n: list(s) for n, s in self._by_component.items()})
-        for started in self._open.values():
-            self._add(by_section, by_component, started)
-        total_s = self._now_s - (self._first_s or 0.0)
+        running = [(attempt, self._now_s) for attempt in self._open.values()]
+        by_section: dict[int, list[Span]] = defaultdict(list)
+        by_component: dict[str, list[Span]] = defaultdict(list)
+        for attempt, end_s in (*self._ended, *running):
+            span = Span(attempt.start_s, end_s)
+            by_component[attempt.component].append(span)
+            if attempt.section is not None:
+                by_section[attempt.section].append(span)
         return Forecast(
-            total_s=total_s,
+            total_s=self._now_s,
             per_item_s=steady_interval_s(self._packed_s),
             jobs=tuple(job.forecast() for job in self._jobs.values()),
             sections=tuple(
                 SectionLoad(n, self._cycles[n], covered_s(by_section[n]))
                 for n in sorted(self._cycles)
             ),
-            components=tuple(_load(name, by_component[name], total_s) for name in cell.components),
+            components=tuple(
+                _load(name, by_component[name], self._now_s) for name in cell.components
+            ),
         )
 
 

@@ -10,7 +10,7 @@ from bt_orchestrator.model.cell import Component
 from bt_orchestrator.model.fault import Fault, FaultKind
 from bt_orchestrator.model.goal import Feedback, GoalEnd, GoalRequest, GoalStatus
 from bt_orchestrator.ports import Clock, Timer
-from bt_orchestrator.sim.controllers.fault_schedule import FaultSchedule, GoalFaults
+from bt_orchestrator.sim.fault_schedule import FaultSchedule, GoalFaults
 from bt_orchestrator.sim.results import as_failed, not_ready_value, ready_value, simulated_result
 from bt_orchestrator.sim.virtual_goal import VirtualGoal
 

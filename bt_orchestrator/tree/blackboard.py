@@ -18,8 +18,8 @@ MOVING = 'moving'
 class BlackboardProjection:
     """The one writer of a cell's keys, all below `space`.
 
-    `belt`, `beat`, `cell`; `flags/NAME` count; `zones/NAME` and `components/NAME` the task that has
-    it, or nothing; `ready/COMPONENT`; `slots/N` the item there, or nothing.
+    `belt`, `beat`, `cell`; `flags/NAME` the count; `zones/NAME` and `components/NAME` the task
+    that has it, or nothing; `ready/COMPONENT`; `slots/N` the item there, or nothing.
     """
 
     def __init__(self, space: str, state: CellState) -> None:

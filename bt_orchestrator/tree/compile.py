@@ -45,15 +45,19 @@ class CellTree:
         state = recorder.state
         self.initialization = _parallel('initialization', [Standby('standby')])
         self.sections: dict[int, Composite] = {
-            number: Selector(f'section {number}', memory=False, children=[
-                NextCycle(recorder, number)
-            ])
+            number: Selector(
+                f'section {number}', memory=False, children=[NextCycle(recorder, number)]
+            )
             for number in sorted(state.sections, reverse=True)
         }
-        self.belt = Sequence('belt', memory=False, children=[
-            TurnsComplete(recorder),
-            _decided(Subject(recorder, index_task(state))),
-        ])
+        self.belt = Sequence(
+            'belt',
+            memory=False,
+            children=[
+                TurnsComplete(recorder),
+                _decided(Subject(recorder, index_task(state))),
+            ],
+        )
         parts: list[Behaviour] = [self.initialization, *self.sections.values(), self.belt]
         self.root = _parallel(state.cell.name, parts)
         self._branches: dict[str, list[Behaviour]] = {}
@@ -115,13 +119,17 @@ class CellTree:
 
     def _cycle(self, job: str, tasks: SectionList) -> Behaviour:
         steps = [self._step(job, tasks.section, step) for step in tasks.steps]
-        return Sequence(job, memory=False, children=[
-            CycleOf(self._recorder, tasks.section, job),
-            *steps[: tasks.turn_steps],
-            ReleaseConveyor(self._recorder, tasks.section),
-            *steps[tasks.turn_steps :],
-            CompleteCycle(self._recorder, tasks.section),
-        ])
+        return Sequence(
+            job,
+            memory=False,
+            children=[
+                CycleOf(self._recorder, tasks.section, job),
+                *steps[: tasks.turn_steps],
+                ReleaseConveyor(self._recorder, tasks.section),
+                *steps[tasks.turn_steps :],
+                CompleteCycle(self._recorder, tasks.section),
+            ],
+        )
 
     def _step(self, job: str, section: int, step: Step) -> Behaviour:
         tracks = [self._track(job, section, track) for track in step.tracks]

@@ -49,8 +49,10 @@ class Guard(Decorator):
 
 
 class ConveyorGuard(Guard):
-    """A step that requires the conveyor waits for the belt to rest in its beat (semantics 3.3,
-    3.7)."""
+    """A step that requires the conveyor waits for the belt to rest, in the step's own beat.
+
+    Semantics 3.3 and 3.7.
+    """
 
     def __init__(
         self, recorder: Recorder, job: str, section: int, step: Step, child: Behaviour, space: str
@@ -97,7 +99,9 @@ class FlagGuard(Guard):
         flag = self.dependency.flag
         if self.upstream:
             full = count >= self.dependency.capacity
-            return f'waiting for {self.dependency.downstream} to take flag {flag}' if full else None
+            return (
+                f'waiting for {self.dependency.downstream} to take flag {flag}' if full else None
+            )
         return None if count > 0 else f'waiting for {self.dependency.upstream} to set flag {flag}'
 
 
@@ -122,9 +126,7 @@ class ZoneGuard(Guard):
 class ReadyGuard(Guard):
     """A component's state topic (semantics 2.5)."""
 
-    def __init__(
-        self, subject: Subject, topic: StateTopic, child: Behaviour, space: str
-    ) -> None:
+    def __init__(self, subject: Subject, topic: StateTopic, child: Behaviour, space: str) -> None:
         super().__init__(f'{topic}', child)
         self.subject = subject
         self.topic = topic
@@ -145,7 +147,9 @@ class InitializationGuard(Guard):
 
     def __init__(self, subject: Subject, preparation: Preparation, child: Behaviour) -> None:
         upstream = preparation.upstream[subject.task.id]
-        super().__init__(f'after {", ".join(upstream)}' if upstream else 'earlier jobs done', child)
+        super().__init__(
+            f'after {", ".join(upstream)}' if upstream else 'earlier jobs done', child
+        )
         self.subject = subject
         self._upstream = upstream
         self._sections = preparation.sections[subject.task.id]

@@ -141,5 +141,5 @@ class ActionLeaf(Behaviour):
             **self.subject.key._asdict(),
             reason='slot_occupied',
             message=f'{there} stands where {self.subject.key.item} would be placed',
-            answers=('retry', 'skip', 'reject', 'abort_job'),
+            answers=('retry',),  # the others would leave a second position in the slot
         )

@@ -36,18 +36,19 @@ class Retry(Decorator):
         return Status.RUNNING
 
 
+_WORDS = {
+    OnFailure.HOLD: 'hold if it fails',
+    OnFailure.CONTINUE: 'continue if it fails',
+    OnFailure.REJECT: 'reject if it fails',
+    OnFailure.ABORT_JOB: 'abort the job if it fails',
+}
+
+
 class OnFailureDecorator(Decorator):
     """Decides about a task that failed for good."""
 
-    WORDS = {
-        OnFailure.HOLD: 'hold if it fails',
-        OnFailure.CONTINUE: 'continue if it fails',
-        OnFailure.REJECT: 'reject if it fails',
-        OnFailure.ABORT_JOB: 'abort the job if it fails',
-    }
-
     def __init__(self, subject: Subject, child: Behaviour) -> None:
-        super().__init__(self.WORDS[subject.task.on_failure], child)
+        super().__init__(_WORDS[subject.task.on_failure], child)
         self.subject = subject
 
     def update(self) -> Status:

@@ -11,10 +11,10 @@ from bt_orchestrator.model.cell import Component
 from bt_orchestrator.model.fault import Fault, FaultKind
 from bt_orchestrator.model.goal import GoalStatus
 from bt_orchestrator.ports import Clock, Timer
-from bt_orchestrator.sim.controllers.fault_schedule import FaultSchedule, GoalFaults
 from bt_orchestrator.sim.controllers.goal_log import GoalLog
 from bt_orchestrator.sim.controllers.presence import ActiveGoal, Answer, Presence
 from bt_orchestrator.sim.controllers.task_names import TaskNames
+from bt_orchestrator.sim.fault_schedule import FaultSchedule, GoalFaults
 from bt_orchestrator.sim.results import as_failed, simulated_result
 
 
