@@ -57,6 +57,14 @@ class ActionGateway(Protocol):
         ends UNAVAILABLE after that.
         """
 
+    def adopt(self, request: GoalRequest) -> Goal:
+        """Take over a goal that was sent before, perhaps by another process (semantics 9.2).
+
+        Only its UUID is asked for; nothing is sent. Running or finished: it becomes accepted and
+        ends as the server says. LOST: the server does not know it, or no server came within the
+        server timeout.
+        """
+
     def drain(self) -> Sequence[Goal | StateReading]:
         """Return what is new since the last call, oldest first.
 

@@ -78,12 +78,11 @@ def load_scripts(
     """
     findings = Findings()
     cell = findings.of(partial(load_cell, cell_file, types))
-    paths = [findings.of(partial(find_script, name, folders)) for name in names]
-    scripts = [
-        findings.of(partial(read_script, path, cell, types))
-        for path in paths
-        if path is not None and cell is not None
-    ]
+    scripts = []
+    for name in names:
+        path = findings.of(partial(find_script, name, folders))
+        if path is not None and cell is not None:
+            scripts.append(findings.of(partial(read_script, path, cell, types)))
     findings.refuse()
     assert cell is not None
     return cell, [script for script in scripts if script is not None]

@@ -75,10 +75,14 @@ def _script_loaded(event: e.ScriptLoaded, state: CellState) -> None:
 def _job_queued(event: e.JobQueued, state: CellState) -> None:
     script = state.scripts[event.digest]
     job = Job(event.job, script, event.quantity, event.params)
-    state.jobs[event.job] = JobState(job, event.digest, queued_at=event.time)
+    # A flag that no live job names is back at its initial count (semantics 4.2), and a script that
+    # sees it otherwise than the one before may begin with its own.
+    named = {d.flag for live in state.jobs.values() for d in live.job.script.dependencies}
     for dependency in script.dependencies:
-        flag = FlagState(dependency.initial, dependency.capacity)
-        state.flags.setdefault(dependency.flag, flag)
+        if dependency.flag not in named:
+            flag = FlagState(dependency.initial, dependency.capacity)
+            state.flags[dependency.flag] = flag
+    state.jobs[event.job] = JobState(job, event.digest, queued_at=event.time)
 
 
 @_on(e.JobStarted)
@@ -380,6 +384,7 @@ def _operator_decided(_: e.OperatorDecided, state: CellState) -> None:
 
 @_on(e.CellStateChanged)
 def _cell_state_changed(event: e.CellStateChanged, state: CellState) -> None:
+    state.mode = Mode(event.state)
+    # Not when it is left: an order that arrives in Stopped must not see what was before.
     if state.mode is Mode.STOPPED:
         state.done_once.clear()
-    state.mode = Mode(event.state)

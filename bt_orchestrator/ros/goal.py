@@ -64,6 +64,9 @@ class RosGoal:
         """
         self._feedback_message = (time, message)
 
+    def __repr__(self) -> str:
+        return f'RosGoal({self.request}, accepted={self.accepted}, end={self.end})'
+
     def cancel(self) -> None:
         """Ask the server to cancel; see `ports.Goal`."""
         self._cancel(self)

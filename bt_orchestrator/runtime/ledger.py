@@ -9,7 +9,6 @@ from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import Clock, Timer
-from bt_orchestrator.tree.blackboard import BlackboardProjection
 
 
 class Ledger:
@@ -22,15 +21,20 @@ class Ledger:
         self,
         state: CellState,
         clock: Clock,
-        projection: BlackboardProjection,
+        follow: Callable[[Event], None],
         new_goal_id: Callable[[], str],
-        wake: Callable[[], None],
+        on_time: Callable[[], None],
     ) -> None:
+        """Open a ledger.
+
+        :param follow: called with each event once it is applied
+        :param on_time: called when a time has come that `wake_at` was asked for
+        """
         self.state = state
         self._clock = clock
-        self._projection = projection
+        self._follow = follow
         self._new_goal_id = new_goal_id
-        self._wake = wake
+        self._on_time = on_time
         self._pending: list[Event] = []
         self._armed: dict[float, Timer] = {}
 
@@ -45,7 +49,7 @@ class Ledger:
             stamped = replace(event, seq=self.state.seq + 1, time=self.now)
             apply(self.state, stamped)
             self._pending.append(stamped)
-            self._projection.follow(stamped)
+            self._follow(stamped)
 
     def take_pending(self) -> list[Event]:
         """Return what was recorded since the last call."""
@@ -69,4 +73,4 @@ class Ledger:
 
     def _expire(self, time: float) -> None:
         del self._armed[time]
-        self._wake()
+        self._on_time()

@@ -57,7 +57,8 @@ class Orchestrator:
         self._sinks = list(sinks)
         self._auto_start = auto_start
         self._projection = BlackboardProjection(_space(cell), self.state)
-        self._ledger = Ledger(self.state, clock, self._projection, new_goal_id, wake)
+        self._wake = wake
+        self._ledger = Ledger(self.state, clock, self._follow, new_goal_id, self._on_time)
         self.flights = Flights(self._ledger, gateway, clock, wake)
         self.gateway = gateway
         self.tree = CellTree(self._ledger, self._projection.space)
@@ -92,6 +93,14 @@ class Orchestrator:
         self._ledger.close()
         self.tree.close()
         self._projection.close()
+
+    def _follow(self, event: e.Event) -> None:
+        self._projection.follow(event)
+        self.tree.notice(event)
+
+    def _on_time(self) -> None:
+        self.tree.notice_time()
+        self._wake()
 
     def _tick_until_still(self) -> None:
         self._adopt_new_jobs()

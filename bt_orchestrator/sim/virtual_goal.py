@@ -34,6 +34,9 @@ class VirtualGoal:
         """What happens to it next, if nothing else does."""
         self._cancel = cancel
 
+    def __repr__(self) -> str:
+        return f'VirtualGoal({self.request}, accepted={self.accepted}, end={self.end})'
+
     def cancel(self) -> None:
         """Ask to cancel; see `ports.Goal`."""
         self._cancel(self)

@@ -11,6 +11,8 @@ from py_trees.common import Access
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.state import CellState
 
+_MOVES = (e.ItemPlaced, e.ItemMissing, e.ItemMoved, e.ItemRemoved, e.PositionEnded)
+
 AT_REST = 'at rest'
 MOVING = 'moving'
 
@@ -68,8 +70,8 @@ class BlackboardProjection:
             yield from self._task(event)
         elif isinstance(event, (e.BeltIndexStarted, e.BeltIndexed, e.BeatStarted)):
             yield from self._belt()
-        elif isinstance(event, e.ItemEvent):
-            yield from map(self._slot, self._state.sections)
+        elif isinstance(event, _MOVES):
+            yield from self._slots_around(event.section)
         elif isinstance(event, e.ComponentStateChanged):
             yield self._ready(event.component)
         elif isinstance(event, e.CellStateChanged):
@@ -99,6 +101,12 @@ class BlackboardProjection:
 
     def _ready(self, name: str) -> tuple[str, Any]:
         return f'ready/{name}', self._state.readings[name].ready
+
+    def _slots_around(self, section: int | None) -> Iterator[tuple[str, Any]]:
+        """Yield a slot that was filled or emptied, and the one before, which an item left."""
+        for number in (section, (section or 0) - 1):
+            if number in self._state.sections:
+                yield self._slot(number)
 
     def _slot(self, number: int) -> tuple[str, Any]:
         return f'slots/{number}', self._state.sections[number].slot or ''

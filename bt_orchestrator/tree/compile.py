@@ -16,8 +16,10 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import ParallelPolicy, Status
 from py_trees.composites import Composite, Parallel, Selector, Sequence
 
+from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.script import SectionList, Step, Task
 from bt_orchestrator.model.state import JobState
+from bt_orchestrator.tree.attention import BELT, INITIALIZATION, Attention, CellRoot
 from bt_orchestrator.tree.belt import TurnsComplete, index_task
 from bt_orchestrator.tree.guards import (
     ConveyorGuard,
@@ -58,16 +60,29 @@ class CellTree:
                 _decided(Subject(recorder, index_task(state))),
             ],
         )
-        parts: list[Behaviour] = [self.initialization, *self.sections.values(), self.belt]
-        self.root = _parallel(state.cell.name, parts)
+        self._attention = Attention(state)
+        parts = [(INITIALIZATION, self.initialization), *self.sections.items(), (BELT, self.belt)]
+        self.root = CellRoot(state.cell.name, parts, self._attention)
         self._branches: dict[str, list[Behaviour]] = {}
         for job in state.jobs.values():
             self.insert(job)
         self.root.setup_with_descendants()
 
     def tick(self) -> None:
-        """Tick every part once."""
-        self.root.tick_once()
+        """Tick every part that something has changed for since its last tick."""
+        try:
+            self.root.tick_once()
+        except BaseException:
+            self._attention.everywhere()
+            raise
+
+    def notice(self, event: Event) -> None:
+        """Take note of an event that was applied to the state."""
+        self._attention.notice(event)
+
+    def notice_time(self) -> None:
+        """Take note that a time has come that a part asked to be woken at."""
+        self._attention.everywhere()
 
     def has(self, job: str) -> bool:
         """Tell whether a job has its branches in the tree."""

@@ -17,7 +17,8 @@ CONVEYOR_TYPE = 'bt_orchestrator_interfaces/action/Conveyor'
 TASK_S = 0.2
 """Nominal seconds of a task."""
 
-SERVER_TIMEOUT_S = 3.0
+SERVER_TIMEOUT_S = 5.0
+"""Fast DDS needs up to 3 s to find a process whose first announcements were lost."""
 
 
 class Bench(Protocol):

@@ -9,10 +9,10 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 
 import pytest
-from contract.gateway_bench import TASK_S, Bench, Log, component, goal_request
+from contract.gateway_bench import SERVER_TIMEOUT_S, TASK_S, Bench, Log, component, goal_request
 
 from bt_orchestrator.model.cell import Component
-from bt_orchestrator.model.goal import RESULT_CHECK_S, SERVER_LEASE_S, GoalStatus
+from bt_orchestrator.model.goal import RESULT_CHECK_S, SERVER_LEASE_S, GoalEnd, GoalStatus
 from bt_orchestrator.ports import Goal
 
 SLACK_S = 3.0
@@ -32,10 +32,7 @@ COMPONENTS = (
     component('mortal', '=die'),
     component('reborn', '=die:0.1'),
     component('absent', '=absent'),
-    component('ready', state=True),
     component('tired', '=not_ready:0.5', state=True),
-    component('not_ready', '#0=not_ready', state=True),
-    component('silent', '=silent', state=True),
     component('lost_state', '=die', state=True),
 )
 
@@ -58,18 +55,14 @@ class GatewayContract(ABC):
     # --- ends -------------------------------------------------------------------------------
 
     def test_success_brings_all_result_fields(self, bench: Bench) -> None:
-        goal = _send(bench, 'good')
-        _run_to_end(bench, goal)
-        assert goal.end is not None
-        assert goal.end.status is GoalStatus.SUCCEEDED
-        assert goal.end.result == {'task_result': True, 'item_present': True, 'measurement': 1.5}
+        end = _end_of(bench, _send(bench, 'good'))
+        assert end.status is GoalStatus.SUCCEEDED
+        assert end.result == {'task_result': True, 'item_present': True, 'measurement': 1.5}
 
     def test_not_done_is_success_with_a_false_result(self, bench: Bench) -> None:
-        goal = _send(bench, 'false')
-        _run_to_end(bench, goal)
-        assert goal.end is not None
-        assert goal.end.status is GoalStatus.SUCCEEDED
-        assert goal.end.result['task_result'] is False
+        end = _end_of(bench, _send(bench, 'false'))
+        assert end.status is GoalStatus.SUCCEEDED
+        assert end.result['task_result'] is False
 
     @pytest.mark.parametrize(
         ('name', 'status', 'accepted'),
@@ -83,17 +76,13 @@ class GatewayContract(ABC):
         self, bench: Bench, name: str, status: GoalStatus, accepted: bool
     ) -> None:
         goal = _send(bench, name)
-        _run_to_end(bench, goal)
-        assert goal.end is not None
-        assert goal.end.status is status
+        assert _end_of(bench, goal).status is status
         assert goal.accepted is accepted
 
     def test_late_is_still_success(self, bench: Bench) -> None:
         goal = _send(bench, 'late')
         began = bench.now
-        _run_to_end(bench, goal)
-        assert goal.end is not None
-        assert goal.end.status is GoalStatus.SUCCEEDED
+        assert _end_of(bench, goal).status is GoalStatus.SUCCEEDED
         assert bench.now - began >= TASK_S + 0.6 - 0.05
 
     # --- states of a goal -------------------------------------------------------------------
@@ -120,12 +109,9 @@ class GatewayContract(ABC):
 
     def test_goals_of_two_components_do_not_mix(self, bench: Bench) -> None:
         long, short = _send(bench, 'good', 'TASK_B'), _send(bench, 'other', 'TASK_A')
-        _run_to_end(bench, short)
+        assert _end_of(bench, short).result['measurement'] == 1.5
         assert long.end is None
-        _run_to_end(bench, long)
-        assert long.end is not None
-        assert short.end is not None
-        assert (long.end.result['measurement'], short.end.result['measurement']) == (0.0, 1.5)
+        assert _end_of(bench, long).result['measurement'] == 0.0
 
     # --- cancel -----------------------------------------------------------------------------
 
@@ -134,9 +120,7 @@ class GatewayContract(ABC):
         bench.run_until(lambda: goal.accepted, 'the acceptance')
         goal.cancel()
         goal.cancel()
-        _run_to_end(bench, goal)
-        assert goal.end is not None
-        assert goal.end.status is GoalStatus.CANCELED
+        assert _end_of(bench, goal).status is GoalStatus.CANCELED
 
     def test_cancel_before_acceptance_cancels_on_acceptance(self, bench: Bench) -> None:
         goal = _send(bench, 'hanging')
@@ -150,9 +134,7 @@ class GatewayContract(ABC):
     def test_cancel_while_it_waits_withdraws_it(self, bench: Bench) -> None:
         goal = _send(bench, 'absent')
         goal.cancel()
-        _run_to_end(bench, goal, within_s=SLACK_S)
-        assert goal.end is not None
-        assert goal.end.status is GoalStatus.CANCELED
+        assert _end_of(bench, goal, within_s=SLACK_S).status is GoalStatus.CANCELED
         assert not goal.accepted
 
     def test_refused_cancel_changes_nothing(self, bench: Bench) -> None:
@@ -176,19 +158,16 @@ class GatewayContract(ABC):
     def test_no_server_for_good_is_unavailable(self, bench: Bench) -> None:
         goal = _send(bench, 'absent')
         began = bench.now
-        _run_to_end(bench, goal)
-        assert goal.end is not None
-        assert goal.end.status is GoalStatus.UNAVAILABLE
+        assert _end_of(bench, goal).status is GoalStatus.UNAVAILABLE
         assert '/absent/task' in goal.end.message
-        assert 3.0 - 0.1 <= bench.now - began <= 3.0 + SLACK_S
+        waited_s = bench.now - began
+        assert SERVER_TIMEOUT_S - 0.1 <= waited_s <= SERVER_TIMEOUT_S + SLACK_S
 
     def test_waits_for_a_server_that_comes(self) -> None:
         bench = self.make_bench([component('late_riser', '=absent:1.5')])
         try:
             goal = _send(bench, 'late_riser')
-            _run_to_end(bench, goal)
-            assert goal.end is not None
-            assert goal.end.status is GoalStatus.SUCCEEDED
+            assert _end_of(bench, goal).status is GoalStatus.SUCCEEDED
         finally:
             bench.close()
 
@@ -201,9 +180,7 @@ class GatewayContract(ABC):
     def test_request_that_is_never_answered_is_lost(self, bench: Bench) -> None:
         goal = _send(bench, 'mute')
         began = bench.now
-        _run_to_end(bench, goal)
-        assert goal.end is not None
-        assert goal.end.status is GoalStatus.LOST
+        assert _end_of(bench, goal).status is GoalStatus.LOST
         assert RESULT_CHECK_S <= bench.now - began <= 2 * RESULT_CHECK_S + SLACK_S
         assert not goal.accepted
 
@@ -211,31 +188,56 @@ class GatewayContract(ABC):
         goal = _send(bench, 'mute')  # its second one, or its third
         bench.run_until(lambda: goal.end is not None, 'an end')
         again = _send(bench, 'mute')
-        _run_to_end(bench, again)
-        assert again.end is not None
-        assert again.end.status is GoalStatus.SUCCEEDED
+        assert _end_of(bench, again).status is GoalStatus.SUCCEEDED
 
     @pytest.mark.timeout(120)
     def test_server_that_dies_and_stays_away_is_lost(self, bench: Bench) -> None:
         goal = _send(bench, 'mortal')
         bench.run_until(lambda: goal.accepted, 'the acceptance')
-        _run_to_end(bench, goal, within_s=2 * SERVER_LEASE_S)
-        assert goal.end is not None
-        assert goal.end.status is GoalStatus.LOST
+        assert _end_of(bench, goal, within_s=2 * SERVER_LEASE_S).status is GoalStatus.LOST
         assert goal.accepted
         assert not bench.gateway.available('mortal')
 
     def test_server_that_dies_and_comes_back_at_once_is_lost(self, bench: Bench) -> None:
         goal = _send(bench, 'reborn')
         began = bench.now
-        _run_to_end(bench, goal)
-        assert goal.end is not None
-        assert goal.end.status is GoalStatus.LOST
+        assert _end_of(bench, goal).status is GoalStatus.LOST
         assert bench.now - began <= RESULT_CHECK_S + SLACK_S
         again = _send(bench, 'reborn')
-        _run_to_end(bench, again)
-        assert again.end is not None
-        assert again.end.status is GoalStatus.SUCCEEDED
+        assert _end_of(bench, again).status is GoalStatus.SUCCEEDED
+
+    # --- taking over (semantics 9.2) --------------------------------------------------------
+
+    def test_adopts_a_goal_that_runs(self, bench: Bench) -> None:
+        goal = _send(bench, 'good', 'TASK_B')
+        bench.run_until(lambda: goal.accepted, 'the acceptance')
+        adopted = bench.gateway.adopt(goal.request)
+        end = _end_of(bench, adopted)
+        assert (end.status, end.result['measurement']) == (GoalStatus.SUCCEEDED, 0.0)
+        assert adopted.accepted
+
+    def test_adopts_a_goal_that_has_ended(self, bench: Bench) -> None:
+        goal = _send(bench, 'good')
+        end = _end_of(bench, goal)
+        bench.run_for(1.0)
+        assert _end_of(bench, bench.gateway.adopt(goal.request), SLACK_S) == end
+
+    def test_cancels_an_adopted_goal(self, bench: Bench) -> None:
+        goal = _send(bench, 'hanging')
+        bench.run_until(lambda: goal.accepted, 'the acceptance')
+        adopted = bench.gateway.adopt(goal.request)
+        adopted.cancel()
+        assert _end_of(bench, adopted).status is GoalStatus.CANCELED
+        _run_to_end(bench, goal)
+
+    def test_adopted_goal_that_the_server_does_not_know_is_lost(self, bench: Bench) -> None:
+        adopted = bench.gateway.adopt(goal_request('good'))
+        assert _end_of(bench, adopted, SLACK_S).status is GoalStatus.LOST
+        assert not adopted.accepted
+
+    def test_adopted_goal_without_a_server_is_lost(self, bench: Bench) -> None:
+        adopted = bench.gateway.adopt(goal_request('absent'))
+        assert _end_of(bench, adopted).status is GoalStatus.LOST
 
     # --- what is told -----------------------------------------------------------------------
 
@@ -308,3 +310,9 @@ def _send(bench: Bench, name: str, task: str = 'TASK_A') -> Goal:
 
 def _run_to_end(bench: Bench, goal: Goal, within_s: float = 20.0) -> None:
     bench.run_until(lambda: goal.end is not None, f'the end of {goal.request}', within_s)
+
+
+def _end_of(bench: Bench, goal: Goal, within_s: float = 20.0) -> GoalEnd:
+    _run_to_end(bench, goal, within_s)
+    assert goal.end is not None
+    return goal.end

@@ -27,7 +27,9 @@ class Invariants:
         """Items that stand on the belt."""
         self._placed = 0
         self._out: Counter[str] = Counter()
-        self._flags: dict[str, tuple[int, int]] = {}
+        self._live: set[str] = set()
+        self._flags: dict[str, tuple[int, int, int]] = {}
+        """Count, capacity and initial count."""
         self._busy: dict[str, e.TaskKey] = {}
         self._zones: dict[str, e.TaskKey] = {}
         self._moving = False
@@ -44,7 +46,7 @@ class Invariants:
 
     def _check(self, event: e.Event) -> None:
         assert self._placed == sum(self._out.values()) + len(self._there), event
-        for flag, (count, capacity) in self._flags.items():
+        for flag, (count, capacity, _) in self._flags.items():
             assert 0 <= count <= capacity, (flag, event)
         for key in self._busy.values():
             assert not (self._moving and self._needs_belt(key)), (key, event)
@@ -60,16 +62,28 @@ class Invariants:
         self._scripts[event.digest] = event.definition
 
     def _job_queued(self, event: e.JobQueued) -> None:
-        script = self._jobs[event.job] = self._scripts[event.digest]
+        script = self._scripts[event.digest]
         for dependency in script.dependencies:
-            traits = dependency.initial, dependency.capacity
-            self._flags.setdefault(dependency.flag, traits)
+            known = [d for name in self._live for d in self._jobs[name].dependencies]
+            if dependency.flag not in [d.flag for d in known]:
+                before = self._flags.get(dependency.flag)
+                assert before is None or before[0] == before[2], 'it did not come back (4.3)'
+                self._flags[dependency.flag] = (
+                    dependency.initial,
+                    dependency.capacity,
+                    dependency.initial,
+                )
+        self._jobs[event.job] = script
+        self._live.add(event.job)
+
+    def _job_ended(self, event: e.JobCompleted | e.JobAborted) -> None:
+        self._live.remove(event.job)
 
     def _flag(self, event: e.FlagEvent) -> None:
-        count, capacity = self._flags[event.flag]
+        count, capacity, initial = self._flags[event.flag]
         change = 1 if isinstance(event, e.FlagRaised) else -1
         assert event.count == count + change, event
-        self._flags[event.flag] = event.count, capacity
+        self._flags[event.flag] = event.count, capacity, initial
 
     # --- components and zones ---------------------------------------------------------------
 
@@ -141,6 +155,8 @@ class Invariants:
     _takers: dict[type[e.Event], Callable[..., None]] = {
         e.ScriptLoaded: _script_loaded,
         e.JobQueued: _job_queued,
+        e.JobCompleted: _job_ended,
+        e.JobAborted: _job_ended,
         e.FlagEvent: _flag,
         e.TaskStarted: _started,
         e.TaskFailed: _failed,

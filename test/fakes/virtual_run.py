@@ -52,6 +52,7 @@ class VirtualRun:
                 break
             clock.advance()
             orchestrator.settle()
+            self._check_reasons()
             self._renew_tree()
         self._check()
         return self
@@ -142,6 +143,14 @@ class VirtualRun:
             orchestrator.tree.close()
             space = orchestrator._projection.space
             orchestrator.tree = CellTree(orchestrator._ledger, space)
+
+    def _check_reasons(self) -> None:
+        """Whoever does not work says why (semantics 7.4)."""
+        waits = self.waits()
+        working = {key.section for key in self.state.running}
+        for number in self.state.sections:
+            assert number in working or waits.get(f'section {number}'), (number, self.now)
+        assert self.state.indexing or waits.get('belt'), self.now
 
     def _check(self) -> None:
         events = self.store.read()

@@ -21,9 +21,7 @@ class TestRosGateway(GatewayContract):
 def running_bench(components: Sequence[Component]) -> RosBench:
     """Return a bench whose servers were discovered, except those that are told to be absent."""
     bench = RosBench(components)
-    present = [
-        c.name for c in components if all(f.kind is not FaultKind.ABSENT for f in c.faults)
-    ]
+    present = [c.name for c in components if all(f.kind is not FaultKind.ABSENT for f in c.faults)]
     bench.run_until(
         lambda: all(bench.gateway.available(name) for name in present), 'all servers', DISCOVERY_S
     )

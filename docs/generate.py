@@ -1,0 +1,297 @@
+"""Write the parts of the pages that are made from the code: keys, events, verbs.
+
+    python docs/generate.py          write them
+    python docs/generate.py --check  say which pages are not up to date, exit 1
+
+A generated part stands between `<!-- generated: NAME -->` and `<!-- end -->`; what is between them
+is replaced, everything else is the author's.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import dataclasses
+import importlib
+import inspect
+import re
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from bt_orchestrator.cli.main import PROGRAM, VERBS
+from bt_orchestrator.model import events
+from bt_orchestrator.model.codec import event_types
+from bt_orchestrator.model.fault import FaultKind
+from bt_orchestrator.script.cell_keys import CELL
+from bt_orchestrator.script.keys import LARGEST_WHOLE, LONGEST_SECONDS, Key, Kind, Table
+from bt_orchestrator.script.script_keys import ORDER, SCRIPT
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGES = ('README.md', 'docs/formats.md')
+
+_PART = re.compile(r'(<!-- generated: (?P<name>[\w -]+) -->\n).*?(?=<!-- end -->)', re.DOTALL)
+
+FIELDS: Mapping[str, str] = {
+    'action': 'ROS 2 action name',
+    'answer': 'what was decided',
+    'answers': 'what an operator may answer',
+    'args': 'goal fields with plain values, references resolved',
+    'attempt': 'which attempt, from 1',
+    'beat': 'the beat that begins',
+    'component': 'name of the component in the cell file',
+    'definition': 'the whole script, bound to the cell',
+    'digest': 'name of the script by what it says: equal scripts have equal digests',
+    'flag': 'name of the flag',
+    'goal': 'goal UUID',
+    'hold': 'id of the hold',
+    'item': 'item id, `<job>/<n>`',
+    'job': 'job id, the id of its work order',
+    'message': 'the words of the server or the gateway, for a person',
+    'params': 'all parameters, defaults filled in',
+    'previous': 'the state before',
+    'quantity': 'number of source cycles',
+    'ready': 'whether a goal may be sent',
+    'reason': 'why, one word or a sentence',
+    'results': 'result fields of the task, `task_result` left out',
+    'script': 'name of the script',
+    'section': 'section number',
+    'state': 'PackML state of the cell',
+    'task': 'task id in the script; `index` for the move of the belt',
+    'who': 'who decided',
+}
+"""What a field means wherever the class says nothing of its own."""
+
+PLACE = ('job', 'section', 'item', 'task')
+"""Fields that most events have; explained once, above the tables."""
+
+
+# --- keys -------------------------------------------------------------------------------------
+
+
+def keys_of(root: Table) -> Iterator[str]:
+    """Yield a table for every kind of mapping that can be met below a root."""
+    for table in {table.name: table for table in root.tree()}.values():
+        yield f'**{table.name[0].upper()}{table.name[1:]}**'
+        yield ''
+        yield '| key | value | meaning | example |'
+        yield '|---|---|---|---|'
+        for key in table.keys:
+            yield f'| `{key.name}` | {_value(key)} | {_meaning(key)} | {_code(key.example)} |'
+        yield ''
+
+
+def _value(key: Key) -> str:
+    if key.choices:
+        return ', '.join(f'`{choice}`' for choice in key.choices)
+    return key.kind.in_words
+
+
+def _meaning(key: Key) -> str:
+    notes = [key.meaning]
+    if key.required:
+        notes.append('**required**')
+    if key.default is not None:
+        notes.append(f'default `{_plain(key.default)}`')
+    if key.minimum is not None and key.kind in (Kind.WHOLE, Kind.SECONDS, Kind.TIMEOUT):
+        notes.append(_range(key))
+    return _cell('; '.join(notes))
+
+
+def _range(key: Key) -> str:
+    low = f'more than {key.minimum:g}' if key.kind is Kind.TIMEOUT else f'{key.minimum:g}'
+    if key.maximum in (None, LARGEST_WHOLE, LONGEST_SECONDS):
+        return low if key.kind is Kind.TIMEOUT else f'at least {low}'
+    return f'{low} to {key.maximum:g}'
+
+
+def _plain(value: object) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+# --- events -----------------------------------------------------------------------------------
+
+
+def events_in_groups() -> Iterator[str]:
+    """Yield a table of every event class, by the part of its name before the dot."""
+    groups: dict[str, list[type[events.Event]]] = {}
+    for name, kind in event_types().items():
+        groups.setdefault(name.partition('.')[0], []).append(kind)
+    documented = _attribute_docstrings()
+    yield '| where in the line | meaning |'
+    yield '|---|---|'
+    for name in PLACE:
+        yield f'| `{name}` | {_cell(FIELDS[name])} |'
+    yield ''
+    for group, kinds in groups.items():
+        yield f'### {group}'
+        yield ''
+        yield '| event | meaning | fields |'
+        yield '|---|---|---|'
+        for kind in kinds:
+            fields = '<br>'.join(_event_fields(kind, documented))
+            yield f'| `{kind.event}` | {_cell(inspect.cleandoc(kind.__doc__ or ""))} | {fields} |'
+        yield ''
+
+
+def _event_fields(
+    kind: type[events.Event], documented: Mapping[tuple[str, str], str]
+) -> list[str]:
+    place, lines = [], []
+    for field in dataclasses.fields(kind):
+        if field.name in ('seq', 'time'):
+            continue
+        said = (documented.get((base.__name__, field.name)) for base in kind.__mro__)
+        own = next((text for text in said if text), None)
+        absent = '?' if _has_default(field) else ''
+        if own is None and field.name in PLACE:
+            place.append(f'`{field.name}{absent}`')
+        else:
+            lines.append(f'`{field.name}{absent}`: {_cell(own or FIELDS[field.name])}')
+    return [', '.join(place), *lines] if place else lines
+
+
+def _has_default(field: dataclasses.Field[Any]) -> bool:
+    missing = dataclasses.MISSING
+    return field.default is not missing or field.default_factory is not missing
+
+
+def _attribute_docstrings() -> dict[tuple[str, str], str]:
+    """Return the strings that stand below the fields of the event classes."""
+    found = {}
+    for node in ast.parse(inspect.getsource(events)).body:
+        if not isinstance(node, ast.ClassDef):
+            continue
+        for field, below in zip(node.body, node.body[1:], strict=False):
+            if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name):
+                text = _string(below)
+                if text is not None:
+                    # A record leaves out what the class calls None.
+                    found[node.name, field.target.id] = text.replace('None', 'absent')
+    return found
+
+
+def _string(node: ast.stmt) -> str | None:
+    if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
+        return inspect.cleandoc(str(node.value.value)).rstrip('.')
+    return None
+
+
+def fault_kinds() -> Iterator[str]:
+    """Yield a table of what a simulated controller can do wrong."""
+    yield '| kind | what happens |'
+    yield '|---|---|'
+    source = ast.parse(inspect.getsource(FaultKind)).body[0]
+    assert isinstance(source, ast.ClassDef)
+    for member, below in zip(source.body, source.body[1:], strict=False):
+        if isinstance(member, ast.Assign) and isinstance(member.value, ast.Constant):
+            yield f'| `{member.value.value}` | {_cell(_string(below) or "")} |'
+    yield ''
+
+
+# --- verbs ------------------------------------------------------------------------------------
+
+
+def verbs() -> Iterator[str]:
+    """Yield the table of all verbs."""
+    yield '| verb | does |'
+    yield '|---|---|'
+    for name, (_, line) in VERBS.items():
+        yield f'| `{name}` | {_cell(line)} |'
+    yield ''
+
+
+def options() -> Iterator[str]:
+    """Yield what every verb takes."""
+    for name, (module, line) in VERBS.items():
+        yield f'### `{PROGRAM} {name}`'
+        yield ''
+        yield f'{line[0].upper()}{line[1:]}.'
+        yield ''
+        yield '| argument | meaning |'
+        yield '|---|---|'
+        for action in _actions(module):
+            words = ', '.join(action.option_strings) or _metavar(action)
+            value = f' {_metavar(action)}' if action.option_strings and action.nargs != 0 else ''
+            needed = ' **(required)**' if action.required and action.option_strings else ''
+            text = (action.help or '') % {**vars(action), 'prog': PROGRAM}
+            yield f'| `{_cell(words + value)}` | {_cell(text)}{needed} |'
+        yield ''
+
+
+class _Recorder(argparse.ArgumentParser):
+    """A parser that can be asked for what was declared."""
+
+    def __init__(self) -> None:
+        self.declared: list[argparse.Action] = []
+        super().__init__(add_help=False)
+
+    def add_argument(self, *names: Any, **settings: Any) -> argparse.Action:
+        action = super().add_argument(*names, **settings)
+        self.declared.append(action)
+        return action
+
+
+def _actions(module: str) -> list[argparse.Action]:
+    parser = _Recorder()
+    importlib.import_module(f'bt_orchestrator.cli.{module}').add_arguments(parser)
+    return parser.declared
+
+
+def _metavar(action: argparse.Action) -> str:
+    if action.choices is not None and not isinstance(action.metavar, str):
+        return '|'.join(map(str, action.choices))
+    name = str(action.metavar or action.dest.upper())
+    return f'{name}...' if action.nargs in ('+', '*') else name
+
+
+# --- pages ------------------------------------------------------------------------------------
+
+PARTS: Mapping[str, Callable[[], Iterator[str]]] = {
+    'keys of a cell file': lambda: keys_of(CELL),
+    'keys of a script': lambda: keys_of(SCRIPT),
+    'keys of a work order': lambda: keys_of(ORDER),
+    'kinds of faults': fault_kinds,
+    'events': events_in_groups,
+    'verbs': verbs,
+    'options of the verbs': options,
+}
+
+
+def generated(text: str) -> str:
+    """Return a page with its generated parts made anew."""
+    return _PART.sub(lambda part: part[1] + '\n' + '\n'.join(PARTS[part['name']]()) + '\n', text)
+
+
+def stale_pages(root: Path = ROOT) -> list[str]:
+    """Return the pages that do not say what the code says."""
+    texts = {page: (root / page).read_text(encoding='utf-8') for page in PAGES}
+    return [page for page, text in texts.items() if generated(text) != text]
+
+
+def main(words: Sequence[str]) -> int:
+    """Write the pages, or check them."""
+    stale = stale_pages()
+    if '--check' in words:
+        for page in stale:
+            sys.stderr.write(f'{page} is not up to date: run python docs/generate.py\n')
+        return 1 if stale else 0
+    for page in stale:
+        path = ROOT / page
+        path.write_text(generated(path.read_text(encoding='utf-8')), encoding='utf-8')
+        sys.stdout.write(f'{page} written\n')
+    return 0
+
+
+def _cell(text: str) -> str:
+    """Return a text for one cell of a table."""
+    return ' '.join(text.split()).replace('|', r'\|')
+
+
+def _code(text: str) -> str:
+    return f'`` {_cell(text)} ``' if '`' in text else f'`{_cell(text)}`'
+
+
+if __name__ == '__main__':
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,111 @@
+"""A simulated cell in two processes and the tree node that runs it.
+
+ros2 launch bt_orchestrator demo.launch.py --show-args
+ros2 launch bt_orchestrator demo.launch.py speed:=4.0
+ros2 run bt_orchestrator bt-orchestrator submit ORDER
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ament_index_python.packages import get_package_share_directory
+from launch import LaunchContext, LaunchDescription
+from launch.actions import DeclareLaunchArgument, OpaqueFunction
+from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node
+
+from bt_orchestrator.cli.bootstrap import installed_types, load_cell
+
+PACKAGE = 'bt_orchestrator'
+
+
+def generate_launch_description() -> LaunchDescription:
+    """Describe the arguments; the processes follow when their values are known."""
+    share = Path(get_package_share_directory(PACKAGE))
+    return LaunchDescription(
+        [
+            DeclareLaunchArgument(
+                'cell',
+                default_value=str(share / 'config' / 'reference_cell.yaml'),
+                description='Cell file (YAML): the belt and the components, all of them simulated.',
+            ),
+            DeclareLaunchArgument(
+                'trees',
+                default_value=str(share / 'trees'),
+                description='Folder in which work orders find their scripts by name.',
+            ),
+            DeclareLaunchArgument(
+                'speed',
+                default_value='1.0',
+                description='All simulated seconds are divided by this.',
+            ),
+            DeclareLaunchArgument(
+                'tick_rate_hz',
+                default_value='10.0',
+                description='Heartbeat of the tree in Hz; news wake it at once, whatever the rate.',
+            ),
+            DeclareLaunchArgument(
+                'namespace',
+                default_value='',
+                description='ROS namespace of the tree node and of relative names in the cell '
+                'file. Absolute names stay as they are: two cells need different ones.',
+            ),
+            OpaqueFunction(function=_processes),
+        ]
+    )
+
+
+def _processes(context: LaunchContext) -> list[Node]:
+    """Divide the components of the cell file among two simulators.
+
+    :raises Refused: the cell file, with every mistake in it
+    """
+    values = {
+        name: LaunchConfiguration(name).perform(context)
+        for name in ('cell', 'trees', 'speed', 'tick_rate_hz', 'namespace')
+    }
+    names = list(load_cell(Path(values['cell']), installed_types()).components)
+    middle = len(names) // 2
+    first, second = names[:middle], names[middle:]
+    return [
+        _simulator('sim_cell_1', first, values),
+        _simulator('sim_cell_2', second, values),
+        _tree_node(values),
+    ]
+
+
+def _simulator(name: str, components: list[str], values: dict[str, str]) -> Node:
+    namespace = ['--namespace', values['namespace']] if values['namespace'] else []
+    return Node(
+        package=PACKAGE,
+        executable='sim_cell',
+        name=name,
+        arguments=[
+            '--cell',
+            values['cell'],
+            '--speed',
+            values['speed'],
+            '--only',
+            ','.join(components),
+            *namespace,
+        ],
+        output='screen',
+    )
+
+
+def _tree_node(values: dict[str, str]) -> Node:
+    return Node(
+        package=PACKAGE,
+        executable='tree_node',
+        namespace=values['namespace'],
+        parameters=[
+            str(Path(get_package_share_directory(PACKAGE)) / 'config' / 'tree_node.yaml'),
+            {
+                'cell': values['cell'],
+                'trees': [values['trees']],
+                'tick_rate_hz': float(values['tick_rate_hz']),
+            },
+        ],
+        output='screen',
+    )

@@ -1,0 +1,144 @@
+"""A simulated cell and its tree node in processes of their own, with a client, for tests."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from node_watcher import NodeWatcher
+from program_process import ProgramProcess
+
+ROOT = Path(__file__).parents[1]
+
+SPEED = 20
+
+SMALL_CELL = """
+cell: small_cell
+conveyor:
+  sections: 2
+  action: conveyor/index
+  type: bt_orchestrator_interfaces/action/Conveyor
+  task: MOVE_ONE_INDEX
+components:
+  feeder: {section: 1, action: feeder/task, type: bt_orchestrator_interfaces/action/Component}
+  worker:
+    section: 2
+    action: worker/task
+    type: bt_orchestrator_interfaces/action/Component
+    state: {topic: worker/state, type: std_msgs/msg/String, field: data, ready: [READY]}
+    durations: {TASK_B: 1200.0}
+  packer: {section: 2, action: packer/task, type: bt_orchestrator_interfaces/action/Component}
+"""
+"""Relative names, for namespaces; a task takes 1 s of simulated time, the worker's TASK_B a
+minute of real time at SPEED."""
+
+
+def small_script(name: str = 'small', options: str = '', task: str = 'TASK_A') -> str:
+    """Return a script for the small cell.
+
+    :param options: further options of the task `work`, as in `, retries: 1`
+    :param task: what `work` does
+    """
+    return f"""
+script: {name}
+sections:
+  1:
+    - {{id: feed, task: TASK_A, action: feeder/task, qty_change: 1}}
+  2:
+    - {{id: work, task: {task}, action: worker/task{options}}}
+    - {{id: pack, task: TASK_A, action: packer/task, qty_change: -1}}
+"""
+
+
+class CellProcesses:
+    """Simulated controllers, tree node and client of one cell. Ends in `close`.
+
+    :ivar sims: the processes of the simulated controllers
+    :ivar node: the process of the tree node
+    :ivar watch: the client
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        cell: str = SMALL_CELL,
+        *,
+        fail: Sequence[str] = (),
+        shares: Sequence[str] = ('',),
+        namespace: str = '',
+        speed: float = SPEED,
+        run_options: Sequence[str] = (),
+        node_name: str = '/bt_orchestrator',
+    ) -> None:
+        """Start everything; `connect` waits for it.
+
+        :param shares: which components each process simulates, as `--only` wants it
+        """
+        folder.mkdir(exist_ok=True)
+        self.folder = folder
+        self.cell = folder / 'cell.yaml'
+        self.cell.write_text(cell)
+        self.log = folder / 'goals.jsonl'
+        spaced = ['--namespace', namespace] if namespace else []
+        self._sim_words = ['sim-cell', '--cell', str(self.cell), '--log', str(self.log)]
+        self._sim_words += ['--speed', str(speed), *spaced]
+        self._sim_words += [f'--fail={fault}' for fault in fail]
+        self.sims = [self.start_sim(share) for share in shares]
+        words = ['run', '--cell', str(self.cell), '--trees', str(folder), *spaced]
+        self.node = ProgramProcess([*words, *run_options], folder, 'node')
+        self.watch = NodeWatcher(namespace + node_name)
+
+    def start_sim(self, share: str = '') -> ProgramProcess:
+        """Start simulated controllers in a further process."""
+        only = ['--only', share] if share else []
+        name = f'sim_{share.replace(",", "_") or "all"}'
+        return ProgramProcess([*self._sim_words, *only], self.folder, name)
+
+    def connect(self, *, wait_servers: bool = True) -> None:
+        """Wait until everything is up and knows of each other."""
+        for process in (*self.sims, self.node):
+            process.wait_ready()
+        self.watch.connect(wait_servers=wait_servers)
+
+    def script(self, text: str, name: str = 'small') -> Path:
+        """Write a script, which the node also finds by name."""
+        path = self.folder / f'{name}.yaml'
+        path.write_text(text)
+        return path
+
+    def run_small(
+        self, options: str = '', task: str = 'TASK_A', *, quantity: int = 1, order: str = 'WO-1'
+    ) -> None:
+        """Submit an order for the small script."""
+        self.watch.submit(
+            self.script(small_script(options=options, task=task)), quantity=quantity, order=order
+        )
+
+    def goals(self, **about: Any) -> list[Mapping[str, Any]]:
+        """Return what really happened to goals, of the records with these values."""
+        lines = self.log.read_text().splitlines() if self.log.exists() else []
+        return [r for line in lines if about.items() <= (r := json.loads(line)).items()]
+
+    def stop(self, node_status: int = 0) -> None:
+        """End everything, node first, and fail unless all of it ends well."""
+        assert self.node.stop() == node_status, self.node.errors
+        self.node.assert_clean()
+        for sim in self.sims:
+            assert sim.stop() == 0, sim.errors
+            sim.assert_clean()
+
+    def close(self) -> None:
+        """Leave nothing behind, whatever happened."""
+        for process in (self.node, *self.sims):
+            process.kill()
+        self.watch.close()
+
+
+def run_verb(folder: Path, *words: str, within_s: float = 30.0) -> tuple[int, str, str]:
+    """Carry out a verb and return exit status, output, and errors."""
+    process = ProgramProcess(words, folder, f'verb_{words[0]}')
+    status = process.wait(within_s)
+    assert 'Traceback' not in process.errors, process.errors
+    return status, process.output, process.errors

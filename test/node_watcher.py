@@ -1,0 +1,157 @@
+"""A client of a tree node, for tests: every event, the last status, and the services."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from action_caller import ActionCaller
+from bt_orchestrator_interfaces.msg import Event, Status
+from bt_orchestrator_interfaces.srv import AnswerHold, RemoveItem, SubmitOrder
+from diagnostic_msgs.msg import KeyValue
+
+from bt_orchestrator.ros.qos import EVENTS, LATCHED
+
+WHO = 'tester'
+
+
+class NodeWatcher:
+    """Hears everything that a tree node says from `connect` on. Everything runs in its caller."""
+
+    def __init__(self, name: str = '/bt_orchestrator') -> None:
+        self.name = name
+        self.ros = ActionCaller()
+        self.events: list[dict[str, Any]] = []
+        self.statuses: list[Any] = []
+        self._clients: dict[str, Any] = {}
+
+    def connect(self, *, wait_servers: bool = True) -> None:
+        """Wait for the node, and for its view of its servers.
+
+        The events are subscribed to first: once the latched status has come, the node knows of
+        both subscriptions, and no event is missed.
+        """
+        node = self.ros.node
+        node.create_subscription(Event, f'{self.name}/events', self._on_event, EVENTS)
+        node.create_subscription(Status, f'{self.name}/status', self.statuses.append, LATCHED)
+        self.ros.spin_until(lambda: self.statuses, f'the status of {self.name}')
+        if wait_servers:
+            self.wait_servers()
+
+    def wait_servers(self, but: str = '') -> None:
+        """Wait until the node sees every action server, except that of one component."""
+        self.ros.spin_until(
+            lambda: all(c.available or c.name == but for c in self.status.components),
+            'every action server at the node',
+        )
+
+    def close(self) -> None:
+        """Leave ROS."""
+        self.ros.close()
+
+    # --- what was heard -----------------------------------------------------------------------
+
+    @property
+    def status(self) -> Any:
+        """The last status."""
+        return self.statuses[-1]
+
+    def seen(self, event: str, **about: Any) -> list[dict[str, Any]]:
+        """Return the events of a name that have these values."""
+        return [e for e in self.events if e['event'] == event and about.items() <= e.items()]
+
+    def reasons(self, task: str) -> list[str]:
+        """Return why the attempts at a task failed, in order."""
+        return [event['reason'] for event in self.seen('task.failed', task=task)]
+
+    def until(self, event: str, count: int = 1, **about: Any) -> dict[str, Any]:
+        """Wait for the last of so many events of a name with these values, and return it."""
+        self.ros.spin_until(
+            lambda: len(self.seen(event, **about)) >= count,
+            f'{count} {event} {about}; the last were {self.events[-8:]}',
+        )
+        return self.seen(event, **about)[count - 1]
+
+    def until_status(self, condition: Callable[[Any], object], what: str) -> Any:
+        """Wait for a status of which a condition holds, and return it."""
+        self.ros.spin_until(lambda: condition(self.status), what)
+        return self.status
+
+    def until_held(self) -> Any:
+        """Wait until the cell is Held by one hold, and return that of the status."""
+        status = self.until_status(lambda s: s.state == 'Held' and s.holds, 'the cell to be Held')
+        (hold,) = status.holds
+        return hold
+
+    def until_ended(self, job: str, within_s: float = 20.0) -> Any:
+        """Wait until a job has ended, and return its status."""
+        done = self.ros.spin_for(
+            within_s, lambda: self.seen('job.completed', job=job) or self.seen('job.aborted')
+        )
+        assert done, f'waited {within_s:g} s for {job}; the last were {self.events[-8:]}'
+        status = self.until_status(lambda s: _job(s, job).state == 'Ended', f'{job} to be Ended')
+        return _job(status, job)
+
+    # --- asking -------------------------------------------------------------------------------
+
+    def submit(
+        self,
+        script: Path | str,
+        *,
+        quantity: int = 1,
+        order: str = 'WO-1',
+        params: Mapping[str, str] | None = None,
+    ) -> Any:
+        """Submit an order, which must be accepted."""
+        response = self.ask_submit(script, quantity=quantity, order=order, params=params)
+        assert response.accepted, [response.message, *response.findings]
+        return response
+
+    def ask_submit(
+        self,
+        script: Path | str,
+        *,
+        quantity: int = 1,
+        order: str = 'WO-1',
+        params: Mapping[str, str] | None = None,
+    ) -> Any:
+        """Submit an order and return the response."""
+        pairs = [KeyValue(key=key, value=value) for key, value in (params or {}).items()]
+        request = SubmitOrder.Request(
+            order=order, script=str(script), quantity=quantity, params=pairs
+        )
+        return self.call(SubmitOrder, 'submit_order', request)
+
+    def answer(self, hold: str, answer: str) -> Any:
+        """Answer a hold and return the response."""
+        request = AnswerHold.Request(hold=hold, answer=answer, who=WHO, reason='test')
+        return self.call(AnswerHold, 'answer_hold', request)
+
+    def remove(self, item: str) -> Any:
+        """Take an item off the belt and return the response."""
+        request = RemoveItem.Request(item=item, who=WHO, reason='test')
+        return self.call(RemoveItem, 'remove_item', request)
+
+    def call(self, kind: Any, service: str, request: Any) -> Any:
+        """Call a service of the node and return its response."""
+        if service not in self._clients:
+            name = f'{self.name}/{service}'
+            self._clients[service] = self.ros.node.create_client(kind, name)
+        client = self._clients[service]
+        self.ros.spin_until(client.service_is_ready, f'the service {service}')
+        return self.ros.wait(client.call_async(request), f'an answer of {service}')
+
+    def _on_event(self, message: Any) -> None:
+        record = json.loads(message.record)
+        assert (message.seq, message.event) == (record['seq'], record['event'])
+        self.events.append(record)
+
+
+def _job(status: Any, name: str) -> Any:
+    return next((job for job in status.jobs if job.id == name), _Unknown)
+
+
+class _Unknown:
+    state = 'unknown'

@@ -1,0 +1,98 @@
+"""One verb of the program in a process of its own, for tests."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+PATIENCE_S = 30.0
+"""Longest time that a program may take to be ready or to end, on a busy machine."""
+
+_LOOK_S = 0.02
+
+
+class ProgramProcess:
+    """States: starting, ready (after `wait_ready`), ended (after `stop` or `wait`).
+
+    What it prints goes to files, so that it never waits for a reader.
+    """
+
+    def __init__(self, words: Sequence[str], folder: Path, name: str) -> None:
+        """Start it; `words` is a command line from the verb on."""
+        self._output = folder / f'{name}.out'
+        self._errors = folder / f'{name}.err'
+        with self._output.open('w') as output, self._errors.open('w') as errors:
+            self._process = subprocess.Popen(
+                [sys.executable, '-u', '-m', 'bt_orchestrator', *words],
+                stdin=subprocess.DEVNULL,
+                stdout=output,
+                stderr=errors,
+                env={**os.environ, 'ROS_LOG_DIR': str(folder / 'ros_log')},
+                start_new_session=True,
+            )
+
+    @property
+    def pid(self) -> int:
+        """Process id, also of its process group."""
+        return self._process.pid
+
+    @property
+    def output(self) -> str:
+        """What it has printed so far."""
+        return self._output.read_text()
+
+    @property
+    def errors(self) -> str:
+        """What it has printed on stderr so far."""
+        return self._errors.read_text()
+
+    def wait_ready(self, words: str = 'ready: ') -> str:
+        """Return the first line that holds these words; fails if it ends before."""
+        deadline = time.monotonic() + PATIENCE_S
+        while True:
+            lines = self.output.splitlines(keepends=True)
+            found = next((line for line in lines if words in line and line.endswith('\n')), None)
+            if found is not None:
+                return found.rstrip()
+            status = self._look()
+            assert status is None, f'ended with {status} before {words!r}: {self.errors}'
+            assert time.monotonic() < deadline, f'never said {words!r}: {self.output}'
+
+    def send(self, with_signal: signal.Signals) -> None:
+        """Send it a signal."""
+        self._process.send_signal(with_signal)
+
+    def wait(self, within_s: float = PATIENCE_S) -> int:
+        """Return its exit status; fails, and kills it, if it does not end in time."""
+        try:
+            return self._process.wait(within_s)
+        except subprocess.TimeoutExpired:
+            self.kill()
+            raise AssertionError(f'did not end within {within_s:g} s: {self.errors}') from None
+
+    def stop(self, with_signal: signal.Signals = signal.SIGINT) -> int:
+        """Ask it to end, and return its exit status; harmless if it has ended."""
+        if self._process.poll() is None:
+            self.send(with_signal)
+        return self.wait()
+
+    def kill(self) -> None:
+        """End it without a word to anybody; harmless if it has ended."""
+        self._process.kill()
+        self._process.wait()
+
+    def assert_clean(self) -> None:
+        """Fail if anything went wrong inside, whatever the exit status says."""
+        for word in ('Traceback', '[ERROR]', '[FATAL]'):
+            assert word not in self.errors, self.errors
+
+    def _look(self) -> int | None:
+        try:
+            return self._process.wait(_LOOK_S)
+        except subprocess.TimeoutExpired:
+            return None

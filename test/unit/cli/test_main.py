@@ -1,0 +1,167 @@
+"""The program: finding the verb, and telling how it ended."""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+import sys
+from collections.abc import Callable
+from types import ModuleType
+
+import pytest
+
+from bt_orchestrator.cli import main as program
+from bt_orchestrator.cli.main import VERBS, main, without_ros_arguments
+from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.errors import Finding, OrchestratorError, Refused
+
+Use = Callable[[Callable[[argparse.Namespace], int]], None]
+
+
+class FakeVerb(ModuleType):
+    """A module of a verb with one option."""
+
+    def __init__(self, run: Callable[[argparse.Namespace], int]) -> None:
+        super().__init__('bt_orchestrator.cli.fake')
+        self.run = run
+
+    def add_arguments(self, parser: argparse.ArgumentParser) -> None:
+        parser.add_argument('--speed', type=float, default=1.0)
+
+
+@pytest.fixture
+def use(monkeypatch: pytest.MonkeyPatch) -> Use:
+    """Give a function that makes `check` and `run` verbs that do what it is told."""
+
+    def use(run: Callable[[argparse.Namespace], int]) -> None:
+        verbs = {'check': ('fake', 'fake'), 'run': ('fake', 'fake')}
+        monkeypatch.setattr(program, 'VERBS', verbs)
+        monkeypatch.setitem(sys.modules, 'bt_orchestrator.cli.fake', FakeVerb(run))
+
+    return use
+
+
+def raising(error: BaseException) -> Callable[[argparse.Namespace], int]:
+    def run(args: argparse.Namespace) -> int:
+        raise error
+
+    return run
+
+
+@pytest.mark.parametrize('verb', VERBS)
+def test_every_verb_has_its_file(verb: str) -> None:
+    assert importlib.util.find_spec(f'bt_orchestrator.cli.{VERBS[verb][0]}') is not None
+
+
+def test_the_verb_gets_its_options_and_its_status_is_the_programs(use: Use) -> None:
+    seen = []
+
+    def run(args: argparse.Namespace) -> int:
+        seen.append(args.speed)
+        return 7
+
+    use(run)
+
+    assert main(['check', '--speed', '2']) == 7
+    assert seen == [2.0]
+
+
+@pytest.mark.parametrize(
+    'words',
+    [[], ['chekc'], ['check', '--sped', '1'], ['check', '--spee', '1'], ['--cell', 'check']],
+)
+def test_wrong_use(use: Use, words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    use(lambda args: 0)
+    with pytest.raises(SystemExit) as ended:
+        main(words)
+
+    assert ended.value.code == 2
+    assert capsys.readouterr().err.startswith('usage: bt-orchestrator')
+
+
+def test_ros_arguments_are_left_to_verbs_that_are_nodes(use: Use) -> None:
+    seen = []
+
+    def run(args: argparse.Namespace) -> int:
+        seen.append(args.ros_args)
+        return 0
+
+    use(run)
+    words = ['run', '--ros-args', '-p', 'x:=1', '--', '--speed', '2']
+
+    assert main(words) == 0
+    assert seen == [words]
+    with pytest.raises(SystemExit):
+        main(['check', '--ros-args', '-p', 'x:=1'])
+
+
+@pytest.mark.parametrize(
+    ('words', 'own'),
+    [
+        ('run --cell c', 'run --cell c'),
+        ('run --ros-args -p x:=1', 'run'),
+        ('run --ros-args -p x:=1 -- --cell c --ros-args -r a:=b', 'run --cell c'),
+        ('run -- --cell', 'run -- --cell'),
+    ],
+)
+def test_ros_arguments_end_at_two_dashes(words: str, own: str) -> None:
+    assert without_ros_arguments(words.split()) == own.split()
+
+
+def test_every_finding_is_a_line(use: Use, capsys: pytest.CaptureFixture[str]) -> None:
+    use(raising(Refused([Finding('a', 1, 2, 'x', 'y'), Finding('b', 3, 4, 'z')])))
+
+    assert main(['check']) == 1
+    assert capsys.readouterr().err == 'a:1:2: x; y\nb:3:4: z\n'
+
+
+@pytest.mark.parametrize(
+    ('error', 'status'),
+    [
+        (OrchestratorError('no node answers'), 1),
+        (WrongUse('no node answers'), 2),
+    ],
+)
+def test_other_errors_are_told_by_the_verb(
+    use: Use, error: OrchestratorError, status: int, capsys: pytest.CaptureFixture[str]
+) -> None:
+    use(raising(error))
+
+    assert main(['check']) == status
+    assert capsys.readouterr().err == 'bt-orchestrator check: error: no node answers\n'
+
+
+def test_a_missing_package_is_named(use: Use, capsys: pytest.CaptureFixture[str]) -> None:
+    use(raising(ModuleNotFoundError("No module named 'rclpy'", name='rclpy')))
+
+    assert main(['check']) == 1
+    assert 'the Python package rclpy is not installed' in capsys.readouterr().err
+
+
+def test_a_missing_module_of_our_own_is_a_defect(use: Use) -> None:
+    use(raising(ModuleNotFoundError('gone', name='bt_orchestrator.cli.gone')))
+
+    with pytest.raises(ModuleNotFoundError):
+        main(['check'])
+
+
+def test_an_interrupted_verb_ends_as_shells_expect(use: Use) -> None:
+    use(raising(KeyboardInterrupt()))
+
+    assert main(['check']) == 130
+
+
+def test_the_version(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(['--version'])
+
+    assert ended.value.code == 0
+    assert capsys.readouterr().out.startswith('bt-orchestrator ')
+
+
+def test_the_help_names_every_verb(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(['--help'])
+    words = {line.split()[0] for line in capsys.readouterr().out.splitlines() if line.split()}
+
+    assert set(VERBS) <= words

@@ -1,0 +1,170 @@
+"""The verb `simulate`, without ROS 2."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from fakes.action_types import FakeActionTypes
+from fakes.shipped import REFERENCE_CELL, REFERENCE_ORDER, STUCK, TREES
+
+from bt_orchestrator.cli.simulate import add_arguments, simulate
+from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.errors import Refused
+from bt_orchestrator.model.codec import from_record
+
+TYPES = FakeActionTypes()
+
+
+def simulated(*words: str | Path) -> int:
+    parser = argparse.ArgumentParser()
+    add_arguments(parser)
+    places = ['--cell', str(REFERENCE_CELL), '--trees', str(TREES)]
+    return simulate(parser.parse_args([*map(str, words), *places]), TYPES)
+
+
+def order(folder: Path, name: str, **keys: Any) -> Path:
+    path = folder / f'{name}.yaml'
+    path.write_text(''.join(f'{key}: {json.dumps(value)}\n' for key, value in keys.items()))
+    return path
+
+
+@pytest.fixture
+def stuck(tmp_path: Path) -> Path:
+    return order(tmp_path, 'stuck_order', script=str(STUCK), quantity=10)
+
+
+def test_the_prediction_of_the_reference_order(capsys: pytest.CaptureFixture[str]) -> None:
+    assert simulated(REFERENCE_ORDER) == 0
+    lines = [' '.join(line.split()) for line in capsys.readouterr().out.splitlines()]
+
+    assert 'WO-1001 reference_process 3 3 0 0 0 6.5 s 39.0 s' in lines
+    assert 'total time 39.0 s' in lines
+    assert 'time per item 6.5 s in steady state' in lines
+    assert 'bottleneck section 4, 4.5 s of work for an item' in lines
+    assert 'conveyor 7 14.0 s 35.9%' in lines
+
+
+def test_the_prediction_as_json(capsys: pytest.CaptureFixture[str]) -> None:
+    assert simulated(REFERENCE_ORDER, '--json') == 0
+    answer = json.loads(capsys.readouterr().out)
+
+    assert (answer['ok'], answer['outcome'], answer['time_s']) == (True, 'finished', 39.0)
+    assert (answer['bottleneck'], answer['forecast']['per_item_s']) == (4, 6.5)
+    assert answer['forecast']['jobs'][0]['packed'] == 3
+
+
+def test_a_line_that_gets_stuck_says_who_waits_for_whom(
+    stuck: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert simulated(stuck) == 1
+    lines = capsys.readouterr().out.splitlines()
+
+    assert lines[0] == 'stuck at 9.0 s:'
+    assert '  section 2: waiting for assemble to take flag read_before_assemble' in lines
+    assert not any(line.startswith('  section 5') for line in lines)
+
+
+def test_a_stuck_line_as_json(stuck: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert simulated(stuck, '--json') == 1
+    answer = json.loads(capsys.readouterr().out)
+
+    assert (answer['ok'], answer['outcome'], answer['time_s']) == (False, 'stuck', 9.0)
+    assert {'part': 'section 4', 'reason': 'waiting for an item'} in answer['waits']
+
+
+def test_a_hold_is_told_with_its_answers(capsys: pytest.CaptureFixture[str]) -> None:
+    assert simulated(REFERENCE_ORDER, '--fail', 'component_1a.#2=abort') == 1
+    lines = capsys.readouterr().out.splitlines()
+
+    assert lines[:3] == [
+        'held at 15.5 s:',
+        '  hold 1, section 2: 2.1 of WO-1001/2: aborted (aborted by the simulated controller)',
+        '    possible answers: retry, mark_done, skip, reject, abort_job',
+    ]
+
+
+def test_a_held_line_as_json(capsys: pytest.CaptureFixture[str]) -> None:
+    assert simulated(REFERENCE_ORDER, '--json', '--fail', 'conveyor.MOVE_ONE_INDEX=false') == 1
+    (hold,) = json.loads(capsys.readouterr().out)['holds']
+
+    assert (hold['task'], hold['section'], hold['item']) == ('index', None, None)
+    assert hold['reason'] == 'task_result_false'
+
+
+def test_the_trace_keeps_everything_up_to_where_the_run_got(stuck: Path, tmp_path: Path) -> None:
+    trace = tmp_path / 'trace.jsonl'
+    assert simulated(stuck, '--trace', trace) == 1
+    events = [from_record(json.loads(line)) for line in trace.read_text().splitlines()]
+
+    assert [event.seq for event in events] == list(range(1, len(events) + 1))
+    assert events[-1].time == 9.0
+
+
+def test_orders_run_one_after_the_other_and_get_ids_that_are_free(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    nameless = {'script': 'reference_process', 'quantity': 1}
+    orders = [
+        order(tmp_path, 'first', **nameless),
+        order(tmp_path, 'second', order='WO-1', **nameless),
+        order(tmp_path, 'third', **nameless),
+    ]
+    assert simulated(*orders, '--json') == 0
+    jobs = json.loads(capsys.readouterr().out)['forecast']['jobs']
+
+    assert [job['job'] for job in jobs] == ['WO-2', 'WO-1', 'WO-3']
+    ends = [job['finished_s'] for job in jobs]
+    assert ends == sorted(ends)
+
+
+def test_one_id_given_twice_is_refused_where_it_stands(tmp_path: Path) -> None:
+    again = order(tmp_path, 'again', script='reference_process', quantity=1, order='WO-1001')
+    with pytest.raises(Refused) as refused:
+        simulated(REFERENCE_ORDER, again)
+
+    (finding,) = refused.value.findings
+    assert (finding.file, finding.line, finding.column) == (str(again), 3, 8)
+    assert f'`WO-1001` was given before, in {REFERENCE_ORDER}:1' in finding.what
+
+
+def test_the_mistakes_of_all_orders_are_told(tmp_path: Path) -> None:
+    wrong = order(tmp_path, 'wrong', script='reference_process', params={'lable': 'x'})
+    nowhere = order(tmp_path, 'nowhere', script='referenc_process', quantity=1)
+    with pytest.raises(Refused) as refused:
+        simulated(wrong, nowhere, REFERENCE_ORDER)
+
+    found = [str(finding) for finding in refused.value.findings]
+    assert len(found) == 3
+    assert 'names no quantity' in found[0]
+    assert 'did you mean `label`?' in found[1]
+    assert found[2].startswith(f'{nowhere}:1:9: there is no script `referenc_process`')
+
+
+def test_scripts_that_disagree_about_a_flag_are_refused_at_the_later_order(
+    stuck: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = STUCK.read_text().replace('downstream: assemble}', 'downstream: assemble, capacity: 2}')
+    script = tmp_path / 'wider.yaml'
+    script.write_text(text.replace('script: stuck', 'script: wider'))
+    wider = order(tmp_path, 'wider_order', script=str(script), quantity=1)
+
+    assert simulated(stuck, wider, '--json') == 1
+    answer = json.loads(capsys.readouterr().out)
+    assert (answer['outcome'], answer['findings'][0]['file']) == ('refused', str(wider))
+    assert 'share the flag read_before_assemble' in answer['findings'][0]['what']
+
+
+@pytest.mark.parametrize(
+    ('option', 'value', 'what'),
+    [
+        ('--fail', 'component_9=abort', 'no component `component_9`'),
+        ('--trace', '/nowhere/at/all.jsonl', 'cannot write the trace'),
+    ],
+)
+def test_options_that_cannot_be_had_are_wrong_use(option: str, value: str, what: str) -> None:
+    with pytest.raises(WrongUse, match=what):
+        simulated(REFERENCE_ORDER, option, value)

@@ -1,0 +1,305 @@
+"""Semantics 4: flags, zones, aborting a job."""
+
+from __future__ import annotations
+
+from fakes.line import THREE, Line
+from fakes.virtual_run import VirtualRun
+
+CAMERA = """
+sections:
+  1: [{id: place, @a1, qty_change: 1}]
+  2: [{id: look, @a2}, {id: other, @b2}]
+  3: [{id: use, @a3}, {id: pack, @b3, qty_change: -1, runs_for: all}]
+lateral_dependencies:
+  - {flag: clear, upstream: use, downstream: look, initial: 1}
+"""
+"""Section 2 may look at an item only when section 3 has used what it saw of the one before."""
+
+
+def flag_counts(run: VirtualRun) -> list[tuple[float, str, int]]:
+    """Return every change of a flag: when, by which task, to which count."""
+    return [
+        (record['time'], record['task'], record['count'])
+        for record in run.records
+        if record['event'] in ('flag.raised', 'flag.lowered')
+    ]
+
+
+# --- 4.1 ------------------------------------------------------------------------------------
+
+
+def test_4_1_the_downstream_task_waits_for_the_flag_and_takes_it() -> None:
+    run = Line(seconds={'a3': 2.5}).run(CAMERA, 3)
+    assert run.starts('look') == [3.0, 9.5, 16.0]
+    assert flag_counts(run)[:3] == [(4.0, 'look', 0), (9.5, 'use', 1), (10.5, 'look', 0)]
+
+
+def test_4_1_the_upstream_task_waits_while_the_counter_is_full() -> None:
+    text = """
+    sections:
+      1: [{id: pick, @a1, requires_conveyor: false}, {id: place, @b1, qty_change: 1}]
+      3: [{id: pack, @a3, qty_change: -1}]
+    lateral_dependencies:
+      - {flag: part, upstream: pick, downstream: pack, capacity: 2}
+    """
+    run = Line().begin(text, 4).go(until=5.0)
+    assert run.starts('pick') == [0.0, 2.0]
+    assert run.waits()['section 1'] == 'waiting for pack to take flag part'
+    run.go()
+    # Taken by the end of `pack`, when the item has passed both moves.
+    assert run.starts('pick')[2] == run.times('flag.lowered')[0] == 8.0
+    assert run.ended
+
+
+def test_4_1_the_reason_names_flag_and_task() -> None:
+    run = Line(seconds={'a3': 2.5}).begin(CAMERA, 2).go(until=8.0)
+    assert run.waits()['section 2'] == 'waiting for use to set flag clear'
+
+
+def test_4_1_the_flag_changes_when_the_task_has_executed() -> None:
+    run = Line().run(CAMERA)
+    assert run.times('flag.lowered', task='look') == run.times('task.succeeded', task='look')
+    assert run.times('flag.raised', task='use') == run.times('task.succeeded', task='use')
+
+
+def test_4_1_a_failed_attempt_does_not_touch_the_flag() -> None:
+    text = CAMERA.replace('id: look, @a2', 'id: look, @a2, retries: 1')
+    run = Line(faults={'a2': '#1=abort'}).run(text)
+    assert run.times('flag.lowered') == [5.0]
+
+
+def test_4_1_nothing_is_asked_twice_of_a_task_that_runs() -> None:
+    """The flag is at 0 when `look` has taken it, and its own cycle goes on all the same."""
+    run = Line().run(CAMERA)
+    assert run.starts('other') == [4.0]
+
+
+def test_4_1_scripts_that_share_a_flag_have_to_agree() -> None:
+    line = Line()
+    run = line.begin(CAMERA, 2)
+    others = {
+        'capacity': CAMERA.replace('initial: 1', 'initial: 1, capacity: 2'),
+        'initial': CAMERA.replace('initial: 1', 'initial: 0'),
+        'sections': CAMERA.replace('downstream: look', 'downstream: place'),
+    }
+    for text in others.values():
+        answer = run.submit('K', line.script(text, 'other'))
+        assert not answer.accepted
+        assert 'share the flag clear' in answer.message
+    assert run.submit('K', line.script(CAMERA, 'other')).accepted
+    run.go()
+    assert run.ended
+
+
+def test_4_1_a_flag_that_no_live_job_uses_is_made_anew() -> None:
+    line = Line()
+    run = line.run(CAMERA)
+    other = CAMERA.replace(
+        'upstream: use, downstream: look, initial: 1',
+        'upstream: look, downstream: use, capacity: 2',
+    )
+    assert run.submit('K', line.script(other, 'other'), 2).accepted
+    assert run.state.flags['clear'].count == 0
+    assert run.state.flags['clear'].capacity == 2
+    run.go()
+    assert run.ended
+
+
+# --- 4.2 ------------------------------------------------------------------------------------
+
+
+def test_4_2_a_skipped_task_waits_for_its_flag_and_takes_it() -> None:
+    text = CAMERA.replace(
+        'id: look, @a2', 'id: look, @a2, when: {value: "${item.number}", equals: 1}'
+    )
+    run = Line(seconds={'a3': 2.5}).run(text, 2)
+    assert run.starts('look') == [3.0]
+    assert run.times('task.skipped', task='look', item='J/2') == [9.5]
+    assert flag_counts(run) == [
+        (4.0, 'look', 0),
+        (9.5, 'use', 1),
+        (9.5, 'look', 0),
+        (15.0, 'use', 1),
+    ]
+
+
+def test_4_2_a_task_that_failed_and_continued_performs_its_flag_operations() -> None:
+    text = CAMERA.replace('id: use, @a3', 'id: use, @a3, on_failure: continue')
+    run = Line(faults={'a3': '#1=abort'}).run(text, 2)
+    assert run.times('flag.raised', item='J/1') == run.times('task.continued', item='J/1')
+    assert run.ended
+
+
+def test_4_2_a_rejected_item_takes_its_flags_through_the_line() -> None:
+    text = CAMERA.replace('id: other, @b2', 'id: other, @b2, on_failure: reject')
+    run = Line(faults={'b2': '#1=abort'}).run(text, 3)
+    assert run.times('task.skipped', task='use', item='J/1') != []
+    assert len(run.all('flag.raised')) == len(run.all('flag.lowered')) == 3
+    assert run.ended
+
+
+def test_4_2_an_empty_position_takes_its_flags_through_the_line() -> None:
+    text = CAMERA.replace('qty_change: 1}', 'qty_change: 1, on_failure: continue}')
+    run = Line(faults={'a1': '#2=abort'}).run(text, 3)
+    assert run.order('item.missing', 'item') == ['J/2']
+    assert len(run.all('flag.raised')) == len(run.all('flag.lowered')) == 3
+    assert run.state.flags['clear'].count == 1
+
+
+def test_4_2_an_operators_skip_performs_the_flag_operations() -> None:
+    run = Line(faults={'a3': '#1=abort'}).run(CAMERA, 2)
+    run.answer('skip')
+    assert run.times('flag.raised', task='use') == [8.0]
+    run.go()
+    assert run.ended
+
+
+def test_4_2_a_skipped_task_needs_no_component_zone_or_readiness() -> None:
+    text = """
+    sections:
+      1: [{id: place, @a1, qty_change: 1}]
+      2: [{id: never, @a2, when: {value: "${item.number}", equals: 0}}]
+      3: [{id: pack, @a3, qty_change: -1}]
+    """
+    run = Line(topics=('a2',), faults={'a2': '#0=silent'}).run(text)
+    assert run.times('task.skipped', task='never') == [3.0]
+    assert run.ended
+
+
+# --- 4.3 ------------------------------------------------------------------------------------
+
+
+def test_4_3_abort_job_drains_the_line() -> None:
+    text = CAMERA.replace('id: other, @b2', 'id: other, @b2, on_failure: abort_job')
+    run = Line(faults={'b2': '#2=abort'}, seconds={'a1': 5.0}).run(text, 9)
+    (at,) = run.times('job.aborting')
+    assert [r for r in run.all('cycle.started', section=1) if r['time'] > at] == []
+    assert run.times('job.aborted') != []
+    assert run.state.flags['clear'].count == 1
+    assert len(run.all('flag.raised')) == len(run.all('flag.lowered'))
+
+
+def test_4_3_a_source_cycle_in_hand_ends_with_an_empty_position() -> None:
+    text = """
+    sections:
+      1: [{id: pick, @a1, requires_conveyor: false}, {id: place, @b1, qty_change: 1}]
+      2: [{id: work, @a2, on_failure: abort_job}]
+      3: [{id: pack, @a3, qty_change: -1, runs_for: all}]
+    """
+    run = Line(faults={'a2': '#1=abort'}, seconds={'a1': 3.5}).run(text, 9)
+    # Item 2 is being picked from 4.5 to 8.0 when `work` fails at 7.5.
+    assert run.times('task.cancel_requested', task='pick', cause='abort_job') == [7.5]
+    assert run.times('task.continued', task='pick', item='J/2') == [7.5]
+    assert run.times('item.missing', item='J/2') == [7.5]
+    assert run.ended
+    assert run.counts() == {'started': 2, 'placed': 1, 'rejected': 1, 'missing': 1}
+
+
+def test_4_3_a_cancel_that_is_ignored_holds_in_doubt() -> None:
+    text = THREE.replace('id: work, @a2', 'id: work, @a2, on_failure: abort_job').replace(
+        'qty_change: -1', 'qty_change: -1, runs_for: all'
+    )
+    line = Line(faults={'a2': '#1=abort', 'a1': '#2=ignore_cancel'})
+    run = line.run(text, 9)
+    assert run.times('task.cancel_requested', task='place', cause='abort_job') == [4.0]
+    assert run.times('hold.raised', task='place', reason='in_doubt') == [9.0]
+    run.answer('mark_done')
+    run.go()
+    assert run.ended
+    assert run.counts() == {'started': 2, 'placed': 2, 'rejected': 2}
+
+
+def test_4_3_a_job_that_waits_is_aborted_by_nobody_else() -> None:
+    text = THREE.replace('id: work, @a2', 'id: work, @a2, on_failure: abort_job').replace(
+        'qty_change: -1', 'qty_change: -1, runs_for: all'
+    )
+    line = Line(faults={'a2': '#1=abort'})
+    run = line.begin(text, 5)
+    run.submit('K', line.script(text), 2)
+    run.go()
+    assert run.order('job.aborted', 'job') == ['J']
+    assert run.counts('K')['packed'] == 2
+
+
+# --- 4.4 ------------------------------------------------------------------------------------
+
+TABLE = """
+sections:
+  1: [{id: place, @a1, qty_change: 1}]
+  2: [{id: two, @a2}]
+  3: [{id: three, @a3}, {id: pack, @b3, qty_change: -1}]
+zones:
+  table: [two, three]
+"""
+
+
+def test_4_4_tasks_of_a_zone_never_overlap() -> None:
+    run = Line(seconds={'a3': 4.0}).run(TABLE, 2)
+    assert run.starts('three', item='J/1') == [6.0]
+    assert run.starts('two', item='J/2') == [10.0]
+
+
+def test_4_4_the_reason_names_zone_and_task() -> None:
+    run = Line(seconds={'a3': 4.0}).begin(TABLE, 2).go(until=6.0)
+    assert run.waits()['section 2'] == 'waiting for zone table, taken by three of J/1'
+
+
+def test_4_4_a_failed_task_leaves_its_zone_unless_it_is_in_doubt() -> None:
+    run = Line(faults={'a3': '#1=abort'}).run(TABLE, 2)
+    assert run.times('task.succeeded', task='two', item='J/2') == [8.0]
+    text = TABLE.replace('@a3', '@a3, timeout: 1')
+    run = Line(faults={'a3': '#1=ignore_cancel'}).run(text, 2)
+    assert run.starts('two', item='J/2') == []
+    run.answer('mark_done')
+    assert run.starts('two', item='J/2') == [run.now]
+
+
+def test_4_4_nothing_is_held_while_waiting() -> None:
+    """`two` waits for its component and has not entered the zone, which `three` needs."""
+    line = Line(topics=('a2',), faults={'a2': '#1=not_ready:30'})
+    run = line.run(TABLE, 2)
+    assert run.starts('three', item='J/1') == [6.0]
+    assert run.starts('two', item='J/2') == [34.0]
+
+
+def test_4_4_the_downstream_section_goes_first() -> None:
+    text = """
+    sections:
+      1: [{id: place, @a1, qty_change: 1}]
+      2: [{id: two, @arm}]
+      3: [{id: three, @arm}, {id: pack, @b3, qty_change: -1}]
+    """
+    run = Line().run(text, 3)
+    assert run.starts('three', item='J/1') == [6.0]
+    assert run.starts('two', item='J/2') == [7.0]
+
+
+def test_4_4_initialization_goes_before_sections() -> None:
+    text = """
+    initialization: [{id: light, @lamp}]
+    sections:
+      1: [{id: place, @a1, qty_change: 1}]
+      2: [{id: work, @a2}]
+      3: [{id: pack, @a3, qty_change: -1}]
+    """
+    second = text.replace('[{id: light, @lamp}]', '[{id: ready, @a2}]')
+    line = Line()
+    run = line.begin(text, 1)
+    run.submit('K', line.script(second, 'second'), 1)
+    run.go()
+    # Section 2 is done with J at 5.0; its component is prepared before anything of K needs it.
+    assert run.starts('ready') == [5.0]
+
+
+def test_4_4_in_a_section_the_list_decides() -> None:
+    text = """
+    sections:
+      1: [{id: place, @a1, qty_change: 1}]
+      2: [parallel: [{id: second, @b2}, {id: first, @a2}]]
+      3: [{id: pack, @a3, qty_change: -1}]
+    zones:
+      table: [first, second]
+    """
+    run = Line().run(text)
+    assert run.starts('second') == [3.0]
+    assert run.starts('first') == [4.0]

@@ -1,0 +1,209 @@
+"""Semantics 5: initialization, and jobs back to back."""
+
+from __future__ import annotations
+
+import pytest
+from fakes.line import THREE, Line
+
+from bt_orchestrator.model.commands import Shutdown
+
+SECTIONS = THREE.strip('\n')
+
+
+def with_initialization(text: str, more: str = '') -> str:
+    """Return the shortest line with an initialization."""
+    return f'initialization: {text}\n{more}{SECTIONS}'
+
+
+# --- 5.1 ------------------------------------------------------------------------------------
+
+
+def test_5_1_what_is_not_ordered_runs_in_parallel() -> None:
+    text = with_initialization('[{id: one, @a1.PREPARE}, {id: two, @a2.PREPARE}, {id: l, @lamp}]')
+    run = Line().run(text)
+    assert run.starts('one') == run.starts('two') == run.starts('l') == [0.0]
+
+
+def test_5_1_dependencies_order_it() -> None:
+    text = with_initialization(
+        '[{id: one, @a1.PREPARE}, {id: two, @b1.PREPARE}, {id: three, @lamp}]',
+        'initialization_dependencies:\n'
+        '  - {upstream: two, downstream: one}\n'
+        '  - {upstream: three, downstream: one}\n',
+    )
+    run = Line(seconds={'lamp': 2.0}).begin(text).go(until=1.5)
+    assert run.waits()['initialization'] == 'waiting for initialization three'
+    run.go()
+    assert run.starts('one') == [2.0]
+
+
+def test_5_1_tasks_of_one_component_run_one_after_the_other() -> None:
+    run = Line().run(with_initialization('[{id: one, @a1.PREPARE}, {id: two, @a1.TASK_B}]'))
+    assert run.starts('one') == [0.0]
+    assert run.starts('two') == [1.0]
+
+
+def test_5_1_initialization_events_carry_no_section_and_no_item() -> None:
+    run = Line().run(with_initialization('[{id: one, @a1.PREPARE}]'))
+    (started,) = run.all('task.started', task='one')
+    assert started['job'] == 'J'
+    assert not {'section', 'item'} & started.keys()
+
+
+HOME = with_initialization('[{id: home, task: HOME, action: /belt/do, once: true}]')
+
+
+def test_5_1_once_is_skipped_at_once_when_it_succeeded_before() -> None:
+    line = Line()
+    run = line.begin(HOME, 3)
+    run.go(until=1.0)
+    run.submit('K', line.script(HOME), 1)
+    run.go()
+    assert run.starts('home') == [0.0]
+    assert run.times('task.skipped', task='home', job='K') == [2.0]  # not after the line drained
+    assert run.starts('place', job='K') == [11.0]  # at once behind the last item of J
+
+
+def test_5_1_without_once_it_waits_for_the_line_to_drain() -> None:
+    text = HOME.replace(', once: true', '')
+    line = Line()
+    run = line.begin(text, 1)
+    run.submit('K', line.script(text), 1)
+    run.go()
+    assert run.starts('home', job='K') == run.times('job.completed', job='J') == [9.0]
+
+
+def test_5_1_once_compares_action_task_and_arguments() -> None:
+    text = with_initialization(
+        """
+      - {id: aim, @a1.PREPARE, once: true, args: {special_argument_2: "${params.x}"}}
+params: {x: {type: float}}"""
+    )
+    line = Line()
+    run = line.begin(text, 1, x=1.0)
+    run.submit('K', line.script(text), 1, x=1.0)
+    run.submit('L', line.script(text), 1, x=2.0)
+    run.go()
+    assert [r['job'] for r in run.all('task.started', task='aim')] == ['J', 'L']
+
+
+def test_5_1_once_counts_only_a_success() -> None:
+    text = HOME.replace('once: true', 'once: true, on_failure: continue')
+    line = Line(faults={'conveyor': 'HOME#1=abort'})
+    run = line.begin(text, 1)
+    run.submit('K', line.script(text), 1)
+    run.go()
+    assert [r['job'] for r in run.all('task.started', task='home')] == ['J', 'K']
+
+
+def test_5_1_once_is_forgotten_in_stopped() -> None:
+    line = Line()
+    run = line.run(HOME)
+    run.ask(Shutdown())
+    assert run.state.mode.value == 'Stopped'
+    run.submit('K', line.script(HOME), 1)
+    run.go()
+    assert [r['job'] for r in run.all('task.started', task='home')] == ['J', 'K']
+
+
+# --- 5.2 ------------------------------------------------------------------------------------
+
+
+def test_5_2_a_section_waits_for_its_own_components_only() -> None:
+    text = with_initialization('[{id: two, @a2.PREPARE}, {id: three, @a3.PREPARE}]')
+    run = Line(seconds={'a2': 4.0, 'a3': 30.0}).begin(text).go(until=3.0)
+    assert run.starts('place') == [0.0]
+    assert run.waits()['section 2'] == 'waiting for initialization two of J'
+    run.go()
+    assert run.starts('work') == [4.0]
+    assert run.starts('pack') == [30.0]
+
+
+def test_5_2_every_section_waits_for_components_of_no_section() -> None:
+    text = with_initialization('[{id: light, @lamp}]')
+    run = Line(seconds={'lamp': 4.0}).run(text)
+    assert run.starts('place') == [4.0]
+
+
+def test_5_2_a_component_is_prepared_when_its_sections_have_finished_the_jobs_before() -> None:
+    text = with_initialization('[{id: two, @a2.PREPARE}]')
+    line = Line(seconds={'b3': 1.0})
+    run = line.begin(text, 2)
+    run.submit('K', line.script(text), 1)
+    run.go(until=5.0)
+    assert run.waits()['initialization'] == 'waiting for section 2 to finish J'
+    run.go()
+    # Section 2 ends its cycle for J/2 at 7.0; J itself ends later.
+    assert run.starts('two', job='K') == [7.0]
+    assert run.times('job.completed', job='J') == [10.0]
+
+
+def test_5_2_a_shared_component_waits_for_each_of_its_sections() -> None:
+    text = with_initialization('[{id: arm, @arm.PREPARE}]')
+    line = Line()
+    run = line.begin(text, 1)
+    run.submit('K', line.script(text), 1)
+    run.go()
+    assert run.starts('arm', job='K') == [8.0]  # section 3 is done with J
+
+
+def test_5_2_the_source_waits_for_what_waits_for_the_line_behind_it() -> None:
+    """K's item must not be placed: section 2 waits for section 3, which waits for J's item."""
+    text = with_initialization(
+        '[{id: two, @a2.PREPARE}, {id: three, @a3.PREPARE}]',
+        'initialization_dependencies: [{upstream: three, downstream: two}]\n',
+    )
+    line = Line(seconds={'a3': 2.0})
+    run = line.begin(text, 1)
+    run.submit('K', line.script(text), 1)
+    run.go()
+    assert run.ended
+    done_with_j = run.times('cycle.completed', job='J', section=3)
+    assert run.starts('three', job='K') == done_with_j
+    assert run.starts('place', job='K') == run.times('task.succeeded', job='K', task='two')
+
+
+def test_5_2_a_job_that_may_not_begin_gives_no_turn() -> None:
+    """The belt moves on with J's item while K waits for the line to drain."""
+    text = with_initialization('[{id: light, @lamp}]')
+    line = Line()
+    run = line.begin(text, 1)
+    run.submit('K', line.script(text), 1)
+    run.go(until=4.0)
+    assert run.waits()['section 1'] == 'waiting for initialization light of K'
+    assert run.times('belt.index_started') == [2.0]
+    run.go()
+    assert run.starts('light', job='K') == [8.0]
+    assert run.ended
+
+
+@pytest.mark.parametrize('quantity', [1, 2, 5])
+def test_5_2_jobs_with_different_scripts_run_back_to_back(quantity: int) -> None:
+    second = """
+    initialization: [{id: one, @a1.PREPARE}, {id: two, @b2.PREPARE}]
+    sections:
+      1: [{id: put, @a1, qty_change: 1}]
+      2: [{id: press, @b2}, {id: turn, @arm}]
+      3: [{id: out, @b3, qty_change: -1}]
+    """
+    line = Line()
+    run = line.begin(HOME, quantity)
+    run.submit('K', line.script(second, 'second'), quantity)
+    run.submit('L', line.script(HOME), quantity)
+    run.go()
+    assert run.order('job.completed', 'job') == ['J', 'K', 'L']
+    assert run.starts('home') == [0.0]
+    assert [run.counts(job)['packed'] for job in 'JKL'] == [quantity] * 3
+    # K is on the belt before J has left it.
+    assert run.times('item.placed', job='K')[0] < run.times('job.completed', job='J')[0]
+
+
+def test_5_2_a_failed_initialization_task_holds_its_job() -> None:
+    run = Line(faults={'a1': '#1=abort'}).run(with_initialization('[{id: one, @a1.PREPARE}]'))
+    (hold,) = run.state.holds.values()
+    assert (hold.job, hold.section, hold.item, hold.task) == ('J', None, None, 'one')
+    assert hold.answers == ('retry', 'mark_done', 'skip', 'abort_job')
+    assert run.starts('place') == []
+    run.answer('retry')
+    run.go()
+    assert run.ended

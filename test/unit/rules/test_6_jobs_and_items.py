@@ -1,0 +1,196 @@
+"""Semantics 6: jobs, counts, results, rejected items, conditions."""
+
+from __future__ import annotations
+
+import pytest
+from fakes.line import THREE, Line, with_section
+
+# --- 6.1 ------------------------------------------------------------------------------------
+
+
+def test_6_1_jobs_are_worked_in_the_order_queued() -> None:
+    line = Line()
+    run = line.begin(THREE, 2)
+    for name in 'KL':
+        run.submit(name, line.script(THREE), 2)
+    run.go()
+    placed = run.order('item.placed', 'item')
+    assert placed == ['J/1', 'J/2', 'K/1', 'K/2', 'L/1', 'L/2']
+    assert run.starts('place') == [0.0, 3.0, 6.0, 9.0, 12.0, 15.0]
+
+
+def test_6_1_each_section_works_on_the_job_of_its_item() -> None:
+    other = THREE.replace('id: work, @a2', 'id: press, @b2')
+    line = Line()
+    run = line.begin(THREE, 1)
+    run.submit('K', line.script(other, 'other'), 1)
+    run.go()
+    assert run.starts('pack', item='J/1') == [6.0]
+    assert run.starts('press', item='K/1') == [6.0]
+
+
+def test_6_1_a_job_leaves_the_queue_when_it_starts_and_ends_when_nothing_remains() -> None:
+    line = Line()
+    run = line.begin(THREE, 1)
+    run.submit('K', line.script(THREE), 1)
+    run.go()
+    assert run.times('job.started') == [0.0, 1.0]  # K's first cycle begins ahead of its beat
+    assert run.times('job.completed') == [7.0, 10.0]
+    assert list(run.state.ended) == ['J', 'K']
+
+
+def test_6_1_a_job_is_complete_when_its_initialization_is() -> None:
+    text = f'initialization: [{{id: light, @b3}}]\n{THREE}'
+    run = Line(seconds={'b3': 20.0}).run(text)
+    assert run.starts('pack') == [20.0]
+    assert run.times('job.completed') == [21.0]
+
+
+# --- 6.2 ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize('quantity', [1, 4])
+def test_6_2_quantity_is_the_number_of_source_cycles(quantity: int) -> None:
+    run = Line().run(quantity=quantity)
+    assert len(run.all('cycle.started', section=1)) == quantity
+    assert run.counts() == dict.fromkeys(('started', 'placed', 'processed', 'packed'), quantity)
+
+
+def test_6_2_progress_counts_as_it_happens() -> None:
+    run = Line().begin(quantity=3).go(until=7.0)
+    assert run.counts() == {'started': 3, 'placed': 3, 'processed': 2, 'packed': 1}
+
+
+def test_6_2_counts_of_a_line_where_everything_happens() -> None:
+    text = """
+    sections:
+      1: [{id: place, @a1, qty_change: 1, on_failure: continue}]
+      2: [{id: work, @a2, on_failure: continue}]
+      3: [{id: test, @a3, on_failure: reject}]
+      4: [{id: pack, @a4, qty_change: -1, runs_for: all}]
+    """
+    line = Line(4, faults={'a1': '#2=abort', 'a2': '#2=abort', 'a3': '#3=abort'})
+    run = line.begin(text, 6).go(until=16.0)
+    # Item 2 was never placed; `work` failed for item 3; `test` for item 4.
+    assert run.remove('J/5').accepted
+    run.go()
+    assert run.counts() == {
+        'started': 6,
+        'placed': 5,
+        'processed': 3,
+        'packed': 3,
+        'rejected': 1,
+        'nonconforming': 2,
+        'missing': 2,
+        'removed': 1,
+    }
+
+
+# --- 6.3 ------------------------------------------------------------------------------------
+
+MEASURED = """
+params: {label: {type: str, default: none}}
+sections:
+  1: [{id: place, @a1, qty_change: 1}]
+  2: [{id: look, @a2}]
+  3:
+    - id: use
+      task: TASK_A
+      action: /a3/do
+      args:
+        special_argument_1: "${order.id} of ${order.quantity}: ${item.number} ${params.label}"
+        special_argument_2: "${results.look.measurement}"
+    - {id: pack, @b3, qty_change: -1}
+"""
+
+
+def test_6_3_results_travel_with_the_item() -> None:
+    run = Line(results={'a2': {'measurement': 7.25}}).run(MEASURED, 2, label='A7')
+    given = [record['args'] for record in run.all('task.started', task='use')]
+    assert given == [
+        {'special_argument_1': 'J of 2: 1 A7', 'special_argument_2': 7.25},
+        {'special_argument_1': 'J of 2: 2 A7', 'special_argument_2': 7.25},
+    ]
+
+
+def test_6_3_a_result_of_another_item_is_no_result_of_this_one() -> None:
+    text = MEASURED.replace('id: look, @a2', 'id: look, @a2, on_failure: continue')
+    run = Line(faults={'a2': '#2=abort'}).run(text, 2)
+    assert run.reasons() == ['aborted', 'missing_result']
+    (hold,) = run.state.holds.values()
+    assert (hold.item, hold.task, hold.reason) == ('J/2', 'use', 'missing_result')
+    run.answer('skip')
+    run.go()
+    assert run.ended
+
+
+def test_6_3_a_task_marked_done_has_no_results() -> None:
+    run = Line(faults={'a2': '#1=abort'}).run(MEASURED)
+    run.answer('mark_done')
+    run.go()
+    assert run.reasons() == ['aborted', 'missing_result']
+
+
+# --- 6.4 ------------------------------------------------------------------------------------
+
+
+def test_6_4_the_remaining_tasks_skip_a_rejected_item() -> None:
+    text = """
+    sections:
+      1: [{id: place, @a1, qty_change: 1}]
+      2:
+        - {id: test, @a2, on_failure: reject}
+        - {id: good, @b2}
+        - {id: bad, @b2.TASK_B, runs_for: rejected}
+        - {id: both, @b2.TASK_C, runs_for: all}
+      3: [{id: pack, @a3, qty_change: -1, runs_for: all}]
+    """
+    run = Line(faults={'a2': '#2=abort'}).run(text, 2)
+    ran = {(r['item'], r['task']) for r in run.all('task.started', section=2)}
+    assert ran == {
+        ('J/1', 'test'),
+        ('J/1', 'good'),
+        ('J/1', 'both'),
+        ('J/2', 'test'),
+        ('J/2', 'bad'),
+        ('J/2', 'both'),
+    }
+    assert [r['reason'] for r in run.all('task.skipped')] == ['good item', 'rejected item']
+    assert run.times('item.moved', item='J/2', section=3) == [13.0]
+
+
+# --- 6.5 ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ('condition', 'runs'),
+    [
+        ('when: "${params.wanted}"', True),
+        ('unless: "${params.wanted}"', False),
+        ('when: {value: "${params.kind}", equals: tall}', True),
+        ('when: {value: "${params.kind}", equals: small}', False),
+        ('unless: {value: "${params.kind}", equals: small}', True),
+        ('when: {value: "${item.number}", equals: 1}', True),
+        ('when: {value: "${results.look.item_present}", equals: false}', False),
+    ],
+)
+def test_6_5_a_condition_skips_a_task(condition: str, runs: bool) -> None:
+    text = 'params: {wanted: {type: bool}, kind: {type: str}}' + with_section(
+        2, f'[{{id: look, @a2}}, {{id: work, @b2, {condition}}}]'
+    )
+    run = Line().run(text, wanted=True, kind='tall')
+    assert bool(run.starts('work')) is runs
+    assert run.times('task.skipped', task='work') == ([] if runs else [4.0])
+    assert run.ended
+
+
+def test_6_5_a_condition_on_a_missing_result_ends_the_attempt() -> None:
+    text = with_section(
+        2,
+        """
+        - {id: look, @a2, on_failure: continue}
+        - {id: work, @b2, when: "${results.look.item_present}"}
+        """,
+    )
+    run = Line(faults={'a2': '#1=abort'}).run(text)
+    assert run.reasons() == ['aborted', 'missing_result']

@@ -1,0 +1,350 @@
+"""Semantics 7.1, 7.3, 7.4: holds, operators, and why nothing happens."""
+
+from __future__ import annotations
+
+import pytest
+from fakes.line import THREE, Line, with_section
+from fakes.virtual_run import VirtualRun
+
+# --- 7.1: what a hold stops -----------------------------------------------------------------
+
+
+def test_7_1_the_held_section_starts_nothing() -> None:
+    text = with_section(
+        2, '[parallel: [{id: bad, @a2}, [{id: one, @b2}, {id: two, @b2}]], {id: next, @a2}]'
+    )
+    line = Line(faults={'a2': '#1=abort'}, seconds={'b2': 3.0})
+    run = line.run(text)
+    assert run.times('task.succeeded', task='one') == [6.0]  # nothing is cancelled
+    assert run.starts('two') == run.starts('next') == []
+    assert run.waits()['section 2'] == (
+        'waiting for an answer to hold 1 (aborted); '
+        'waiting for an answer to hold 1 (bad: aborted)'
+    )
+    run.answer('mark_done')
+    assert run.starts('two') == [6.0]
+    run.go()
+    assert run.ended
+
+
+def test_7_1_the_other_sections_finish_the_cycle_in_hand_and_begin_none() -> None:
+    text = """
+    sections:
+      1: [{id: pick, @a1, requires_conveyor: false}, {id: place, @b1, qty_change: 1}]
+      2: [{id: work, @a2}]
+      3: [{id: open, @a3}, {id: pack, @b3, qty_change: -1}]
+    """
+    line = Line(faults={'a2': '#2=abort'}, seconds={'a3': 3.0})
+    run = line.run(text, 5)
+    # The second `work` fails at 8.0, while section 3 opens item 1 until 10.0.
+    assert run.times('hold.raised') == [8.0]
+    assert run.starts('pack', item='J/1') == [10.0]
+    assert run.starts('pick', item='J/4') == []
+    assert run.times('belt.index_started') == [2.0, 5.0]
+    assert run.now == 11.0
+
+
+def test_7_1_no_section_begins_ahead_while_the_cell_holds() -> None:
+    run = Line(faults={'a2': '#1=abort'}, seconds={'a1': 3.0}).run(quantity=3)
+    assert run.times('hold.raised') == [6.0]
+    assert run.order('cycle.started', 'item') == ['J/1', 'J/1', 'J/2', 'J/3'][: 3]
+
+
+def test_7_1_the_cell_is_held_when_no_goal_runs_and_none_can_start() -> None:
+    run = Line(faults={'a2': '#1=abort'}, seconds={'a1': 5.0}).run(quantity=2)
+    changes = [(r['time'], r['state']) for r in run.all('cell.state_changed')][-2:]
+    assert changes == [(8.0, 'Holding'), (12.0, 'Held')]
+
+
+def test_7_1_after_the_answer_the_cell_goes_on() -> None:
+    run = Line(faults={'a2': '#1=abort'}).run()
+    run.answer('retry')
+    changes = [r['state'] for r in run.all('cell.state_changed')][-4:]
+    assert changes == ['Holding', 'Held', 'Unholding', 'Execute']
+    run.go()
+    assert run.ended
+
+
+def test_7_1_each_answer_is_recorded_with_who_and_why() -> None:
+    run = Line(faults={'a2': '#1=abort'}).run()
+    run.answer('skip')
+    (decided,) = run.all('operator.decided')
+    assert (decided['answer'], decided['who'], decided['reason'], decided['hold']) == (
+        'skip',
+        'Ann',
+        'it looked so',
+        '1',
+    )
+
+
+def test_7_1_an_answer_to_no_hold_is_refused() -> None:
+    run = Line(faults={'a2': '#1=abort'}).run()
+    before = len(run.records)
+    refused = [run.answer('retry', hold='7'), run.answer('repeat')]
+    assert [answer.accepted for answer in refused] == [False, False]
+    assert refused[0].message == 'there is no hold 7; holds now: 1'
+    assert 'can be answered with retry, mark_done, skip, reject, abort_job' in refused[1].message
+    assert len(run.records) == before
+
+
+# --- 7.1: every answer on every kind of task ------------------------------------------------
+
+ALL = """
+initialization: [{id: ready, @b1}]
+sections:
+  1: [{id: place, @a1, qty_change: 1}]
+  2: [{id: work, @a2}]
+  3: [{id: pack, @a3, qty_change: -1, runs_for: all}]
+lateral_dependencies:
+  - {flag: first, upstream: place, downstream: work}
+  - {flag: last, upstream: work, downstream: pack}
+"""
+COMPONENTS = {'ready': 'b1', 'place': 'a1', 'work': 'a2', 'pack': 'a3'}
+
+
+def held_at(task: str, quantity: int = 2) -> VirtualRun:
+    """Run until the first attempt of a task has failed and holds."""
+    return Line(faults={COMPONENTS[task]: '#1=abort'}).run(ALL, quantity)
+
+
+@pytest.mark.parametrize('task', COMPONENTS)
+def test_7_1_retry_makes_a_new_attempt(task: str) -> None:
+    run = held_at(task)
+    at = run.now
+    run.answer('retry')
+    assert run.starts(task)[1] == at
+    assert [r['attempt'] for r in run.all('task.started', task=task)][:2] == [1, 2]
+    run.go()
+    assert run.counts()['packed'] == 2
+
+
+@pytest.mark.parametrize('task', COMPONENTS)
+def test_7_1_mark_done_is_as_if_it_had_succeeded(task: str) -> None:
+    run = held_at(task)
+    at = run.now
+    run.answer('mark_done')
+    assert run.times('task.marked_done', task=task) == [at]
+    if task == 'place':
+        assert run.times('item.placed', item='J/1') == [at]
+    if task == 'pack':
+        assert run.times('item.removed', item='J/1', how='packed') == [at]
+    if task in ('place', 'work'):
+        assert run.times('flag.raised', task=task)[0] == at
+    run.go()
+    assert run.counts()['packed'] == 2
+
+
+@pytest.mark.parametrize('task', ['ready', 'place', 'work'])
+def test_7_1_skip_performs_flags_only(task: str) -> None:
+    run = held_at(task)
+    at = run.now
+    run.answer('skip')
+    (skipped,) = run.all('task.skipped', task=task)[:1]
+    assert skipped['time'] == at
+    assert skipped['reason'] == 'Ann decided skip: it looked so'
+    run.go()
+    assert run.counts()['packed'] == (1 if task == 'place' else 2)
+    assert run.counts().get('missing', 0) == (task == 'place')
+    assert run.counts().get('nonconforming', 0) == 0
+
+
+def test_7_1_skip_is_not_offered_on_minus_one() -> None:
+    run = held_at('pack')
+    (hold,) = run.state.holds.values()
+    assert hold.answers == ('retry', 'mark_done', 'reject', 'abort_job')
+    assert not run.answer('skip').accepted
+
+
+@pytest.mark.parametrize('task', ['place', 'work'])
+def test_7_1_reject_rejects_the_item(task: str) -> None:
+    run = held_at(task)
+    at = run.now
+    run.answer('reject')
+    assert run.times('item.rejected', item='J/1') == [at]
+    run.go()
+    assert run.ended
+    assert run.counts()['packed'] == 1
+    assert run.counts()['missing' if task == 'place' else 'rejected'] == 1
+
+
+def test_7_1_reject_on_minus_one_leaves_the_item_to_its_twin() -> None:
+    text = """
+    sections:
+      1: [{id: place, @a1, qty_change: 1}]
+      2: [{id: work, @a2}]
+      3: [{id: pack, @a3, qty_change: -1}, {id: drop, @b3, qty_change: -1, runs_for: rejected}]
+    """
+    run = Line(faults={'a3': '#1=abort'}).run(text, 2)
+    run.answer('reject')
+    assert run.starts('drop', item='J/1') == [7.0]
+    run.go()
+    assert run.counts()['rejected'] == 1
+
+
+@pytest.mark.parametrize('task', COMPONENTS)
+def test_7_1_abort_job_ends_the_job(task: str) -> None:
+    run = held_at(task, quantity=9)
+    started = {'ready': 0, 'place': 1, 'work': 2, 'pack': 3}[task]
+    run.answer('abort_job')
+    run.go()
+    if task == 'pack':  # nothing takes the item out any more
+        assert [hold.reason for hold in run.state.holds.values()] == ['overrun']
+        run.remove('J/1')
+        run.go()
+    assert run.counts().get('started', 0) == started
+    assert run.counts().get('packed', 0) == 0
+    assert run.order('job.aborted', 'job') == ['J']
+
+
+def test_7_1_reject_is_not_offered_on_initialization() -> None:
+    run = held_at('ready')
+    assert not run.answer('reject').accepted
+
+
+# --- 7.1: remove_item -----------------------------------------------------------------------
+
+
+def test_7_1_remove_item_leaves_an_empty_position() -> None:
+    run = Line().begin(quantity=2).go(until=4.0)
+    assert run.remove('J/1').accepted
+    run.go()
+    assert run.times('item.removed', item='J/1', how='by_hand', section=2) == [4.0]
+    assert run.times('item.moved', item='J/1', section=3) == [6.0]
+    assert run.starts('pack') == [9.0]
+    assert run.times('position.ended', item='J/1') == [6.0]
+
+
+def test_7_1_remove_item_while_its_task_runs() -> None:
+    text = with_section(2, '[{id: work, @a2}, {id: more, @b2}]')
+    run = Line(seconds={'a2': 3.0}).begin(text, 1).go(until=3.0)
+    assert run.remove('J/1').accepted
+    run.go()
+    assert run.times('task.succeeded', task='work') == [6.0]
+    assert run.starts('more') == []
+    assert run.ended
+    assert run.counts() == {'started': 1, 'placed': 1, 'missing': 1, 'removed': 1}
+
+
+def test_7_1_remove_item_in_the_last_section_while_it_is_packed() -> None:
+    run = Line(seconds={'a3': 3.0}).begin(quantity=1).go(until=6.0)
+    assert run.remove('J/1').accepted
+    run.go()
+    assert run.ended
+    assert run.all('item.removed', how='packed') == []
+    assert run.times('position.ended', section=3) == [9.0]
+
+
+def test_7_1_remove_item_while_the_belt_moves() -> None:
+    run = Line().begin(quantity=1).go(until=1.0)
+    assert run.state.indexing
+    assert run.remove('J/1').accepted
+    run.go()
+    assert run.starts('work') == []
+    assert run.ended
+
+
+def test_7_1_remove_item_of_a_held_task_and_retry_skips_it() -> None:
+    run = Line(faults={'a2': '#1=abort'}).run()
+    assert run.remove('J/1').accepted
+    run.answer('retry')
+    assert run.all('task.skipped', task='work')[0]['reason'] == 'empty position'
+    run.go()
+    assert run.ended
+
+
+def test_7_1_remove_item_that_is_not_on_the_belt_is_refused() -> None:
+    run = Line().begin(quantity=2).go(until=3.0)
+    before = len(run.records)
+    for item in ('J/2', 'K/1'):
+        answer = run.remove(item)
+        assert not answer.accepted
+        assert answer.message == f'{item} is not on the belt; on it: J/1'
+    run.remove('J/1')
+    assert run.remove('J/1').message == 'J/1 is not on the belt; on it: nothing'
+    assert len(run.records) == before + 2
+
+
+# --- 7.3 ------------------------------------------------------------------------------------
+
+
+def test_7_3_holds_stack_and_the_cell_resumes_when_all_are_released() -> None:
+    run = Line(faults={'a2': '#2=abort', 'a3': '#1=abort'}).run(quantity=3)
+    assert list(run.state.holds) == ['1', '2']
+    assert [hold.section for hold in run.state.holds.values()] == [3, 2]
+    run.answer('mark_done', hold='1')
+    run.go()
+    assert run.state.mode.value == 'Held'
+    assert len(run.all('belt.index_started')) == 2
+    run.answer('mark_done', hold='2')
+    assert run.state.mode.value == 'Execute'
+    assert len(run.all('belt.index_started')) == 3
+    run.go()
+    assert run.ended
+
+
+def test_7_3_every_hold_has_an_id_of_its_own() -> None:
+    run = Line(faults={'a2': '#1=abort #2=abort'}).run()
+    run.answer('retry')
+    run.go()
+    assert run.order('hold.raised', 'hold') == ['1', '2']
+    assert not run.answer('retry', hold='1').accepted
+
+
+# --- 7.4 ------------------------------------------------------------------------------------
+
+
+def test_7_4_every_part_says_what_it_waits_for_when_a_section_holds() -> None:
+    run = Line(4, faults={'a3': '#1=abort'}).run(
+        """
+        sections:
+          1: [{id: place, @a1, qty_change: 1}]
+          3: [{id: work, @a3}]
+          4: [{id: pack, @a4, qty_change: -1}]
+        """,
+        9,
+    )
+    held = 'waiting for an answer to hold 1 (work: aborted)'
+    assert run.waits() == {
+        'section 1': held,
+        'section 2': held,
+        'section 3': 'waiting for an answer to hold 1 (aborted)',
+        'section 4': held,
+        'belt': 'waiting for section 3 to finish with J/1',
+    }
+
+
+def test_7_4_reasons_of_a_line_at_work() -> None:
+    run = Line(4, seconds={'a3': 9.0}).begin(
+        """
+        sections:
+          1: [{id: place, @a1, qty_change: 1}]
+          3: [{id: work, @a3}]
+          4: [{id: pack, @a4, qty_change: -1}]
+        """,
+        2,
+    )
+    run.go(until=1.0)
+    assert run.waits() == {
+        'section 1': 'waiting for the belt to rest',
+        'section 2': 'waiting for the belt to rest',
+        'section 3': 'waiting for the belt to rest',
+        'section 4': 'waiting for the belt to rest',
+    }
+    run.go(until=7.0)
+    assert run.waits() == {
+        'section 1': 'waiting for an item',
+        'section 2': 'waiting for the belt to move',
+        'section 4': 'waiting for an item',
+        'belt': 'waiting for section 3 to finish with J/1',
+    }
+
+
+def test_7_4_a_stuck_line_names_the_circle() -> None:
+    text = THREE + 'lateral_dependencies: [{flag: f, upstream: pack, downstream: work}]\n'
+    run = Line().run(text, 3)
+    assert run.waits() == {
+        'section 1': 'waiting for the belt to move',
+        'section 2': 'waiting for pack to set flag f',
+        'section 3': 'waiting for an item',
+        'belt': 'waiting for section 2 to finish with J/1',
+    }

@@ -1,0 +1,138 @@
+"""What the events of a run say about the line."""
+
+from __future__ import annotations
+
+import pytest
+from fakes.action_types import FakeActionTypes
+from fakes.script_texts import CELL
+
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.script.cell_file import parse_cell
+from bt_orchestrator.sim.forecast import Forecast, forecast, steady_interval_s
+
+
+@pytest.fixture
+def cell() -> Cell:
+    return parse_cell(CELL, 'cell.yaml', FakeActionTypes())
+
+
+def queued(job: str, time: float = 0.0) -> e.Event:
+    return e.JobQueued(job=job, script='s', digest='d', quantity=2, time=time)
+
+
+def ran(
+    task: str, component: str, start: float, end: float, item: str = 'A/1', section: int = 2
+) -> list[e.Event]:
+    """Return the events of a task."""
+    return [
+        e.TaskStarted(
+            job='A',
+            section=section,
+            item=item,
+            task=task,
+            name=task,
+            action='/x',
+            component=component,
+            attempt=1,
+            goal=task,
+            time=start,
+        ),
+        e.TaskSucceeded(
+            job='A', section=section, item=item, task=task, attempt=1, goal=task, time=end
+        ),
+    ]
+
+
+def in_order(*events: e.Event) -> list[e.Event]:
+    return sorted(events, key=lambda event: event.time)
+
+
+def of(cell: Cell, *events: e.Event) -> Forecast:
+    return forecast(in_order(*events), cell)
+
+
+def test_nothing_says_nothing(cell: Cell) -> None:
+    empty = of(cell)
+
+    assert (empty.total_s, empty.per_item_s, empty.jobs, empty.bottleneck) == (0.0, None, (), None)
+    assert {load.utilisation for load in empty.components} == {0.0}
+
+
+def test_items_are_counted_by_how_they_leave(cell: Cell) -> None:
+    job = of(
+        cell,
+        queued('A'),
+        e.ItemRemoved(job='A', item='A/1', how='packed', time=1.0),
+        e.ItemRemoved(job='A', item='A/2', how='rejected', time=2.0),
+        e.ItemRemoved(job='A', item='A/3', how='by_hand', time=3.0),
+        e.ItemMissing(job='A', item='A/4', section=1, time=4.0),
+        e.JobAborted(job='A', time=5.0),
+    ).jobs[0]
+
+    assert (job.packed, job.rejected, job.missing) == (1, 1, 2)
+    assert (job.aborted, job.finished_s) == (True, 5.0)
+
+
+def test_an_item_with_two_continued_tasks_is_nonconforming_once(cell: Cell) -> None:
+    def continued(task: str, policy: str) -> e.Event:
+        return e.TaskContinued(job='A', section=2, item='A/1', task=task, policy=policy)
+
+    some = [continued('x', 'continue'), continued('y', 'continue'), continued('z', 'reject')]
+
+    assert of(cell, queued('A'), *some).jobs[0].nonconforming == 1
+    assert of(cell, queued('A'), continued('z', 'reject')).jobs[0].nonconforming == 0
+
+
+def test_parallel_tasks_make_a_section_busy_once_and_each_component_for_itself(cell: Cell) -> None:
+    begin = e.CycleStarted(job='A', section=2, item='A/1', beat=1, time=10.0)
+    tasks = [*ran('x', 'camera', 10.0, 14.0), *ran('y', 'table', 12.0, 20.0)]
+    found = of(cell, queued('A', 10.0), begin, *tasks)
+
+    assert [(load.section, load.cycles, load.busy_s) for load in found.sections] == [(2, 1, 10.0)]
+    busy = {load.component: (load.tasks, load.busy_s) for load in found.components}
+    assert (busy['camera'], busy['table'], busy['press']) == ((1, 4.0), (1, 8.0), (0, 0.0))
+    assert {load.component: load.utilisation for load in found.components}['camera'] == 0.4
+
+
+def test_a_task_that_still_runs_counts_until_the_last_event(cell: Cell) -> None:
+    started, _ = ran('x', 'camera', 2.0, 99.0)
+    found = of(cell, queued('A'), started, e.BeatStarted(beat=2, time=5.0))
+
+    assert {load.component: load.busy_s for load in found.components}['camera'] == 3.0
+
+
+def test_times_count_from_the_first_event(cell: Cell) -> None:
+    found = of(cell, queued('A', 1e9), e.JobCompleted(job='A', time=1e9 + 7.0))
+
+    assert (found.total_s, found.jobs[0].finished_s) == (7.0, 7.0)
+
+
+def test_the_bottleneck_is_the_section_with_most_work_for_an_item(cell: Cell) -> None:
+    cycles = [
+        e.CycleStarted(job='A', section=2, item='A/1', beat=1),
+        e.CycleStarted(job='A', section=2, item='A/2', beat=2),
+        e.CycleStarted(job='A', section=3, item='A/1', beat=2),
+    ]
+    tasks = [*ran('x', 'camera', 0.0, 5.0), *ran('y', 'camera', 5.0, 9.0, 'A/2')]
+    tasks += ran('z', 'press', 1.0, 6.0, section=3)
+    slowest = of(cell, queued('A'), *cycles, *tasks).bottleneck
+
+    assert slowest is not None
+    assert (slowest.section, slowest.busy_per_cycle_s) == (3, 5.0)
+
+
+@pytest.mark.parametrize(
+    ('times', 'interval'),
+    [
+        ([], None),
+        ([1.0], None),
+        ([1.0, 4.0], 3.0),
+        ([0.0, 90.0, 95.0, 100.0, 105.0, 195.0], 5.0),
+        ([0.0, 50.0, 100.0, 105.0, 110.0, 115.0, 120.0, 140.0, 160.0], 5.0),
+    ],
+)
+def test_filling_and_draining_are_not_the_steady_state(
+    times: list[float], interval: float | None
+) -> None:
+    assert steady_interval_s(times) == interval

@@ -1,0 +1,102 @@
+"""A part that is left out of a tick looks as if it had been ticked (architecture rule 5)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from fakes.action_types import FakeActionTypes
+from fakes.line import THREE, Line, with_section
+from fakes.virtual_run import VirtualRun
+from py_trees.common import Status
+
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.script.cell_file import read_cell
+from bt_orchestrator.script.script_file import read_script
+from bt_orchestrator.tree.compile import CellTree
+
+ROOT = Path(__file__).parents[3]
+Snapshot = list[tuple[str, Status, str]]
+
+FLAGS = (
+    with_section(1, '- {id: place, @a1, qty_change: 1}\n- {id: look, @b1}')
+    + 'lateral_dependencies:\n  - {flag: seen, upstream: look, downstream: work, capacity: 2}\n'
+)
+RETRIES = with_section(2, '- {id: work, @a2, retries: 2, retry_delay: 3.0, on_failure: continue}')
+
+
+class FullTree(CellTree):
+    """A tree that ticks everything in every tick."""
+
+    def tick(self) -> None:
+        self._attention.everywhere()
+        super().tick()
+
+
+def snapshot(run: VirtualRun) -> Snapshot:
+    """Return what a watcher would see, without what is invalid: that keeps old words."""
+    nodes = run.sim.orchestrator.tree.root.iterate()
+    return [
+        (node.name, node.status, node.feedback_message if node.status is Status.RUNNING else '')
+        for node in nodes
+    ]
+
+
+def _pair(cell: Cell, script: Script) -> tuple[VirtualRun, VirtualRun]:
+    runs = VirtualRun(cell, FakeActionTypes()), VirtualRun(cell, FakeActionTypes())
+    orchestrator = runs[1].sim.orchestrator
+    orchestrator.tree.close()
+    orchestrator.tree = FullTree(orchestrator._ledger, orchestrator._projection.space)
+    for run in runs:
+        run.submit('J', script, 4)
+        run.submit('K', script, 2)
+    return runs
+
+
+def _compare(cell: Cell, script: Script) -> int:
+    lazy, full = _pair(cell, script)
+    moments = 0
+    while (due := full.sim.clock.next_deadline()) is not None and full.state.jobs:
+        lazy.go(due)
+        full.go(due)
+        assert snapshot(lazy) == snapshot(full), f'at {due} s'
+        moments += 1
+    assert lazy.records == full.records
+    return moments
+
+
+@pytest.mark.parametrize('name', ['reference_process', 'inspect_and_assemble'])
+def test_shipped_scripts_look_the_same_as_with_full_ticks(name: str) -> None:
+    types = FakeActionTypes()
+    cell = read_cell(ROOT / 'config/reference_cell.yaml', types)
+    script = read_script(ROOT / f'trees/{name}.yaml', cell, types)
+    assert _compare(cell, script) > 30
+
+
+@pytest.mark.parametrize(
+    ('text', 'faults'), [(THREE, {}), (FLAGS, {}), (RETRIES, {'a2': 'TASK_A#2=abort #3=false'})]
+)
+def test_small_lines_look_the_same_as_with_full_ticks(text: str, faults: dict[str, str]) -> None:
+    line = Line(faults=faults)
+    assert _compare(line.cell, line.script(text)) > 10
+
+
+def test_a_waiting_section_is_not_ticked() -> None:
+    line = Line(sections=5)
+    run = line.begin(
+        'sections:\n  1: [{id: place, @a1, qty_change: 1}]\n'
+        '  2: [{id: one, @a2}, {id: two, @b2}]\n  5: [{id: pack, @a5, qty_change: -1}]\n'
+    )
+    run.go(until=3.5)  # placed at 1 s, moved at 3 s
+    ticked: list[int] = []
+    for number, section in run.sim.orchestrator.tree.sections.items():
+        inner = section.tick
+
+        def tick(number: int = number, inner: object = inner) -> object:
+            ticked.append(number)
+            return inner()  # type: ignore[operator]
+
+        section.tick = tick  # type: ignore[assignment,method-assign]
+    run.go(until=4.5)  # `one` ends at 4 s and `two` begins
+    assert set(ticked) == {2}
