@@ -10,12 +10,12 @@ from __future__ import annotations
 from pathlib import Path
 
 from ament_index_python.packages import get_package_share_directory
-from launch import LaunchContext, LaunchDescription
 from launch.actions import DeclareLaunchArgument, OpaqueFunction
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
 from bt_orchestrator.cli.bootstrap import installed_types, load_cell
+from launch import LaunchContext, LaunchDescription
 
 PACKAGE = 'bt_orchestrator'
 
@@ -28,7 +28,7 @@ def generate_launch_description() -> LaunchDescription:
             DeclareLaunchArgument(
                 'cell',
                 default_value=str(share / 'config' / 'reference_cell.yaml'),
-                description='Cell file (YAML): the belt and the components, all of them simulated.',
+                description='Cell file (YAML): the belt and the components; all are simulated.',
             ),
             DeclareLaunchArgument(
                 'trees',
@@ -43,7 +43,7 @@ def generate_launch_description() -> LaunchDescription:
             DeclareLaunchArgument(
                 'tick_rate_hz',
                 default_value='10.0',
-                description='Heartbeat of the tree in Hz; news wake it at once, whatever the rate.',
+                description='Heartbeat of the tree in Hz; news wake it at once, whatever it is.',
             ),
             DeclareLaunchArgument(
                 'namespace',

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -28,11 +28,11 @@ components:
     action: worker/task
     type: bt_orchestrator_interfaces/action/Component
     state: {topic: worker/state, type: std_msgs/msg/String, field: data, ready: [READY]}
-    durations: {TASK_B: 1200.0}
+    durations: {TASK_B: 1200.0, TASK_C: 40.0}
   packer: {section: 2, action: packer/task, type: bt_orchestrator_interfaces/action/Component}
 """
 """Relative names, for namespaces; a task takes 1 s of simulated time, the worker's TASK_B a
-minute of real time at SPEED."""
+minute of real time at SPEED, and its TASK_C two seconds."""
 
 
 def small_script(name: str = 'small', options: str = '', task: str = 'TASK_A') -> str:
@@ -68,13 +68,14 @@ class CellProcesses:
         fail: Sequence[str] = (),
         shares: Sequence[str] = ('',),
         namespace: str = '',
+        remapped: bool = False,
         speed: float = SPEED,
         run_options: Sequence[str] = (),
-        node_name: str = '/bt_orchestrator',
     ) -> None:
         """Start everything; `connect` waits for it.
 
         :param shares: which components each process simulates, as `--only` wants it
+        :param remapped: whether the namespace is given in ROS 2's way, by a remapping
         """
         folder.mkdir(exist_ok=True)
         self.folder = folder
@@ -82,13 +83,15 @@ class CellProcesses:
         self.cell.write_text(cell)
         self.log = folder / 'goals.jsonl'
         spaced = ['--namespace', namespace] if namespace else []
+        if remapped:
+            spaced = ['--ros-args', '-r', f'__ns:={namespace}', '--']
         self._sim_words = ['sim-cell', '--cell', str(self.cell), '--log', str(self.log)]
-        self._sim_words += ['--speed', str(speed), *spaced]
+        self._sim_words += [*spaced, '--speed', str(speed)]
         self._sim_words += [f'--fail={fault}' for fault in fail]
         self.sims = [self.start_sim(share) for share in shares]
         words = ['run', '--cell', str(self.cell), '--trees', str(folder), *spaced]
         self.node = ProgramProcess([*words, *run_options], folder, 'node')
-        self.watch = NodeWatcher(namespace + node_name)
+        self.watch = NodeWatcher(f'{namespace}/bt_orchestrator')
 
     def start_sim(self, share: str = '') -> ProgramProcess:
         """Start simulated controllers in a further process."""
@@ -134,6 +137,10 @@ class CellProcesses:
         for process in (self.node, *self.sims):
             process.kill()
         self.watch.close()
+
+
+StartCell = Callable[..., CellProcesses]
+"""A fixture's function with the arguments of `CellProcesses`, but for `folder`: a name."""
 
 
 def run_verb(folder: Path, *words: str, within_s: float = 30.0) -> tuple[int, str, str]:

@@ -18,7 +18,7 @@ from rclpy.node import Node
 from sim_cell_process import SimCellProcess
 
 from bt_orchestrator.model.cell import Cell, Component
-from bt_orchestrator.model.fault import EVERY, Fault
+from bt_orchestrator.model.fault import EVERY, Fault, FaultKind
 from bt_orchestrator.ros.action_types import InstalledActionTypes
 from bt_orchestrator.ros.gateway import RosGateway
 
@@ -32,7 +32,8 @@ class RosBench:
         self,
         components: Sequence[Component],
         make_executor: Callable[[Context], Executor] = lambda c: SingleThreadedExecutor(context=c),
-        **options: Any,
+        *,
+        serve: bool = True,
     ) -> None:
         self._directory = tempfile.TemporaryDirectory(prefix='bt_orchestrator_bench_')
         self.cell = cell_of(components)
@@ -41,22 +42,39 @@ class RosBench:
         self.node = Node('bench', context=self._context)
         self._executor = make_executor(self._context)
         self._executor.add_node(self.node)
-        self.server = self.start_server()
-        options = {'server_timeout_s': SERVER_TIMEOUT_S, **options}
-        self.gateway = RosGateway(self.node, self.cell, InstalledActionTypes(), **options)
+        self._server: SimCellProcess | None = None
+        if serve:
+            self.start_server()
+        self.gateway = self.make_gateway()
 
     @property
     def now(self) -> float:
         return time.monotonic()
 
-    def start_server(self) -> SimCellProcess:
+    def make_gateway(self) -> RosGateway:
+        """Return a gateway on the bench's node."""
+        return RosGateway(
+            self.node, self.cell, InstalledActionTypes(), server_timeout_s=SERVER_TIMEOUT_S
+        )
+
+    @property
+    def node_time(self) -> float:
+        """Seconds of the node's clock."""
+        return float(self.node.get_clock().now().nanoseconds) / 1e9
+
+    @property
+    def server(self) -> SimCellProcess:
+        """The other process."""
+        assert self._server is not None
+        return self._server
+
+    def start_server(self) -> None:
         """Start the other process; the former one should have ended."""
         file = Path(self._directory.name, 'cell.yaml')
         file.write_text(cell_text(self.cell))
         names = [name for name in self.cell.components if name != 'conveyor']
-        server = SimCellProcess(file, '--only', ','.join(names), *fault_options(self.cell))
-        server.wait_until_ready()
-        return server
+        self._server = SimCellProcess(file, '--only', ','.join(names), *fault_options(self.cell))
+        self._server.wait_until_ready()
 
     def run_until(self, condition: Callable[[], Any], what: str, within_s: float = 20.0) -> None:
         if not self._spin(within_s, condition):
@@ -74,7 +92,8 @@ class RosBench:
         self._executor.shutdown()
         self.node.destroy_node()
         self._context.shutdown()
-        self.server.stop()
+        if self._server is not None:
+            self._server.stop()
         self._directory.cleanup()
 
     def _spin(self, seconds: float, condition: Callable[[], Any]) -> bool:
@@ -127,3 +146,13 @@ def _fault(fault: Fault) -> str:
     nth = '*' if fault.nth == EVERY else fault.nth
     seconds = '' if fault.seconds is None else f':{fault.seconds}'
     return f'{fault.task or ""}#{nth}={fault.kind.value}{seconds}'
+
+
+def running_bench(components: Sequence[Component]) -> RosBench:
+    """Return a bench whose servers were discovered, except those that are told to be absent."""
+    bench = RosBench(components)
+    present = [c.name for c in components if all(f.kind is not FaultKind.ABSENT for f in c.faults)]
+    bench.run_until(
+        lambda: all(bench.gateway.available(name) for name in present), 'all servers', DISCOVERY_S
+    )
+    return bench

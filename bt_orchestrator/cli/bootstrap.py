@@ -12,12 +12,14 @@ from bt_orchestrator.errors import Finding, Refused
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.script import Script
-from bt_orchestrator.ports import ActionTypes, EventSink
+from bt_orchestrator.ports import ActionTypes, AdmissionCheck, EventSink
+from bt_orchestrator.script.admission import admit
 from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.script.lookup import find_script
 from bt_orchestrator.script.order_file import OrderFile, OrderPlaces, bind_order, read_order
 from bt_orchestrator.script.parameter_uses import action_types
 from bt_orchestrator.script.script_file import read_script
+from bt_orchestrator.sim.proof import DeadlockProof
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryStore
 
@@ -82,10 +84,21 @@ def load_scripts(
     for name in names:
         path = findings.of(partial(find_script, name, folders))
         if path is not None and cell is not None:
-            scripts.append(findings.of(partial(read_script, path, cell, types)))
+            scripts.append(findings.of(partial(_admitted, path, cell, types)))
     findings.refuse()
     assert cell is not None
     return cell, [script for script in scripts if script is not None]
+
+
+def build_admission_check(cell: Cell, types: ActionTypes) -> AdmissionCheck:
+    """Build what decides whether scripts may run on a cell (semantics 8.2)."""
+    return DeadlockProof(cell, types, MemoryStore)
+
+
+def _admitted(path: Path, cell: Cell, types: ActionTypes) -> Script:
+    script = read_script(path, cell, types)
+    admit(path, script, build_admission_check(cell, types))
+    return script
 
 
 def load_jobs(

@@ -63,8 +63,9 @@ def run(args: argparse.Namespace) -> int:
 
 def _run(args: argparse.Namespace, stop: StopSignals) -> int:
     # Imported here, so that --help needs no ROS.
+    from bt_orchestrator.cli.bootstrap import build_admission_check
     from bt_orchestrator.model.goal import SERVER_TIMEOUT_S
-    from bt_orchestrator.ros.node import run_node
+    from bt_orchestrator.ros.node import Parts, run_node
     from bt_orchestrator.ros.parameters import DEFAULT_TICK_RATE_HZ, NodeParameters
     from bt_orchestrator.store.memory import MemoryStore
 
@@ -77,7 +78,8 @@ def _run(args: argparse.Namespace, stop: StopSignals) -> int:
         server_timeout_s=SERVER_TIMEOUT_S,
     )
     ros_args = getattr(args, 'ros_args', ())
-    left = run_node(defaults, MemoryStore, stop, _say, namespace=args.namespace, ros_args=ros_args)
+    parts = Parts(MemoryStore, build_admission_check)
+    left = run_node(defaults, parts, stop, _say, namespace=args.namespace, ros_args=ros_args)
     for task in left:
         print(f'still running at its server: {task}', file=sys.stderr)
     return 1 if left else 0

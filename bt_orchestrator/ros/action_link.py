@@ -256,7 +256,7 @@ class ActionLink:
     ) -> None:
         self._waiting.pop(goal, None)
         self._in_flight.pop(goal, None)
-        self._client.forget(goal.id, answers_come=status is not GoalStatus.LOST)
+        self._client.forget(goal.id)
         if goal.response is not None and not goal.response.done():
             self._remember_unanswered(goal.response)
         goal.end = GoalEnd(status, result or {}, message)

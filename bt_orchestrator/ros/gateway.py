@@ -103,6 +103,9 @@ class RosGateway:
             state.close()
         for link in self._links.values():
             link.close()
+        self._timers.clear()
+        self._states.clear()
+        self._links.clear()
 
     def _link(self, component: Component) -> ActionLink:
         return ActionLink(

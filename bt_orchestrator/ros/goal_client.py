@@ -18,8 +18,8 @@ class GoalClient(ActionClient):  # type: ignore[type-arg] # no Generic in Jazzy'
     - Its futures are kept from the executor, which would make a task, and so another turn, of
       each of their callbacks. They are called at once, in the executor's thread. That also ends
       the leak of rclpy 7.1.6 and 9.1.2, where one future a goal stayed in the list for ever.
-    - A result may be asked for any number of times; one entry of two words is kept for each
-      question, until it is answered or the goal is forgotten.
+    - A result may be asked for any number of times; for each question a small entry is kept,
+      no future, until the goal is forgotten.
     - An exception while handling what was taken is reported, and does not end the spinning.
     """
 
@@ -36,6 +36,8 @@ class GoalClient(ActionClient):  # type: ignore[type-arg] # no Generic in Jazzy'
     async def execute(self, taken_data: Any) -> None:
         """Handle what was taken from the middleware (rclpy's Waitable interface)."""
         for kind, data in taken_data.items():
+            if kind == 'result' and data[0] not in self._pending_result_requests:
+                continue  # one more answer about a goal that has ended: rclpy would warn
             one: Any = {kind: data}
             try:
                 await super().execute(one)
@@ -51,25 +53,20 @@ class GoalClient(ActionClient):  # type: ignore[type-arg] # no Generic in Jazzy'
         sequence = next(reversed(self._pending_result_requests))
         del self._result_sequence_number_to_goal_id[sequence]
         pending: dict[int, Any] = self._pending_result_requests
-        pending[sequence] = _Question(sequence, pending, answered)
+        pending[sequence] = _Question(answered)
         self._asked.setdefault(bytes(goal_id.uuid), []).append(sequence)
 
     def request_cancel(self, goal_id: UUID) -> None:
         """Ask to cancel a goal of any client; the answer does not matter, its end will tell."""
         self._cancel_goal_async(self._handle(goal_id))
 
-    def forget(self, goal_id: UUID, *, answers_come: bool) -> None:
-        """Free what was kept for a goal.
-
-        :param answers_come: whether the open questions will be answered; rclpy warns of answers
-            that it knows no question for
-        """
+    def forget(self, goal_id: UUID) -> None:
+        """Free what was kept for a goal, open questions too: a busy server may drop some."""
         key = bytes(goal_id.uuid)
         self._feedback_callbacks.pop(key, None)
         self._goal_handles.pop(key, None)
         for sequence in self._asked.pop(key, ()):
-            if not answers_come:
-                self._pending_result_requests.pop(sequence, None)
+            self._pending_result_requests.pop(sequence, None)
 
     def forget_request(self, response: Any) -> None:
         """Stop waiting for the answer to a goal request.
@@ -91,16 +88,8 @@ class GoalClient(ActionClient):  # type: ignore[type-arg] # no Generic in Jazzy'
 class _Question:
     """A request for a result, in the place of rclpy's future for it."""
 
-    __slots__ = ('_answered', '_pending', '_sequence')
+    __slots__ = ('set_result',)
 
-    def __init__(
-        self, sequence: int, pending: dict[int, Any], answered: Callable[[Any], None]
-    ) -> None:
-        self._sequence = sequence
-        self._pending = pending
-        self._answered = answered
-
-    def set_result(self, response: Any) -> None:
-        """Take the answer (called by rclpy)."""
-        self._pending.pop(self._sequence, None)
-        self._answered(response)
+    def __init__(self, answered: Callable[[Any], None]) -> None:
+        self.set_result = answered
+        """Called by rclpy with the answer."""

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import NamedTuple
 
 import rclpy
+from rclpy.exceptions import NameValidationException, ParameterException
 from rclpy.executors import Executor, ExternalShutdownException
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.commands import Shutdown
-from bt_orchestrator.ports import EventSink, EventStore
+from bt_orchestrator.ports import ActionTypes, AdmissionCheck, EventStore
 from bt_orchestrator.ros.action_types import InstalledActionTypes
 from bt_orchestrator.ros.clock import RosClock
 from bt_orchestrator.ros.executors import make_executor
@@ -35,19 +39,31 @@ class BadRosArguments(OrchestratorError):
     """What follows --ros-args cannot be understood."""
 
 
+class NoCell(OrchestratorError):
+    """The node was not told which cell it runs."""
+
+
+class Parts(NamedTuple):
+    """What the node is given from other rooms."""
+
+    make_store: Callable[[], EventStore]
+    make_admission_check: Callable[[Cell, ActionTypes], AdmissionCheck]
+
+
 class TreeNode:
     """A cell's engine with its gateway, services and outputs on one ROS node and one thread."""
 
-    def __init__(
-        self, node: Node, defaults: NodeParameters, store: EventStore, sinks: Sequence[EventSink]
-    ) -> None:
+    def __init__(self, node: Node, defaults: NodeParameters, parts: Parts) -> None:
         """Read the parameters and the cell file, and wire everything.
 
+        :raises NoCell: the parameter `cell` is empty
         :raises Refused: the cell file, with every mistake in it
         :raises UnknownExecutor: the parameter `executor` names none
         """
         self.node = node
         self.parameters = declare(node, defaults)
+        if self.parameters.cell == Path():
+            raise NoCell('no cell is named: give --cell CELL, or the parameter cell')
         types = InstalledActionTypes()
         cell = read_cell(self.parameters.cell, types)
         self.executor: Executor = make_executor(self.parameters.executor)
@@ -59,12 +75,13 @@ class TreeNode:
             cell,
             self._gateway,
             RosClock(node),
-            store,
-            [EventsTopic(node), *sinks],
+            parts.make_store(),
+            [EventsTopic(node)],
             wake=self.heart.wake,
             auto_start=self.parameters.auto_start,
         )
-        Services(node, self.orchestrator, types, self.parameters.trees)
+        admission = parts.make_admission_check(cell, types)
+        Services(node, self.orchestrator, types, self.parameters.trees, admission)
         self._status = StatusTopic(node, self.orchestrator)
         Diagnostics(node, self.orchestrator, self.heart)
         self.executor.add_node(node)
@@ -115,7 +132,7 @@ class TreeNode:
 
 def run_node(
     defaults: NodeParameters,
-    make_store: Callable[[], EventStore],
+    parts: Parts,
     stop: StopSignals,
     on_ready: Callable[[str], None],
     *,
@@ -134,8 +151,7 @@ def run_node(
     except RuntimeError as error:
         raise BadRosArguments(f'ROS refuses its arguments: {error}') from error
     try:
-        node = Node(NODE_NAME, namespace=namespace)
-        cell = TreeNode(node, defaults, make_store(), [])
+        cell = _build(namespace, defaults, parts)
         # A task makes a waiting executor return; its own wake() would not.
         stop.notify(lambda: cell.executor.create_task(_nothing))
         on_ready(cell.ready_line)
@@ -147,6 +163,13 @@ def run_node(
             cell.close()
     finally:
         rclpy.try_shutdown()
+
+
+def _build(namespace: str, defaults: NodeParameters, parts: Parts) -> TreeNode:
+    try:
+        return TreeNode(Node(NODE_NAME, namespace=namespace), defaults, parts)
+    except (NameValidationException, ParameterException) as error:
+        raise BadRosArguments(f'ROS refuses a name or a parameter: {error}') from error
 
 
 def _nothing() -> None:

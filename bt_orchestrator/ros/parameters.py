@@ -31,16 +31,14 @@ def declare(node: Node, defaults: NodeParameters) -> NodeParameters:
         descriptor = ParameterDescriptor(description=text, read_only=True, **limits)
         return node.declare_parameter(name, default, descriptor).value
 
+    trees = value(
+        'trees',
+        [str(folder) for folder in defaults.trees],
+        'Folders in which scripts are looked up by name, in order.',
+    )
     return NodeParameters(
         cell=Path(value('cell', str(defaults.cell), 'Cell file (YAML): what exists.')),
-        trees=tuple(
-            Path(folder)
-            for folder in value(
-                'trees',
-                [str(folder) for folder in defaults.trees],
-                'Folders in which scripts are looked up by name, in order.',
-            )
-        ),
+        trees=tuple(map(Path, trees or ())),
         tick_rate_hz=value(
             'tick_rate_hz',
             defaults.tick_rate_hz,

@@ -13,8 +13,9 @@ from rclpy.node import Node
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.model import commands
 from bt_orchestrator.model.order import Job, WorkOrder
-from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.ports import ActionTypes, AdmissionCheck
 from bt_orchestrator.runtime.orchestrator import Orchestrator
+from bt_orchestrator.script.admission import admit
 from bt_orchestrator.script.lookup import find_script
 from bt_orchestrator.script.order_file import bind_order, params_from_text
 from bt_orchestrator.script.script_file import read_script
@@ -29,11 +30,13 @@ class Services:
         orchestrator: Orchestrator,
         types: ActionTypes,
         trees: Sequence[Path],
+        admission: AdmissionCheck,
     ) -> None:
         self._node = node
         self._orchestrator = orchestrator
         self._types = types
         self._trees = trees
+        self._admission = admission
         self._numbers = itertools.count(1)
         self._serve(SubmitOrder, 'submit_order', self._submit)
         self._serve(AnswerHold, 'answer_hold', self._answer)
@@ -69,6 +72,7 @@ class Services:
         """
         path = find_script(request.script, self._trees)
         script = read_script(path, self._orchestrator.state.cell, self._types)
+        admit(path, script, self._admission)
         params = {param.key: param.value for param in request.params}
         order = WorkOrder(
             request.script,

@@ -42,7 +42,7 @@ class Bench(Protocol):
         """Put everything away."""
 
 
-def component(name: str, *faults: str, state: bool = False) -> Component:
+def component(name: str, *faults: str, state: bool = False, task_s: float = TASK_S) -> Component:
     """Describe a component of the example type, with faults as users write them."""
     topic = StateTopic(f'/{name}/state', 'std_msgs/msg/String', 'data', ('READY',))
     return Component(
@@ -51,7 +51,7 @@ def component(name: str, *faults: str, state: bool = False) -> Component:
         action=f'/{name}/task',
         type=COMPONENT_TYPE,
         state=topic if state else None,
-        durations_s={'TASK_A': TASK_S, 'TASK_B': 4 * TASK_S},
+        durations_s={'TASK_A': task_s, 'TASK_B': 4 * task_s},
         results={'TASK_A': {'measurement': 1.5}},
         faults=tuple(parse_fault(fault) for fault in faults),
     )

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 import pytest
 from contract.gateway_bench import SERVER_TIMEOUT_S, TASK_S, Bench, Log, component, goal_request
@@ -89,9 +90,10 @@ class GatewayContract(ABC):
 
     def test_is_requested_then_accepted_then_ended(self, bench: Bench) -> None:
         goal = _send(bench, 'good')
-        assert (goal.accepted, goal.end) == (False, None)
-        bench.run_until(lambda: goal.accepted, 'the acceptance')
-        assert goal.end is None
+        assert not _is_accepted(goal)
+        assert _is_open(goal)
+        bench.run_until(partial(_is_accepted, goal), 'the acceptance')
+        assert _is_open(goal)
         _run_to_end(bench, goal)
         assert goal.accepted
 
@@ -110,14 +112,14 @@ class GatewayContract(ABC):
     def test_goals_of_two_components_do_not_mix(self, bench: Bench) -> None:
         long, short = _send(bench, 'good', 'TASK_B'), _send(bench, 'other', 'TASK_A')
         assert _end_of(bench, short).result['measurement'] == 1.5
-        assert long.end is None
+        assert _is_open(long)
         assert _end_of(bench, long).result['measurement'] == 0.0
 
     # --- cancel -----------------------------------------------------------------------------
 
     def test_cancel_while_it_runs(self, bench: Bench) -> None:
         goal = _send(bench, 'hanging')
-        bench.run_until(lambda: goal.accepted, 'the acceptance')
+        bench.run_until(partial(_is_accepted, goal), 'the acceptance')
         goal.cancel()
         goal.cancel()
         assert _end_of(bench, goal).status is GoalStatus.CANCELED
@@ -125,7 +127,7 @@ class GatewayContract(ABC):
     def test_cancel_before_acceptance_cancels_on_acceptance(self, bench: Bench) -> None:
         goal = _send(bench, 'hanging')
         goal.cancel()
-        assert goal.end is None
+        assert _is_open(goal)
         _run_to_end(bench, goal)
         assert goal.accepted
         assert goal.end is not None
@@ -139,11 +141,11 @@ class GatewayContract(ABC):
 
     def test_refused_cancel_changes_nothing(self, bench: Bench) -> None:
         goal = _send(bench, 'stubborn')
-        bench.run_until(lambda: goal.accepted, 'the acceptance')
+        bench.run_until(partial(_is_accepted, goal), 'the acceptance')
         goal.cancel()
         bench.run_for(1.0)
         assert goal.accepted
-        assert goal.end is None
+        assert _is_open(goal)
 
     def test_cancel_after_the_end_changes_nothing(self, bench: Bench) -> None:
         goal = _send(bench, 'good')
@@ -156,10 +158,10 @@ class GatewayContract(ABC):
     # --- servers that are not there ---------------------------------------------------------
 
     def test_no_server_for_good_is_unavailable(self, bench: Bench) -> None:
-        goal = _send(bench, 'absent')
         began = bench.now
-        assert _end_of(bench, goal).status is GoalStatus.UNAVAILABLE
-        assert '/absent/task' in goal.end.message
+        end = _end_of(bench, _send(bench, 'absent'))
+        assert end.status is GoalStatus.UNAVAILABLE
+        assert '/absent/task' in end.message
         waited_s = bench.now - began
         assert SERVER_TIMEOUT_S - 0.1 <= waited_s <= SERVER_TIMEOUT_S + SLACK_S
 
@@ -193,7 +195,7 @@ class GatewayContract(ABC):
     @pytest.mark.timeout(120)
     def test_server_that_dies_and_stays_away_is_lost(self, bench: Bench) -> None:
         goal = _send(bench, 'mortal')
-        bench.run_until(lambda: goal.accepted, 'the acceptance')
+        bench.run_until(partial(_is_accepted, goal), 'the acceptance')
         assert _end_of(bench, goal, within_s=2 * SERVER_LEASE_S).status is GoalStatus.LOST
         assert goal.accepted
         assert not bench.gateway.available('mortal')
@@ -210,7 +212,7 @@ class GatewayContract(ABC):
 
     def test_adopts_a_goal_that_runs(self, bench: Bench) -> None:
         goal = _send(bench, 'good', 'TASK_B')
-        bench.run_until(lambda: goal.accepted, 'the acceptance')
+        bench.run_until(partial(_is_accepted, goal), 'the acceptance')
         adopted = bench.gateway.adopt(goal.request)
         end = _end_of(bench, adopted)
         assert (end.status, end.result['measurement']) == (GoalStatus.SUCCEEDED, 0.0)
@@ -224,7 +226,7 @@ class GatewayContract(ABC):
 
     def test_cancels_an_adopted_goal(self, bench: Bench) -> None:
         goal = _send(bench, 'hanging')
-        bench.run_until(lambda: goal.accepted, 'the acceptance')
+        bench.run_until(partial(_is_accepted, goal), 'the acceptance')
         adopted = bench.gateway.adopt(goal.request)
         adopted.cancel()
         assert _end_of(bench, adopted).status is GoalStatus.CANCELED
@@ -244,7 +246,7 @@ class GatewayContract(ABC):
     def test_lists_a_goal_when_it_was_accepted_and_when_it_ended(self, bench: Bench) -> None:
         goal = _send(bench, 'good')
         bench.gateway.drain()
-        bench.run_until(lambda: goal.accepted, 'the acceptance')
+        bench.run_until(partial(_is_accepted, goal), 'the acceptance')
         assert bench.gateway.drain() == (goal,)
         assert bench.gateway.drain() == ()
         _run_to_end(bench, goal)
@@ -310,6 +312,14 @@ def _send(bench: Bench, name: str, task: str = 'TASK_A') -> Goal:
 
 def _run_to_end(bench: Bench, goal: Goal, within_s: float = 20.0) -> None:
     bench.run_until(lambda: goal.end is not None, f'the end of {goal.request}', within_s)
+
+
+def _is_accepted(goal: Goal) -> bool:
+    return goal.accepted
+
+
+def _is_open(goal: Goal) -> bool:
+    return goal.end is None
 
 
 def _end_of(bench: Bench, goal: Goal, within_s: float = 20.0) -> GoalEnd:

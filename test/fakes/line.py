@@ -65,6 +65,7 @@ class Line:
         text = [_belt(sections, belt), 'components:']
         text += [_component(name, place, name in topics) for name, place in places.items()]
         cell = parse_cell('\n'.join(text), 'cell.yaml', TYPES)
+        self.types = TYPES
         self.cell = _adapted(cell, seconds or {}, faults or {}, results or {})
 
     def script(self, text: str, name: str = 'test') -> Script:

@@ -44,7 +44,8 @@ def test_trees_in_the_working_directory_come_first(tmp_path: Path) -> None:
     (tmp_path / 'trees' / 'reference_process.yaml').write_text(STUCK.read_text())
     done = program('check', 'reference_process', *CELL, cwd=tmp_path)
 
-    assert (done.returncode, done.stdout.split(':')[0]) == (0, 'stuck')
+    assert (done.returncode, done.stderr.split(':')[0]) == (1, 'trees/reference_process.yaml')
+    assert 'the line gets stuck with stuck' in done.stderr
 
 
 def test_a_bad_script_is_refused_with_places(tmp_path: Path) -> None:

@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
-from cell_processes import CellProcesses
-
-StartCell = Callable[..., CellProcesses]
+from cell_processes import CellProcesses, StartCell
 
 
 @pytest.fixture
 def start_cell(tmp_path: Path) -> Iterator[StartCell]:
-    """Give a function that starts a cell; its arguments are those of `CellProcesses`."""
+    """Give a function that starts a cell."""
     started: list[CellProcesses] = []
 
-    def start(*args: object, folder: str = 'cell', **options: object) -> CellProcesses:
-        started.append(CellProcesses(tmp_path / folder, *args, **options))  # type: ignore[arg-type]
+    def start(*args: Any, folder: str = 'cell', **options: Any) -> CellProcesses:
+        started.append(CellProcesses(tmp_path / folder, *args, **options))
         return started[-1]
 
     yield start

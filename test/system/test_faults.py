@@ -2,19 +2,39 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
-from cell_processes import CellProcesses, run_verb
+from cell_processes import CellProcesses, StartCell
+
+from bt_orchestrator.model.goal import RESULT_CHECK_S, SERVER_LEASE_S
+from bt_orchestrator.runtime.flights import GRACE_S
 
 
-def start(start_cell: object, *faults: str, **options: object) -> CellProcesses:
-    cell = start_cell(fail=[f'worker.{fault}' for fault in faults], **options)  # type: ignore[operator]
-    assert isinstance(cell, CellProcesses)
+def start(start_cell: StartCell, *faults: str, **options: Any) -> CellProcesses:
+    """Start the small cell with faults of its worker."""
+    cell = start_cell(fail=[f'worker.{fault}' for fault in faults], **options)
     cell.connect(wait_servers=False)
+    cell.watch.wait_servers(but='worker')
     return cell
 
 
-def starts(cell: CellProcesses) -> list[int]:
+def worker(status: Any) -> Any:
+    return next(c for c in status.components if c.name == 'worker')
+
+
+def attempts(cell: CellProcesses) -> list[int]:
     return [event['attempt'] for event in cell.watch.seen('task.started', task='work')]
+
+
+def assert_held(cell: CellProcesses, reason: str) -> str:
+    """Wait until the cell is Held by the work's failure, and return the hold."""
+    hold = cell.watch.until_held()
+    assert (hold.section, hold.item, hold.task, hold.reason) == (2, 'WO-1/1', 'work', reason)
+    assert cell.watch.reasons('work')[-1] == reason
+    raised = cell.watch.seen('hold.raised')[-1]
+    assert (raised['hold'], raised['reason']) == (hold.id, reason)
+    return str(hold.id)
 
 
 def assert_packed(cell: CellProcesses, *, nonconforming: int = 0) -> None:
@@ -23,22 +43,250 @@ def assert_packed(cell: CellProcesses, *, nonconforming: int = 0) -> None:
     cell.stop()
 
 
+# --- ends that the server reports -------------------------------------------------------------
+
+
 @pytest.mark.parametrize(
     ('fault', 'reason'),
     [
         ('TASK_A=reject', 'goal_rejected'),
         ('TASK_A=abort', 'aborted'),
         ('TASK_A=cancel', 'canceled'),
-        ('TASK_A=false', 'task_result_false'),
     ],
 )
-def test_a_failed_attempt_is_repeated(start_cell: object, fault: str, reason: str) -> None:
+def test_a_failed_attempt_is_repeated(start_cell: StartCell, fault: str, reason: str) -> None:
     cell = start(start_cell, fault)
-    cell.watch.wait_servers()
     cell.run_small(', retries: 1')
 
     assert_packed(cell)
     assert cell.watch.reasons('work') == [reason]
-    assert starts(cell) == [1, 2]
-    assert [e['attempt'] for e in cell.watch.seen('task.retrying')] == [2]
+    assert attempts(cell) == [1, 2]
+    assert [event['attempt'] for event in cell.watch.seen('task.retrying')] == [2]
     assert not cell.watch.seen('hold.raised')
+
+
+def test_when_no_retry_is_left_the_section_holds_until_it_is_answered(
+    start_cell: StartCell,
+) -> None:
+    cell = start(start_cell, 'TASK_A#1=abort', 'TASK_A#2=reject')
+    cell.run_small(', retries: 1')
+
+    hold = assert_held(cell, 'goal_rejected')
+    assert cell.watch.reasons('work') == ['aborted', 'goal_rejected']
+    assert cell.watch.answer(hold, 'retry').accepted
+    assert_packed(cell)
+    assert attempts(cell) == [1, 2, 3]
+
+
+def test_with_continue_the_item_is_packed_nonconforming(start_cell: StartCell) -> None:
+    cell = start(start_cell, 'TASK_A=false')
+    cell.run_small(', continue_if_fail: true')
+
+    assert_packed(cell, nonconforming=1)
+    assert cell.watch.reasons('work') == ['task_result_false']
+    assert [e['policy'] for e in cell.watch.seen('task.continued', task='work')] == ['continue']
+
+
+# --- time limits ------------------------------------------------------------------------------
+
+
+def test_at_its_timeout_a_goal_is_cancelled_and_then_repeated(start_cell: StartCell) -> None:
+    cell = start(start_cell, 'TASK_A=hang')
+    cell.run_small(', timeout: 0.5, retries: 1')
+
+    assert_packed(cell)
+    (asked,) = cell.watch.seen('task.cancel_requested')
+    assert asked['cause'] == 'timeout'
+    assert cell.goals(event='cancel', goal=asked['goal'], obeyed=True)
+    assert cell.watch.reasons('work') == ['timeout']
+    failed = cell.watch.until('task.failed')
+    assert failed['time'] - asked['time'] < GRACE_S
+
+
+@pytest.fixture
+def doubtful_cell(start_cell: StartCell) -> CellProcesses:
+    """Give a cell whose worker went on with a goal that was cancelled at its timeout."""
+    cell = start(start_cell, 'TASK_A=ignore_cancel')
+    cell.run_small(', timeout: 0.5, retries: 1, on_failure: continue')
+    assert_held(cell, 'in_doubt')
+    return cell
+
+
+def test_without_an_end_after_the_cancel_the_task_is_in_doubt_whatever_its_policy(
+    doubtful_cell: CellProcesses,
+) -> None:
+    cell = doubtful_cell
+    (asked,) = cell.watch.seen('task.cancel_requested')
+    failed = cell.watch.until('task.failed')
+    assert GRACE_S <= failed['time'] - asked['time'] < GRACE_S + 2.0
+    assert attempts(cell) == [1]
+    assert worker(cell.watch.status).task == 'work of WO-1/1', 'the component stays reserved'
+
+    (hold,) = cell.watch.status.holds
+    assert cell.watch.answer(hold.id, 'mark_done').accepted
+    assert_packed(cell)
+    assert cell.watch.seen('task.marked_done', task='work')
+    assert attempts(cell) == [1]
+
+
+def test_a_retry_in_doubt_is_a_new_attempt_that_the_server_may_refuse(
+    doubtful_cell: CellProcesses,
+) -> None:
+    cell = doubtful_cell
+    (hold,) = cell.watch.status.holds
+    assert cell.watch.answer(hold.id, 'retry').accepted
+
+    assert_packed(cell, nonconforming=1)
+    assert cell.watch.reasons('work') == ['in_doubt', 'goal_rejected']
+    goals = [event['goal'] for event in cell.watch.seen('task.started', task='work')]
+    assert len(set(goals)) == 2, 'a new attempt has a new UUID'
+    assert cell.goals(event='rejected', goal=goals[1])
+
+
+# --- servers that vanish ----------------------------------------------------------------------
+
+
+def test_a_request_that_is_never_answered_is_lost(start_cell: StartCell) -> None:
+    cell = start(start_cell, 'TASK_A=mute')
+    cell.run_small(', retries: 1, on_failure: continue')
+
+    hold = assert_held(cell, 'server_lost')
+    assert attempts(cell) == [1], 'neither retry nor policy, for nobody knows what was done'
+    assert cell.watch.answer(hold, 'retry').accepted
+    assert_packed(cell)
+
+
+def test_a_lost_task_that_may_be_repeated_is(start_cell: StartCell) -> None:
+    cell = start(start_cell, 'TASK_A=die:2')
+    cell.run_small(', retries: 1, repeatable: true')
+
+    assert_packed(cell)
+    assert cell.watch.reasons('work') == ['server_lost']
+    assert attempts(cell) == [1, 2]
+    assert not cell.watch.seen('hold.raised')
+
+
+def test_a_server_that_died_and_came_back_has_lost_the_task(start_cell: StartCell) -> None:
+    cell = start(start_cell, 'TASK_A=die:2')
+    cell.run_small(', retries: 1, on_failure: continue')
+
+    hold = assert_held(cell, 'server_lost')
+    failed = cell.watch.until('task.failed')
+    started = cell.watch.until('task.started', task='work')
+    assert failed['time'] - started['time'] < RESULT_CHECK_S + 2.0
+    assert attempts(cell) == [1]
+    assert cell.watch.answer(hold, 'retry').accepted
+    assert_packed(cell)
+
+
+def test_a_server_that_died_and_stays_away_has_lost_the_task(start_cell: StartCell) -> None:
+    cell = start(start_cell, 'TASK_A=die')
+    cell.run_small(', retries: 1, on_failure: continue')
+
+    hold = assert_held(cell, 'server_lost')
+    status = cell.watch.until_status(lambda s: not worker(s).available, 'the worker to be missed')
+    assert [c.name for c in status.components if not c.available] == ['worker']
+    assert cell.watch.answer(hold, 'skip').accepted
+    assert_packed(cell)
+
+
+def test_a_goal_waits_for_a_server_that_comes_late(start_cell: StartCell) -> None:
+    cell = start(
+        start_cell, '=absent:120', run_options=['--ros-args', '-p', 'server_timeout:=30.0']
+    )
+    cell.run_small()
+
+    started = cell.watch.until('task.started', task='work')
+    assert_packed(cell)
+    assert cell.watch.reasons('work') == []
+    (appeared,) = cell.goals(event='appeared', component='worker')
+    assert started['time'] < appeared['time']
+
+
+def test_a_server_that_never_comes_is_unavailable(start_cell: StartCell) -> None:
+    cell = start(start_cell, '=absent', run_options=['--ros-args', '-p', 'server_timeout:=0.5'])
+    cell.run_small(', on_failure: continue')
+
+    assert_packed(cell, nonconforming=1)
+    assert cell.watch.reasons('work') == ['server_unavailable']
+
+
+KILLED = '/killed'
+"""Namespace of cells with a process that is killed: its servers haunt the graph for a while."""
+
+
+def kill_the_worker(start_cell: StartCell, options: str) -> CellProcesses:
+    """Run a task of two seconds, and kill the process of its server in the middle."""
+    cell = start(start_cell, shares=('conveyor,feeder,packer', 'worker'), namespace=KILLED)
+    cell.run_small(options, 'TASK_C')
+    cell.watch.ros.spin_until(lambda: cell.goals(event='started', component='worker'), 'the goal')
+    cell.sims.pop().kill()
+    return cell
+
+
+def test_a_server_that_was_killed_and_restarted_has_lost_the_task(start_cell: StartCell) -> None:
+    cell = kill_the_worker(start_cell, ', repeatable: true, retries: 1')
+    killed = cell.watch.until('task.started', task='work')
+    cell.sims.append(cell.start_sim('worker'))
+
+    assert_packed(cell)
+    assert cell.watch.reasons('work') == ['server_lost']
+    failed = cell.watch.until('task.failed')
+    assert failed['time'] - killed['time'] < SERVER_LEASE_S / 2, 'the graph need not forget it'
+
+
+@pytest.mark.timeout(90)
+def test_a_server_that_was_killed_is_lost_when_the_graph_forgets_it(
+    start_cell: StartCell,
+) -> None:
+    cell = kill_the_worker(start_cell, ', retries: 1')
+    cell.watch.ros.spin_for(2 * SERVER_LEASE_S, lambda: cell.watch.seen('task.failed'))
+
+    hold = assert_held(cell, 'server_lost')
+    assert not worker(cell.watch.status).available
+    assert cell.watch.answer(hold, 'mark_done').accepted
+    assert_packed(cell)
+
+
+# --- readiness --------------------------------------------------------------------------------
+
+
+def wait_for_ready(cell: CellProcesses) -> Any:
+    """Wait until the second section waits for its worker's readiness, and return the status."""
+    reason = 'waiting for worker/state = READY'
+    return cell.watch.until_status(
+        lambda s: any(reason in waiting for waiting in s.sections[1].waiting), reason
+    )
+
+
+def test_a_component_that_is_not_ready_at_first_is_waited_for(start_cell: StartCell) -> None:
+    cell = start(start_cell, '#0=not_ready:160')
+    cell.run_small()
+
+    component = worker(wait_for_ready(cell))
+    assert (component.ready, component.state, component.available) == (False, 'NOT_READY', True)
+    assert not cell.watch.seen('task.started', task='work')
+    assert_packed(cell)
+    changes = cell.watch.seen('component.state_changed', component='worker')
+    assert changes[-1]['ready']
+    assert changes[-1]['seq'] < cell.watch.until('task.started', task='work')['seq']
+
+
+def test_a_component_that_becomes_unready_is_waited_for(start_cell: StartCell) -> None:
+    cell = start(start_cell, '#1=not_ready:60')
+    cell.run_small(quantity=2)
+
+    wait_for_ready(cell)
+    assert [event['item'] for event in cell.watch.seen('task.started', task='work')] == ['WO-1/1']
+    assert cell.watch.until_ended('WO-1').packed == 2
+    cell.stop()
+
+
+def test_a_silent_component_is_never_sent_a_goal(start_cell: StartCell) -> None:
+    cell = start(start_cell, '=silent')
+    cell.run_small()
+
+    component = worker(wait_for_ready(cell))
+    assert (component.ready, component.state) == (False, '')
+    assert not cell.goals(component='worker', event='accepted')
+    cell.stop()

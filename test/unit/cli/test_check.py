@@ -37,27 +37,37 @@ def bad(tmp_path: Path) -> Path:
 
 
 def test_a_script_that_fits_is_summed_up(capsys: pytest.CaptureFixture[str]) -> None:
-    assert checked(TREES / 'reference_process.yaml', STUCK) == 0
+    assert checked(TREES / 'reference_process.yaml', TREES / 'inspect_and_assemble.yaml') == 0
     assert capsys.readouterr().out.splitlines() == [
         f'reference_process: 9 tasks in 5 sections and 3 of initialization, {FITS}',
-        f'stuck: 4 tasks in 4 sections, {FITS}',
+        f'inspect_and_assemble: 8 tasks in 5 sections and 1 of initialization, {FITS}',
     ]
 
 
 def test_scripts_are_looked_up_by_name_in_the_folders_named(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    assert checked('stuck', '--trees', TREES, '--trees', STUCK.parent) == 0
-    assert capsys.readouterr().out.startswith('stuck: ')
+    assert checked('reference_process', '--trees', STUCK.parent, '--trees', TREES) == 0
+    assert capsys.readouterr().out.startswith('reference_process: ')
+
+
+def test_a_script_that_gets_stuck_is_refused_where_its_flag_is_declared() -> None:
+    (found,) = mistakes(STUCK)
+    assert found.startswith(f'{STUCK}:14:5: the line gets stuck with stuck, at item 4 in beat 3: ')
+    assert 'section 2 is waiting for assemble to take flag read_before_assemble' in found
+    assert 'section 4 is waiting for an item' in found
+    assert 'belt is waiting for section 2 to finish with item 2' in found
+    assert found.endswith('; capacity 2 of flag read_before_assemble frees it')
 
 
 def test_the_mistakes_of_all_scripts_are_told(bad: Path, tmp_path: Path) -> None:
     missing = tmp_path / 'missing.yaml'
     found = mistakes(bad, STUCK, missing)
 
-    assert len(found) == 3
+    assert len(found) == 4
     assert all(line.startswith(f'{bad}:') and 'TASKA' in line for line in found[:2])
-    assert found[2].startswith(f'{missing}:1:1: there is no script file')
+    assert found[2].startswith(f'{STUCK}:14:5: the line gets stuck')
+    assert found[3].startswith(f'{missing}:1:1: there is no script file')
 
 
 def test_the_mistakes_of_the_cell_are_told_too(tmp_path: Path) -> None:
@@ -81,5 +91,5 @@ def test_findings_as_json(bad: Path, capsys: pytest.CaptureFixture[str]) -> None
 
 
 def test_no_findings_as_json(capsys: pytest.CaptureFixture[str]) -> None:
-    assert checked(STUCK, '--json') == 0
+    assert checked(TREES / 'reference_process.yaml', '--json') == 0
     assert json.loads(capsys.readouterr().out) == {'findings': [], 'ok': True}

@@ -1,0 +1,291 @@
+"""What the ROS gateway does beyond the contract of all gateways."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from contract.gateway_bench import component, goal_request
+from rclpy.action.server import GoalResponse
+from rclpy.task import Future
+from ros_bench import RosBench, running_bench
+from thread_servers import ThreadServers
+
+from bt_orchestrator.model.cell import Component
+from bt_orchestrator.model.goal import RESULT_CHECK_S, SERVER_LEASE_S, GoalRequest, GoalStatus
+from bt_orchestrator.ros.action_link import ActionLink
+from bt_orchestrator.ros.goal import RosGoal
+from bt_orchestrator.ros.goal_client import GoalClient
+
+PLAIN = (
+    Component('fibonacci', (1,), '/fibonacci', 'test_msgs/action/Fibonacci'),
+    Component('nested', (1,), '/nested', 'test_msgs/action/NestedMessage'),
+    component('slow'),
+)
+
+
+@pytest.fixture
+def servers() -> Iterator[ThreadServers]:
+    servers = ThreadServers()
+    yield servers
+    servers.close()
+
+
+@pytest.fixture
+def bench() -> Iterator[RosBench]:
+    """Return a bench without simulated servers."""
+    bench = RosBench(PLAIN, serve=False)
+    yield bench
+    bench.close()
+
+
+@pytest.fixture
+def cell() -> Iterator[RosBench]:
+    """Return a bench with simulated servers."""
+    bench = running_bench([component('good', task_s=0.05), component('hanging', '#*=hang')])
+    yield bench
+    bench.close()
+
+
+def link(bench: RosBench, name: str) -> ActionLink:
+    return bench.gateway._links[name]
+
+
+def client(bench: RosBench, name: str) -> GoalClient:
+    return link(bench, name)._client
+
+
+def ended(bench: RosBench, goal: RosGoal, within_s: float = 20.0) -> GoalStatus:
+    bench.run_until(lambda: goal.end is not None, f'the end of {goal}', within_s)
+    assert goal.end is not None
+    return goal.end.status
+
+
+class TestAnyActionType:
+    def test_name_and_type_are_enough(self, bench: RosBench, servers: ThreadServers) -> None:
+        from test_msgs.action import Fibonacci
+
+        servers.serve('/fibonacci', Fibonacci, fibonacci)
+        goal = bench.gateway.send(goal_request('fibonacci', 'any label', order=5))
+        assert ended(bench, goal) is GoalStatus.SUCCEEDED
+        assert goal.end is not None
+        assert goal.end.result == {'sequence': [0, 1, 1, 2, 3, 5]}
+        assert goal.feedback is not None
+        assert goal.feedback.fields == {'sequence': [0, 1, 1, 2, 3, 5]}
+        assert goal.feedback.time == pytest.approx(bench.node_time, abs=5.0)
+
+    def test_nested_goal_fields(self, bench: RosBench, servers: ThreadServers) -> None:
+        from test_msgs.action import NestedMessage
+
+        servers.serve('/nested', NestedMessage, echo_nested)
+        args = {
+            'nested_field': {'int32_value': -7, 'float64_value': 2, 'byte_value': 200},
+            'nested_different_pkg': {'sec': 3},
+        }
+        goal = bench.gateway.send(goal_request('nested', '', **args))
+        assert ended(bench, goal) is GoalStatus.SUCCEEDED
+        assert goal.end is not None
+        nested = goal.end.result['nested_field']
+        assert (nested['int32_value'], nested['float64_value']) == (-7, 2.0)
+        assert nested['byte_value'] == 200
+        assert goal.end.result['nested_different_pkg'] == {'sec': 3, 'nanosec': 0}
+
+
+class TestRequest:
+    def test_the_server_sees_the_uuid_and_the_task(self, cell: RosBench) -> None:
+        goal = cell.gateway.send(goal_request('good', 'TASK_B', special_argument_1='x'))
+        assert ended(cell, goal) is GoalStatus.SUCCEEDED
+        [record] = cell.server.records(event='accepted')
+        assert (record['goal'], record['task']) == (goal.request.id, 'TASK_B')
+
+    @pytest.mark.parametrize(
+        ('task', 'args', 'message'),
+        [
+            ('TASK_A', {'special_argument_2': 'much'}, 'special_argument_2 must be a number'),
+            ('TASK_A', {'special_argumnt': 1}, 'there is no field special_argumnt'),
+            ('TASK_X', {}, 'has no task TASK_X'),
+        ],
+    )
+    def test_what_does_not_fit_is_not_sent(
+        self, cell: RosBench, task: str, args: dict[str, Any], message: str
+    ) -> None:
+        goal = cell.gateway.send(goal_request('good', task, **args))
+        assert ended(cell, goal) is GoalStatus.REJECTED
+        assert goal.end is not None
+        assert message in goal.end.message
+        assert cell.server.records(component='good', event='accepted') == []
+
+    def test_late_yes_to_a_lost_request_is_cancelled(
+        self, bench: RosBench, servers: ThreadServers
+    ) -> None:
+        from bt_orchestrator_interfaces.action import Component as Action
+
+        decided: Future[None] = Future()
+        cancelled = threading.Event()
+
+        async def decide(goal: Any) -> GoalResponse:
+            await decided
+            return GoalResponse.ACCEPT
+
+        def execute(handle: Any) -> Any:
+            while not handle.is_cancel_requested:
+                assert not cancelled.wait(0.01)
+            cancelled.set()
+            handle.canceled()
+            return Action.Result()
+
+        servers.serve('/slow/task', Action, execute, decide)
+        lost = bench.gateway.send(goal_request('slow'))
+        assert ended(bench, lost) is GoalStatus.LOST
+        end = lost.end
+        decided.set_result(None)
+        bench.run_until(cancelled.is_set, 'the cancel request')
+        assert lost.end is end
+        assert not lost.accepted
+
+    def test_lost_answer_to_the_request_does_not_lose_the_goal(self, cell: RosBench) -> None:
+        lose_answers(client(cell, 'good'))
+        goal = cell.gateway.send(goal_request('good', 'TASK_B'))
+        assert ended(cell, goal) is GoalStatus.SUCCEEDED
+        assert goal.accepted
+
+    def test_cancel_without_the_answer_to_the_request(self, cell: RosBench) -> None:
+        lose_answers(client(cell, 'hanging'))
+        goal = cell.gateway.send(goal_request('hanging'))
+        goal.cancel()
+        assert ended(cell, goal) is GoalStatus.CANCELED
+
+
+class TestKilledServer:
+    @pytest.mark.timeout(150)
+    def test_that_stays_away_is_lost_after_its_lease(self, cell: RosBench) -> None:
+        goal = cell.gateway.send(goal_request('hanging'))
+        cell.run_until(lambda: goal.accepted, 'the acceptance')
+        cell.kill_server()
+        later = cell.gateway.send(goal_request('good'))
+        assert ended(cell, goal, 3 * SERVER_LEASE_S) is GoalStatus.LOST
+        assert ended(cell, later, 3 * SERVER_LEASE_S) is GoalStatus.LOST
+        assert not cell.gateway.available('good')
+        assert nothing_left(client(cell, 'hanging')) == {}
+
+    @pytest.mark.timeout(120)
+    def test_that_is_back_at_once_does_not_know_the_goal(self, cell: RosBench) -> None:
+        goal = cell.gateway.send(goal_request('hanging'))
+        cell.run_until(lambda: goal.accepted, 'the acceptance')
+        cell.kill_server()
+        cell.start_server()
+        assert ended(cell, goal, SERVER_LEASE_S - 5.0) is GoalStatus.LOST
+        again = cell.gateway.send(goal_request('good'))
+        assert ended(cell, again) is GoalStatus.SUCCEEDED
+
+
+class TestBounds:
+    def test_nothing_is_kept_of_goals_that_ended(self, cell: RosBench) -> None:
+        for _ in range(60):
+            goal = cell.gateway.send(goal_request('good', 'TASK_A'))
+            assert ended(cell, goal) is GoalStatus.SUCCEEDED
+        assert client(cell, 'good')._futures == []
+        assert nothing_left(client(cell, 'good')) == {}
+
+    def test_repeated_questions_are_forgotten_with_the_goal(self, cell: RosBench) -> None:
+        goal = cell.gateway.send(goal_request('hanging'))
+        cell.run_for(3 * RESULT_CHECK_S + 1.0)
+        questions = client(cell, 'hanging')._pending_result_requests
+        assert len(questions) == 4
+        goal.cancel()
+        assert ended(cell, goal) is GoalStatus.CANCELED
+        assert nothing_left(client(cell, 'hanging')) == {}
+
+    def test_requests_without_answer_are_forgotten(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr('bt_orchestrator.ros.action_link._MOST_UNANSWERED', 3)
+        bench = running_bench([component('mute', '#*=mute')])
+        try:
+            goals = [bench.gateway.send(goal_request('mute')) for _ in range(8)]
+            for goal in goals:
+                assert ended(bench, goal) is GoalStatus.LOST
+            assert len(client(bench, 'mute')._pending_goal_requests) == 3
+        finally:
+            bench.close()
+
+
+class TestErrors:
+    def test_unreadable_result_ends_its_goal_and_no_other(
+        self, cell: RosBench, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        def fail(message: Any) -> Any:
+            raise RuntimeError('unreadable')
+
+        with monkeypatch.context() as patch:
+            patch.setattr('bt_orchestrator.ros.action_link.to_plain', fail)
+            goal = cell.gateway.send(goal_request('good'))
+            assert ended(cell, goal) is GoalStatus.LOST
+            assert goal.end is not None
+            assert 'unreadable' in goal.end.message
+        assert ended(cell, cell.gateway.send(goal_request('good'))) is GoalStatus.SUCCEEDED
+
+    def test_same_uuid_twice_is_refused_and_nothing_breaks(self, cell: RosBench) -> None:
+        goal = cell.gateway.send(goal_request('hanging'))
+        cell.run_until(lambda: goal.accepted, 'the acceptance')
+        twin = cell.gateway.send(GoalRequest(goal.request.id, 'hanging', 'TASK_A'))
+        assert ended(cell, twin) is GoalStatus.REJECTED
+        goal.cancel()
+        assert ended(cell, goal) is GoalStatus.CANCELED
+
+
+def test_close_leaves_the_node_usable() -> None:
+    bench = RosBench([component('absent')], serve=False)
+    bench.gateway.send(goal_request('absent'))
+    bench.gateway.close()
+    bench.run_for(0.5)
+    bench.gateway = bench.make_gateway()
+    assert ended(bench, bench.gateway.send(goal_request('absent'))) is GoalStatus.UNAVAILABLE
+    bench.close()
+
+
+def fibonacci(handle: Any) -> Any:
+    from test_msgs.action import Fibonacci
+
+    sequence = [0, 1]
+    for _ in range(1, handle.request.order):
+        sequence.append(sequence[-1] + sequence[-2])
+    handle.publish_feedback(Fibonacci.Feedback(sequence=sequence))
+    handle.succeed()
+    return Fibonacci.Result(sequence=sequence)
+
+
+def echo_nested(handle: Any) -> Any:
+    from test_msgs.action import NestedMessage
+
+    handle.succeed()
+    goal = handle.request
+    return NestedMessage.Result(
+        nested_field=goal.nested_field, nested_different_pkg=goal.nested_different_pkg
+    )
+
+
+def lose_answers(client: GoalClient) -> None:
+    """Let the client lose the answers to goal requests, as was seen after a fresh start."""
+    take = client.take_data
+
+    def take_less() -> Any:
+        return {kind: data for kind, data in take().items() if kind != 'goal'}
+
+    client.take_data = take_less  # type: ignore[method-assign]
+
+
+def nothing_left(client: GoalClient) -> dict[str, Any]:
+    """Return what the client still keeps of goals."""
+    names = [
+        '_pending_goal_requests',
+        '_goal_sequence_number_to_goal_id',
+        '_pending_cancel_requests',
+        '_pending_result_requests',
+        '_result_sequence_number_to_goal_id',
+        '_feedback_callbacks',
+        '_goal_handles',
+        '_asked',
+        '_futures',
+    ]
+    return {name: kept for name in names if (kept := getattr(client, name))}

@@ -1,0 +1,101 @@
+"""Break one rule after the other, and see whether the tests of that rule notice.
+
+`3_5_belt_waits_for_all_turns.patch` is applied to a copy of the package; the tests whose names
+begin with `test_3_5_` have to fail with it. A patch that they do not notice, or that does not apply
+any more, is a finding.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+PACKAGE = 'bt_orchestrator'
+RULES = 'test/unit/rules'
+
+TESTS_FAILED = 1
+"""Exit code of pytest; every other one but 0 is a mistake of the caller."""
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run all patches, or those of some rules; 1 if any is not noticed."""
+    parser = argparse.ArgumentParser(prog='mutate', description=__doc__.splitlines()[0])
+    parser.add_argument('rules', nargs='*', metavar='RULE', help='for example 3.5; default: all')
+    rules = parser.parse_args(arguments).rules
+    chosen = [patch for patch in patches() if not rules or rule_of(patch) in rules]
+    survived = 0
+    for patch in chosen:
+        verdict = verdict_of(patch)
+        survived += verdict != 'killed'
+        sys.stdout.write(f'{rule_of(patch):5} {patch.stem:52} {verdict}\n')
+        sys.stdout.flush()
+    sys.stdout.write(f'{len(chosen)} mutations, {survived} not noticed\n')
+    return 1 if survived or not chosen else 0
+
+
+def patches() -> list[Path]:
+    """Return every patch, in the order of the rules."""
+    return sorted(HERE.glob('*.patch'))
+
+
+def rule_of(patch: Path) -> str:
+    """Return the rule that a patch breaks, as it is numbered in the semantics: 3.5."""
+    return '.'.join(patch.stem.split('_')[:2])
+
+
+def verdict_of(patch: Path) -> str:
+    """Say `killed`, or what is wrong."""
+    with tempfile.TemporaryDirectory(prefix='mutate-') as folder:
+        copy = Path(folder)
+        copy_package(copy)
+        if not applies(patch, copy):
+            return 'does not apply'
+        code = _run_tests(rule_of(patch), copy)
+    if code == 0:
+        return 'survived'
+    return 'killed' if code == TESTS_FAILED else f'no verdict: pytest ended with {code}'
+
+
+def copy_package(to: Path) -> None:
+    """Copy the package, without what Python compiled."""
+    ignored = shutil.ignore_patterns('__pycache__')
+    shutil.copytree(ROOT / PACKAGE, to / PACKAGE, ignore=ignored)
+
+
+def applies(patch: Path, copy: Path) -> bool:
+    """Apply a patch to a copy of the package and tell whether it fitted."""
+    command = ['git', 'apply', '--whitespace=nowarn', str(patch)]
+    # Outside of any repository, wherever the temporary folder is.
+    environment = {**os.environ, 'GIT_CEILING_DIRECTORIES': str(copy.parent)}
+    return subprocess.run(
+        command, cwd=copy, env=environment, capture_output=True, check=False
+    ).returncode == 0
+
+
+def _run_tests(rule: str, copy: Path) -> int:
+    selected = f'test_{rule.replace(".", "_")}_'
+    command = [sys.executable, '-m', 'pytest', '-x', '-q', '-p', 'no:cacheprovider']
+    command += ['-k', selected, RULES]
+    environment = {**os.environ, 'PYTHONPATH': os.pathsep.join(_import_from(copy))}
+    environment['PYTHONDONTWRITEBYTECODE'] = '1'
+    # -P: `-m` would put the working directory, and with it the unbroken package, in front.
+    command[1:1] = ['-P'] if sys.version_info >= (3, 11) else []
+    run = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, check=False)
+    return run.returncode
+
+
+def _import_from(copy: Path) -> Iterator[str]:
+    yield str(copy)
+    yield str(ROOT / 'test')
+
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,65 @@
+"""Action servers and publishers of any type, in a thread and a ROS context of their own."""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import rclpy
+from rclpy.action.server import ActionServer, CancelResponse, GoalResponse
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.context import Context
+from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
+from rclpy.node import Node
+
+
+class ThreadServers:
+    """States: serving, closed. Cancel requests are accepted."""
+
+    def __init__(self) -> None:
+        self._context = Context()
+        rclpy.init(context=self._context)
+        self.node = Node('thread_servers', context=self._context)
+        self._executor = MultiThreadedExecutor(num_threads=3, context=self._context)
+        self._executor.add_node(self.node)
+        self._servers: list[Any] = []
+        self._thread = threading.Thread(target=self._spin)
+        self._thread.start()
+
+    def serve(
+        self,
+        name: str,
+        action_class: Any,
+        execute: Callable[[Any], Any],
+        decide: Callable[[Any], Any] = lambda goal: GoalResponse.ACCEPT,
+    ) -> None:
+        """Start an action server.
+
+        :param execute: gets the goal handle, returns the result
+        :param decide: gets the goal; a coroutine may take its time while other callbacks run
+        """
+        server = ActionServer(
+            self.node,
+            action_class,
+            name,
+            execute_callback=execute,
+            goal_callback=decide,
+            cancel_callback=lambda goal: CancelResponse.ACCEPT,
+            callback_group=ReentrantCallbackGroup(),
+        )
+        self._servers.append(server)
+
+    def close(self) -> None:
+        """Leave ROS."""
+        self._executor.shutdown()
+        self._thread.join()
+        for server in self._servers:
+            server.destroy()
+        self.node.destroy_node()
+        self._context.shutdown()
+
+    def _spin(self) -> None:
+        with contextlib.suppress(ExternalShutdownException):
+            self._executor.spin()

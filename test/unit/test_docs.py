@@ -1,0 +1,316 @@
+"""What the pages say is tried: files, commands, links, and the parts that are generated."""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import importlib
+import importlib.util
+import re
+import shlex
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+from typing import NamedTuple
+
+import pytest
+from fakes.action_types import FakeActionTypes
+from fakes.shipped import REFERENCE_CELL, ROOT, TREES
+
+from bt_orchestrator.cli import check, simulate
+from bt_orchestrator.cli.main import PROGRAM, VERBS, without_ros_arguments
+from bt_orchestrator.errors import Refused
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.script.cell_file import parse_cell, read_cell
+from bt_orchestrator.script.order_file import bind_order, parse_order
+from bt_orchestrator.script.script_file import parse_script, read_script
+
+TYPES = FakeActionTypes()
+PAGES = sorted(
+    path.relative_to(ROOT).as_posix()
+    for path in (ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', *(ROOT / 'docs').rglob('*.md'))
+)
+DRY = {'check': check.check, 'simulate': simulate.simulate}
+"""Verbs that need no node; what the pages show of them is run."""
+
+
+class Block(NamedTuple):
+    """A fenced block of a page."""
+
+    page: str
+    line: int
+    kind: str
+    text: str
+
+    @property
+    def place(self) -> str:
+        return f'{self.page}:{self.line}'
+
+    def starts(self, key: str) -> bool:
+        """Tell whether a YAML block has a top-level key."""
+        return re.search(rf'^{key}:', self.text, re.MULTILINE) is not None
+
+
+def text_of(page: str) -> str:
+    return (ROOT / page).read_text(encoding='utf-8')
+
+
+@cache
+def blocks() -> tuple[Block, ...]:
+    found = []
+    for page in PAGES:
+        text = text_of(page)
+        for match in re.finditer(r'^```(\w*)\n(.*?)^```$', text, re.MULTILINE | re.DOTALL):
+            line = text.count('\n', 0, match.start()) + 2
+            found.append(Block(page, line, match[1], match[2]))
+    return tuple(found)
+
+
+def yaml_blocks() -> list[Block]:
+    return [block for block in blocks() if block.kind == 'yaml']
+
+
+# --- files ----------------------------------------------------------------------------------
+
+
+class PageReader:
+    """Reads the files that one page shows: scripts for the cell in front of them."""
+
+    def __init__(self) -> None:
+        self.cell: Cell = read_cell(REFERENCE_CELL, TYPES)
+        self.scripts: dict[str, Script] = {}
+
+    def read(self, block: Block) -> str:
+        """Read one block as what it is, and return the word for it."""
+        if block.starts('cell'):
+            self.cell = parse_cell(block.text, block.place, TYPES)
+            return 'cell'
+        if block.starts('sections'):
+            script = parse_script(block.text, block.place, self.cell, TYPES)
+            self.scripts[script.name] = script
+            return 'script'
+        file = parse_order(block.text, block.place)
+        name = file.order.script
+        script = self.scripts.get(name) or read_script(TREES / f'{name}.yaml', self.cell, TYPES)
+        bind_order(file.order, script, file.order.order or 'WO-1', file.places)
+        return 'order'
+
+
+@pytest.mark.parametrize('page', sorted({block.page for block in yaml_blocks()}))
+def test_yaml_on_a_page_is_accepted_by_the_real_readers(page: str) -> None:
+    reader = PageReader()
+    kinds = []
+    for block in yaml_blocks():
+        if block.page == page:
+            try:
+                kinds.append(reader.read(block))
+            except Refused as refused:
+                pytest.fail(f'{block.place}:\n{refused}')
+    assert kinds
+
+
+def test_every_kind_of_file_is_shown() -> None:
+    for key in ('cell', 'sections', 'order'):
+        assert any(block.starts(key) for block in yaml_blocks()), key
+
+
+def test_a_broken_block_would_be_seen() -> None:
+    block = next(block for block in yaml_blocks() if block.starts('cell'))
+    broken = block._replace(text=block.text.replace('conveyor:', 'convoy:'))
+    with pytest.raises(Refused):
+        PageReader().read(broken)
+
+
+# --- sessions -------------------------------------------------------------------------------
+
+
+class Session(NamedTuple):
+    """A command of a console block, and what it is said to print."""
+
+    place: str
+    command: str
+    output: str
+
+
+def sessions() -> Iterator[Session]:
+    for block in blocks():
+        if block.kind == 'console':
+            for part in re.split(r'^\$ ', block.text, flags=re.MULTILINE)[1:]:
+                command, _, output = part.partition('\n')
+                yield Session(f'{block.place} {command}', command, output)
+
+
+@pytest.mark.parametrize('session', sessions(), ids=lambda session: session.place)
+def test_a_session_prints_what_the_page_shows(
+    session: Session,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    _write_files(session.place.partition(':')[0], tmp_path)
+    monkeypatch.chdir(tmp_path)
+    program, verb, *words = shlex.split(session.command)
+    assert program == PROGRAM
+    args = _parser(verb).parse_args(words)
+    try:
+        DRY[verb](args, TYPES)
+        printed = capsys.readouterr().out
+    except Refused as refused:
+        printed = f'{refused}\n'
+    assert printed == session.output
+
+
+def test_sessions_are_shown_of_every_verb_that_needs_no_node() -> None:
+    assert {session.command.split()[1] for session in sessions()} == set(DRY)
+
+
+def _write_files(page: str, folder: Path) -> None:
+    """Write the blocks of a page that begin with the name of a file."""
+    for block in yaml_blocks():
+        name = re.match(r'# (\S+\.yaml)\n', block.text)
+        if block.page == page and name is not None:
+            path = folder / name[1]
+            path.parent.mkdir(exist_ok=True)
+            path.write_text(block.text, encoding='utf-8')
+
+
+# --- commands -------------------------------------------------------------------------------
+
+
+class Mention(NamedTuple):
+    """The program named with a verb, as in code."""
+
+    place: str
+    verb: str
+    words: str
+
+
+def mentions() -> Iterator[Mention]:
+    for page in PAGES:
+        for number, line in enumerate(text_of(page).splitlines(), 1):
+            for match in re.finditer(rf'(?:^|[`$ ]){PROGRAM} ([a-z][\w-]*)([^`#]*)', line):
+                yield Mention(f'{page}:{number}', match[1], match[2])
+
+
+@pytest.mark.parametrize('mention', mentions(), ids=lambda m: f'{m.place} {m.verb}')
+def test_a_command_on_a_page_exists(mention: Mention) -> None:
+    assert mention.verb in VERBS, mention.place
+    parser = _parser(mention.verb)
+    known = {name for action in parser._actions for name in action.option_strings}
+    words = without_ros_arguments(mention.words.split())
+    used = {word.partition('=')[0] for word in words if word.startswith('--')}
+    assert used <= known, mention.place
+
+
+def test_commands_are_mentioned() -> None:
+    assert {mention.verb for mention in mentions()} == set(VERBS)
+
+
+def test_scripts_on_a_page_exist() -> None:
+    named = {name for page in PAGES for name in re.findall(r'(?<![\w/])\.?/?scripts/(\w+)', text_of(page))}
+    assert {'bootstrap', 'demo', 'test'} <= named
+    assert [name for name in sorted(named) if not (ROOT / 'scripts' / name).exists()] == []
+
+
+def _parser(verb: str) -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser()
+    importlib.import_module(f'bt_orchestrator.cli.{VERBS[verb][0]}').add_arguments(parser)
+    return parser
+
+
+# --- links ----------------------------------------------------------------------------------
+
+
+class Link(NamedTuple):
+    """A link from a page to a place in this repository."""
+
+    page: str
+    target: str
+    anchor: str
+
+
+def links() -> Iterator[Link]:
+    for page in PAGES:
+        text = re.sub(r'^```.*?^```$', '', text_of(page), flags=re.MULTILINE | re.DOTALL)
+        for match in re.finditer(r'\[[^\]]*\]\(([^)#\s]*)(?:#([^)\s]*))?\)', text):
+            if '://' not in match[1]:
+                yield Link(page, match[1], match[2] or '')
+
+
+def anchors(page: Path) -> set[str]:
+    """Return what headings are called in links, as GitHub does it."""
+    headings = re.findall(r'^#+ (.*)$', page.read_text(encoding='utf-8'), re.MULTILINE)
+    return {re.sub(r'[^\w -]', '', heading.lower()).replace(' ', '-') for heading in headings}
+
+
+@pytest.mark.parametrize('link', links(), ids=lambda link: f'{link.page} {link.target}#{link.anchor}')
+def test_a_link_leads_somewhere(link: Link) -> None:
+    source = ROOT / link.page
+    target = source.parent / link.target if link.target else source
+    assert target.exists()
+    if link.anchor:
+        assert link.anchor in anchors(target)
+
+
+def test_there_are_links() -> None:
+    assert {link.page for link in links()} >= {'README.md', 'docs/architecture.md'}
+
+
+# --- generated parts ------------------------------------------------------------------------
+
+
+@cache
+def generator() -> ModuleType:
+    spec = importlib.util.spec_from_file_location('generate', ROOT / 'docs' / 'generate.py')
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_generated_parts_are_up_to_date() -> None:
+    assert generator().stale_pages() == [], 'run python docs/generate.py'
+
+
+def test_every_generated_part_has_its_place() -> None:
+    named = re.findall(r'<!-- generated: ([\w -]+) -->', ''.join(map(text_of, PAGES)))
+    assert sorted(named) == sorted(generator().PARTS)
+
+
+def test_a_stale_part_would_be_seen(tmp_path: Path) -> None:
+    for page in generator().PAGES:
+        (tmp_path / page).parent.mkdir(exist_ok=True)
+        (tmp_path / page).write_text(text_of(page), encoding='utf-8')
+    page = tmp_path / 'docs' / 'formats.md'
+    text = page.read_text(encoding='utf-8')
+    page.write_text(text.replace('| `task.started` |', '| `task.begun` |'), encoding='utf-8')
+    assert generator().stale_pages(tmp_path) == ['docs/formats.md']
+
+
+# --- node parameters ------------------------------------------------------------------------
+
+
+def test_the_parameter_file_names_every_parameter_of_the_node() -> None:
+    text = text_of('config/tree_node.yaml')
+    named = re.findall(r'^    (?:# )?(\w+): ', text.partition('ros__parameters:\n')[2], re.MULTILINE)
+    assert named == list(_declared())
+
+
+def _declared() -> Iterator[str]:
+    """Yield the names in `ros/parameters.py`, which cannot be imported without ROS 2."""
+    source = Path(check.__file__).parents[1] / 'ros' / 'parameters.py'
+    for node in ast.walk(ast.parse(source.read_text(encoding='utf-8'))):
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+            first = node.args[0] if node.args else None
+            if node.func.id == 'value' and isinstance(first, ast.Constant):
+                yield str(first.value)
+
+
+# --- size -----------------------------------------------------------------------------------
+
+
+def test_the_architecture_fits_on_its_page() -> None:
+    assert len(text_of('docs/architecture.md').splitlines()) <= 250
