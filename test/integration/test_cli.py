@@ -15,6 +15,7 @@ from bt_orchestrator.model.codec import from_record
 
 CELL = ('--cell', str(REFERENCE_CELL))
 PATIENCE_S = 30.0
+SHIPPED = TREES / 'reference_process.yaml'
 
 
 def program(*words: str | Path, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
@@ -94,7 +95,7 @@ def test_wrong_use() -> None:
 def test_checking_does_not_need_rclpy() -> None:
     code = (
         'import sys; from bt_orchestrator.cli.main import main; '
-        f'status = main(["check", {str(STUCK)!r}, "--cell", {str(REFERENCE_CELL)!r}]); '
+        f'status = main(["check", {str(SHIPPED)!r}, "--cell", {str(REFERENCE_CELL)!r}]); '
         'sys.exit(3 if "rclpy" in sys.modules else status)'
     )
     done = subprocess.run([sys.executable, '-c', code], timeout=PATIENCE_S, check=False)
@@ -129,7 +130,7 @@ def test_a_reader_that_leaves_is_no_error() -> None:
     read_end, write_end = os.pipe()
     os.close(read_end)
     done = subprocess.run(
-        [sys.executable, '-m', 'bt_orchestrator', 'check', str(STUCK), *CELL],
+        [sys.executable, '-m', 'bt_orchestrator', 'check', str(TREES / 'reference_process.yaml'), *CELL],
         stdout=write_end,
         stderr=subprocess.PIPE,
         text=True,

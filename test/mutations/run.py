@@ -13,7 +13,6 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
@@ -81,20 +80,14 @@ def applies(patch: Path, copy: Path) -> bool:
 
 
 def _run_tests(rule: str, copy: Path) -> int:
-    selected = f'test_{rule.replace(".", "_")}_'
     command = [sys.executable, '-m', 'pytest', '-x', '-q', '-p', 'no:cacheprovider']
-    command += ['-k', selected, RULES]
-    environment = {**os.environ, 'PYTHONPATH': os.pathsep.join(_import_from(copy))}
-    environment['PYTHONDONTWRITEBYTECODE'] = '1'
-    # -P: `-m` would put the working directory, and with it the unbroken package, in front.
-    command[1:1] = ['-P'] if sys.version_info >= (3, 11) else []
-    run = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, check=False)
+    command += ['-c', str(ROOT / 'pyproject.toml'), '--rootdir', str(ROOT)]
+    command += ['-k', f'test_{rule.replace(".", "_")}_', str(ROOT / RULES)]
+    path = os.pathsep.join(map(str, (copy, ROOT / 'test')))
+    environment = {**os.environ, 'PYTHONPATH': path, 'PYTHONDONTWRITEBYTECODE': '1'}
+    # In the folder of the copy: `-m` puts the working directory in front of every other path.
+    run = subprocess.run(command, cwd=copy, env=environment, capture_output=True, check=False)
     return run.returncode
-
-
-def _import_from(copy: Path) -> Iterator[str]:
-    yield str(copy)
-    yield str(ROOT / 'test')
 
 
 if __name__ == '__main__':

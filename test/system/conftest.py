@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from cell_processes import CellProcesses, StartCell
+from cell_processes import SMALL_CELL, CellProcesses, StartCell
 
 
 @pytest.fixture
@@ -30,3 +30,11 @@ def small_cell(start_cell: StartCell) -> CellProcesses:
     cell = start_cell()
     cell.connect()
     return cell
+
+
+@pytest.fixture
+def small_cell_file(tmp_path: Path) -> Path:
+    """Give the file of the small cell, of which nothing runs."""
+    path = tmp_path / 'cell.yaml'
+    path.write_text(SMALL_CELL)
+    return path

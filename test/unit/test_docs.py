@@ -209,7 +209,11 @@ def test_commands_are_mentioned() -> None:
 
 
 def test_scripts_on_a_page_exist() -> None:
-    named = {name for page in PAGES for name in re.findall(r'(?<![\w/])\.?/?scripts/(\w+)', text_of(page))}
+    named = {
+        name
+        for page in PAGES
+        for name in re.findall(r'(?<![\w/])\.?/?scripts/(\w+)', text_of(page))
+    }
     assert {'bootstrap', 'demo', 'test'} <= named
     assert [name for name in sorted(named) if not (ROOT / 'scripts' / name).exists()] == []
 
@@ -245,7 +249,9 @@ def anchors(page: Path) -> set[str]:
     return {re.sub(r'[^\w -]', '', heading.lower()).replace(' ', '-') for heading in headings}
 
 
-@pytest.mark.parametrize('link', links(), ids=lambda link: f'{link.page} {link.target}#{link.anchor}')
+@pytest.mark.parametrize(
+    'link', links(), ids=lambda link: f'{link.page} {link.target}#{link.anchor}'
+)
 def test_a_link_leads_somewhere(link: Link) -> None:
     source = ROOT / link.page
     target = source.parent / link.target if link.target else source
@@ -295,7 +301,9 @@ def test_a_stale_part_would_be_seen(tmp_path: Path) -> None:
 
 def test_the_parameter_file_names_every_parameter_of_the_node() -> None:
     text = text_of('config/tree_node.yaml')
-    named = re.findall(r'^    (?:# )?(\w+): ', text.partition('ros__parameters:\n')[2], re.MULTILINE)
+    named = re.findall(
+        r'^    (?:# )?(\w+): ', text.partition('ros__parameters:\n')[2], re.MULTILINE
+    )
     assert named == list(_declared())
 
 

@@ -1,0 +1,63 @@
+"""Components with ordinary ROS 2 actions: no task field, no task_result, nested fields."""
+
+from __future__ import annotations
+
+from cell_processes import SMALL_CELL, StartCell
+
+CELL = (
+    SMALL_CELL
+    + """
+  counter:
+    section: 2
+    action: counter/count
+    type: test_msgs/action/Fibonacci
+  nester:
+    section: 2
+    action: nester/nest
+    type: test_msgs/action/NestedMessage
+    results: {NEST: {nested_field: {float64_value: 2.5, string_value: seen, bool_value: true}}}
+"""
+)
+
+SCRIPT = """
+script: any_action
+sections:
+  1:
+    - {id: feed, task: TASK_A, action: feeder/task, qty_change: 1}
+  2:
+    - {id: count, task: COUNT, action: counter/count, args: {order: 5}}
+    - id: nest
+      task: NEST
+      action: nester/nest
+      args:
+        nested_field: {int32_value: 7, string_value: "item ${item.number}"}
+        nested_different_pkg: {sec: 12, nanosec: 34}
+    - id: work
+      task: TASK_A
+      action: worker/task
+      args:
+        special_argument_1: "${results.nest.nested_field.string_value}"
+        special_argument_2: "${results.nest.nested_field.float64_value}"
+      when: "${results.nest.nested_field.bool_value}"
+    - {id: pack, task: TASK_A, action: packer/task, qty_change: -1}
+"""
+
+
+def test_any_action_type_takes_part_in_a_script(start_cell: StartCell) -> None:
+    cell = start_cell(CELL)
+    cell.connect()
+    cell.watch.submit(cell.script(SCRIPT, 'any_action'), quantity=2)
+
+    job = cell.watch.until_ended('WO-1')
+    assert (job.packed, job.nonconforming) == (2, 0)
+    count, nest, work = (
+        cell.watch.until('task.started', item='WO-1/2', task=task)
+        for task in ('count', 'nest', 'work')
+    )
+    assert count['args'] == {'order': 5}
+    assert nest['args']['nested_field'] == {'int32_value': 7, 'string_value': 'item 2'}
+    assert work['args'] == {'special_argument_1': 'seen', 'special_argument_2': 2.5}
+    assert cell.watch.until('task.succeeded', task='count')['results'] == {'sequence': []}
+    done = cell.watch.until('task.succeeded', task='nest')['results']
+    assert done['nested_field']['float64_value'] == 2.5
+    cell.stop()

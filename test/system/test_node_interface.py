@@ -1,0 +1,175 @@
+"""What others rely on: topics, parameters, names (formats: ROS names of the node)."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+from typing import Any
+
+import pytest
+from cell_processes import CellProcesses, StartCell, run_verb
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from node_watcher import NodeWatcher
+from rcl_interfaces.srv import DescribeParameters, GetParameters
+
+NAMES = ['cell', 'trees', 'tick_rate_hz', 'executor', 'auto_start', 'server_timeout']
+
+HAS_EVENTS_EXECUTOR = importlib.util.find_spec('rclpy.experimental') is not None
+
+
+def parameter_values(watch: NodeWatcher, names: list[str]) -> list[Any]:
+    response = watch.call(GetParameters, 'get_parameters', GetParameters.Request(names=names))
+    return list(response.values)
+
+
+# --- topics -----------------------------------------------------------------------------------
+
+
+def test_who_comes_late_gets_the_last_status(small_cell: CellProcesses) -> None:
+    small_cell.run_small(quantity=2)
+    small_cell.watch.until_ended('WO-1')
+    small_cell.watch.until('cell.state_changed', state='Complete')
+
+    late = NodeWatcher()
+    try:
+        late.connect(wait_servers=False)
+        first = late.statuses[0]
+    finally:
+        late.close()
+    assert (first.cell, first.state) == ('small_cell', 'Complete')
+    assert first.seq == small_cell.watch.events[-1]['seq']
+    assert [(job.id, job.packed) for job in first.jobs] == [('WO-1', 2)]
+    assert late.events == []
+    small_cell.stop()
+
+
+def test_events_are_numbered_without_gaps_and_in_time(small_cell: CellProcesses) -> None:
+    small_cell.run_small(quantity=4)
+    small_cell.watch.until_ended('WO-1')
+    small_cell.watch.until('cell.state_changed', state='Complete')
+
+    events = small_cell.watch.events
+    assert [event['seq'] for event in events] == list(range(1, len(events) + 1))
+    times = [event['time'] for event in events]
+    assert times == sorted(times)
+    small_cell.stop()
+
+
+def test_the_status_follows_the_events(small_cell: CellProcesses) -> None:
+    small_cell.run_small('', 'TASK_B')
+    started = small_cell.watch.until('task.started', task='work')
+
+    status = small_cell.watch.until_status(
+        lambda s: s.seq >= started['seq'] and s.sections[1].running[0].feedback, 'the feedback'
+    )
+    (task,) = status.sections[1].running
+    assert (task.id, task.name, task.goal) == ('work', 'TASK_B', started['goal'])
+    assert 'TASK_B' in task.feedback
+    assert status.sections[1].slot == status.sections[1].item == 'WO-1/1'
+    assert [c.name for c in status.components if c.task] == ['worker']
+    assert (status.jobs[0].state, status.jobs[0].placed) == ('Running', 1)
+    small_cell.stop()
+
+
+def test_diagnostics_come_once_a_second(start_cell: StartCell) -> None:
+    cell = start_cell(fail=['worker.=absent', 'feeder.TASK_A=abort'])
+    cell.connect(wait_servers=False)
+    cell.watch.wait_servers(but='worker')
+    cell.run_small()
+    hold = cell.watch.until_held()
+    received: list[Any] = []
+    ros = cell.watch.ros
+    ros.node.create_subscription(DiagnosticArray, '/diagnostics', received.append, 10)
+    ros.spin_until(lambda: len(received) >= 4, 'four diagnostics')
+
+    stamps = [m.header.stamp.sec + m.header.stamp.nanosec / 1e9 for m in received]
+    assert (stamps[-1] - stamps[0]) / (len(stamps) - 1) == pytest.approx(1.0, abs=0.3)
+    parts = {status.name.split(': ')[1]: status for status in received[-1].status}
+    assert parts['cell'].level == parts['action servers'].level == DiagnosticStatus.WARN
+    assert {pair.key for pair in parts['cell'].values} >= {'state', f'hold {hold.id}'}
+    assert [(v.key, v.value) for v in parts['action servers'].values] == [
+        ('worker', 'worker/task')
+    ]
+    cell.stop()
+
+
+# --- parameters and names ---------------------------------------------------------------------
+
+
+def test_parameters_say_what_they_are(small_cell: CellProcesses) -> None:
+    request = DescribeParameters.Request(names=NAMES)
+    response = small_cell.watch.call(DescribeParameters, 'describe_parameters', request)
+
+    descriptors = {d.name: d for d in response.descriptors}
+    assert sorted(descriptors) == sorted(NAMES)
+    assert all(d.description and d.read_only for d in descriptors.values())
+    assert 'Hz' in descriptors['tick_rate_hz'].description
+    assert descriptors['tick_rate_hz'].floating_point_range[0].from_value > 0
+    assert descriptors['executor'].additional_constraints == 'single or events'
+    values = dict(zip(NAMES, parameter_values(small_cell.watch, NAMES), strict=True))
+    assert values['cell'].string_value == str(small_cell.cell)
+    assert list(values['trees'].string_array_value) == [str(small_cell.folder)]
+    assert (values['tick_rate_hz'].double_value, values['auto_start'].bool_value) == (10.0, True)
+    small_cell.stop()
+
+
+def test_ros_arguments_set_parameters_and_namespace(start_cell: StartCell) -> None:
+    options = ['--ros-args', '-p', 'tick_rate_hz:=20.0']
+    cell = start_cell(namespace='/x', remapped=True, run_options=options)
+    cell.connect()
+
+    assert cell.watch.name == '/x/bt_orchestrator'
+    (value,) = parameter_values(cell.watch, ['tick_rate_hz'])
+    assert value.double_value == 20.0
+    cell.run_small()
+    assert cell.watch.until_ended('WO-1').packed == 1
+    cell.stop()
+
+
+@pytest.mark.parametrize(
+    ('parameter', 'words'),
+    [
+        ('executor:=turbo', ['executor', 'single', 'events', 'turbo']),
+        ('tick_rate_hz:=0.0', ['tick_rate_hz']),
+        ('tick_rate_hz:=often', ['tick_rate_hz']),
+        ('cell:=/nowhere/cell.yaml', ['/nowhere/cell.yaml']),
+        ('auto_start:=[', ['auto_start']),
+    ],
+)
+def test_a_parameter_that_cannot_be_is_refused_in_words(
+    small_cell_file: Path, parameter: str, words: list[str]
+) -> None:
+    status, _, errors = run_verb(
+        small_cell_file.parent,
+        'run',
+        '--cell',
+        str(small_cell_file),
+        '--ros-args',
+        '-p',
+        parameter,
+    )
+    assert status == 1
+    assert all(word in errors for word in words), errors
+
+
+@pytest.mark.skipif(not HAS_EVENTS_EXECUTOR, reason='Jazzy has no events executor')
+def test_the_events_executor_runs_a_cell_to_its_end(start_cell: StartCell) -> None:
+    cell = start_cell(run_options=['--executor', 'events'], fail=['worker.TASK_A#1=abort'])
+    cell.connect()
+    cell.run_small(', retries: 1', quantity=4)
+
+    assert cell.watch.until_ended('WO-1').packed == 4
+    assert cell.watch.reasons('work') == ['aborted']
+    cell.run_small('', 'TASK_B', order='WO-2')
+    cell.watch.until('task.started', task='work', job='WO-2')
+    cell.stop()
+
+
+@pytest.mark.skipif(HAS_EVENTS_EXECUTOR, reason='Kilted and newer have the events executor')
+def test_without_the_events_executor_asking_for_it_is_refused(small_cell_file: Path) -> None:
+    status, _, errors = run_verb(
+        small_cell_file.parent, 'run', '--cell', str(small_cell_file), '--executor', 'events'
+    )
+    assert status == 1
+    assert 'no events executor' in errors
+    assert 'use single' in errors

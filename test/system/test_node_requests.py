@@ -1,0 +1,156 @@
+"""Nothing that a node is asked for can stop it; a refusal says what is wrong."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from bt_orchestrator_interfaces.srv import AnswerHold, RemoveItem, SubmitOrder
+from cell_processes import CellProcesses, StartCell, small_script
+from diagnostic_msgs.msg import KeyValue
+from node_watcher import NodeWatcher
+
+PARAMS = """
+params:
+  label: {type: str}
+  weight: {type: float, default: 1.0}
+"""
+
+GARBAGE = [
+    '',
+    ' ',
+    '/',
+    '..',
+    '../../../etc/passwd',
+    '/dev/zero',
+    '.yaml',
+    'é\n\t☃',
+    '${x}',
+    '%s%n',
+]
+GARBAGE += ['a' * 100_000, '{"a": [', '\x7f\x01', '-1', 'None']
+
+
+def assert_alive(cell: CellProcesses, order: str = 'WO-alive') -> None:
+    """Fail unless the node still packs an item, and ends well."""
+    cell.run_small(order=order)
+    assert cell.watch.until_ended(order).packed == 1
+    cell.stop()
+
+
+def refusal(
+    watch: NodeWatcher, script: Path | str, params: dict[str, str] | None = None, quantity: int = 1
+) -> list[str]:
+    """Submit an order that must be refused, and return the findings."""
+    response = watch.ask_submit(script, quantity=quantity, params=params)
+    assert not response.accepted
+    assert not response.job
+    assert response.message
+    return list(response.findings)
+
+
+def test_an_order_that_is_wrong_is_refused_with_every_mistake(small_cell: CellProcesses) -> None:
+    watch = small_cell.watch
+    wrong = small_cell.script(small_script(options=', retires: 2').replace('TASK_A', 'TSK_A'))
+    misspelt = refusal(watch, wrong)
+    assert len(misspelt) >= 4, misspelt
+    assert all(finding.startswith(f'{wrong}:') for finding in misspelt)
+    assert any('retires' in finding and 'retries' in finding for finding in misspelt)
+
+    (unknown,) = refusal(watch, 'smal')
+    assert 'small' in unknown, 'the nearest name is offered'
+
+    path = small_cell.script(small_script() + PARAMS, 'params')
+    (missing,) = refusal(watch, path)
+    assert '`label` is missing' in missing
+    several = refusal(watch, path, {'lable': 'A7', 'weight': 'heavy'})
+    assert any('lable' in finding and 'label' in finding for finding in several)
+    assert any('weight' in finding for finding in several)
+
+    (quantity,) = refusal(watch, path, {'label': 'A7'}, quantity=0)
+    assert 'quantity' in quantity
+    watch.submit(path, params={'label': 'A7', 'weight': '2.5'})
+    assert watch.until_ended('WO-1').packed == 1
+    assert watch.seen('job.queued')[0]['params'] == {'label': 'A7', 'weight': 2.5}
+    small_cell.stop()
+
+
+def test_an_order_id_is_taken_once(small_cell: CellProcesses) -> None:
+    watch = small_cell.watch
+    path = small_cell.script(small_script())
+    watch.submit(path, order='WO-1')
+    again = watch.ask_submit(path, order='WO-1')
+    assert (again.accepted, 'WO-1' in again.message) == (False, True)
+    watch.until_ended('WO-1')
+    afterwards = watch.ask_submit(path, order='WO-1')
+    assert not afterwards.accepted, 'ended orders keep their ids'
+
+    first, second = (watch.submit(path, order='').job for _ in range(2))
+    assert len({first, second, 'WO-1'}) == 3, 'an id is assigned that is free'
+    watch.until_ended(second)
+    small_cell.stop()
+
+
+def test_garbage_in_every_service_is_answered(small_cell: CellProcesses) -> None:
+    watch = small_cell.watch
+    path = str(small_cell.script(small_script()))
+    for text in GARBAGE:
+        answer = AnswerHold.Request(hold=text, answer=text, who=text, reason=text)
+        assert not watch.call(AnswerHold, 'answer_hold', answer).accepted, text
+        removal = RemoveItem.Request(item=text, who=text, reason=text)
+        assert not watch.call(RemoveItem, 'remove_item', removal).accepted, text
+        assert refusal(watch, text), text
+        pairs = [KeyValue(key=text, value=text)]
+        order = SubmitOrder.Request(order=text, script=path, quantity=1, params=pairs)
+        response = watch.call(SubmitOrder, 'submit_order', order)
+        assert not response.accepted, text
+        assert response.findings, text
+    assert not watch.events, 'nothing was recorded'
+    assert_alive(small_cell)
+
+
+def test_a_file_that_is_no_script_is_refused(small_cell: CellProcesses) -> None:
+    watch, folder = small_cell.watch, small_cell.folder
+    contents = {
+        'binary': bytes(range(256)),
+        'empty': b'',
+        'list': b'- 1\n- 2\n',
+        'broken': b'script: [\n',
+        'bomb': b'a: &a [x, x]\nb: &b [*a, *a]\nc: [*b, *b]\n',
+        'nested': b'[' * 5000,
+        'large': b'#' * 5_000_000,
+    }
+    for name, content in contents.items():
+        (folder / f'{name}.yaml').write_bytes(content)
+        assert refusal(watch, name), name
+    (folder / 'folder.yaml').mkdir()
+    assert refusal(watch, 'folder')
+    assert_alive(small_cell)
+
+
+def test_holds_and_items_are_answered_with_what_there_is(start_cell: StartCell) -> None:
+    cell = start_cell(fail=['worker.TASK_A#1=abort'])
+    cell.connect()
+    cell.run_small()
+    hold = cell.watch.until_held()
+
+    unknown = cell.watch.answer('H99', 'retry')
+    assert (unknown.accepted, hold.id in unknown.message) == (False, True)
+    impossible = cell.watch.answer(hold.id, 'dance')
+    assert (impossible.accepted, 'retry' in impossible.message) == (False, True)
+    absent = cell.watch.remove('WO-1/7')
+    assert (absent.accepted, 'WO-1/1' in absent.message) == (False, True)
+
+    assert cell.watch.answer(hold.id, 'retry').accepted
+    assert cell.watch.until_ended('WO-1').packed == 1
+    assert not cell.watch.answer(hold.id, 'retry').accepted, 'it is answered'
+    cell.stop()
+
+
+@pytest.mark.parametrize('quantity', [2**32 - 1])
+def test_a_very_large_order_delays_nobody(small_cell: CellProcesses, quantity: int) -> None:
+    small_cell.run_small(quantity=quantity)
+    small_cell.watch.until('item.removed', count=2)
+
+    assert small_cell.watch.status.jobs[0].quantity == quantity
+    small_cell.stop()
