@@ -34,6 +34,9 @@ components:
 """Relative names, for namespaces; a task takes 1 s of simulated time, the worker's TASK_B a
 minute of real time at SPEED, and its TASK_C two seconds."""
 
+STATELESS_CELL = '\n'.join(line for line in SMALL_CELL.splitlines() if 'state:' not in line)
+"""Its worker is always ready; one with a state topic is not, as long as its server is absent."""
+
 
 def small_script(name: str = 'small', options: str = '', task: str = 'TASK_A') -> str:
     """Return a script for the small cell.

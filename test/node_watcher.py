@@ -62,6 +62,11 @@ class NodeWatcher:
         """Return the events of a name that have these values."""
         return [e for e in self.events if e['event'] == event and about.items() <= e.items()]
 
+    def assert_gapless(self) -> None:
+        """Fail if an event is missing, or out of order, since the first one that was heard."""
+        numbers = [event['seq'] for event in self.events]
+        assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))
+
     def reasons(self, task: str) -> list[str]:
         """Return why the attempts at a task failed, in order."""
         return [event['reason'] for event in self.seen('task.failed', task=task)]

@@ -6,7 +6,7 @@ import signal
 import time
 
 import pytest
-from cell_processes import CellProcesses, StartCell
+from cell_processes import STATELESS_CELL, CellProcesses, StartCell
 
 from bt_orchestrator.ros.node import FAREWELL_S
 
@@ -91,7 +91,7 @@ def test_a_second_signal_ends_the_node_at_once(stubborn_cell: CellProcesses) -> 
 
 
 def test_a_goal_that_waits_for_its_server_is_withdrawn(start_cell: StartCell) -> None:
-    cell = start_cell(fail=['worker.=absent'])
+    cell = start_cell(STATELESS_CELL, fail=['worker.=absent'])
     cell.connect(wait_servers=False)
     cell.watch.wait_servers(but='worker')
     cell.run_small()

@@ -5,15 +5,17 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from cell_processes import CellProcesses, StartCell
+from cell_processes import SMALL_CELL, STATELESS_CELL, CellProcesses, StartCell
 
 from bt_orchestrator.model.goal import RESULT_CHECK_S, SERVER_LEASE_S
 from bt_orchestrator.runtime.flights import GRACE_S
 
 
-def start(start_cell: StartCell, *faults: str, **options: Any) -> CellProcesses:
-    """Start the small cell with faults of its worker."""
-    cell = start_cell(fail=[f'worker.{fault}' for fault in faults], **options)
+def start(
+    start_cell: StartCell, *faults: str, text: str = SMALL_CELL, **options: Any
+) -> CellProcesses:
+    """Start a small cell with faults of its worker."""
+    cell = start_cell(text, fail=[f'worker.{fault}' for fault in faults], **options)
     cell.connect(wait_servers=False)
     cell.watch.wait_servers(but='worker')
     return cell
@@ -191,9 +193,8 @@ def test_a_server_that_died_and_stays_away_has_lost_the_task(start_cell: StartCe
 
 
 def test_a_goal_waits_for_a_server_that_comes_late(start_cell: StartCell) -> None:
-    cell = start(
-        start_cell, '=absent:120', run_options=['--ros-args', '-p', 'server_timeout:=30.0']
-    )
+    options = ['--ros-args', '-p', 'server_timeout:=30.0']
+    cell = start(start_cell, '=absent:160', text=STATELESS_CELL, run_options=options)
     cell.run_small()
 
     started = cell.watch.until('task.started', task='work')
@@ -204,7 +205,8 @@ def test_a_goal_waits_for_a_server_that_comes_late(start_cell: StartCell) -> Non
 
 
 def test_a_server_that_never_comes_is_unavailable(start_cell: StartCell) -> None:
-    cell = start(start_cell, '=absent', run_options=['--ros-args', '-p', 'server_timeout:=0.5'])
+    options = ['--ros-args', '-p', 'server_timeout:=0.5']
+    cell = start(start_cell, '=absent', text=STATELESS_CELL, run_options=options)
     cell.run_small(', on_failure: continue')
 
     assert_packed(cell, nonconforming=1)

@@ -48,9 +48,9 @@ def test_events_are_numbered_without_gaps_and_in_time(small_cell: CellProcesses)
     small_cell.watch.until_ended('WO-1')
     small_cell.watch.until('cell.state_changed', state='Complete')
 
-    events = small_cell.watch.events
-    assert [event['seq'] for event in events] == list(range(1, len(events) + 1))
-    times = [event['time'] for event in events]
+    small_cell.watch.assert_gapless()
+    assert len(small_cell.watch.events) > 50
+    times = [event['time'] for event in small_cell.watch.events]
     assert times == sorted(times)
     small_cell.stop()
 

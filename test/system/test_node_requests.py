@@ -105,7 +105,7 @@ def test_garbage_in_every_service_is_answered(small_cell: CellProcesses) -> None
         response = watch.call(SubmitOrder, 'submit_order', order)
         assert not response.accepted, text
         assert response.findings, text
-    assert not watch.events, 'nothing was recorded'
+    assert {event['event'] for event in watch.events} <= {'component.state_changed'}
     assert_alive(small_cell)
 
 

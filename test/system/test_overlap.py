@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from cell_processes import CellProcesses, small_script
 
 INITIALIZATION = """
@@ -22,7 +24,7 @@ def test_the_second_job_follows_while_the_first_is_on_the_line(
     assert watch.until_ended('WO-1').packed == 2
     assert watch.until_ended('WO-2').packed == 2
 
-    def when(event: str, **about: object) -> int:
+    def when(event: str, **about: Any) -> int:
         return int(watch.until(event, **about)['seq'])
 
     source_done = when('cycle.completed', section=1, item='WO-1/2')
