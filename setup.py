@@ -39,6 +39,7 @@ setuptools.setup(
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (SHARE, ['package.xml']),
         share_files('config'),
+        share_files('config/orders'),
         share_files('launch'),
         share_files('trees'),
     ],

@@ -47,6 +47,14 @@ class UnknownActionType(OrchestratorError):
         super().__init__(f'{what}; {hint}')
 
 
+class JournalFailed(OrchestratorError):
+    """Events could not be made durable; what they would have done is not done."""
+
+
+class JournalMismatch(OrchestratorError):
+    """The journal's unfinished work does not fit the cell that is to be run."""
+
+
 class CommandRefused(OrchestratorError):
     """A command cannot be carried out now; the message is the answer to its sender."""
 

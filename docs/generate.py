@@ -40,6 +40,7 @@ FIELDS: Mapping[str, str] = {
     'args': 'goal fields with plain values, references resolved',
     'attempt': 'which attempt, from 1',
     'beat': 'the beat that begins',
+    'cell': 'name of the cell',
     'component': 'name of the component in the cell file',
     'definition': 'the whole script, bound to the cell',
     'digest': 'name of the script by what it says: equal scripts have equal digests',
@@ -148,8 +149,19 @@ def _event_fields(
         if own is None and field.name in PLACE:
             place.append(f'`{field.name}{absent}`')
         else:
-            lines.append(f'`{field.name}{absent}`: {_cell(own or FIELDS[field.name])}')
+            lines.append(f'`{field.name}{absent}`: {_cell(own or _common(kind, field.name))}')
     return [', '.join(place), *lines] if place else lines
+
+
+def _common(kind: type[events.Event], field: str) -> str:
+    """Return what a field means in any event.
+
+    :raises SystemExit: nobody says it
+    """
+    if field not in FIELDS:
+        what = f'{kind.__name__}.{field} has no meaning; write a docstring below the field'
+        raise SystemExit(f'docs/generate.py: {what}, or a line in FIELDS')
+    return FIELDS[field]
 
 
 def _has_default(field: dataclasses.Field[Any]) -> bool:
@@ -186,7 +198,7 @@ def fault_kinds() -> Iterator[str]:
     assert isinstance(source, ast.ClassDef)
     for member, below in zip(source.body, source.body[1:], strict=False):
         if isinstance(member, ast.Assign) and isinstance(member.value, ast.Constant):
-            yield f'| `{member.value.value}` | {_cell(_string(below) or "")} |'
+            yield f'| `{member.value.value!s}` | {_cell(_string(below) or "")} |'
     yield ''
 
 

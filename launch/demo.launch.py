@@ -1,8 +1,10 @@
 """A simulated cell in two processes and the tree node that runs it.
 
-ros2 launch bt_orchestrator demo.launch.py --show-args
-ros2 launch bt_orchestrator demo.launch.py speed:=4.0
-ros2 run bt_orchestrator bt-orchestrator submit ORDER
+    ros2 launch bt_orchestrator demo.launch.py --show-args
+    ros2 launch bt_orchestrator demo.launch.py speed:=4.0
+    ros2 run bt_orchestrator bt-orchestrator submit ORDER
+
+ORDER is a work order (YAML); the tree node waits for one.
 """
 
 from __future__ import annotations

@@ -148,9 +148,9 @@ def _fault(fault: Fault) -> str:
     return f'{fault.task or ""}#{nth}={fault.kind.value}{seconds}'
 
 
-def running_bench(components: Sequence[Component]) -> RosBench:
+def running_bench(components: Sequence[Component], **options: Any) -> RosBench:
     """Return a bench whose servers were discovered, except those that are told to be absent."""
-    bench = RosBench(components)
+    bench = RosBench(components, **options)
     present = [c.name for c in components if all(f.kind is not FaultKind.ABSENT for f in c.faults)]
     bench.run_until(
         lambda: all(bench.gateway.available(name) for name in present), 'all servers', DISCOVERY_S

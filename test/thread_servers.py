@@ -51,6 +51,10 @@ class ThreadServers:
         )
         self._servers.append(server)
 
+    def run(self, callback: Callable[[], None]) -> None:
+        """Call back in a thread of the servers."""
+        self._executor.create_task(callback)
+
     def close(self) -> None:
         """Leave ROS."""
         self._executor.shutdown()

@@ -12,7 +12,7 @@ from bt_orchestrator.errors import Finding, Refused
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.script import Script
-from bt_orchestrator.ports import ActionTypes, AdmissionCheck, EventSink
+from bt_orchestrator.ports import ActionTypes, AdmissionCheck, EventSink, EventStore
 from bt_orchestrator.script.admission import admit
 from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.script.lookup import find_script
@@ -22,6 +22,7 @@ from bt_orchestrator.script.script_file import read_script
 from bt_orchestrator.sim.proof import DeadlockProof
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryStore
+from bt_orchestrator.store.sqlite import SqliteStore
 
 _T = TypeVar('_T')
 
@@ -120,6 +121,14 @@ def load_jobs(
     assert cell is not None
     assert jobs is not None
     return cell, jobs
+
+
+def open_journal(path: Path | None) -> EventStore:
+    """Open the journal in a file; without one, a journal in memory.
+
+    :raises JournalUnusable: the file cannot be used
+    """
+    return MemoryStore() if path is None else SqliteStore(path)
 
 
 def build_simulation(cell: Cell, types: ActionTypes, sinks: Sequence[EventSink]) -> Simulation:

@@ -49,6 +49,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         '--executor', choices=('single', 'events'), default='single', help='rclpy executor'
     )
     parser.add_argument(
+        '--journal',
+        type=Path,
+        metavar='FILE',
+        help='durable journal (SQLite): what was begun goes on after a crash; without it nothing '
+        'survives the process',
+    )
+    parser.add_argument(
+        '--auto-resume',
+        action='store_true',
+        help='after a restart with unfinished work, go on without waiting for `resume`',
+    )
+    parser.add_argument(
         '--no-auto-start',
         action='store_true',
         help='wait for reset and start instead of starting when an order arrives',
@@ -63,11 +75,10 @@ def run(args: argparse.Namespace) -> int:
 
 def _run(args: argparse.Namespace, stop: StopSignals) -> int:
     # Imported here, so that --help needs no ROS.
-    from bt_orchestrator.cli.bootstrap import build_admission_check
+    from bt_orchestrator.cli.bootstrap import build_admission_check, open_journal
     from bt_orchestrator.model.goal import SERVER_TIMEOUT_S
     from bt_orchestrator.ros.node import Parts, run_node
     from bt_orchestrator.ros.parameters import DEFAULT_TICK_RATE_HZ, NodeParameters
-    from bt_orchestrator.store.memory import MemoryStore
 
     defaults = NodeParameters(
         cell=args.cell,
@@ -75,10 +86,12 @@ def _run(args: argparse.Namespace, stop: StopSignals) -> int:
         tick_rate_hz=DEFAULT_TICK_RATE_HZ,
         executor=args.executor,
         auto_start=not args.no_auto_start,
+        auto_resume=args.auto_resume,
+        journal=args.journal,
         server_timeout_s=SERVER_TIMEOUT_S,
     )
     ros_args = getattr(args, 'ros_args', ())
-    parts = Parts(MemoryStore, build_admission_check)
+    parts = Parts(open_journal, build_admission_check)
     left = run_node(defaults, parts, stop, _say, namespace=args.namespace, ros_args=ros_args)
     for task in left:
         print(f'still running at its server: {task}', file=sys.stderr)

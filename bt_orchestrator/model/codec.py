@@ -17,6 +17,7 @@ from functools import lru_cache
 from typing import Any, TypeVar, cast
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.reference import Reference, Template
 from bt_orchestrator.model.script import Script
 
@@ -49,9 +50,9 @@ def event_types() -> Mapping[str, type[e.Event]]:
     return {c.event: c for c in classes if hasattr(c, 'event')}
 
 
-def digest(script: Script) -> str:
-    """Name a script by what it says: equal scripts have equal digests."""
-    text = json.dumps(to_plain(script), sort_keys=True)
+def digest(definition: Script | Cell) -> str:
+    """Name a script or a cell by what it says: equal ones have equal digests."""
+    text = json.dumps(to_plain(definition), sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:12]
 
 

@@ -35,11 +35,27 @@ class RemoveItem:
 
 
 @dataclass(frozen=True)
+class Pause:
+    """Start nothing more; what runs goes on to its end (semantics 7.2)."""
+
+    who: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Resume:
+    """Go on after a pause, or after a restart with unfinished work."""
+
+    who: str
+    reason: str
+
+
+@dataclass(frozen=True)
 class Shutdown:
     """Cancel every goal and start nothing more (semantics 2.6)."""
 
 
-Command = SubmitJob | AnswerHold | RemoveItem | Shutdown
+Command = SubmitJob | AnswerHold | RemoveItem | Pause | Resume | Shutdown
 
 
 @dataclass(frozen=True)

@@ -137,6 +137,24 @@ class TaskStarted(TaskEvent):
 
 
 @dataclass(frozen=True, kw_only=True)
+class TaskAdopted(TaskEvent):
+    """After a restart the goal in flight is asked for by its UUID (semantics 9.2)."""
+
+    event: ClassVar[str] = 'task.adopted'
+    attempt: int
+    goal: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class TaskResent(TaskEvent):
+    """The server does not know an adopted goal; a repeatable task is sent again, same UUID."""
+
+    event: ClassVar[str] = 'task.resent'
+    attempt: int
+    goal: str
+
+
+@dataclass(frozen=True, kw_only=True)
 class TaskCancelRequested(TaskEvent):
     """The orchestrator asks the server to cancel a goal in flight."""
 
@@ -396,6 +414,16 @@ class OperatorDecided(Event):
     reason: str
     hold: str | None = None
     item: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class OrchestratorStarted(Event):
+    """An orchestrator took the cell over, with whatever the journal says of it."""
+
+    event: ClassVar[str] = 'orchestrator.started'
+    cell: str
+    digest: str
+    """Of the cell's definition."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -83,6 +83,7 @@ def _job_queued(event: e.JobQueued, state: CellState) -> None:
             flag = FlagState(dependency.initial, dependency.capacity)
             state.flags[dependency.flag] = flag
     state.jobs[event.job] = JobState(job, event.digest, queued_at=event.time)
+    state.order_arrived = True
 
 
 @_on(e.JobStarted)
@@ -124,6 +125,11 @@ def _task_started(event: e.TaskStarted, state: CellState) -> None:
     state.reserved[event.component] = event.key
     for zone in _zones(state, event.key):
         state.zones[zone] = event.key
+
+
+@_on(e.TaskAdopted, e.TaskResent)
+def _task_goes_on(event: e.TaskAdopted | e.TaskResent, state: CellState) -> None:
+    assert state.running[event.key].goal == event.goal
 
 
 @_on(e.TaskCancelRequested)
@@ -382,9 +388,16 @@ def _operator_decided(_: e.OperatorDecided, state: CellState) -> None:
     """Change nothing: what the decision means follows as events of its own."""
 
 
+@_on(e.OrchestratorStarted)
+def _orchestrator_started(event: e.OrchestratorStarted, state: CellState) -> None:
+    state.cell_digest = event.digest
+    state.order_arrived = bool(state.jobs)
+
+
 @_on(e.CellStateChanged)
 def _cell_state_changed(event: e.CellStateChanged, state: CellState) -> None:
     state.mode = Mode(event.state)
     # Not when it is left: an order that arrives in Stopped must not see what was before.
     if state.mode is Mode.STOPPED:
         state.done_once.clear()
+        state.order_arrived = False

@@ -41,7 +41,8 @@ def stopped_because(state: CellState) -> str | None:
 
 def _hold_in_words(state: CellState) -> Iterator[str]:
     for hold in state.holds.values():
-        yield f'hold {hold.id} ({hold.task or hold.item}: {hold.reason})'
+        what = hold.task or hold.item
+        yield f'hold {hold.id} ({f"{what}: " if what else ""}{hold.reason})'
 
 
 # --- jobs -----------------------------------------------------------------------------------

@@ -161,6 +161,11 @@ class Hold:
     since: float
 
     @property
+    def is_pause(self) -> bool:
+        """Tell whether it is about no task and no item, but about the whole cell."""
+        return self.task is None and self.item is None
+
+    @property
     def key(self) -> TaskKey | None:
         """The task that is held, if it is a task."""
         if self.task is None:
@@ -181,9 +186,14 @@ class CellState:
 
     def __init__(self, cell: Cell) -> None:
         self.cell = cell
+        self.cell_digest = ''
+        """Of the cell as the last orchestrator knew it; empty: there was none."""
         self.seq = 0
         """Last event applied."""
         self.mode = Mode.STOPPED
+        self.order_arrived = False
+        """There is work that nobody stopped: since the cell was last Stopped a job was queued, or
+        an orchestrator started with jobs. So a shutdown is no reason to start again."""
         self.beat = 1
         self.indexing = False
         """True from `belt.index_started` to `belt.indexed`."""
@@ -231,6 +241,11 @@ class CellState:
     def move(self) -> TaskState | None:
         """The belt's own move, if one was begun in this beat."""
         return self.tasks.get(INDEX_KEY)
+
+    @property
+    def pauses(self) -> list[Hold]:
+        """The holds under which nothing starts anywhere, not even in a cycle in hand."""
+        return [hold for hold in self.holds.values() if hold.is_pause]
 
     @property
     def next_hold(self) -> str:

@@ -150,6 +150,7 @@ class ActionLink:
         else:
             goal.next_check_s = time.monotonic() + RESULT_CHECK_S
             self._in_flight[goal] = None
+            self._client.expect(goal.id, partial(self._on_accepted, goal))
 
     def _request(self, goal: RosGoal) -> None:
         message = self._class.Goal()
@@ -174,11 +175,18 @@ class ActionLink:
             if goal.end is not None:
                 self._on_late_response(goal, response, accepted)
             elif not accepted:
-                self._end(goal, GoalStatus.REJECTED, message='refused by the server')
-            elif not goal.accepted:
-                self._accept(goal)
-                self._ask(goal, is_check=False)
-                self._repeat_cancel(goal)
+                # It may have this UUID already: then it is no rejection (semantics 9.2).
+                goal.refused = True
+                self._ask(goal, is_check=True)
+            else:
+                self._on_accepted(goal)
+
+    def _on_accepted(self, goal: RosGoal) -> None:
+        if goal.accepted or goal.end is not None:
+            return
+        self._accept(goal)
+        self._ask(goal, is_check=False)
+        self._repeat_cancel(goal)
 
     def _on_late_response(self, goal: RosGoal, response: Any, accepted: bool) -> None:
         if response in self._unanswered:
@@ -202,7 +210,9 @@ class ActionLink:
     def _on_unknown(self, goal: RosGoal) -> None:
         goal.unknown_count += 1
         believed = 1 if goal.accepted or goal.adopted else REQUEST_CHECKS
-        if goal.unknown_count >= believed:
+        if goal.refused:
+            self._end(goal, GoalStatus.REJECTED, message='refused by the server')
+        elif goal.unknown_count >= believed:
             self._lose(goal, 'the server does not know the goal (any more)')
 
     def _on_feedback(self, goal: RosGoal, message: Any) -> None:
@@ -225,7 +235,7 @@ class ActionLink:
             goal.next_check_s += RESULT_CHECK_S
             if not goal.accepted:
                 self._repeat_cancel(goal)
-            if goal.adopted and not goal.accepted:
+            if (goal.adopted or goal.refused) and not goal.accepted:
                 self._accept(goal)  # a server that does not know it would have said so
             self._ask(goal, is_check=True)
 

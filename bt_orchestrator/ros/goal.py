@@ -25,6 +25,7 @@ class RosGoal:
         'end',
         'id',
         'next_check_s',
+        'refused',
         'request',
         'response',
         'unknown_count',
@@ -38,6 +39,8 @@ class RosGoal:
         self.adopted = False
         """True for a goal of an earlier process, which is asked for and never sent."""
         self.cancel_requested = False
+        self.refused = False
+        """True once the server said no, and is asked whether it has the UUID already."""
         self.response: Any = None
         """Future of the server's answer to the request."""
         self.next_check_s = 0.0

@@ -25,6 +25,7 @@ class GoalClient(ActionClient):  # type: ignore[type-arg] # no Generic in Jazzy'
 
     def __init__(self, node: Node, action_class: Any, name: str) -> None:
         self._asked: dict[bytes, list[int]] = {}
+        self._unconfirmed: dict[bytes, Callable[[], None]] = {}
         super().__init__(node, action_class, name)
 
     def add_future(self, future: Any) -> None:
@@ -41,8 +42,17 @@ class GoalClient(ActionClient):  # type: ignore[type-arg] # no Generic in Jazzy'
             one: Any = {kind: data}
             try:
                 await super().execute(one)
+                if kind == 'status':
+                    self._confirm(data)
             except Exception:  # noqa: BLE001 - whatever it is, the other goals go on
                 report(self._logger)
+
+    def expect(self, goal_id: UUID, confirmed: Callable[[], None]) -> None:
+        """Call back, once, when the server's status topic lists a goal: it was accepted.
+
+        The answer to a request can be lost, when the server had not discovered this client yet.
+        """
+        self._unconfirmed[bytes(goal_id.uuid)] = confirmed
 
     def ask_result(self, goal_id: UUID, answered: Callable[[Any], None]) -> None:
         """Ask for the result of a goal of any client; an unknown goal is answered at once.
@@ -65,6 +75,7 @@ class GoalClient(ActionClient):  # type: ignore[type-arg] # no Generic in Jazzy'
         key = bytes(goal_id.uuid)
         self._feedback_callbacks.pop(key, None)
         self._goal_handles.pop(key, None)
+        self._unconfirmed.pop(key, None)
         for sequence in self._asked.pop(key, ()):
             self._pending_result_requests.pop(sequence, None)
 
@@ -78,6 +89,15 @@ class GoalClient(ActionClient):  # type: ignore[type-arg] # no Generic in Jazzy'
     def forget_cancels(self) -> None:
         """Stop waiting for answers to cancel requests."""
         self._pending_cancel_requests.clear()
+
+    def _confirm(self, statuses: Any) -> None:
+        if not self._unconfirmed:
+            return
+        for status in statuses.status_list:
+            key = bytes(status.goal_info.goal_id.uuid)
+            confirmed = self._unconfirmed.pop(key, None)
+            if confirmed is not None:
+                confirmed()
 
     def _handle(self, goal_id: UUID) -> Any:
         """Make a goal handle by hand, the only way to speak of a goal that nobody answered for."""

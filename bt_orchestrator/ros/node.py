@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -16,6 +16,7 @@ from rclpy.signals import SignalHandlerOptions
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.commands import Shutdown
+from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.ports import ActionTypes, AdmissionCheck, EventStore
 from bt_orchestrator.ros.action_types import InstalledActionTypes
 from bt_orchestrator.ros.clock import RosClock
@@ -46,7 +47,8 @@ class NoCell(OrchestratorError):
 class Parts(NamedTuple):
     """What the node is given from other rooms."""
 
-    make_store: Callable[[], EventStore]
+    make_store: Callable[[Path | None], EventStore]
+    """Opens the journal of a path; without one, one in memory."""
     make_admission_check: Callable[[Cell, ActionTypes], AdmissionCheck]
 
 
@@ -75,10 +77,11 @@ class TreeNode:
             cell,
             self._gateway,
             RosClock(node),
-            parts.make_store(),
+            parts.make_store(self.parameters.journal),
             [EventsTopic(node)],
             wake=self.heart.wake,
             auto_start=self.parameters.auto_start,
+            auto_resume=self.parameters.auto_resume,
         )
         admission = parts.make_admission_check(cell, types)
         Services(node, self.orchestrator, types, self.parameters.trees, admission)
@@ -112,7 +115,7 @@ class TreeNode:
         while running and stop.count == first and time.monotonic() < deadline:
             self._spin_once(0.1)
         self._status.publish_now()
-        return [f'{key} (goal {task.goal})' for key, task in running.items()]
+        return list(self._without_end())
 
     def close(self) -> None:
         """Let go of everything."""
@@ -120,6 +123,13 @@ class TreeNode:
         self._gateway.close()
         self.executor.shutdown()
         self.node.destroy_node()
+
+    def _without_end(self) -> Iterator[str]:
+        """Yield the tasks whose goals may go on; those in doubt count as running no more."""
+        state = self.orchestrator.state
+        for key in state.reserved.values():
+            if state.tasks[key].reason is not Reason.SERVER_LOST:
+                yield f'{key} (goal {state.tasks[key].goal})'
 
     def _spin_once(self, timeout_s: float | None) -> None:
         try:

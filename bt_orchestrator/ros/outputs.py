@@ -88,7 +88,9 @@ class Diagnostics:
         level, text = DiagnosticStatus.OK, state.mode.value
         if state.holds:
             level, text = DiagnosticStatus.WARN, f'{len(state.holds)} holds wait for an answer'
-        if self._heart.failures:
+        if self._orchestrator.broken:
+            level, text = DiagnosticStatus.ERROR, self._orchestrator.broken
+        elif self._heart.failures:
             level, text = DiagnosticStatus.ERROR, f'{self._heart.failures} settles failed'
         values = {'state': state.mode.value, 'seq': str(state.seq), 'jobs': str(len(state.jobs))}
         values |= {f'hold {h.id}': f'{h.task or h.item}: {h.reason}' for h in state.holds.values()}

@@ -21,6 +21,9 @@ class NodeParameters:
     tick_rate_hz: float
     executor: str
     auto_start: bool
+    auto_resume: bool
+    journal: Path | None
+    """None: events are kept in memory, and gone with the process."""
     server_timeout_s: float
 
 
@@ -35,6 +38,11 @@ def declare(node: Node, defaults: NodeParameters) -> NodeParameters:
         'trees',
         [str(folder) for folder in defaults.trees],
         'Folders in which scripts are looked up by name, in order.',
+    )
+    journal = value(
+        'journal',
+        str(defaults.journal or ''),
+        'File of the durable journal (SQLite); empty: in memory, gone with the process.',
     )
     return NodeParameters(
         cell=Path(value('cell', str(defaults.cell), 'Cell file (YAML): what exists.')),
@@ -56,6 +64,12 @@ def declare(node: Node, defaults: NodeParameters) -> NodeParameters:
             defaults.auto_start,
             'The cell resets and starts by itself when an order arrives.',
         ),
+        auto_resume=value(
+            'auto_resume',
+            defaults.auto_resume,
+            'After a restart with unfinished work, go on without waiting for resume.',
+        ),
+        journal=Path(journal) if journal else None,
         server_timeout_s=value(
             'server_timeout',
             defaults.server_timeout_s,

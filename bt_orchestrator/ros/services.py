@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from bt_orchestrator_interfaces.srv import AnswerHold, RemoveItem, SubmitOrder
+from bt_orchestrator_interfaces.srv import AnswerHold, Command, RemoveItem, SubmitOrder
 from rclpy.node import Node
 
 from bt_orchestrator.errors import Refused
@@ -18,6 +18,7 @@ from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.script.admission import admit
 from bt_orchestrator.script.lookup import find_script
 from bt_orchestrator.script.order_file import bind_order, params_from_text
+from bt_orchestrator.script.parameter_uses import action_types
 from bt_orchestrator.script.script_file import read_script
 
 
@@ -35,12 +36,14 @@ class Services:
         self._node = node
         self._orchestrator = orchestrator
         self._types = types
+        self._types_by_component = action_types(orchestrator.state.cell, types)
         self._trees = trees
         self._admission = admission
         self._numbers = itertools.count(1)
         self._serve(SubmitOrder, 'submit_order', self._submit)
         self._serve(AnswerHold, 'answer_hold', self._answer)
         self._serve(RemoveItem, 'remove_item', self._remove)
+        self._serve(Command, 'command', self._command)
 
     def _serve(self, kind: Any, name: str, handle: Callable[[Any, Any], None]) -> None:
         def answer(request: Any, response: Any) -> Any:
@@ -80,7 +83,8 @@ class Services:
             request.quantity or None,
             params_from_text(params, script),
         )
-        return bind_order(order, script, order.order or self._new_id())
+        job_id = order.order or self._new_id()
+        return bind_order(order, script, job_id, types=self._types_by_component)
 
     def _new_id(self) -> str:
         state = self._orchestrator.state
@@ -96,3 +100,15 @@ class Services:
         command = commands.RemoveItem(request.item, request.who, request.reason)
         answer = self._orchestrator.ask(command)
         response.accepted, response.message = answer.accepted, answer.message
+
+    def _command(self, request: Any, response: Any) -> None:
+        kind = _COMMANDS.get(request.command)
+        if kind is None:
+            known = ', '.join(_COMMANDS)
+            response.message = f'unknown command {request.command!r}; one of {known}'
+            return
+        answer = self._orchestrator.ask(kind(request.who, request.reason))
+        response.accepted, response.message = answer.accepted, answer.message
+
+
+_COMMANDS: Mapping[str, type[commands.Pause] | type[commands.Resume]] = {'pause': commands.Pause, 'resume': commands.Resume}

@@ -3,7 +3,14 @@
 from __future__ import annotations
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.commands import AnswerHold, Command, RemoveItem, SubmitJob
+from bt_orchestrator.model.commands import (
+    AnswerHold,
+    Command,
+    Pause,
+    RemoveItem,
+    Resume,
+    SubmitJob,
+)
 from bt_orchestrator.model.failures import SHUTDOWN
 from bt_orchestrator.model.packml import Mode
 from bt_orchestrator.runtime import operators, orders
@@ -24,6 +31,12 @@ def answer_to(command: Command, ledger: Ledger) -> str:
     if isinstance(command, RemoveItem):
         ledger.record(operators.remove(ledger.state, command))
         return f'{command.item} is off the belt'
+    if isinstance(command, Pause):
+        ledger.record(operators.pause(ledger.state, command))
+        return 'the cell starts nothing more'
+    if isinstance(command, Resume):
+        ledger.record(list(operators.resume(ledger.state, command)))
+        return 'the cell goes on'
     return _shut_down(ledger)
 
 

@@ -8,6 +8,7 @@ from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.action_type import TASK_RESULT
 from bt_orchestrator.model.goal import GoalEnd, GoalRequest, GoalStatus, Reason, StateReading
+from bt_orchestrator.model.script import Task
 from bt_orchestrator.model.state import CellState, TaskState
 from bt_orchestrator.ports import ActionGateway, Clock, Goal, Timer
 from bt_orchestrator.runtime.ledger import Ledger
@@ -38,6 +39,8 @@ class Flights:
         self._clock = clock
         self._wake = wake
         self._goals: dict[str, tuple[e.TaskKey, Goal]] = {}
+        self._adopted: set[str] = set()
+        """Goals of an earlier orchestrator, of which nothing was heard yet."""
         self._timers: dict[str, Timer] = {}
         self._expired: list[str] = []
 
@@ -45,6 +48,12 @@ class Flights:
         """Return a goal in flight."""
         found = self._goals.get(uuid)
         return found[1] if found else None
+
+    def close(self) -> None:
+        """Forget every time limit; goals in flight stay as they are."""
+        for timer in self._timers.values():
+            timer.cancel()
+        self._timers.clear()
 
     # --- before the tick --------------------------------------------------------------------
 
@@ -60,17 +69,27 @@ class Flights:
             self._expire(uuid)
 
     def _end(self, goal: Goal, end: GoalEnd) -> None:
-        key, _ = self._goals.pop(goal.request.id, (None, None))
+        key, held = self._goals.get(goal.request.id, (None, None))
+        if key is None or held is not goal:
+            return  # given up before (its operator decides), or sent again since
+        del self._goals[goal.request.id]
         timer = self._timers.pop(goal.request.id, None)
         if timer is not None:
             timer.cancel()
-        if key is None:
-            return  # given up before: it was held as in_doubt, and its operator decides
         state = self._ledger.state
-        event = _of_end(key, state.running[key], end)
+        was_unknown = self._forget_adopted(goal) and end.status is GoalStatus.LOST
+        of_end = _of_unknown if was_unknown else _of_end
+        event = of_end(state, key, end)
         self._ledger.record([event])
         if isinstance(event, e.TaskSucceeded):
             self._ledger.record(effects.of_success(state, key))
+
+    def _forget_adopted(self, goal: Goal) -> bool:
+        """Tell whether a goal was adopted and its server never owned up to it."""
+        if goal.request.id not in self._adopted:
+            return False
+        self._adopted.remove(goal.request.id)
+        return not goal.accepted
 
     def _expire(self, uuid: str) -> None:
         if uuid not in self._goals:
@@ -97,17 +116,47 @@ class Flights:
     def follow(self, event: e.Event) -> None:
         """Do what a durable event asks for: send a goal, or cancel one."""
         if isinstance(event, e.TaskStarted):
-            self._send(event)
+            request = GoalRequest(event.goal, event.component, event.name, event.args)
+            self._goals[event.goal] = (event.key, self._gateway.send(request))
+            self._watch(event.key)
+        elif isinstance(event, e.TaskAdopted):
+            self._adopt(event)
+        elif isinstance(event, e.TaskResent):
+            request = self._request(event.key)
+            self._goals[event.goal] = (event.key, self._gateway.send(request))
+            self._watch(event.key)
         elif isinstance(event, e.TaskCancelRequested) and event.goal in self._goals:
             self._goals[event.goal][1].cancel()
             self._arm(event.goal, event.time + GRACE_S)
 
-    def _send(self, event: e.TaskStarted) -> None:
-        request = GoalRequest(event.goal, event.component, event.name, event.args)
-        self._goals[event.goal] = (event.key, self._gateway.send(request))
-        task = self._ledger.state.task(event.key) or index_task(self._ledger.state)
-        if task.timeout_s is not None:
-            self._arm(event.goal, event.time + task.timeout_s)
+    def _adopt(self, event: e.TaskAdopted) -> None:
+        goal = self._gateway.adopt(self._request(event.key))
+        self._goals[event.goal] = (event.key, goal)
+        self._adopted.add(event.goal)
+        if self._ledger.state.running[event.key].cancel_cause is not None:
+            goal.cancel()
+        self._watch(event.key)
+
+    def _request(self, key: e.TaskKey) -> GoalRequest:
+        """Return the request of a task that runs, as it was sent."""
+        running = self._ledger.state.running[key]
+        assert running.goal is not None
+        task = self._task(key)
+        return GoalRequest(running.goal, task.component, task.name, running.args)
+
+    def _task(self, key: e.TaskKey) -> Task:
+        return self._ledger.state.task(key) or index_task(self._ledger.state)
+
+    def _watch(self, key: e.TaskKey) -> None:
+        """Arm the time limit of a goal in flight, or the grace of one that is cancelled."""
+        running = self._ledger.state.tasks[key]
+        timeout_s = self._task(key).timeout_s
+        if running.goal is None:
+            return
+        if running.cancel_cause is not None:
+            self._arm(running.goal, self._clock.now() + GRACE_S)
+        elif timeout_s is not None:
+            self._arm(running.goal, running.started + timeout_s)
 
     def _arm(self, uuid: str, time: float) -> None:
         before = self._timers.pop(uuid, None)
@@ -127,8 +176,24 @@ def _of_reading(state: CellState, reading: StateReading) -> Iterator[e.Event]:
     yield e.ComponentStateChanged(component=reading.component, ready=ready, value=reading.value)
 
 
-def _of_end(key: e.TaskKey, task: TaskState, end: GoalEnd) -> e.TaskEvent:
+def _of_unknown(state: CellState, key: e.TaskKey, end: GoalEnd) -> e.TaskEvent:
+    """Return what becomes of an adopted goal that its server does not know (semantics 9.2)."""
+    running, task = state.running[key], state.task(key)
+    assert running.goal is not None
+    if task is not None and task.repeatable and running.cancel_cause is None:
+        return e.TaskResent(**key._asdict(), attempt=running.attempt, goal=running.goal)
+    return e.TaskFailed(
+        **key._asdict(),
+        attempt=running.attempt,
+        goal=running.goal,
+        reason=Reason.IN_DOUBT.value,
+        message=f'after a restart of the orchestrator: {end.message}',
+    )
+
+
+def _of_end(state: CellState, key: e.TaskKey, end: GoalEnd) -> e.TaskEvent:
     """Return what the end of a goal means for its task (semantics 2.2, 2.3)."""
+    task = state.running[key]
     assert task.goal is not None
     results = {name: value for name, value in end.result.items() if name != TASK_RESULT}
     if end.status is GoalStatus.SUCCEEDED and end.result.get(TASK_RESULT, True) is not False:

@@ -36,7 +36,9 @@ def _due(
     state: CellState, now: float, *, quiet: bool, auto_start: bool
 ) -> tuple[Mode, str] | None:
     mode = state.mode
-    if mode in (Mode.STOPPED, Mode.COMPLETE):
+    if mode is Mode.STOPPED:
+        return (Mode.RESETTING, 'an order arrived') if auto_start and state.order_arrived else None
+    if mode is Mode.COMPLETE:
         return (Mode.RESETTING, 'an order arrived') if auto_start and state.jobs else None
     if mode is Mode.IDLE:
         return (Mode.STARTING, 'an order arrived') if auto_start and state.jobs else None

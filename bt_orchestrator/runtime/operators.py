@@ -8,9 +8,12 @@ from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import OnFailure
-from bt_orchestrator.model.commands import AnswerHold, RemoveItem
+from bt_orchestrator.model.commands import AnswerHold, Pause, RemoveItem, Resume
 from bt_orchestrator.model.failures import abort_all_on_the_belt, pass_over
 from bt_orchestrator.model.state import CellState, Hold
+
+RESUME = 'resume'
+"""What ends a pause."""
 
 
 def answer(state: CellState, command: AnswerHold, now: float) -> Iterator[e.Event]:
@@ -49,11 +52,38 @@ def remove(state: CellState, command: RemoveItem) -> Iterator[e.Event]:
         yield e.HoldReleased(hold=hold.id)
 
 
+def pause(state: CellState, command: Pause) -> Iterator[e.Event]:
+    """Keep the cell from starting anything (semantics 7.2)."""
+    yield e.OperatorDecided(answer='pause', who=command.who, reason=command.reason)
+    yield e.HoldRaised(
+        hold=state.next_hold,
+        reason='paused',
+        message=f'{command.who}: {command.reason}',
+        answers=(RESUME,),
+    )
+
+
+def resume(state: CellState, command: Resume) -> Iterator[e.Event]:
+    """Go on after pauses and restarts.
+
+    :raises CommandRefused: the cell does not wait for that
+    """
+    if not state.pauses:
+        waiting = ', '.join(f'hold {hold}' for hold in state.holds)
+        why = f'it waits for answers to {waiting}' if waiting else f'it is {state.mode.value}'
+        raise CommandRefused(f'the cell is not paused; {why}')
+    yield e.OperatorDecided(answer=RESUME, who=command.who, reason=command.reason)
+    for hold in state.pauses:
+        yield e.HoldReleased(hold=hold.id)
+
+
 def _offering(state: CellState, command: AnswerHold) -> Hold:
     hold = state.holds.get(command.hold)
     if hold is None:
         there = ', '.join(state.holds) or 'none'
         raise CommandRefused(f'there is no hold {command.hold}; holds now: {there}')
+    if hold.is_pause:
+        raise CommandRefused(f'hold {hold.id} ({hold.reason}) takes no answer; resume the cell')
     if hold.task is None:
         raise CommandRefused(
             f'hold {hold.id} takes no answer; take {hold.item} off the belt and say so with '

@@ -12,7 +12,7 @@ import logging
 import uuid
 from collections.abc import Callable, Sequence
 
-from bt_orchestrator.errors import CommandRefused
+from bt_orchestrator.errors import CommandRefused, JournalFailed
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.commands import Answer, Command
@@ -22,6 +22,7 @@ from bt_orchestrator.runtime import lifecycle
 from bt_orchestrator.runtime.commands import answer_to
 from bt_orchestrator.runtime.flights import Flights
 from bt_orchestrator.runtime.ledger import Ledger
+from bt_orchestrator.runtime.recovery import replay, take_over
 from bt_orchestrator.tree.blackboard import BlackboardProjection
 from bt_orchestrator.tree.compile import CellTree
 
@@ -46,13 +47,18 @@ class Orchestrator:
         *,
         wake: Callable[[], None] = lambda: None,
         auto_start: bool = True,
+        auto_resume: bool = False,
         new_goal_id: Callable[[], str] = lambda: str(uuid.uuid4()),
     ) -> None:
         """Build the engine of a cell; nothing moves before the first settle.
 
         :param wake: asks for a settle soon; called whenever there is something new
+        :param auto_start: the cell resets and starts by itself when an order arrives
+        :param auto_resume: unfinished work in the journal goes on without `Resume`
+        :raises JournalMismatch: the journal is of another cell
         """
         self.state = CellState(cell)
+        replay(self.state, store.read())
         self._store = store
         self._sinks = list(sinks)
         self._auto_start = auto_start
@@ -63,22 +69,27 @@ class Orchestrator:
         self.gateway = gateway
         self.tree = CellTree(self._ledger, self._projection.space)
         self._settling = False
+        self.broken: str | None = None
+        """Why nothing is done any more: the journal could not be written."""
         gateway.listen(wake)
+        self._ledger.record(take_over(self.state, auto_resume=auto_resume))
 
     def ask(self, command: Command) -> Answer:
         """Carry out a command, settle, and return the answer for its sender."""
         try:
-            message = answer_to(command, self._ledger)
+            message = '' if self.broken else answer_to(command, self._ledger)
         except CommandRefused as refused:
             return Answer(accepted=False, message=str(refused))
         self.settle()
-        return Answer(accepted=True, message=message)
+        return Answer(accepted=not self.broken, message=self.broken or message)
 
     def settle(self) -> bool:
         """Take in what is new and let the cell react until nothing changes.
 
         :return: whether anything happened
         """
+        if self.broken:
+            return False
         assert not self._settling, 'settle was called from within a settle'
         self._settling = True
         try:
@@ -91,6 +102,7 @@ class Orchestrator:
     def close(self) -> None:
         """Give up the engine; goals in flight stay as they are."""
         self._ledger.close()
+        self.flights.close()
         self.tree.close()
         self._projection.close()
 
@@ -133,7 +145,15 @@ class Orchestrator:
         events = self._ledger.take_pending()
         if not events:
             return False
-        self._store.append(events)
+        try:
+            self._store.append(events)
+        except JournalFailed as failed:
+            self.broken = (
+                f'{failed}; nothing is sent any more, what runs goes on to its end. Make room or '
+                'mend the file, and start the orchestrator again: it takes over from the journal'
+            )
+            log.error('%s', self.broken)
+            return False
         for event in events:
             self.flights.follow(event)
         for sink in self._sinks:

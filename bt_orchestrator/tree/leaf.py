@@ -82,6 +82,8 @@ class ActionLeaf(Behaviour):
         state, task = self.subject.state, self.subject.task
         if not state.mode.works:
             return f'the cell is {state.mode.value}'
+        if state.pauses:
+            return f'paused: {state.pauses[0].reason}, {state.pauses[0].message}'
         held = self.subject.waits_in_hold()
         if held is not None:
             return held

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import ClassVar
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
@@ -152,7 +153,7 @@ class Invariants:
         assert event.item not in self._there, event
         assert self._slots.pop(event.section) == event.item, event
 
-    _takers: dict[type[e.Event], Callable[..., None]] = {
+    _takers: ClassVar[Mapping[type[e.Event], Callable[..., None]]] = {
         e.ScriptLoaded: _script_loaded,
         e.JobQueued: _job_queued,
         e.JobCompleted: _job_ended,

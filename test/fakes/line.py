@@ -83,9 +83,7 @@ class Line:
 
     def run(self, text: str = THREE, quantity: int = 1, **params: object) -> VirtualRun:
         """Run one job `J` until nothing more can happen."""
-        run = self.begin(text, quantity, **params)
-        run.go()
-        return run
+        return self.begin(text, quantity, rebuild=False, **params).go()
 
 
 def with_section(number: int, tasks: str) -> str:

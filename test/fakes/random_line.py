@@ -79,9 +79,8 @@ class RandomLine:
         if n == self.sections:
             tasks = [f'{{id: pack, @a{n}, qty_change: -1, runs_for: all}}']
             return ['{id: check, @b' + str(n) + '}', *tasks] if random.random() < 0.5 else tasks
-        found = []
-        for number in range(random.randint(0, 3)):
-            found.append(self._task(n, f's{n}_{number}', middle))
+        numbers = range(random.randint(0, 3))
+        found = [self._task(n, f's{n}_{number}', middle) for number in numbers]
         if n == 1:
             policy = random.choice(('', ', on_failure: continue'))
             found.insert(0, f'{{id: place, @a1, qty_change: 1{policy}}}')

@@ -35,9 +35,7 @@ class VirtualRun:
 
     # --- going on ---------------------------------------------------------------------------
 
-    def submit(
-        self, job: str, script: Script, quantity: int = 1, **params: object
-    ) -> Answer:
+    def submit(self, job: str, script: Script, quantity: int = 1, **params: object) -> Answer:
         """Queue a job now."""
         values = {name: p.default for name, p in script.params.items()} | params
         return self.ask(SubmitJob(Job(job, script, quantity, values)))
@@ -179,5 +177,3 @@ def snapshot(state: CellState) -> dict[str, Any]:
     plain = {name: value for name, value in vars(state).items() if name != 'cell'}
     plain['preparations'] = sorted(state.preparations)
     return plain
-
-

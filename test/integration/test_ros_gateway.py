@@ -14,7 +14,7 @@ from ros_bench import RosBench, running_bench
 from thread_servers import ThreadServers
 
 from bt_orchestrator.model.cell import Component
-from bt_orchestrator.model.goal import RESULT_CHECK_S, SERVER_LEASE_S, GoalRequest, GoalStatus
+from bt_orchestrator.model.goal import RESULT_CHECK_S, SERVER_LEASE_S, GoalStatus
 from bt_orchestrator.ros.action_link import ActionLink
 from bt_orchestrator.ros.goal import RosGoal
 from bt_orchestrator.ros.goal_client import GoalClient
@@ -142,7 +142,7 @@ class TestRequest:
         lost = bench.gateway.send(goal_request('slow'))
         assert ended(bench, lost) is GoalStatus.LOST
         end = lost.end
-        decided.set_result(None)
+        servers.run(lambda: decided.set_result(None))
         bench.run_until(cancelled.is_set, 'the cancel request')
         assert lost.end is end
         assert not lost.accepted
@@ -152,6 +152,15 @@ class TestRequest:
         goal = cell.gateway.send(goal_request('good', 'TASK_B'))
         assert ended(cell, goal) is GoalStatus.SUCCEEDED
         assert goal.accepted
+
+    def test_status_topic_tells_of_an_acceptance_whose_answer_was_lost(
+        self, cell: RosBench
+    ) -> None:
+        lose_answers(client(cell, 'hanging'))
+        goal = cell.gateway.send(goal_request('hanging'))
+        cell.run_until(lambda: goal.accepted, 'the acceptance', RESULT_CHECK_S)
+        goal.cancel()
+        assert ended(cell, goal) is GoalStatus.CANCELED
 
     def test_cancel_without_the_answer_to_the_request(self, cell: RosBench) -> None:
         lose_answers(client(cell, 'hanging'))
@@ -227,13 +236,13 @@ class TestErrors:
             assert 'unreadable' in goal.end.message
         assert ended(cell, cell.gateway.send(goal_request('good'))) is GoalStatus.SUCCEEDED
 
-    def test_same_uuid_twice_is_refused_and_nothing_breaks(self, cell: RosBench) -> None:
-        goal = cell.gateway.send(goal_request('hanging'))
+    def test_request_sent_again_after_a_crash_is_not_rejected(self, cell: RosBench) -> None:
+        goal = cell.gateway.send(goal_request('good', 'TASK_B'))
         cell.run_until(lambda: goal.accepted, 'the acceptance')
-        twin = cell.gateway.send(GoalRequest(goal.request.id, 'hanging', 'TASK_A'))
-        assert ended(cell, twin) is GoalStatus.REJECTED
-        goal.cancel()
-        assert ended(cell, goal) is GoalStatus.CANCELED
+        again = cell.gateway.send(goal.request)
+        assert ended(cell, again) is GoalStatus.SUCCEEDED
+        assert ended(cell, goal) is GoalStatus.SUCCEEDED
+        assert len(cell.server.records(event='started')) == 1
 
 
 def test_close_leaves_the_node_usable() -> None:
@@ -288,6 +297,7 @@ def nothing_left(client: GoalClient) -> dict[str, Any]:
         '_feedback_callbacks',
         '_goal_handles',
         '_asked',
+        '_unconfirmed',
         '_futures',
     ]
     return {name: kept for name in names if (kept := getattr(client, name))}

@@ -1,8 +1,8 @@
 """Break one rule after the other, and see whether the tests of that rule notice.
 
 `3_5_belt_waits_for_all_turns.patch` is applied to a copy of the package; the tests whose names
-begin with `test_3_5_` have to fail with it. A patch that they do not notice, or that does not apply
-any more, is a finding.
+begin with `test_3_5_` have to fail with it. A patch that they do not notice, or that does not
+apply any more, is a finding.
 """
 
 from __future__ import annotations
@@ -69,14 +69,16 @@ def copy_package(to: Path) -> None:
     shutil.copytree(ROOT / PACKAGE, to / PACKAGE, ignore=ignored)
 
 
-def applies(patch: Path, copy: Path) -> bool:
-    """Apply a patch to a copy of the package and tell whether it fitted."""
-    command = ['git', 'apply', '--whitespace=nowarn', str(patch)]
+def applies(patch: Path, copy: Path, *, check: bool = False) -> bool:
+    """Apply a patch to a copy of the package and tell whether it fitted.
+
+    :param check: only look
+    """
+    command = ['git', 'apply', *(['--check'] if check else []), str(patch)]
     # Outside of any repository, wherever the temporary folder is.
     environment = {**os.environ, 'GIT_CEILING_DIRECTORIES': str(copy.parent)}
-    return subprocess.run(
-        command, cwd=copy, env=environment, capture_output=True, check=False
-    ).returncode == 0
+    run = subprocess.run(command, cwd=copy, env=environment, capture_output=True, check=False)
+    return run.returncode == 0
 
 
 def _run_tests(rule: str, copy: Path) -> int:

@@ -61,3 +61,19 @@ def test_any_action_type_takes_part_in_a_script(start_cell: StartCell) -> None:
     done = cell.watch.until('task.succeeded', task='nest')['results']
     assert done['nested_field']['float64_value'] == 2.5
     cell.stop()
+
+
+def test_a_parameter_that_no_goal_field_can_hold_is_refused(start_cell: StartCell) -> None:
+    cell = start_cell(CELL)
+    cell.connect()
+    text = SCRIPT.replace('order: 5', 'order: "${params.length}"')
+    path = cell.script(text + 'params: {length: {type: int}}\n', 'any_action')
+
+    response = cell.watch.ask_submit(path, params={'length': str(2**40)})
+    assert not response.accepted
+    (finding,) = response.findings
+    assert 'length' in finding
+    cell.watch.submit(path, params={'length': '6'})
+    cell.watch.until_ended('WO-1')
+    assert cell.watch.until('task.started', task='count')['args'] == {'order': 6}
+    cell.stop()

@@ -65,12 +65,12 @@ def test_events_are_printed_up_to_a_count(small_cell: CellProcesses) -> None:
         assert listening.wait() == 0
     finally:
         listening.kill()
+    small_cell.watch.until_ended('WO-1')
     records = [json.loads(line) for line in listening.output.splitlines()]
     assert len(records) == 12
     events = small_cell.watch.events
     first = events.index(records[0])
     assert records == events[first : first + 12]
-    small_cell.watch.until_ended('WO-1')
     small_cell.stop()
 
 

@@ -22,6 +22,7 @@ from bt_orchestrator.cli import check, simulate
 from bt_orchestrator.cli.main import PROGRAM, VERBS, without_ros_arguments
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.codec import event_types
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.script.cell_file import parse_cell, read_cell
 from bt_orchestrator.script.order_file import bind_order, parse_order
@@ -294,6 +295,27 @@ def test_a_stale_part_would_be_seen(tmp_path: Path) -> None:
     text = page.read_text(encoding='utf-8')
     page.write_text(text.replace('| `task.started` |', '| `task.begun` |'), encoding='utf-8')
     assert generator().stale_pages(tmp_path) == ['docs/formats.md']
+
+
+AGREED = {
+    'belt': 'index_started indexed',
+    'cell': 'state_changed',
+    'cycle': 'started completed',
+    'flag': 'raised lowered',
+    'hold': 'raised released',
+    'item': 'placed moved rejected removed',
+    'job': 'queued started completed aborted',
+    'operator': 'decided',
+    'task': 'started succeeded failed retrying skipped',
+}
+"""The events that other programs were promised."""
+
+
+def test_events_beyond_the_agreed_ones_have_their_reason_written_down() -> None:
+    agreed = {f'{part}.{name}' for part, names in AGREED.items() for name in names.split()}
+    table = text_of('docs/decisions/0007-additional-events.md')
+    added = set(re.findall(r'^\| `(\S+)` \|', table, re.MULTILINE))
+    assert agreed | added == set(event_types())
 
 
 # --- node parameters ------------------------------------------------------------------------

@@ -272,9 +272,7 @@ def test_2_7_reject_rejects_the_item() -> None:
 
 
 def test_2_7_abort_job_rejects_the_items_and_places_no_more() -> None:
-    text = work('on_failure: abort_job').replace(
-        'qty_change: -1', 'qty_change: -1, runs_for: all'
-    )
+    text = work('on_failure: abort_job').replace('qty_change: -1', 'qty_change: -1, runs_for: all')
     run = Line(faults={'a2': '#1=abort'}).run(text, 9)
     assert run.times('job.aborting') == [4.0]
     assert run.counts() == {'started': 2, 'placed': 2, 'rejected': 2}

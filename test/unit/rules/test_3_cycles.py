@@ -46,7 +46,11 @@ def test_3_2_the_item_exists_from_the_start_of_its_source_cycle() -> None:
         1,
         """
         - {id: look, @a1, requires_conveyor: false}
-        - {id: place, @b1, qty_change: 1, args: {special_argument_2: "${results.look.measurement}"}}
+        - id: place
+          task: TASK_A
+          action: /b1/do
+          qty_change: 1
+          args: {special_argument_2: "${results.look.measurement}"}
         """,
     )
     run = Line(results={'a1': {'measurement': 2.5}}).run(text)

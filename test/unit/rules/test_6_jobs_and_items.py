@@ -46,6 +46,21 @@ def test_6_1_a_job_is_complete_when_its_initialization_is() -> None:
     assert run.times('job.completed') == [21.0]
 
 
+def test_6_1_a_section_is_done_with_a_job_after_its_trailing_steps() -> None:
+    text = with_section(
+        2,
+        """
+          release_conveyor: after_last_conveyor_task
+          tasks: [{id: work, @a2}, {id: clean, @b2, requires_conveyor: false}]
+        """,
+    )
+    line = Line(seconds={'b2': 9.0})
+    run = line.begin(text)
+    run.submit('K', line.script(f'initialization: [{{id: ready, @a2}}]{THREE}', 'second'))
+    run.go()
+    assert run.times('cycle.completed', section=2, job='J') == run.starts('ready') == [13.0]
+
+
 # --- 6.2 ------------------------------------------------------------------------------------
 
 

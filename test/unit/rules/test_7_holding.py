@@ -18,8 +18,7 @@ def test_7_1_the_held_section_starts_nothing() -> None:
     assert run.times('task.succeeded', task='one') == [6.0]  # nothing is cancelled
     assert run.starts('two') == run.starts('next') == []
     assert run.waits()['section 2'] == (
-        'waiting for an answer to hold 1 (aborted); '
-        'waiting for an answer to hold 1 (bad: aborted)'
+        'waiting for an answer to hold 1 (aborted); waiting for an answer to hold 1 (bad: aborted)'
     )
     run.answer('mark_done')
     assert run.starts('two') == [6.0]

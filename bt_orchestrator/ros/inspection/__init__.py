@@ -1,0 +1,15 @@
+"""The inspection server: what tree watchers attach to (py-trees-tree-watcher and its like).
+
+    server.py              the services, and the turns that publish
+    snapshot_streams.py    snapshots of the tree, one topic a watcher
+    blackboard_streams.py  the blackboard as text, one topic a watcher
+    tree_messages.py       behaviours to messages
+    blackboard_view.py     reading the blackboard, and what was done on it
+    attachment.py          whether a stream still has a watcher
+    topic_names.py         the topics of streams
+    tick_statistics.py     how long ticks take
+    parameters.py          the node's parameters for all this
+    start.py               starts the server, if its message types are installed
+
+Everything runs in the executor's thread, between settles and never inside one.
+"""

@@ -1,0 +1,97 @@
+"""Parameters of the inspection server."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from typing import Any
+
+from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
+from rclpy.node import Node
+
+from bt_orchestrator.errors import OrchestratorError
+
+BUILTIN = 'builtin'
+
+ON_CHANGE_S = float.fromhex('0x1.fffffffffffffp+1023')
+"""The period that stands for: only when something has changed."""
+
+
+class UnknownInspection(OrchestratorError):
+    """The kind of inspection asked for does not exist, or not yet."""
+
+
+@dataclass(frozen=True)
+class DefaultStream:
+    """The snapshot stream that is there without being asked for."""
+
+    is_open: bool = False
+    period_s: float = ON_CHANGE_S
+    blackboard_data: bool = True
+    blackboard_activity: bool = False
+
+
+_FIELDS = {
+    'default_snapshot_stream': ('is_open', 'Publish snapshots of the tree on ~/snapshots.'),
+    'default_snapshot_period': (
+        'period_s',
+        'Seconds between snapshots of the default stream when nothing changes; '
+        f'{ON_CHANGE_S}: only when something has changed.',
+    ),
+    'default_snapshot_blackboard_data': (
+        'blackboard_data',
+        'The default stream shows the blackboard variables of the visited path.',
+    ),
+    'default_snapshot_blackboard_activity': (
+        'blackboard_activity',
+        'The default stream shows what is done on the blackboard.',
+    ),
+}
+
+
+def declare_kind(node: Node) -> str:
+    """Declare the parameter `inspection`.
+
+    :raises UnknownInspection: it names none that there is
+    """
+    descriptor = ParameterDescriptor(
+        description='What tree watchers attach to: builtin, the inspection server of this node.',
+        additional_constraints='builtin (py_trees_ros is not supported yet)',
+        read_only=True,
+    )
+    kind = str(node.declare_parameter('inspection', BUILTIN, descriptor).value)
+    if kind == 'py_trees_ros':
+        raise UnknownInspection(
+            'parameter inspection: py_trees_ros is not supported yet; '
+            "use builtin, to which py_trees_ros' watchers attach just as well"
+        )
+    if kind != BUILTIN:
+        raise UnknownInspection(f'parameter inspection: expected builtin, found {kind!r}')
+    return kind
+
+
+def declare_default_stream(
+    node: Node, apply: Callable[[DefaultStream], object]
+) -> None:
+    """Declare the parameters of the default stream and apply them, now and when they change."""
+    current = DefaultStream()
+    for name, (field, text) in _FIELDS.items():
+        default = getattr(current, field)
+        value = node.declare_parameter(name, default, ParameterDescriptor(description=text)).value
+        current = replace(current, **{field: value})
+    apply(current)
+
+    def on_set(parameters: Iterable[Any]) -> SetParametersResult:
+        nonlocal current
+        news = {_FIELDS[p.name][0]: p.value for p in parameters if p.name in _FIELDS}
+        if not news:
+            return SetParametersResult(successful=True)
+        try:
+            wanted = replace(current, **news)
+            apply(wanted)
+        except OrchestratorError as refused:
+            return SetParametersResult(successful=False, reason=str(refused))
+        current = wanted
+        return SetParametersResult(successful=True)
+
+    node.add_on_set_parameters_callback(on_set)

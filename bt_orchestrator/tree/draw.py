@@ -1,0 +1,55 @@
+"""Drawings of a script, for a reviewer who did not write it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import graphviz
+
+from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.tree.draw_card import Sheet
+from bt_orchestrator.tree.draw_line import line
+from bt_orchestrator.tree.draw_tree import tree
+
+FORMATS = ('svg', 'png', 'pdf')
+"""What `dot` is asked for; DOT text needs no `dot`."""
+
+VIEWS = {'line': line, 'tree': tree}
+"""`line`: sections, tasks, flags and zones as a process; `tree`: the py_trees behaviours."""
+
+
+class CannotDraw(OrchestratorError):
+    """The program `dot` is missing, or failed."""
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A drawing as DOT text; equal scripts and cells give equal texts."""
+
+    dot: str
+
+    def image(self, kind: str) -> bytes:
+        """Return the picture in one of FORMATS.
+
+        :raises CannotDraw: there is no working `dot`
+        """
+        try:
+            return graphviz.Source(self.dot).pipe(format=kind)
+        except graphviz.ExecutableNotFound:
+            hint = 'install Graphviz (`apt install graphviz`), or ask for a .dot file'
+            raise CannotDraw(
+                f'the program `dot` draws the picture and is missing; {hint}'
+            ) from None
+        except graphviz.CalledProcessError as error:
+            said = error.stderr.decode(errors='replace').strip() if error.stderr else str(error)
+            raise CannotDraw(f'`dot` could not draw the picture: {said}') from error
+
+
+def draw(script: Script, cell: Cell, view: str = 'line') -> Drawing:
+    """Draw a script in its cell; nothing moves and nothing is asked but these two.
+
+    :param view: one of VIEWS
+    """
+    return Drawing(VIEWS[view](Sheet(script, cell)).source)

@@ -1,0 +1,146 @@
+"""The behaviour tree itself: the py_trees nodes that a script compiles to, types by shape."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import NoReturn
+
+import graphviz
+from py_trees.behaviour import Behaviour
+from py_trees.composites import Parallel, Selector, Sequence
+from py_trees.decorators import Decorator
+
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.codec import digest
+from bt_orchestrator.model.fold import apply
+from bt_orchestrator.model.state import CellState
+from bt_orchestrator.tree.compile import CellTree
+from bt_orchestrator.tree.draw_card import Sheet, details
+from bt_orchestrator.tree.draw_text import FAINT, FONT, INK, PAPER, entry, font, table, tooltip
+from bt_orchestrator.tree.leaf import ActionLeaf
+
+JOB = 'JOB'
+"""Stands for whatever order the script is run for."""
+
+KINDS: Mapping[type[Behaviour], tuple[str, str, str]] = {
+    Parallel: ('parallel', 'parallelogram', '#e6ebf2'),
+    Selector: ('selector', 'octagon', '#ede9fe'),
+    Sequence: ('sequence', 'cds', '#dbeafe'),
+    Decorator: ('decorator', 'box', '#fef3c7'),
+    ActionLeaf: ('action', 'box', PAPER),
+    Behaviour: ('condition or step of the engine', 'ellipse', PAPER),
+}
+"""What a kind is called, its shape, its colour; the first that fits."""
+
+
+class Compiled:
+    """The state of a cell that has one order and has done nothing. Implements `Recorder`."""
+
+    now = 0.0
+
+    def __init__(self, sheet: Sheet) -> None:
+        self.state = CellState(sheet.cell)
+        name, script = digest(sheet.script), sheet.script
+        self.record(
+            [
+                e.ScriptLoaded(seq=1, script=script.name, digest=name, definition=script),
+                e.JobQueued(seq=2, job=JOB, script=script.name, digest=name, quantity=1),
+            ]
+        )
+
+    def record(self, events: Iterable[e.Event]) -> None:
+        """Apply events; a drawing has no others than its own."""
+        for event in events:
+            apply(self.state, event)
+
+    def new_goal_id(self) -> NoReturn:
+        """Nothing is ever ticked."""
+        raise AssertionError('a drawing sends no goals')
+
+    def wake_at(self, time: float) -> NoReturn:
+        """Nothing is ever ticked."""
+        raise AssertionError(f'a drawing waits for nothing, not for {time}')
+
+
+def tree(sheet: Sheet) -> graphviz.Digraph:
+    """Draw what a script compiles to, from the root on the left to the leaves on the right."""
+    graph = graphviz.Digraph(sheet.script.name, graph_attr=_page(sheet))
+    graph.attr('node', fontname=FONT, fontsize='10', color=INK, fontcolor=INK, height='0.3')
+    graph.attr('edge', color=FAINT, arrowhead='none')
+    compiled = CellTree(Compiled(sheet), f'drawing of {sheet.script.name}')
+    try:
+        _add(graph, sheet, compiled.root, 'root')
+    finally:
+        compiled.close()
+    return graph
+
+
+def _page(sheet: Sheet) -> dict[str, str]:
+    first = font(f'{sheet.script.name}: behaviour tree', size=22, bold=True)
+    second = font(f'for cell {sheet.cell.name}; {JOB} stands for an order', size=12)
+    return {
+        'label': table([[entry(text)] for text in (first, second, *legend())]),
+        'labelloc': 't',
+        'labeljust': 'l',
+        'fontname': FONT,
+        'bgcolor': PAPER,
+        'rankdir': 'LR',
+        'ordering': 'out',
+        'nodesep': '0.08',
+        'ranksep': '0.3',
+        'pad': '0.3',
+        'tooltip': f'behaviour tree of script {sheet.script.name}',
+    }
+
+
+def _add(graph: graphviz.Digraph, sheet: Sheet, behaviour: Behaviour, path: str) -> None:
+    _, shape, fill = kind_of(behaviour)
+    graph.node(
+        path,
+        graphviz.escape(behaviour.name),
+        id=path,
+        shape=shape,
+        style=_style(behaviour),
+        fillcolor=fill,
+        tooltip=_about(sheet, behaviour),
+    )
+    for number, child in enumerate(behaviour.children, 1):
+        below = f'{path}.{number}'
+        _add(graph, sheet, child, below)
+        graph.edge(path, below)
+
+
+def kind_of(behaviour: Behaviour) -> tuple[str, str, str]:
+    """Return what a behaviour is called, its shape and its colour."""
+    return next(look for kind, look in KINDS.items() if isinstance(behaviour, kind))
+
+
+def _style(behaviour: Behaviour) -> str:
+    return 'filled,rounded' if isinstance(behaviour, Decorator) else 'filled'
+
+
+def _about(sheet: Sheet, behaviour: Behaviour) -> str:
+    first = f'{kind_of(behaviour)[0]}: {behaviour.name} ({type(behaviour).__name__})'
+    if not isinstance(behaviour, ActionLeaf):
+        return tooltip([first])
+    return '\n'.join([tooltip([first]), details(sheet, behaviour.subject.task)])
+
+
+def legend() -> list[str]:
+    """Explain the shapes, and how the tree is ticked."""
+    shapes = [f'{_shape(kind)}: {name}' for kind, (name, _, _) in KINDS.items()]
+    order = 'children are ticked from top to bottom, which decides ties'
+    return [font(text, size=10, colour=FAINT) for text in (', '.join(shapes), order)]
+
+
+def _shape(kind: type[Behaviour]) -> str:
+    return 'rounded box' if kind is Decorator else _SHAPES[KINDS[kind][1]]
+
+
+_SHAPES = {
+    'parallelogram': 'slanted box',
+    'octagon': 'octagon',
+    'cds': 'arrow',
+    'box': 'box',
+    'ellipse': 'ellipse',
+}

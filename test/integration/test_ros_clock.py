@@ -1,0 +1,138 @@
+"""Deadlines on the clock of a node."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+import rclpy
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rosgraph_msgs.msg import Clock as ClockMessage
+
+from bt_orchestrator.ros.clock import RosClock
+
+
+class World:
+    """A node that spins in the caller's thread."""
+
+    def __init__(self, **options: Any) -> None:
+        self._context = Context()
+        rclpy.init(context=self._context)
+        self.node = Node('clock_test', context=self._context, **options)
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self.node)
+        self.clock = RosClock(self.node)
+        self.called: list[str] = []
+
+    def note(self, name: str) -> Callable[[], None]:
+        return lambda: self.called.append(name)
+
+    def spin_until(self, condition: Callable[[], Any], within_s: float = 10.0) -> bool:
+        deadline = time.monotonic() + within_s
+        while not condition() and time.monotonic() < deadline:
+            self._executor.spin_once(timeout_sec=0.05)
+        return bool(condition())
+
+    def close(self) -> None:
+        self.clock.close()
+        self._executor.shutdown()
+        self.node.destroy_node()
+        self._context.shutdown()
+
+
+@pytest.fixture
+def world() -> Iterator[World]:
+    world = World()
+    yield world
+    world.close()
+
+
+def test_now_is_the_time_of_day(world: World) -> None:
+    assert world.clock.now() == pytest.approx(time.time(), abs=1.0)
+
+
+def test_calls_in_order_and_not_too_early(world: World) -> None:
+    start = world.clock.now()
+    times: list[float] = []
+    world.clock.call_at(start + 0.2, lambda: times.append(world.clock.now()))
+    world.clock.call_at(start + 0.2, world.note('tie'))
+    world.clock.call_at(start + 0.1, world.note('first'))
+    assert world.spin_until(lambda: len(world.called) == 2)
+    assert world.called == ['first', 'tie']
+    assert 0.2 <= times[0] - start < 2.0
+
+
+def test_earlier_deadline_overtakes(world: World) -> None:
+    world.clock.call_at(world.clock.now() + 3600.0, world.note('late'))
+    world.clock.call_at(world.clock.now() + 0.05, world.note('early'))
+    assert world.spin_until(lambda: world.called == ['early'])
+
+
+def test_the_past_is_soon_but_never_inside_the_call(world: World) -> None:
+    world.clock.call_at(world.clock.now() - 5.0, world.note('past'))
+    assert world.called == []
+    assert world.spin_until(lambda: world.called == ['past'])
+
+
+def test_cancelled_is_not_called(world: World) -> None:
+    cancelled = world.clock.call_at(world.clock.now() + 0.05, world.note('cancelled'))
+    world.clock.call_at(world.clock.now() + 0.1, world.note('kept'))
+    cancelled.cancel()
+    assert world.spin_until(lambda: world.called == ['kept'])
+
+
+def test_arms_again_inside_of_a_callback(world: World) -> None:
+    def again() -> None:
+        world.called.append('tick')
+        if len(world.called) < 3:
+            world.clock.call_at(world.clock.now() + 0.02, again)
+
+    world.clock.call_at(world.clock.now() + 0.02, again)
+    assert world.spin_until(lambda: world.called == ['tick'] * 3)
+
+
+def test_error_in_a_callback_stops_nothing(world: World) -> None:
+    def fail() -> None:
+        raise RuntimeError('meant to fail')
+
+    world.clock.call_at(world.clock.now() + 0.05, fail)
+    world.clock.call_at(world.clock.now() + 0.05, world.note('other'))
+    assert world.spin_until(lambda: world.called == ['other'])
+
+
+def test_one_timer_for_all(world: World) -> None:
+    before = len(list(world.node.timers))
+    for number in range(100):
+        world.clock.call_at(world.clock.now() + 3600.0 - number, world.note('never'))
+    assert len(list(world.node.timers)) == before
+
+
+def test_follows_simulated_time() -> None:
+    world = World(parameter_overrides=[Parameter('use_sim_time', value=True)])
+    try:
+        clock = world.node.create_publisher(ClockMessage, '/clock', 10)
+
+        def set_time(seconds: int) -> Callable[[], bool]:
+            message = ClockMessage()
+            message.clock.sec = seconds
+
+            def is_set() -> bool:
+                clock.publish(message)
+                return world.clock.now() >= seconds
+
+            return is_set
+
+        assert world.spin_until(set_time(100))
+        world.clock.call_at(150.0, world.note('done'))
+        assert not world.spin_until(lambda: world.called, within_s=0.5)
+        assert world.spin_until(set_time(149))
+        assert world.called == []
+        advance = set_time(151)
+        assert world.spin_until(lambda: advance() and world.called)
+    finally:
+        world.close()

@@ -1,0 +1,116 @@
+"""The tree node in this process: whatever raises in a callback, it goes on."""
+
+from __future__ import annotations
+
+import importlib.util
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import rclpy
+from bt_orchestrator_interfaces.srv import RemoveItem
+from cell_processes import SMALL_CELL
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+from bt_orchestrator.cli.bootstrap import build_admission_check, open_journal
+from bt_orchestrator.ros.node import NODE_NAME, Parts, TreeNode
+from bt_orchestrator.ros.parameters import NodeParameters
+from bt_orchestrator.stop_signals import StopSignals
+
+PATIENCE_S = 20.0
+
+EXECUTORS = ['single']
+if importlib.util.find_spec('rclpy.experimental') is not None:
+    EXECUTORS.append('events')
+
+
+class StopWhen(StopSignals):
+    """Asks the node to stop as soon as a condition holds; fails if it never does."""
+
+    def __init__(self, condition: Callable[[], object]) -> None:
+        super().__init__()
+        self._condition = condition
+        self._deadline = time.monotonic() + PATIENCE_S
+
+    @property
+    def requested(self) -> bool:
+        assert time.monotonic() < self._deadline, 'the node goes on, but nothing happens'
+        return bool(self._condition())
+
+
+class Failing:
+    """A callback that raises as often as it is called."""
+
+    def __init__(self) -> None:
+        self.calls = 0
+
+    def __call__(self, *_: object) -> Any:
+        self.calls += 1
+        raise RuntimeError('broken on purpose')
+
+
+@pytest.fixture(params=EXECUTORS)
+def tree_node(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[TreeNode]:
+    """Give a tree node of the small cell, which does not run yet."""
+    cell = tmp_path / 'cell.yaml'
+    cell.write_text(SMALL_CELL)
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    parameters = NodeParameters(
+        cell=cell,
+        trees=(tmp_path,),
+        tick_rate_hz=50.0,
+        executor=request.param,
+        auto_start=True,
+        auto_resume=False,
+        journal=None,
+        server_timeout_s=1.0,
+    )
+    node = TreeNode(Node(NODE_NAME), parameters, Parts(open_journal, build_admission_check))
+    yield node
+    node.close()
+    rclpy.try_shutdown()
+
+
+def ask(tree_node: TreeNode) -> Any:
+    """Let the node ask itself for the removal of an item, and return the response."""
+    client: Any = tree_node.node.create_client(RemoveItem, '~/remove_item')
+    tree_node.serve(StopWhen(client.service_is_ready))
+    future = client.call_async(RemoveItem.Request(item='WO-1/1'))
+    tree_node.serve(StopWhen(future.done))
+    return future.result()
+
+
+def test_a_callback_that_raises_does_not_stop_the_node(tree_node: TreeNode) -> None:
+    failing = Failing()
+    tree_node.node.create_timer(0.02, failing)
+    tree_node.serve(StopWhen(lambda: failing.calls >= 3))
+
+    assert 'nothing' in ask(tree_node).message
+
+
+def test_a_settle_that_raises_is_counted_and_tried_again(
+    tree_node: TreeNode, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    failing = Failing()
+    with monkeypatch.context() as patch:
+        patch.setattr(tree_node.orchestrator, 'settle', failing)
+        tree_node.serve(StopWhen(lambda: tree_node.heart.failures >= 3))
+    assert failing.calls == tree_node.heart.failures
+
+    assert 'nothing' in ask(tree_node).message
+
+
+def test_a_service_that_raises_answers_so(
+    tree_node: TreeNode, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with monkeypatch.context() as patch:
+        patch.setattr(tree_node.orchestrator, 'ask', Failing())
+        response = ask(tree_node)
+    assert not response.accepted
+    assert 'internal error' in response.message
+    assert 'broken on purpose' in response.message
+
+    assert 'nothing' in ask(tree_node).message

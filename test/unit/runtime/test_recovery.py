@@ -1,0 +1,244 @@
+"""A killed orchestrator is followed by one that goes on (semantics 9.1, 9.2)."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from fakes.action_types import FakeActionTypes
+from fakes.line import THREE, Line, with_section
+
+from bt_orchestrator.errors import JournalFailed, JournalMismatch
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.commands import AnswerHold, Pause, Resume, SubmitJob
+from bt_orchestrator.model.fault import parse_fault
+from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.packml import Mode
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.ports import EventStore
+from bt_orchestrator.runtime.orchestrator import Orchestrator
+from bt_orchestrator.sim.clock import VirtualClock
+from bt_orchestrator.sim.gateway import VirtualGateway
+from bt_orchestrator.store.memory import MemoryStore
+from bt_orchestrator.store.sqlite import SqliteStore
+
+TYPES = FakeActionTypes()
+FLAGS = (
+    with_section(2, '- {id: work, @a2}\n- parallel: [{id: x, @a2.TASK_B}, {id: y, @b2}]')
+    + 'lateral_dependencies: [{flag: seen, upstream: work, downstream: pack}]\n'
+    + 'initialization: [{id: home, task: HOME, action: /belt/do, once: true}]\n'
+)
+
+
+class World:
+    """Controllers and a journal that outlive orchestrators."""
+
+    def __init__(self, cell: Cell, store: EventStore | None = None) -> None:
+        self.cell = cell
+        self.clock = VirtualClock()
+        self.gateway = VirtualGateway(cell, TYPES, self.clock)
+        self.store = store or MemoryStore()
+        self._goals = (f'00000000-0000-4000-8000-{n:012d}' for n in itertools.count(1))
+
+    def orchestrator(self, *, auto_resume: bool = True) -> Orchestrator:
+        return Orchestrator(
+            self.cell,
+            self.gateway,
+            self.clock,
+            self.store,
+            auto_resume=auto_resume,
+            new_goal_id=lambda: next(self._goals),
+        )
+
+    def go(self, orchestrator: Orchestrator, settles: int = 10_000) -> None:
+        for _ in range(settles):
+            orchestrator.settle()
+            if not orchestrator.state.jobs or not self.clock.advance():
+                return
+
+    def go_until_runs(self, orchestrator: Orchestrator, task: str) -> None:
+        orchestrator.settle()
+        while not any(key.task == task for key in orchestrator.state.running):
+            assert self.clock.advance()
+            orchestrator.settle()
+        self.clock.advance()  # the request reaches the server
+
+    def events(self, kind: type[e.Event]) -> list[e.Event]:
+        return [event for event in self.store.read() if isinstance(event, kind)]
+
+
+def begun(world: World, script: Script, quantity: int = 3) -> Orchestrator:
+    orchestrator = world.orchestrator()
+    assert orchestrator.ask(SubmitJob(Job('J', script, quantity))).accepted
+    return orchestrator
+
+
+def work_of(world: World) -> list[tuple[str | None, str]]:
+    """Return what was done in all, as (item, task), in no order."""
+    done = [event for event in world.store.read() if isinstance(event, e.TaskSucceeded)]
+    return sorted((event.item or '', event.task) for event in done)
+
+
+@pytest.mark.parametrize('text', [THREE, FLAGS])
+def test_9_2_killed_after_any_settle_the_job_ends_the_same(text: str) -> None:
+    line = Line()
+    whole = World(line.cell)
+    whole.go(begun(whole, line.script(text)))
+    expected, kills = work_of(whole), 0
+
+    for settles in itertools.count(1):
+        world = World(line.cell)
+        first = begun(world, line.script(text))
+        world.go(first, settles)
+        if not first.state.jobs:
+            break
+        first.close()
+        second = world.orchestrator()
+        world.go(second)
+        assert not second.state.jobs, f'killed after {settles} settles'
+        assert second.state.ended['J'].progress.packed == 3
+        assert work_of(world) == expected
+        starts = [event.goal for event in world.events(e.TaskStarted)]  # type: ignore[attr-defined]
+        assert len(starts) == len(set(starts)) == len(expected)
+        assert world.clock.now() == whole.clock.now()
+        second.close()
+        kills += 1
+    assert kills > 10
+
+
+def test_9_2_without_auto_resume_nothing_new_starts_until_resume() -> None:
+    line = Line()
+    world = World(line.cell)
+    first = begun(world, line.script(THREE))
+    world.go_until_runs(first, 'work')
+    first.close()
+    running = [key.task for key in first.state.running]
+    second = world.orchestrator(auto_resume=False)
+    world.go(second)
+
+    assert running == ['work', 'place']
+    assert [event.task for event in world.events(e.TaskAdopted)] == running  # type: ignore[attr-defined]
+    assert second.state.mode is Mode.HELD
+    assert not second.state.running
+    (hold,) = second.state.holds.values()
+    assert (hold.reason, hold.message) == ('restarted', '1 unfinished job, 2 goals in flight')
+
+    answer = second.ask(AnswerHold(hold.id, 'resume', 'Ann', ''))
+    assert answer.message == 'hold 1 (restarted) takes no answer; resume the cell'
+    assert second.ask(Resume('Ann', 'the line was looked at')).accepted
+    world.go(second)
+    assert second.state.ended['J'].progress.packed == 3
+
+
+@pytest.mark.parametrize(('repeatable', 'ends'), [('true', True), ('false', False)])
+def test_9_2_a_goal_that_its_server_does_not_know(repeatable: str, ends: bool) -> None:
+    line = Line(faults={'a2': '#1=die:0.5'})
+    world = World(line.cell)
+    script = line.script(with_section(2, f'- {{id: work, @a2, repeatable: {repeatable}}}'))
+    first = begun(world, script, 1)
+    world.go_until_runs(first, 'work')
+    first.close()
+    world.clock.advance()  # the server dies
+    world.clock.advance()  # and is back, knowing nothing
+    second = world.orchestrator()
+    world.go(second)
+
+    assert (not second.state.jobs) is ends
+    if ends:
+        (resent,) = world.events(e.TaskResent)
+        assert isinstance(resent, e.TaskResent)
+        assert resent.goal in {event.goal for event in world.events(e.TaskStarted)}  # type: ignore[attr-defined]
+    else:
+        (hold,) = second.state.holds.values()
+        assert (hold.task, hold.reason) == ('work', 'in_doubt')
+
+
+def test_9_2_a_cancelled_goal_stays_cancelled() -> None:
+    line = Line(faults={'a2': '#1=hang'})
+    world = World(line.cell)
+    first = begun(world, line.script(with_section(2, '- {id: work, @a2, timeout: 5.0}')), 1)
+    world.go_until_runs(first, 'work')
+    first.close()
+    second = world.orchestrator()
+    world.go(second)
+    failed = [event.reason for event in world.events(e.TaskFailed)]  # type: ignore[attr-defined]
+    assert failed == ['timeout']
+
+
+def test_7_2_pause_lets_what_runs_end_and_starts_nothing() -> None:
+    line = Line()
+    world = World(line.cell)
+    orchestrator = begun(world, line.script(FLAGS))
+    world.go(orchestrator, 6)
+    assert orchestrator.ask(Pause('Ann', 'a visitor')).accepted
+    before = len(world.events(e.TaskStarted))
+    world.go(orchestrator)
+    assert len(world.events(e.TaskStarted)) == before
+    assert orchestrator.state.mode is Mode.HELD
+    assert orchestrator.ask(Resume('Ann', 'gone')).accepted
+    world.go(orchestrator)
+    assert orchestrator.state.ended['J'].progress.packed == 3
+    refused = orchestrator.ask(Resume('Ann', 'again'))
+    assert refused.message == 'the cell is not paused; it is Complete'
+
+
+def test_a_changed_cell_is_refused_while_work_is_unfinished() -> None:
+    line = Line()
+    world = World(line.cell)
+    first = begun(world, line.script(THREE))
+    world.go(first, 3)
+    first.close()
+    lamp = replace(line.cell.components['lamp'], faults=(parse_fault('#1=abort'),))
+    world.cell = replace(line.cell, components={**line.cell.components, 'lamp': lamp})
+    with pytest.raises(JournalMismatch, match=r'unfinished jobs \(J\) and the cell file has'):
+        world.orchestrator()
+
+
+class FullDisk(MemoryStore):
+    """A journal that cannot be written from some event on."""
+
+    def append(self, events):  # type: ignore[no-untyped-def]
+        if events[-1].seq > 30:
+            raise JournalFailed('the journal x.sqlite3 cannot be written: disk full')
+        super().append(events)
+
+
+def test_9_1_nothing_is_sent_that_is_not_durable() -> None:
+    line = Line()
+    world = World(line.cell, FullDisk())
+    first = begun(world, line.script(THREE))
+    world.go(first)
+    assert first.broken is not None
+    assert 'disk full' in first.broken
+    assert not first.ask(Pause('Ann', '')).accepted
+    first.close()
+
+    durable = MemoryStore()
+    durable.append(world.store.read())
+    world.store = durable  # the disk has room again
+    second = world.orchestrator()
+    world.go(second)
+    assert second.state.ended['J'].progress.packed == 3
+    assert work_of(world) == sorted(
+        [(f'J/{n}', task) for n in (1, 2, 3) for task in ('place', 'work', 'pack')]
+        + [('', 'index')] * (len(world.events(e.BeltIndexed)))
+    )
+
+
+def test_the_same_with_a_journal_in_a_file(tmp_path: Path) -> None:
+    line = Line()
+    path = tmp_path / 'journal.sqlite3'
+    store = SqliteStore(path)
+    world = World(line.cell, store)
+    first = begun(world, line.script(FLAGS))
+    world.go(first, 7)
+    first.close()
+    store.close()
+    world.store = again = SqliteStore(path)
+    second = world.orchestrator()
+    world.go(second)
+    again.close()
+    assert second.state.ended['J'].progress.packed == 3

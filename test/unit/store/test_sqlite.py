@@ -1,0 +1,116 @@
+"""The durable journal, on real SQLite files."""
+
+from __future__ import annotations
+
+import os
+import sqlite3
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from bt_orchestrator.errors import JournalFailed
+from bt_orchestrator.model.events import Event, JobStarted
+from bt_orchestrator.store.sqlite import APPLICATION_ID, SCHEMA, JournalUnusable, SqliteStore
+
+
+def events(first: int, last: int) -> list[Event]:
+    return [JobStarted(seq=n, time=n / 2, job=f'WO-{n}') for n in range(first, last + 1)]
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / 'state' / 'journal.sqlite3'
+
+
+@pytest.fixture
+def store(path: Path) -> Iterator[SqliteStore]:
+    opened = SqliteStore(path)
+    yield opened
+    opened.close()
+
+
+def refusal(path: Path) -> str:
+    with pytest.raises(JournalUnusable) as refused:
+        SqliteStore(path)
+    return str(refused.value)
+
+
+def test_what_was_appended_is_there_for_the_next(path: Path) -> None:
+    first = SqliteStore(path)
+    first.append(events(1, 3))
+    first.append(events(4, 4))
+    first.close()
+    second = SqliteStore(path)
+    assert second.read() == events(1, 4)
+    assert second.read(after=3) == events(4, 4)
+    second.close()
+
+
+def test_others_read_while_it_is_open(store: SqliteStore, path: Path) -> None:
+    store.append(events(1, 2))
+    reader = sqlite3.connect(f'file:{path}?mode=ro', uri=True)
+    assert reader.execute('SELECT count(*) FROM events').fetchone() == (2,)
+    reader.close()
+
+
+def test_a_second_orchestrator_is_kept_out(store: SqliteStore, path: Path) -> None:
+    assert f'in use by another orchestrator (process {os.getpid()})' in refusal(path)
+    store.append(events(1, 1))
+    assert store.read() == events(1, 1)
+
+
+def test_an_append_is_all_or_nothing(store: SqliteStore) -> None:
+    store.append(events(1, 2))
+    with pytest.raises(JournalFailed, match='cannot be written: UNIQUE'):
+        store.append([*events(3, 4), *events(2, 2)])
+    assert store.read() == events(1, 2)
+    store.append(events(3, 3))
+    assert store.read() == events(1, 3)
+
+
+def test_a_damaged_file_is_refused_and_kept(path: Path) -> None:
+    path.parent.mkdir()
+    path.write_bytes(b'not a database at all' * 100)
+    assert 'cannot be used: file is not a database' in refusal(path)
+    assert path.read_bytes() == b'not a database at all' * 100
+
+
+def test_a_record_that_cannot_be_read_is_refused(path: Path) -> None:
+    SqliteStore(path).close()
+    database = sqlite3.connect(path)
+    database.execute("INSERT INTO events VALUES (1, '{\"event\": \"no.such\"}')")
+    database.commit()
+    database.close()
+    store = SqliteStore(path)
+    with pytest.raises(JournalUnusable, match=r"cannot be read: KeyError\('no.such'\)"):
+        store.read()
+    store.close()
+
+
+def test_another_programs_file_is_refused(path: Path) -> None:
+    path.parent.mkdir()
+    database = sqlite3.connect(path)
+    database.execute('CREATE TABLE recipes (name TEXT)')
+    database.close()
+    assert refusal(path).endswith('is an SQLite file, but no journal of an orchestrator')
+
+
+def test_a_newer_schema_is_refused(path: Path) -> None:
+    SqliteStore(path).close()
+    database = sqlite3.connect(path)
+    database.execute(f'PRAGMA user_version = {SCHEMA + 1}')
+    database.close()
+    assert f'has schema {SCHEMA + 1}, this program knows {SCHEMA}' in refusal(path)
+
+
+def test_it_is_marked_as_ours(store: SqliteStore, path: Path) -> None:
+    reader = sqlite3.connect(path)
+    assert reader.execute('PRAGMA application_id').fetchone() == (APPLICATION_ID,)
+    assert reader.execute('PRAGMA journal_mode').fetchone() == ('wal',)
+    reader.close()
+
+
+def test_a_folder_that_cannot_be_made_is_told(tmp_path: Path) -> None:
+    (tmp_path / 'file').write_text('')
+    assert 'cannot be opened' in refusal(tmp_path / 'file' / 'journal.sqlite3')
