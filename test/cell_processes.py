@@ -93,7 +93,8 @@ class CellProcesses:
         self._sim_words += [f'--fail={fault}' for fault in fail]
         self.sims = [self.start_sim(share) for share in shares]
         words = ['run', '--cell', str(self.cell), '--trees', str(folder), *spaced]
-        self.node = ProgramProcess([*words, *run_options], folder, 'node')
+        self._node_words = [*words, *run_options]
+        self.node = ProgramProcess(self._node_words, folder, 'node')
         self.watch = NodeWatcher(f'{namespace}/bt_orchestrator')
 
     def start_sim(self, share: str = '') -> ProgramProcess:
@@ -101,6 +102,12 @@ class CellProcesses:
         only = ['--only', share] if share else []
         name = f'sim_{share.replace(",", "_") or "all"}'
         return ProgramProcess([*self._sim_words, *only], self.folder, name)
+
+    def kill_and_restart_node(self) -> None:
+        """Kill the node as kill -9 does, and start it again."""
+        self.node.kill()
+        self.node = ProgramProcess(self._node_words, self.folder, 'node')
+        self.node.wait_ready()
 
     def connect(self, *, wait_servers: bool = True) -> None:
         """Wait until everything is up and knows of each other."""
