@@ -1,4 +1,4 @@
-"""Commands to the cell of a running node."""
+"""The verbs that are commands to the cell of a running node: `pause`, `resume`."""
 
 from __future__ import annotations
 
@@ -8,19 +8,23 @@ import sys
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options
 
 
-def add_command_options(parser: argparse.ArgumentParser) -> None:
-    """Declare who commands, why, and which node."""
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of these verbs."""
+    parser.description = (
+        'Command the cell. `pause`: start nothing more, what runs goes on to its end. '
+        '`resume`: go on after a pause, or after a restart with unfinished work.'
+    )
     add_who_options(parser)
     add_node_options(parser)
 
 
-def command(name: str, args: argparse.Namespace) -> int:
-    """Send a command; returns 1 when it was refused."""
+def run(args: argparse.Namespace) -> int:
+    """Carry out the verb; returns 1 when it was refused."""
     from bt_orchestrator_interfaces.srv import Command
 
     from bt_orchestrator.ros.client import NodeClient
 
-    request = Command.Request(command=name, who=args.who, reason=args.reason)
+    request = Command.Request(command=args.verb, who=args.who, reason=args.reason)
     with NodeClient(args.node, args.timeout) as client:
         response = client.call(Command, 'command', request)
     print(response.message, file=sys.stdout if response.accepted else sys.stderr)

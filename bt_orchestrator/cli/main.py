@@ -25,8 +25,11 @@ VERBS: Mapping[str, tuple[str, str]] = {
     'status': ('status', 'how the cell of a running node stands'),
     'events': ('events', 'what happens at a running node, one event a line'),
     'answer': ('answer', 'decide about something that is held'),
-    'pause': ('pause', 'let a running cell start nothing more; what runs goes on to its end'),
-    'resume': ('resume', 'let a cell go on after a pause, or after a restart'),
+    'pause': (
+        'cell_command',
+        'let a running cell start nothing more; what runs goes on to its end',
+    ),
+    'resume': ('cell_command', 'let a cell go on after a pause, or after a restart'),
     'remove-item': ('remove_item', 'record that an item was taken off the belt by hand'),
 }
 """Module and one line of help of each verb; a module has `add_arguments` and `run`."""

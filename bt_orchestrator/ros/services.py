@@ -111,4 +111,7 @@ class Services:
         response.accepted, response.message = answer.accepted, answer.message
 
 
-_COMMANDS: Mapping[str, type[commands.Pause] | type[commands.Resume]] = {'pause': commands.Pause, 'resume': commands.Resume}
+_COMMANDS: Mapping[str, type[commands.Pause] | type[commands.Resume]] = {
+    'pause': commands.Pause,
+    'resume': commands.Resume,
+}

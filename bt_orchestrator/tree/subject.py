@@ -110,7 +110,11 @@ class Subject:
     def waits_in_hold(self) -> str | None:
         """Say which hold keeps this task's section from starting anything (semantics 7.1)."""
         for hold in self.state.holds.values():
-            same = not hold.is_pause and hold.section == self.section and (hold.job is None) == (self.job is None)
+            same = (
+                not hold.is_pause
+                and hold.section == self.section
+                and (hold.job is None) == (self.job is None)
+            )
             if same:
                 return f'waiting for an answer to hold {hold.id} ({hold.task}: {hold.reason})'
         return None

@@ -130,7 +130,7 @@ def test_a_reader_that_leaves_is_no_error() -> None:
     read_end, write_end = os.pipe()
     os.close(read_end)
     done = subprocess.run(
-        [sys.executable, '-m', 'bt_orchestrator', 'check', str(TREES / 'reference_process.yaml'), *CELL],
+        [sys.executable, '-m', 'bt_orchestrator', 'check', str(SHIPPED), *CELL],
         stdout=write_end,
         stderr=subprocess.PIPE,
         text=True,

@@ -40,7 +40,6 @@ REFERENCE = Template((Reference('results', 'look', ('pose', 'x')),))
 SAMPLES: dict[str, Any] = {
     'seq': 7,
     'time': 12.5,
-    'cell': 'test_line',
     'script': 'test',
     'digest': '0123456789ab',
     'cell': 'test_line',

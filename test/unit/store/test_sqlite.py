@@ -79,7 +79,7 @@ def test_a_damaged_file_is_refused_and_kept(path: Path) -> None:
 def test_a_record_that_cannot_be_read_is_refused(path: Path) -> None:
     SqliteStore(path).close()
     database = sqlite3.connect(path)
-    database.execute("INSERT INTO events VALUES (1, '{\"event\": \"no.such\"}')")
+    database.execute('INSERT INTO events VALUES (1, \'{"event": "no.such"}\')')
     database.commit()
     database.close()
     store = SqliteStore(path)
