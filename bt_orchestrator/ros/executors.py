@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from rclpy.executors import Executor, SingleThreadedExecutor
+from rclpy.task import Future
 
 from bt_orchestrator.errors import OrchestratorError
 
 SINGLE, EVENTS = 'single', 'events'
+
+MOMENT_S = 0.1
+"""Longest time for which an EventsExecutor spins without looking up."""
 
 
 class UnknownExecutor(OrchestratorError):
@@ -30,3 +34,18 @@ def make_executor(kind: str) -> Executor:
             'have it); use single'
         ) from None
     return EventsExecutor()
+
+
+def spin_once(executor: Executor, timeout_s: float | None = None) -> None:
+    """Let an executor work: at least one callback, or until the timeout.
+
+    EventsExecutor's own `spin` and `spin_once` never wait in the wheels of Kilted: they use a whole
+    core, and timers and signals come late or never. Waiting for a future is sound; it is one that
+    never comes, for a moment at a time.
+    """
+    if isinstance(executor, SingleThreadedExecutor):
+        executor.spin_once(timeout_sec=timeout_s)
+        return
+    moment_s = MOMENT_S if timeout_s is None else min(timeout_s, MOMENT_S)
+    never: Future[None] = Future(executor=executor)
+    executor.spin_until_future_complete(never, timeout_sec=moment_s)

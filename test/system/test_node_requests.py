@@ -158,3 +158,13 @@ def test_a_very_large_order_delays_nobody(small_cell: CellProcesses) -> None:
     (job,) = small_cell.watch.status.jobs
     assert (job.quantity, job.state) == (LARGEST_WHOLE, 'Running')
     small_cell.stop()
+
+
+def test_8_2_a_script_that_would_get_stuck_is_refused(small_cell: CellProcesses) -> None:
+    flag = '  - {flag: early, upstream: work, downstream: feed}'
+    stuck = small_cell.script(small_script() + f'lateral_dependencies:\n{flag}\n', 'stuck')
+    (finding,) = refusal(small_cell.watch, stuck)
+    assert finding.startswith(f'{stuck}:10:5: the line gets stuck with small')
+    assert 'section 1 is waiting for work to set flag early' in finding
+    assert finding.endswith('; initial count 1 of flag early frees it')
+    assert_alive(small_cell)
