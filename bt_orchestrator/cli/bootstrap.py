@@ -91,6 +91,25 @@ def load_scripts(
     return cell, [script for script in scripts if script is not None]
 
 
+def load_script(
+    name: str, cell_file: Path, folders: Sequence[Path], types: ActionTypes
+) -> tuple[Cell, Script]:
+    """Read a cell and a script without mistakes, which may still be one that gets stuck.
+
+    :raises Refused: with every mistake in both files
+    """
+    findings = Findings()
+    cell = findings.of(partial(load_cell, cell_file, types))
+    path = findings.of(partial(find_script, name, folders))
+    script = None
+    if cell is not None and path is not None:
+        script = findings.of(partial(read_script, path, cell, types))
+    findings.refuse()
+    assert cell is not None
+    assert script is not None
+    return cell, script
+
+
 def build_admission_check(cell: Cell, types: ActionTypes) -> AdmissionCheck:
     """Build what decides whether scripts may run on a cell (semantics 8.2)."""
     return DeadlockProof(cell, types, MemoryStore)

@@ -17,6 +17,7 @@ PROGRAM = 'bt-orchestrator'
 
 VERBS: Mapping[str, tuple[str, str]] = {
     'check': ('check', 'all mistakes of scripts and their cell, with places and hints'),
+    'render': ('render', 'draw a script for review: SVG, PNG, PDF or DOT'),
     'simulate': ('simulate', 'run work orders in virtual time and print the prediction'),
     'sim-cell': ('sim_cell', 'serve every component of a cell as a simulated ROS 2 action server'),
     'run': ('run', 'the tree node of a cell: takes orders and runs them'),

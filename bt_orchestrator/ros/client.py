@@ -77,11 +77,10 @@ class NodeClient:
 
         :raises NodeUnreachable: it is not there
         """
-        topic = f'{self._name}/events'
-        subscription = self._node.create_subscription(Event, topic, callback, EVENTS)
-        self.wait_until(
-            lambda: self._node.count_publishers(subscription.topic_name) > 0, f'the topic {topic}'
-        )
+        self._node.create_subscription(Event, f'{self._name}/events', callback, EVENTS)
+        # The node learns of subscriptions in their order: once it sends the latched status, it
+        # sends events too. That its topic is seen here does not say so.
+        self.status()
 
     def wait_until(self, condition: Callable[[], bool], what: str) -> None:
         """Spin until a condition holds.

@@ -39,9 +39,9 @@ def make_executor(kind: str) -> Executor:
 def spin_once(executor: Executor, timeout_s: float | None = None) -> None:
     """Let an executor work: at least one callback, or until the timeout.
 
-    EventsExecutor's own `spin` and `spin_once` never wait in the wheels of Kilted: they use a whole
-    core, and timers and signals come late or never. Waiting for a future is sound; it is one that
-    never comes, for a moment at a time.
+    EventsExecutor's own `spin` and `spin_once` never wait in the wheels of Kilted: they use a
+    whole core, and timers and signals come late or never. Waiting for a future is sound; here it
+    is one that never comes, for a moment at a time.
     """
     if isinstance(executor, SingleThreadedExecutor):
         executor.spin_once(timeout_sec=timeout_s)

@@ -72,8 +72,9 @@ class RosGateway:
 
     def send(self, request: GoalRequest) -> RosGoal:
         """Send one goal."""
-        goal = self._links[request.component].send(request)
-        self._poll_if_waiting()
+        link = self._links[request.component]
+        goal = link.send(request)
+        self._poll_for(link)
         return goal
 
     def adopt(self, request: GoalRequest) -> RosGoal:
@@ -83,8 +84,9 @@ class RosGateway:
         server does not know it, or if there is no server within the server timeout; it counts as
         accepted when the server has not denied it for a while.
         """
-        goal = self._links[request.component].adopt(request)
-        self._poll_if_waiting()
+        link = self._links[request.component]
+        goal = link.adopt(request)
+        self._poll_for(link)
         return goal
 
     def drain(self) -> Sequence[Goal | StateReading]:
@@ -128,17 +130,15 @@ class RosGateway:
             clock=Clock(clock_type=ClockType.STEADY_TIME),
         )
 
-    def _poll_if_waiting(self) -> None:
-        if any(link.is_waiting for link in self._links.values()):
-            if self._poll_timer.is_canceled():
-                self._poll_timer.reset()
-        else:
-            self._poll_timer.cancel()
+    def _poll_for(self, link: ActionLink) -> None:
+        if link.is_waiting and self._poll_timer.is_canceled():
+            self._poll_timer.reset()
 
     def _poll(self) -> None:
         for link in self._links.values():
             link.poll()
-        self._poll_if_waiting()
+        if not any(link.is_waiting for link in self._links.values()):
+            self._poll_timer.cancel()
 
     def _watch(self) -> None:
         for link in self._links.values():

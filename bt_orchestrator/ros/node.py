@@ -20,9 +20,11 @@ from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.ports import ActionTypes, AdmissionCheck, EventStore
 from bt_orchestrator.ros.action_types import InstalledActionTypes
 from bt_orchestrator.ros.clock import RosClock
-from bt_orchestrator.ros.executors import make_executor
+from bt_orchestrator.ros.executors import make_executor, spin_once
 from bt_orchestrator.ros.gateway import RosGateway
 from bt_orchestrator.ros.heart import Heart
+from bt_orchestrator.ros.inspection.start import start_inspection
+from bt_orchestrator.ros.inspection.tick_statistics import TickStatistics
 from bt_orchestrator.ros.outputs import Diagnostics, EventsTopic, StatusTopic
 from bt_orchestrator.ros.parameters import NodeParameters, declare
 from bt_orchestrator.ros.services import Services
@@ -34,6 +36,9 @@ NODE_NAME = 'bt_orchestrator'
 
 FAREWELL_S = 10.0
 """Longest time that a stop waits for the ends of cancelled goals."""
+
+ENDLESS_S = 1e6
+"""Stands for no limit, with which rclpy's EventsExecutor would spin in circles at full load."""
 
 
 class BadRosArguments(OrchestratorError):
@@ -61,6 +66,7 @@ class TreeNode:
         :raises NoCell: the parameter `cell` is empty
         :raises Refused: the cell file, with every mistake in it
         :raises UnknownExecutor: the parameter `executor` names none
+        :raises UnknownInspection: the parameter `inspection` names none
         """
         self.node = node
         self.parameters = declare(node, defaults)
@@ -87,6 +93,8 @@ class TreeNode:
         Services(node, self.orchestrator, types, self.parameters.trees, admission)
         self._status = StatusTopic(node, self.orchestrator)
         Diagnostics(node, self.orchestrator, self.heart)
+        self._ticks = TickStatistics()
+        start_inspection(node, self.orchestrator, self._ticks)
         self.executor.add_node(node)
 
     @property
@@ -98,10 +106,11 @@ class TreeNode:
 
     def serve(self, stop: StopSignals) -> None:
         """Run the cell until a stop signal comes."""
-        self.heart.start(self.orchestrator.settle, self.parameters.tick_rate_hz)
+        settle = self._ticks.timed(self.orchestrator.settle)
+        self.heart.start(settle, self.parameters.tick_rate_hz)
         self._status.publish_now()
         while not stop.requested:
-            self._spin_once(None)
+            self._spin_once(ENDLESS_S)
 
     def finish(self, stop: StopSignals) -> list[str]:
         """Cancel every goal and wait for the ends, not longer than FAREWELL_S.
@@ -131,9 +140,9 @@ class TreeNode:
             if state.tasks[key].reason is not Reason.SERVER_LOST:
                 yield f'{key} (goal {state.tasks[key].goal})'
 
-    def _spin_once(self, timeout_s: float | None) -> None:
+    def _spin_once(self, timeout_s: float) -> None:
         try:
-            self.executor.spin_once(timeout_sec=timeout_s)
+            spin_once(self.executor, timeout_s)
         except ExternalShutdownException:
             raise
         except Exception as error:  # noqa: BLE001 - an exception in a callback ends no cell

@@ -16,7 +16,7 @@ from bt_orchestrator.tree.draw_tree import tree
 FORMATS = ('svg', 'png', 'pdf')
 """What `dot` is asked for; DOT text needs no `dot`."""
 
-VIEWS = {'line': line, 'tree': tree}
+VIEWS = ('line', 'tree')
 """`line`: sections, tasks, flags and zones as a process; `tree`: the py_trees behaviours."""
 
 
@@ -29,6 +29,10 @@ class Drawing:
     """A drawing as DOT text; equal scripts and cells give equal texts."""
 
     dot: str
+    engine: str
+    """The layout program of Graphviz."""
+    has_places: bool
+    """Everything has its place in the text; nothing is left to lay out."""
 
     def image(self, kind: str) -> bytes:
         """Return the picture in one of FORMATS.
@@ -36,7 +40,8 @@ class Drawing:
         :raises CannotDraw: there is no working `dot`
         """
         try:
-            return graphviz.Source(self.dot).pipe(format=kind)
+            source = graphviz.Source(self.dot, engine=self.engine)
+            return bytes(source.pipe(format=kind, neato_no_op=2 if self.has_places else None))
         except graphviz.ExecutableNotFound:
             hint = 'install Graphviz (`apt install graphviz`), or ask for a .dot file'
             raise CannotDraw(
@@ -52,4 +57,7 @@ def draw(script: Script, cell: Cell, view: str = 'line') -> Drawing:
 
     :param view: one of VIEWS
     """
-    return Drawing(VIEWS[view](Sheet(script, cell)).source)
+    sheet = Sheet(script, cell)
+    if view == 'tree':
+        return Drawing(tree(sheet).source, 'dot', has_places=False)
+    return Drawing(line(sheet).source, 'neato', has_places=True)

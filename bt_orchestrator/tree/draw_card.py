@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,8 +25,12 @@ MOST_LINES = 3
 """Lines of one argument on a card; the tooltip has all of it."""
 
 CARD_WIDTH = 190
-BADGE_WIDTH = 60
+BADGE_WIDTH = 56
 """Points."""
+
+ID_COLUMNS = 17
+NAME_COLUMNS = 27
+"""As CARD_COLUMNS, in their larger letters."""
 
 ITEM_FILL = '#dbeafe'
 ZONE_FILLS = ('#fde68a', '#bbf7d0', '#fbcfe8', '#ddd6fe')
@@ -61,19 +65,30 @@ class Sheet:
         return ZONE_FILLS[names.index(zone) % len(ZONE_FILLS)]
 
 
-def card(sheet: Sheet, task: Task, belt: str = '') -> str:
-    """Return the label of a task.
+@dataclass(frozen=True)
+class Card:
+    """A label and how high it is at most, in points: `dot` does not tell before it draws."""
+
+    label: str
+    height: float
+
+
+def card(sheet: Sheet, task: Task, belt: str = '') -> Card:
+    """Return the card of a task.
 
     :param belt: how it relates to the moving belt, if it does not require the belt to rest
     """
-    rows = [_head(task), _wide(lines(list(_what(task))))]
-    options = [text for option in _options(sheet.cell, task) for text in wrapped(option)]
-    if belt:
-        options.insert(0, belt)
+    title, what = _title(task), list(_what(task))
+    rows = [_head(task, title), _wide(lines(what))]
+    options = [belt] if belt else []
+    options += [text for option in _options(sheet.cell, task) for text in wrapped(option)]
     if options:
         rows.append(_wide(lines([font(text, size=9, italic=True) for text in options])))
-    rows += [_wide(font(text, size=9), fill) for text, fill in _marks(sheet, task)]
-    return table(rows, border=1, fill=PAPER, dashed=bool(belt))
+    marks = list(_marks(sheet, task))
+    rows += [_wide(font(text, size=9), fill) for text, fill in marks]
+    texts, blocks = len(what) + len(options), len(rows)
+    height = 15 * len(title) + 11 * texts + 4 * blocks + 11 * len(marks) + 4
+    return Card(table(rows, border=1, fill=PAPER, dashed=bool(belt), height=height), height)
 
 
 def belt_words(tasks: SectionList, step: Step, task: Task) -> str:
@@ -106,11 +121,15 @@ def seconds(value: float | None) -> str:
     return 'no time limit' if value is None else f'at most {value:g} s'
 
 
-def _head(task: Task) -> list[str]:
-    title = font(task.id, size=12, bold=True)
+def _title(task: Task) -> list[str]:
+    return wrapped(task.id, ID_COLUMNS)
+
+
+def _head(task: Task, title: Sequence[str]) -> list[str]:
+    words = lines([font(text, size=12, bold=True) for text in title])
     if not task.qty_change:
-        return _wide(title)
-    return [entry(title, width=CARD_WIDTH - BADGE_WIDTH), _badge(task)]
+        return _wide(words)
+    return [entry(words, width=CARD_WIDTH - BADGE_WIDTH), _badge(task)]
 
 
 def _badge(task: Task) -> str:
@@ -123,9 +142,9 @@ def _wide(content: str, fill: str = '') -> list[str]:
 
 
 def _what(task: Task) -> Iterator[str]:
-    for text in wrapped(task.name):
+    for text in wrapped(task.name, NAME_COLUMNS):
         yield font(text, size=10)
-    for text in wrapped(task.action, CARD_COLUMNS):
+    for text in wrapped(task.action):
         yield font(text, size=9, colour=FAINT)
     for name, value in task.args.items():
         for text in _shortened(wrapped(f'{name}: {arguments(value)}')):

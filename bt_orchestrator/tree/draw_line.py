@@ -1,100 +1,207 @@
 """A script as its process: the line of sections, with what couples them.
 
-The picture is read like a page: what comes before the line on top, then the belt from left to
-right with each section's list below its slot, in several rows where the belt is long.
+Read like a page: what comes before the line on top, then the belt from left to right with each
+section's list below its slot, in several rows where the belt is long.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import graphviz
 
-from bt_orchestrator.tree.draw_band import add_band
-from bt_orchestrator.tree.draw_card import Sheet
-from bt_orchestrator.tree.draw_flags import add_flags
-from bt_orchestrator.tree.draw_section import INVISIBLE, add_section, slot
-from bt_orchestrator.tree.draw_text import FAINT, FONT, INK, PAPER, entry, font, table
+from bt_orchestrator.model.script import Dependency
+from bt_orchestrator.tree.draw_canvas import Canvas
+from bt_orchestrator.tree.draw_card import Sheet, details
+from bt_orchestrator.tree.draw_legend import legend, title
+from bt_orchestrator.tree.draw_page import FlagLine, Page
+from bt_orchestrator.tree.draw_plan import Box, Column, Placed
+from bt_orchestrator.tree.draw_text import (
+    BAR_FILL,
+    BELT,
+    FAINT,
+    FLAG,
+    GROUP_FILL,
+    INK,
+    PAPER,
+    SECTION_FILL,
+    SLOT_FILL,
+    entry,
+    font,
+    lines,
+    table,
+    tooltip,
+)
 
-LONGEST_ROW = 7
-"""Sections side by side that are still readable on a screen and on paper."""
-
-BELT = {'color': '#8a94a3', 'penwidth': '5', 'arrowsize': '0.6'}
+_INITIALIZATION = 'a section begins the first item of an order when its components are initialized'
+_BELT = 'moves every item by one slot, when every section has let it go'
+_GROUP = 'these start together; the group ends when all of them ended'
 
 
 def line(sheet: Sheet) -> graphviz.Digraph:
-    """Draw a script as a process."""
-    graph = graphviz.Digraph(sheet.script.name, graph_attr=_page(sheet))
-    graph.attr('node', shape='plain', fontname=FONT)
-    graph.attr('edge', fontname=FONT, color=INK, arrowsize='0.7')
-    rows = in_rows(sheet.cell.conveyor.sections)
-    above = add_band(graph, sheet)
-    ends = {number: add_section(graph, sheet, number) for row in rows for number in row}
-    for sections in rows:
-        _belt(graph, sections, rows[-1][-1])
-        for node in above:
-            graph.edge(node, slot(sections[0]), **INVISIBLE)
-        above = [node for section in sections for node in ends[section]]
-    add_flags(graph, sheet)
-    return graph
+    """Draw a script as a process; every place is fixed, so the engine is `neato -n2`."""
+    head, key = title(sheet), legend(sheet)
+    page = Page(sheet, head.height, key.height)
+    canvas = Canvas(sheet.script.name, page.width, page.height)
+    canvas.node(canvas.graph, 'title', head.label, page.title, tooltip='title')
+    canvas.node(canvas.graph, 'legend', key.label, page.legend, tooltip='legend')
+    drawing = _Drawing(sheet, page, canvas)
+    drawing.header()
+    for column in page.columns:
+        drawing.section(column)
+    drawing.belts()
+    drawing.flags()
+    return canvas.graph
 
 
-def in_rows(sections: int) -> list[list[int]]:
-    """Break a long belt into rows of about equal length."""
-    count = -(-sections // LONGEST_ROW)
-    length = -(-sections // count)
-    numbers = range(1, sections + 1)
-    return [list(numbers[start : start + length]) for start in range(0, sections, length)]
+class _Drawing:
+    """Puts the parts of a page on a canvas."""
+
+    def __init__(self, sheet: Sheet, page: Page, canvas: Canvas) -> None:
+        self._sheet = sheet
+        self._page = page
+        self._canvas = canvas
+        self._names: dict[Box, str] = {}
+        """Nodes by their place."""
+
+    def header(self) -> None:
+        """Draw the initialization and the belt's move."""
+        page = self._page
+        if page.initialization_frame is not None:
+            words = 'Initialization, per order'
+            box = page.initialization_frame
+            with self._frame('initialization', words, box, _INITIALIZATION) as frame:
+                self._cards(frame, page.initialization)
+        boxes = {one.task.id: one.box for one in page.initialization}
+        for one in self._sheet.script.initialization_dependencies:
+            self._arrow(boxes[one.upstream], boxes[one.downstream])
+        with self._frame('belt', 'Belt, after every beat', page.belt_frame, _BELT) as frame:
+            self._cards(frame, [page.move])
+
+    def section(self, column: Column) -> None:
+        """Draw one section."""
+        number = column.number
+        name = f'section.{number}'
+        box = self._page.frame(column)
+        with self._frame(name, self._heading(number), box, self._about(number)) as frame:
+            for count, group in enumerate(column.groups, 1):
+                self._group(frame, f'{name}.group.{count}', group)
+            self._slot(frame, column)
+            if column.release is not None:
+                self._release(frame, f'{name}.release', column.release)
+            for count, join in enumerate(column.joins, 1):
+                self._join(frame, f'{name}.join.{count}', join)
+            self._cards(frame, column.cards)
+            if not column.cards:
+                self._idle(frame, name, column.slot)
+        for one, other in column.arrows:
+            self._arrow(one, other)
+
+    def belts(self) -> None:
+        """Draw the belt from slot to slot."""
+        for number, points in self._page.belts():
+            self._canvas.line(
+                f'slot.{number}',
+                f'slot.{number + 1}',
+                points,
+                id=f'belt.{number}',
+                edgetooltip=f'the belt, from section {number} to section {number + 1}',
+                color=BELT,
+                penwidth='5',
+                arrowsize='0.6',
+            )
+
+    def flags(self) -> None:
+        """Draw the flags from task to task."""
+        for one in self._page.flags():
+            self._flag(one)
+
+    # --- parts ------------------------------------------------------------------------------
+
+    def _heading(self, number: int) -> str:
+        script = self._sheet.script
+        roles = [('source', script.source), ('sink', script.sink)]
+        return ' \u00b7 '.join([f'Section {number}', *(r for r, at in roles if at == number)])
+
+    def _about(self, number: int) -> str:
+        components = self._sheet.cell.components.values()
+        here = ', '.join(one.name for one in components if number in one.sections)
+        return tooltip([self._heading(number), f'components: {here or "none"}'])
+
+    def _frame(self, name: str, words: str, box: Box, hint: str) -> graphviz.Digraph:
+        label = table([[entry(font(words, size=13, bold=True), width=box.width - 12)]])
+        graph, fill = self._canvas.graph, SECTION_FILL
+        return self._canvas.group(graph, name, label, box, fillcolor=fill, tooltip=hint)
+
+    def _group(self, frame: graphviz.Digraph, name: str, box: Box) -> None:
+        label = table([[entry(font('in parallel', italic=True), width=box.width - 12)]])
+        fill = GROUP_FILL
+        with self._canvas.group(frame, name, label, box, fillcolor=fill, tooltip=_GROUP):
+            pass  # its members are drawn with the section, in the order of the list
+
+    def _cards(self, frame: graphviz.Digraph, cards: Iterable[Placed]) -> None:
+        for one in cards:
+            name = self._names[one.box] = f'task.{one.task.id}'
+            hint = details(self._sheet, one.task, one.belt)
+            self._canvas.node(frame, name, one.card.label, one.box, tooltip=hint)
+
+    def _slot(self, frame: graphviz.Digraph, column: Column) -> None:
+        words = f'slot {column.number}'
+        name = self._names[column.slot] = f'slot.{column.number}'
+        label = _bar(words, INK, SLOT_FILL, column.slot)
+        self._canvas.node(frame, name, label, column.slot, tooltip=f'{words} of the belt')
+
+    def _release(self, frame: graphviz.Digraph, name: str, box: Box) -> None:
+        self._names[box] = name
+        hint = 'from here on the belt may move; what is below runs meanwhile'
+        label = _bar('belt released', PAPER, BAR_FILL, box)
+        self._canvas.node(frame, name, label, box, tooltip=hint)
+
+    def _join(self, frame: graphviz.Digraph, name: str, box: Box) -> None:
+        self._names[box] = name
+        looks = {'shape': 'point', 'width': '0.06', 'color': INK, 'tooltip': _GROUP}
+        self._canvas.node(frame, name, '', box, **looks)
+
+    def _idle(self, frame: graphviz.Digraph, section: str, slot: Box) -> None:
+        label = table([[entry(font('no task: items pass', colour=FAINT, italic=True))]])
+        below = slot.moved(0, slot.height + 4)
+        hint = 'the script has no list for this section'
+        self._canvas.node(frame, f'{section}.idle', label, below, tooltip=hint)
+
+    def _arrow(self, above: Box, below: Box) -> None:
+        points = [(above.middle, above.bottom), (below.middle, below.top)]
+        start, end = self._names[above], self._names[below]
+        self._canvas.line(start, end, points, head=below.height > 0)
+
+    def _flag(self, one: FlagLine) -> None:
+        flag = one.flag
+        counts = f'capacity {flag.capacity}, initial {flag.initial}'
+        name = font(f'flag {flag.flag}', bold=True, colour=FLAG)
+        hint = tooltip(_about_flag(flag))
+        self._canvas.line(
+            f'task.{flag.upstream}',
+            f'task.{flag.downstream}',
+            one.points,
+            label_at=one.label_at,
+            label=table([[entry(lines([name, font(counts, size=9, colour=FLAG)]))]]),
+            id=f'flag.{flag.flag}',
+            edgetooltip=hint,
+            labeltooltip=hint,
+            color=FLAG,
+            style='dashed',
+            penwidth='1.6',
+        )
 
 
-def _page(sheet: Sheet) -> dict[str, str]:
-    return {
-        'label': title(sheet),
-        'labelloc': 't',
-        'labeljust': 'l',
-        'fontname': FONT,
-        'bgcolor': PAPER,
-        'rankdir': 'TB',
-        'newrank': 'true',
-        'compound': 'true',
-        'nodesep': '0.25',
-        'ranksep': '0.3',
-        'pad': '0.3',
-        'tooltip': f'script {sheet.script.name}',
-    }
+def _bar(words: str, colour: str, fill: str, box: Box) -> str:
+    text = font(words, bold=True, colour=colour)
+    middle = entry(text, align='CENTER', width=box.width, height=box.height)
+    return table([[middle]], fill=fill)
 
 
-def title(sheet: Sheet) -> str:
-    """Return the label of a whole drawing: script, cell, and what an order may set."""
-    script, conveyor = sheet.script, sheet.cell.conveyor
-    rows = [
-        [entry(font(script.name, size=22, bold=True))],
-        [entry(font(f'for cell {sheet.cell.name}, {conveyor.sections} sections', size=12))],
+def _about_flag(flag: Dependency) -> list[str]:
+    return [
+        f'flag {flag.flag}: capacity {flag.capacity}, initial count {flag.initial}',
+        f'{flag.upstream} starts while it is below {flag.capacity}, and adds one after it',
+        f'{flag.downstream} starts while it is above 0, and takes one after it',
     ]
-    for parameter in script.params.values():
-        default = 'required' if parameter.required else f'default {parameter.default}'
-        text = f'parameter {parameter.name}: {parameter.type}, {default}'
-        rows.append([entry(font(text, size=11, colour=FAINT))])
-    if script.quantity is not None:
-        rows.append([entry(font(f'quantity: default {script.quantity}', size=11, colour=FAINT))])
-    return table(rows)
-
-
-def _belt(graph: graphviz.Digraph, sections: list[int], last: int) -> None:
-    """Draw the belt below one row of slots, with where it comes from and goes to."""
-    first, final = sections[0], sections[-1]
-    stations = [slot(number) for number in sections]
-    if first > 1:
-        stations.insert(0, f'from.{first}')
-        graph.node(stations[0], _elsewhere(f'from {first - 1}'))
-    if final < last:
-        stations.append(f'to.{final}')
-        graph.node(stations[-1], _elsewhere(f'to {final + 1}'))
-    with graph.subgraph() as rank:
-        rank.attr(rank='same')
-        for station in stations:
-            rank.node(station)
-    for one, following in zip(stations, stations[1:]):
-        graph.edge(one, following, edgetooltip='the belt', **BELT)
-
-
-def _elsewhere(text: str) -> str:
-    return table([[entry(font(text, size=10, colour=FAINT, italic=True))]])

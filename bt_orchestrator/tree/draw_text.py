@@ -11,7 +11,12 @@ INK = '#1f2933'
 FAINT = '#5f6b7a'
 RULE = '#b8c0cc'
 PAPER = '#ffffff'
-BAR = '#47525f'
+BAR_FILL = '#47525f'
+SECTION_FILL = '#f4f6f9'
+SLOT_FILL = '#d5dae2'
+GROUP_FILL = '#e6ebf2'
+FLAG = '#b45309'
+BELT = '#8a94a3'
 
 CARD_COLUMNS = 34
 """Letters in a line of a card: longer ones are broken, so that columns stay narrow."""
@@ -48,13 +53,20 @@ def lines(texts: Sequence[str]) -> str:
 
 
 def entry(
-    content: str, *, align: str = 'LEFT', fill: str = '', span: int = 1, width: int = 0
+    content: str,
+    *,
+    align: str = 'LEFT',
+    fill: str = '',
+    span: int = 1,
+    width: float = 0,
+    height: float = 0,
 ) -> str:
-    """Return one cell of a table; content is marked up already, width is the least one."""
+    """Return one cell of a table; content is marked up already, sizes are the least ones."""
     attributes = [f'ALIGN="{align}"', f'BALIGN="{align}"', 'CELLPADDING="2"']
     attributes += [f'BGCOLOR="{fill}"'] if fill else []
     attributes += [f'COLSPAN="{span}"'] if span > 1 else []
-    attributes += [f'WIDTH="{width}"'] if width else []
+    attributes += [f'WIDTH="{width:g}"'] if width else []
+    attributes += [f'HEIGHT="{height:g}"'] if height else []
     return f'<TD {" ".join(attributes)}>{content}</TD>'
 
 
@@ -64,12 +76,13 @@ def table(
     border: int = 0,
     fill: str = '',
     dashed: bool = False,
-    spacing: int = 0,
+    height: float = 0,
 ) -> str:
-    """Return a whole label: a table of rows of cells."""
-    attributes = [f'BORDER="{border}"', 'CELLBORDER="0"', f'CELLSPACING="{spacing}"']
+    """Return a whole label: a table of rows of entries; height is the least one."""
+    attributes = [f'BORDER="{border}"', 'CELLBORDER="0"', 'CELLSPACING="0"']
     attributes += [f'COLOR="{INK}"'] if border else []
     attributes += [f'BGCOLOR="{fill}"'] if fill else []
     attributes += ['STYLE="dashed"'] if dashed else []
-    body = ''.join(f'<TR>{"".join(cells)}</TR>' for cells in rows)
+    attributes += [f'HEIGHT="{height:g}"'] if height else []
+    body = ''.join(f'<TR>{"".join(entries)}</TR>' for entries in rows)
     return f'<<TABLE {" ".join(attributes)}>{body}</TABLE>>'

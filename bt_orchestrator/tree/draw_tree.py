@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from typing import NoReturn
+from collections.abc import Iterable
+from typing import Any, NamedTuple, NoReturn
 
 import graphviz
 from py_trees.behaviour import Behaviour
@@ -22,15 +22,27 @@ from bt_orchestrator.tree.leaf import ActionLeaf
 JOB = 'JOB'
 """Stands for whatever order the script is run for."""
 
-KINDS: Mapping[type[Behaviour], tuple[str, str, str]] = {
-    Parallel: ('parallel', 'parallelogram', '#e6ebf2'),
-    Selector: ('selector', 'octagon', '#ede9fe'),
-    Sequence: ('sequence', 'cds', '#dbeafe'),
-    Decorator: ('decorator', 'box', '#fef3c7'),
-    ActionLeaf: ('action', 'box', PAPER),
-    Behaviour: ('condition or step of the engine', 'ellipse', PAPER),
-}
-"""What a kind is called, its shape, its colour; the first that fits."""
+
+class Kind(NamedTuple):
+    """How a kind of behaviour is drawn."""
+
+    behaviour: type[Any]
+    name: str
+    shape: str
+    shape_name: str
+    fill: str
+    style: str = 'filled'
+
+
+KINDS = (
+    Kind(Parallel, 'parallel', 'parallelogram', 'slanted box', '#e6ebf2'),
+    Kind(Selector, 'selector', 'octagon', 'octagon', '#ede9fe'),
+    Kind(Sequence, 'sequence', 'cds', 'arrow', '#dbeafe'),
+    Kind(Decorator, 'decorator', 'box', 'rounded box', '#fef3c7', 'filled,rounded'),
+    Kind(ActionLeaf, 'action', 'box', 'box', PAPER),
+    Kind(Behaviour, 'condition or step of the engine', 'ellipse', 'ellipse', PAPER),
+)
+"""The first that fits."""
 
 
 class Compiled:
@@ -94,14 +106,14 @@ def _page(sheet: Sheet) -> dict[str, str]:
 
 
 def _add(graph: graphviz.Digraph, sheet: Sheet, behaviour: Behaviour, path: str) -> None:
-    _, shape, fill = kind_of(behaviour)
+    kind = kind_of(behaviour)
     graph.node(
         path,
         graphviz.escape(behaviour.name),
         id=path,
-        shape=shape,
-        style=_style(behaviour),
-        fillcolor=fill,
+        shape=kind.shape,
+        style=kind.style,
+        fillcolor=kind.fill,
         tooltip=_about(sheet, behaviour),
     )
     for number, child in enumerate(behaviour.children, 1):
@@ -110,17 +122,13 @@ def _add(graph: graphviz.Digraph, sheet: Sheet, behaviour: Behaviour, path: str)
         graph.edge(path, below)
 
 
-def kind_of(behaviour: Behaviour) -> tuple[str, str, str]:
-    """Return what a behaviour is called, its shape and its colour."""
-    return next(look for kind, look in KINDS.items() if isinstance(behaviour, kind))
-
-
-def _style(behaviour: Behaviour) -> str:
-    return 'filled,rounded' if isinstance(behaviour, Decorator) else 'filled'
+def kind_of(behaviour: Behaviour) -> Kind:
+    """Return how a behaviour is drawn."""
+    return next(kind for kind in KINDS if isinstance(behaviour, kind.behaviour))
 
 
 def _about(sheet: Sheet, behaviour: Behaviour) -> str:
-    first = f'{kind_of(behaviour)[0]}: {behaviour.name} ({type(behaviour).__name__})'
+    first = f'{kind_of(behaviour).name}: {behaviour.name} ({type(behaviour).__name__})'
     if not isinstance(behaviour, ActionLeaf):
         return tooltip([first])
     return '\n'.join([tooltip([first]), details(sheet, behaviour.subject.task)])
@@ -128,19 +136,6 @@ def _about(sheet: Sheet, behaviour: Behaviour) -> str:
 
 def legend() -> list[str]:
     """Explain the shapes, and how the tree is ticked."""
-    shapes = [f'{_shape(kind)}: {name}' for kind, (name, _, _) in KINDS.items()]
+    shapes = ', '.join(f'{kind.shape_name}: {kind.name}' for kind in KINDS)
     order = 'children are ticked from top to bottom, which decides ties'
-    return [font(text, size=10, colour=FAINT) for text in (', '.join(shapes), order)]
-
-
-def _shape(kind: type[Behaviour]) -> str:
-    return 'rounded box' if kind is Decorator else _SHAPES[KINDS[kind][1]]
-
-
-_SHAPES = {
-    'parallelogram': 'slanted box',
-    'octagon': 'octagon',
-    'cds': 'arrow',
-    'box': 'box',
-    'ellipse': 'ellipse',
-}
+    return [font(text, size=10, colour=FAINT) for text in (shapes, order)]

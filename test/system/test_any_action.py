@@ -15,7 +15,7 @@ CELL = (
     section: 2
     action: nester/nest
     type: test_msgs/action/NestedMessage
-    results: {NEST: {nested_field: {float64_value: 2.5, string_value: seen, bool_value: true}}}
+    results: {NEST: {nested_field: {float64_value: 2.5, int32_value: 9, bool_value: true}}}
 """
 )
 
@@ -30,13 +30,13 @@ sections:
       task: NEST
       action: nester/nest
       args:
-        nested_field: {int32_value: 7, string_value: "item ${item.number}"}
+        nested_field: {int32_value: "${item.number}", bool_value: true}
         nested_different_pkg: {sec: 12, nanosec: 34}
     - id: work
       task: TASK_A
       action: worker/task
       args:
-        special_argument_1: "${results.nest.nested_field.string_value}"
+        special_argument_1: "seen ${results.nest.nested_field.int32_value}"
         special_argument_2: "${results.nest.nested_field.float64_value}"
       when: "${results.nest.nested_field.bool_value}"
     - {id: pack, task: TASK_A, action: packer/task, qty_change: -1}
@@ -55,8 +55,8 @@ def test_any_action_type_takes_part_in_a_script(start_cell: StartCell) -> None:
         for task in ('count', 'nest', 'work')
     )
     assert count['args'] == {'order': 5}
-    assert nest['args']['nested_field'] == {'int32_value': 7, 'string_value': 'item 2'}
-    assert work['args'] == {'special_argument_1': 'seen', 'special_argument_2': 2.5}
+    assert nest['args']['nested_field'] == {'int32_value': 2, 'bool_value': True}
+    assert work['args'] == {'special_argument_1': 'seen 9', 'special_argument_2': 2.5}
     assert cell.watch.until('task.succeeded', task='count')['results'] == {'sequence': []}
     done = cell.watch.until('task.succeeded', task='nest')['results']
     assert done['nested_field']['float64_value'] == 2.5

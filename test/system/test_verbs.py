@@ -61,14 +61,15 @@ def test_events_are_printed_up_to_a_count(small_cell: CellProcesses) -> None:
         ros = small_cell.watch.ros
         topic = f'{small_cell.watch.name}/events'
         ros.spin_until(lambda: ros.node.count_subscribers(topic) == 2, 'the listener')
-        small_cell.run_small(quantity=3)
+        small_cell.run_small(quantity=200)
+        small_cell.watch.ros.spin_until(lambda: listening.output.count('\n') == 12, 'twelve lines')
         assert listening.wait() == 0
     finally:
         listening.kill()
-    small_cell.watch.until_ended('WO-1')
     records = [json.loads(line) for line in listening.output.splitlines()]
     assert len(records) == 12
     events = small_cell.watch.events
+    small_cell.watch.ros.spin_until(lambda: records[-1] in events, 'the same events')
     first = events.index(records[0])
     assert records == events[first : first + 12]
     small_cell.stop()

@@ -16,14 +16,14 @@ class Attachment:
     or the first has lasted too long. A watcher that was killed leaves when the middleware notices.
     """
 
-    def __init__(self, now: float, *, permanent: bool = False) -> None:
+    def __init__(self, now: float) -> None:
         """Expect a subscriber.
 
         :param now: seconds, of a clock that does not jump
-        :param permanent: whether the stream stays without subscribers too
         """
         self.count = 0
-        self._permanent = permanent
+        self.is_permanent = False
+        """Whether the stream stays without subscribers too."""
         self._until = now + FIRST_WAIT_S
 
     def look(self, count: int, now: float) -> bool:
@@ -40,4 +40,4 @@ class Attachment:
 
     def is_over(self, now: float) -> bool:
         """Tell whether nobody is there, nor expected any more."""
-        return not (self.count or self._permanent) and now >= self._until
+        return not (self.count or self.is_permanent) and now >= self._until

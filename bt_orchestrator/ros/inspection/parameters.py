@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -13,7 +14,7 @@ from bt_orchestrator.errors import OrchestratorError
 
 BUILTIN = 'builtin'
 
-ON_CHANGE_S = float.fromhex('0x1.fffffffffffffp+1023')
+ON_CHANGE_S = sys.float_info.max
 """The period that stands for: only when something has changed."""
 
 
@@ -35,8 +36,7 @@ _FIELDS = {
     'default_snapshot_stream': ('is_open', 'Publish snapshots of the tree on ~/snapshots.'),
     'default_snapshot_period': (
         'period_s',
-        'Seconds between snapshots of the default stream when nothing changes; '
-        f'{ON_CHANGE_S}: only when something has changed.',
+        f'Longest time between snapshots of the default stream, s; {ON_CHANGE_S}: on change only.',
     ),
     'default_snapshot_blackboard_data': (
         'blackboard_data',
@@ -70,9 +70,7 @@ def declare_kind(node: Node) -> str:
     return kind
 
 
-def declare_default_stream(
-    node: Node, apply: Callable[[DefaultStream], object]
-) -> None:
+def declare_default_stream(node: Node, apply: Callable[[DefaultStream], object]) -> None:
     """Declare the parameters of the default stream and apply them, now and when they change."""
     current = DefaultStream()
     for name, (field, text) in _FIELDS.items():

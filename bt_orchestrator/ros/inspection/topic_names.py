@@ -41,7 +41,7 @@ class TopicNames:
 
         :raises StreamRefused: ROS 2 does not allow it, or something else is published there
         """
-        name = self._full(requested)
+        name = self.full(requested)
         try:
             validate_full_topic_name(name)
         except InvalidTopicNameException as error:
@@ -52,7 +52,8 @@ class TopicNames:
             raise StreamRefused(f'topic {name} is taken, for {", ".join(others)}')
         return name
 
-    def _full(self, requested: str) -> str:
+    def full(self, requested: str) -> str:
+        """Return the full name for any text, valid or not."""
         if requested.startswith('/'):
             return requested
         if requested.startswith('~/'):

@@ -1,0 +1,178 @@
+"""The inspection server inside one process: messages of trees, and how it starts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+from uuid import UUID
+
+import pytest
+import rclpy
+from py_trees.behaviour import Behaviour
+from py_trees.behaviours import Failure, Running, Success
+from py_trees.common import Access, BlackBoxLevel, ParallelPolicy
+from py_trees.composites import Composite, Parallel, Selector, Sequence
+from py_trees.decorators import Inverter
+from py_trees_ros_interfaces.msg import BehaviourTree
+from rclpy.context import Context
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from watching_client import Snapshot
+
+from bt_orchestrator.ros.inspection import start
+from bt_orchestrator.ros.inspection.parameters import UnknownInspection
+from bt_orchestrator.ros.inspection.tree_messages import TreeMessages
+
+# --- trees ------------------------------------------------------------------------------------
+
+
+def sample_tree() -> tuple[Composite, Selector]:
+    """Return a tree with something of each kind, and a branch of it to change."""
+    branch = Selector('branch', memory=False, children=[Failure('no'), Running('busy')])
+    reader = Success('reader')
+    reader.attach_blackboard_client(name='reader').register_key(key='k', access=Access.READ)
+    line = Sequence('line', memory=True, children=[reader, Inverter('not', Failure('fails'))])
+    line.blackbox_level = BlackBoxLevel.COMPONENT
+    all_of = ParallelPolicy.SuccessOnAll(synchronise=False)
+    return Parallel('root', all_of, [line, branch, Sequence('empty', memory=False)]), branch
+
+
+def snapshot_of(messages: TreeMessages) -> Snapshot:
+    return Snapshot(BehaviourTree(behaviours=messages.messages))
+
+
+def tips(snapshot: Snapshot) -> dict[str, UUID]:
+    return {b.name: UUID(bytes=bytes(b.tip_id.uuid)) for b in snapshot.message.behaviours}
+
+
+def tip_of(behaviour: Behaviour) -> UUID:
+    """Say what py_trees says, as it is written in messages."""
+    tip = behaviour.tip()
+    return UUID(int=0) if tip is None or tip is behaviour else tip.id
+
+
+def test_every_kind_of_behaviour_has_its_words() -> None:
+    root, _ = sample_tree()
+    root.tick_once()
+    messages = TreeMessages()
+    messages.refresh(root)
+
+    found = {
+        b.name: (b.type, b.additional_detail, b.status, b.blackbox_level)
+        for b in snapshot_of(messages).message.behaviours
+    }
+    assert found == {
+        'root': (4, 'OnAll', 2, 4),
+        'line': (2, 'WithMemory', 3, 2),
+        'reader': (1, '', 3, 4),
+        'not': (6, '', 3, 4),
+        'fails': (1, '', 4, 4),
+        'branch': (3, '', 2, 4),
+        'no': (1, '', 4, 4),
+        'busy': (1, '', 2, 4),
+        'empty': (2, '', 3, 4),
+    }
+    reader = snapshot_of(messages).by_name['reader']
+    assert [(pair.key, pair.value) for pair in reader.blackboard_access] == [('/k', 'r')]
+    assert reader.class_name == 'py_trees.behaviours.Success'
+    assert messages.visited_keys == {'/k'}
+
+
+def test_tips_are_those_of_py_trees() -> None:
+    root, branch = sample_tree()
+    messages = TreeMessages()
+    for change in (lambda: None, root.tick_once, lambda: branch.stop(), root.tick_once):
+        change()
+        messages.refresh(root)
+        assert tips(snapshot_of(messages)) == {b.name: tip_of(b) for b in root.iterate()}
+
+
+def test_a_change_of_status_or_of_the_tree_is_a_new_version() -> None:
+    root, branch = sample_tree()
+    messages = TreeMessages()
+    versions = []
+    new = Running('new')
+    for change in (
+        lambda: None,
+        root.tick_once,
+        lambda: None,
+        lambda: branch.add_child(new),
+        lambda: branch.remove_child(new),
+        lambda: setattr(branch, 'feedback_message', 'words'),
+    ):
+        change()
+        messages.refresh(root)
+        versions.append(messages.version)
+    assert versions == [1, 2, 2, 3, 4, 4]
+    assert snapshot_of(messages).text('branch') == 'words'
+    assert 'new' not in snapshot_of(messages).by_name
+
+
+def test_a_branch_that_is_not_ticked_says_nothing() -> None:
+    root, branch = sample_tree()
+    root.tick_once()
+    branch.feedback_message = 'old words'
+    root.stop()
+    messages = TreeMessages()
+    messages.refresh(root)
+
+    snapshot = snapshot_of(messages)
+    assert {b.message for b in snapshot.message.behaviours} == {''}
+    assert not any(b.is_active for b in snapshot.message.behaviours)
+    assert messages.visited_keys == set()
+
+
+# --- start ------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def context() -> Iterator[Context]:
+    context = Context()
+    rclpy.init(context=context)
+    yield context
+    context.shutdown()
+
+
+def start_on_node(context: Context, kind: str = 'builtin') -> list[str]:
+    """Start on a node without a cell, and return the names of its services."""
+    override = Parameter('inspection', value=kind)
+    node = Node('bare', context=context, parameter_overrides=[override])
+    try:
+        unused: Any = None
+        start.start_inspection(node, unused, unused)
+        return [name for name, _ in node.get_service_names_and_types_by_node('bare', '/')]
+    finally:
+        node.destroy_node()
+
+
+def test_without_the_message_types_the_node_runs_and_warns_once(
+    context: Context, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(start, 'INTERFACES', 'no_such_interfaces')
+    names = start_on_node(context)
+
+    assert not [name for name in names if 'streams' in name]
+    warnings = [line for line in capfd.readouterr().err.splitlines() if 'tree watcher' in line]
+    (warning,) = warnings
+    assert 'the package no_such_interfaces is not installed' in warning
+
+
+@pytest.mark.parametrize(
+    ('kind', 'words'),
+    [('py_trees_ros', 'not supported yet'), ('other', "expected builtin, found 'other'")],
+)
+def test_another_kind_is_refused_in_words(context: Context, kind: str, words: str) -> None:
+    with pytest.raises(UnknownInspection, match=words):
+        start_on_node(context, kind)
+
+
+def test_the_services_are_those_of_the_contract(context: Context) -> None:
+    names = {name for name in start_on_node(context) if 'streams' in name}
+    assert names == {
+        '/bare/snapshot_streams/open',
+        '/bare/snapshot_streams/close',
+        '/bare/snapshot_streams/reconfigure',
+        '/bare/blackboard_streams/get_variables',
+        '/bare/blackboard_streams/open',
+        '/bare/blackboard_streams/close',
+    }

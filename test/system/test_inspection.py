@@ -1,0 +1,298 @@
+"""Tree watchers at a running node: the wire contract, spoken by a client of our own."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from cell_processes import CellProcesses, StartCell
+from py_trees_ros_interfaces.msg import Behaviour
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParameters
+from watching_client import ON_CHANGE_S, WatcherProcess, WatchingClient, parameters
+
+WORK = 'work: TASK_C'
+LONG_WORK = 'work: TASK_B'
+
+LEASE_S = 60.0
+"""More than the middleware (20 s) and the grace (5 s) take to be sure that a watcher is dead."""
+
+
+@pytest.fixture
+def client() -> Iterator[WatchingClient]:
+    client = WatchingClient()
+    yield client
+    client.close()
+
+
+def at_work(cell: CellProcesses) -> None:
+    """Let the cell begin a task that lasts longer than the test."""
+    cell.run_small(task='TASK_B')
+    cell.watch.until('task.started', task='work')
+
+
+# --- snapshots --------------------------------------------------------------------------------
+
+
+def test_a_job_is_seen_from_its_beginning_to_its_end(
+    small_cell: CellProcesses, client: WatchingClient
+) -> None:
+    seen = client.watch(client.open())
+    idle = client.until(seen, lambda s: s.message.behaviours, 'of the idle cell')
+    assert idle.message.changed
+    assert idle.text('next cycle').startswith('the cell is ')
+    assert 'WO-1' not in idle.by_name
+
+    small_cell.run_small(task='TASK_C')
+    working = client.until(seen, lambda s: s.status(WORK) == Behaviour.RUNNING, 'at work')
+    client.ros.spin_until(lambda: 'WO-1' not in seen[-1].by_name, 'the end of the job')
+
+    assert working.message.changed
+    assert working.text(WORK) == 'running at /worker/task'
+    assert working.status('section 2') == Behaviour.RUNNING
+    assert working.status('pack: TASK_A') == Behaviour.INVALID
+    root = working.message.behaviours[0]
+    assert (root.name, root.type, root.additional_detail) == ('small_cell', 4, 'OnAll')
+    assert not working.message.blackboard_on_visited_path
+    before = seen[: seen.index(working)]
+    assert any(s.status(WORK) == Behaviour.INVALID for s in before)
+    counts = [s.message.statistics.count for s in seen]
+    assert counts == sorted(counts)
+    small_cell.stop()
+
+
+def test_who_attaches_in_the_middle_sees_the_present_once(
+    small_cell: CellProcesses, client: WatchingClient
+) -> None:
+    at_work(small_cell)
+    seen = client.watch(client.open())
+
+    client.until(seen, lambda s: s.status(LONG_WORK) == Behaviour.RUNNING, 'at work')
+    first = len(seen)
+    client.ros.spin_for(1.0)
+    assert len(seen) == first, 'nothing has changed since'
+
+
+def test_a_period_repeats_the_unchanged_with_what_was_asked_for(
+    small_cell: CellProcesses, client: WatchingClient
+) -> None:
+    at_work(small_cell)
+    topic = client.open(parameters(0.2, data=True, activity=True))
+    seen = client.watch(topic)
+
+    client.ros.spin_until(lambda: len(seen) >= 4, 'repeated snapshots')
+    assert [s.message.changed for s in seen[1:4]] == [False] * 3
+    visited = {pair.key: pair.value for pair in seen[3].message.blackboard_on_visited_path}
+    assert visited == {
+        '/small_cell/belt': 'at rest',
+        '/small_cell/beat': '2',
+        '/small_cell/ready/worker': 'True',
+    }
+    statistics = seen[3].message.statistics
+    assert 0 < statistics.tick_interval_average < 1
+    assert statistics.tick_duration > 0
+
+    assert client.reconfigure(topic, parameters(ON_CHANGE_S))
+    client.until(seen, lambda s: not s.message.blackboard_on_visited_path, 'reconfigured')
+    count = len(seen)
+    client.ros.spin_for(1.0)
+    assert len(seen) == count
+
+
+def test_what_is_done_on_the_blackboard_is_shown(
+    small_cell: CellProcesses, client: WatchingClient
+) -> None:
+    seen = client.watch(client.open(parameters(ON_CHANGE_S, activity=True)))
+    client.until(seen, lambda s: True, 'the first')
+    small_cell.run_small()
+
+    def writes(snapshot: Any) -> list[tuple[str, str]]:
+        done = snapshot.message.blackboard_activity
+        return [(i.key, i.current_value) for i in done if i.activity_type == 'WRITE']
+
+    client.until(seen, lambda s: ('/small_cell/slots/1', 'WO-1/1') in writes(s), 'the placing')
+
+
+def test_many_watch_at_once_and_each_leaves_alone(
+    small_cell: CellProcesses, client: WatchingClient
+) -> None:
+    topics = [client.open() for _ in range(3)]
+    assert len(set(topics)) == 3
+    all_seen = [client.watch(topic) for topic in topics]
+    client.ros.spin_until(lambda: all(all_seen), 'a snapshot for everybody')
+
+    assert client.close_stream(topics[0])
+    assert not client.close_stream(topics[0])
+    client.until_gone(topics[0], within_s=20.0)
+    small_cell.run_small(task='TASK_C')
+    for seen in all_seen[1:]:
+        client.until(seen, lambda s: s.status(WORK) == Behaviour.RUNNING, 'at work')
+    assert not any(WORK in s.by_name for s in all_seen[0])
+    small_cell.watch.until_ended('WO-1')
+    small_cell.stop()
+
+
+def test_a_topic_asked_for_by_name_is_shared(
+    small_cell: CellProcesses, client: WatchingClient
+) -> None:
+    base = '/bt_orchestrator'
+    assert client.open(topic='mine') == f'{base}/snapshot_streams/mine'
+    assert client.open(topic='~/mine') == f'{base}/mine'
+    assert client.open(topic='/elsewhere/mine') == '/elsewhere/mine'
+    seen = client.watch('/elsewhere/mine')
+    client.until(seen, lambda s: True, 'the first')
+
+    assert client.open(topic='/elsewhere/mine') == '/elsewhere/mine'
+    assert client.open(parameters(1.0), '/elsewhere/mine') == '', 'watched with other parameters'
+    assert client.close_stream('/elsewhere/mine')
+    at_work(small_cell)
+    client.until(seen, lambda s: s.status(LONG_WORK) == Behaviour.RUNNING, 'still open')
+    assert client.close_stream('/elsewhere/mine')
+    client.until_gone('/elsewhere/mine', within_s=20.0)
+
+
+def test_a_subscriber_that_comes_late_misses_nothing(
+    small_cell: CellProcesses, client: WatchingClient
+) -> None:
+    topics = [client.open(), client.open_text('/small_cell/cell')]
+    at_work(small_cell)
+    client.ros.spin_for(2.0)
+
+    snapshots, texts = client.watch(topics[0]), client.watch_text(topics[1])
+    client.until(snapshots, lambda s: s.status(LONG_WORK) == Behaviour.RUNNING, 'at work')
+    client.ros.spin_until(lambda: texts, 'the blackboard')
+    assert '/small_cell/cell : Execute' in texts[0]
+
+
+@pytest.mark.timeout(150)
+def test_the_stream_of_a_killed_watcher_ends_and_the_cell_goes_on(
+    small_cell: CellProcesses, client: WatchingClient
+) -> None:
+    watcher = WatcherProcess()
+    try:
+        topic = watcher.topic()
+        assert client.ros.node.count_publishers(topic) == 1
+    finally:
+        watcher.kill()
+    small_cell.run_small(task='TASK_C', quantity=3)
+
+    client.until_gone(topic, LEASE_S)
+    small_cell.watch.until_ended('WO-1')
+    assert client.close_stream(topic) is False
+    small_cell.stop()
+
+
+def test_the_default_stream_is_opened_by_a_parameter(
+    start_cell: StartCell, client: WatchingClient
+) -> None:
+    cell = start_cell(run_options=['--ros-args', '-p', 'default_snapshot_stream:=true'])
+    cell.connect()
+    seen = client.watch('/bt_orchestrator/snapshots')
+    client.until(seen, lambda s: True, 'the first')
+    assert not client.close_stream('/bt_orchestrator/snapshots'), 'it is of no watcher'
+
+    assert set_parameter(cell, double('default_snapshot_period', -1.0)) is False
+    assert set_parameter(cell, double('default_snapshot_period', 0.1)) is True
+    client.ros.spin_until(lambda: len(seen) > 5, 'repeated snapshots')
+    off = ParameterValue(type=ParameterType.PARAMETER_BOOL, bool_value=False)
+    assert set_parameter(cell, Parameter(name='default_snapshot_stream', value=off)) is True
+    client.until_gone('/bt_orchestrator/snapshots', within_s=20.0)
+    cell.stop()
+
+
+def double(name: str, value: float) -> Any:
+    kind = ParameterType.PARAMETER_DOUBLE
+    return Parameter(name=name, value=ParameterValue(type=kind, double_value=value))
+
+
+def set_parameter(cell: CellProcesses, parameter: Any) -> bool:
+    request = SetParameters.Request(parameters=[parameter])
+    (result,) = cell.watch.call(SetParameters, 'set_parameters', request).results
+    return bool(result.successful)
+
+
+# --- blackboard -------------------------------------------------------------------------------
+
+
+def test_the_blackboard_is_listed_and_followed(
+    small_cell: CellProcesses, client: WatchingClient
+) -> None:
+    names = client.variables()
+    assert names == sorted(names)
+    assert {'/small_cell/belt', '/small_cell/slots/2', '/small_cell/ready/worker'} <= set(names)
+
+    everything = client.watch_text(client.open_text())
+    part = client.watch_text(client.open_text('small_cell/slots/1', '/no/such.thing'))
+    client.ros.spin_until(lambda: everything and part, 'a first text')
+    assert everything[0].startswith('Blackboard Data\n')
+    assert all(f'    {name} ' in everything[0] for name in names)
+    lines = [line.split() for line in part[0].splitlines()[1:]]
+    assert lines == [['small_cell/slots/1', ':'], ['/no/such.thing', ':', '-']]
+
+    at_work(small_cell)
+    client.ros.spin_until(lambda: any('slots/1 : WO-1/1' in text for text in part), 'the placing')
+    client.ros.spin_until(lambda: 'work of WO-1/1' in everything[-1], 'the work')
+
+
+def test_the_blackboard_of_the_visited_path_with_what_is_done_there(
+    small_cell: CellProcesses, client: WatchingClient
+) -> None:
+    topic = client.open_text(visited=True, activity=True)
+    texts = client.watch_text(topic)
+    client.ros.spin_until(lambda: texts, 'a first text')
+    assert texts[0].splitlines()[:2] == ['Blackboard Data', '    - : -']
+
+    at_work(small_cell)
+    client.ros.spin_until(
+        lambda: '/small_cell/ready/worker : True' in texts[-1], 'the guard of the work'
+    )
+    assert not any('slots/2 :' in text.partition('Activity')[0] for text in texts)
+    client.ros.spin_until(
+        lambda: any('WRITE' in text and 'at rest -> moving' in text for text in texts), 'the move'
+    )
+    assert client.close_text(topic)
+    assert not client.close_text(topic)
+    client.until_gone(topic, within_s=20.0)
+
+
+# --- whatever is asked ------------------------------------------------------------------------
+
+BAD_NAMES = [
+    *('bad name', '/1st', 'a//b', 'a/', '/', '~', '~/', '~x', '{node}', 'é', 'a\nb', 'x' * 300),
+    *('~/status', '/rosout'),
+]
+
+
+def test_every_malformed_call_is_answered(
+    small_cell: CellProcesses, client: WatchingClient
+) -> None:
+    for name in BAD_NAMES:
+        assert client.open(topic=name) == '', name
+        assert not client.close_stream(name), name
+        assert not client.reconfigure(name, parameters()), name
+        assert not client.close_text(name), name
+    assert not client.close_stream('')
+    good = client.open()
+    for period_s in (math.nan, -1.0, -math.inf):
+        assert client.open(parameters(period_s)) == ''
+        assert not client.reconfigure(good, parameters(period_s))
+    for variable in ('', '.', '/', '..', 'a.b.c', 'é', '/small_cell/belt.__class__'):
+        assert client.open_text(variable), variable
+
+    seen = client.watch(good)
+    client.until(seen, lambda s: True, 'a snapshot in spite of all that')
+    refused = small_cell.node.errors.count('snapshot_streams/open refused: ')
+    assert refused == len(BAD_NAMES) + 3
+    small_cell.stop()
+
+
+def test_too_many_streams_are_refused_with_an_answer(
+    small_cell: CellProcesses, client: WatchingClient
+) -> None:
+    topics = [client.open() for _ in range(65)]
+    assert [topic == '' for topic in topics] == [False] * 64 + [True]
+    assert client.close_stream(topics[0])
+    assert client.open()
+    small_cell.stop()

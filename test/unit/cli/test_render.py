@@ -1,0 +1,64 @@
+"""The verb `render`, without ROS 2 and without `dot`."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import pytest
+from fakes.action_types import FakeActionTypes
+from fakes.shipped import REFERENCE_CELL, STUCK, TREES
+
+from bt_orchestrator.cli.render import CannotWrite, add_arguments, render
+from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.errors import Refused
+
+
+def rendered(*words: str | Path) -> int:
+    parser = argparse.ArgumentParser()
+    add_arguments(parser)
+    args = parser.parse_args([*map(str, words), '--cell', str(REFERENCE_CELL)])
+    return render(args, FakeActionTypes())
+
+
+def test_dot_text_is_written_without_dot(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv('PATH', '/nowhere')
+    output = tmp_path / 'process.DOT'
+    assert rendered('reference_process', '--trees', TREES, '-o', output) == 0
+    assert output.read_bytes() == (TREES / 'reference_process.dot').read_bytes()
+
+
+def test_the_tree_is_another_view(tmp_path: Path) -> None:
+    output = tmp_path / 'tree.dot'
+    assert rendered(TREES / 'reference_process.yaml', '--view', 'tree', '-o', output) == 0
+    assert 'all turns complete' in output.read_text()
+
+
+def test_a_script_that_gets_stuck_is_drawn(tmp_path: Path) -> None:
+    output = tmp_path / 'stuck.dot'
+    assert rendered(STUCK, '-o', output) == 0
+    assert 'read_before_assemble' in output.read_text()
+
+
+@pytest.mark.parametrize(
+    ('name', 'found'), [('x.gif', 'x.gif has the ending .gif'), ('x', 'x has no ending')]
+)
+def test_an_ending_that_names_no_format(name: str, found: str, tmp_path: Path) -> None:
+    with pytest.raises(WrongUse) as wrong:
+        rendered(STUCK, '-o', tmp_path / name)
+    assert str(wrong.value) == f'{found}; expected one of .svg, .png, .pdf, .dot'
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_mistakes_are_told_and_nothing_is_written(tmp_path: Path) -> None:
+    bad = tmp_path / 'bad.yaml'
+    bad.write_text(STUCK.read_text().replace('TASK_A', 'TASKA'))
+    with pytest.raises(Refused) as refused:
+        rendered(bad, '-o', tmp_path / 'bad.dot')
+    assert len(refused.value.findings) == 2
+    assert not (tmp_path / 'bad.dot').exists()
+
+
+def test_a_file_that_cannot_be_written(tmp_path: Path) -> None:
+    with pytest.raises(CannotWrite, match=r'^cannot write .*: No such file or directory$'):
+        rendered(STUCK, '-o', tmp_path / 'nowhere' / 'x.dot')

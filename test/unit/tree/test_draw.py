@@ -1,0 +1,305 @@
+"""Drawings of scripts, as DOT text: what a reviewer finds in them, and where."""
+
+from __future__ import annotations
+
+from functools import cache
+from itertools import combinations, pairwise
+
+import pytest
+from fakes.action_types import FakeActionTypes
+from fakes.dot_text import DotText, words
+from fakes.line import THREE, Line, with_section
+from fakes.long_line import LONG, long_line
+from fakes.random_line import RandomLine
+from fakes.shipped import REFERENCE_CELL, ROOT, TREES
+from py_trees.blackboard import Blackboard
+
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.script.cell_file import read_cell
+from bt_orchestrator.script.script_file import read_script
+from bt_orchestrator.tree.draw import CannotDraw, draw
+
+TYPES = FakeActionTypes()
+SHIPPED = sorted(path.stem for path in TREES.glob('*.yaml'))
+
+
+def shipped(name: str, view: str = 'line') -> str:
+    cell = read_cell(REFERENCE_CELL, TYPES)
+    return draw(read_script(TREES / f'{name}.yaml', cell, TYPES), cell, view).dot
+
+
+def drawn(text: str, line: Line | None = None, view: str = 'line') -> DotText:
+    line = line or Line()
+    return DotText(draw(line.script(text), line.cell, view).dot)
+
+
+@cache
+def long() -> DotText:
+    line = long_line()
+    return DotText(draw(line.script(LONG), line.cell).dot)
+
+
+# --- shipped pictures -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize('name', SHIPPED)
+def test_the_drawing_beside_a_shipped_script_is_up_to_date(name: str) -> None:
+    beside = TREES / f'{name}.dot'
+    known = beside.read_text(encoding='utf-8') if beside.exists() else ''
+    assert known == shipped(name), 'run scripts/render, and look at the pictures in trees/'
+    assert beside.with_suffix('.svg').exists(), 'run scripts/render'
+
+
+def test_there_are_shipped_scripts() -> None:
+    assert len(SHIPPED) >= 2
+
+
+@pytest.mark.parametrize('view', ['line', 'tree'])
+def test_equal_scripts_are_drawn_equally_and_without_a_trace_of_the_machine(view: str) -> None:
+    text = shipped('inspect_and_assemble', view)
+    assert text == shipped('inspect_and_assemble', view)
+    assert str(ROOT) not in text
+
+
+# --- what is on a card ----------------------------------------------------------------------
+
+
+def test_a_plain_task_is_id_constant_and_action() -> None:
+    assert drawn(THREE).words('task.work') == ['work', 'TASK_A', '/a2/do']
+
+
+@pytest.mark.parametrize(
+    ('option', 'words'),
+    [
+        ('retries: 1', 'retry once'),
+        ('retries: 2, retry_delay: 1.5', 'retry 2 times, after 1.5 s'),
+        ('on_failure: reject', 'if it fails: reject the item'),
+        ('continue_if_fail: true', 'if it fails: continue'),
+        ('on_failure: abort_job', 'if it fails: abort the job'),
+        ('timeout: 7.5', 'at most 7.5 s'),
+        ('timeout: none', 'no time limit'),
+        ('runs_for: rejected', 'for rejected items only'),
+        ('runs_for: all', 'for good and rejected items'),
+        ('repeatable: true', 'repeatable'),
+        ('unless: "${params.dry}"', 'unless ${params.dry}'),
+        ('args: {special_argument_1: "${params.lot}!"}', 'special_argument_1: ${params.lot}!'),
+        ('requires_conveyor: false', 'while the belt moves'),
+    ],
+)
+def test_an_option_is_on_the_card(option: str, words: str) -> None:
+    params = 'params: {lot: {type: str}, dry: {type: bool, default: false}}'
+    use = '- {id: more, @b2, args: {special_argument_1: "${params.lot} ${params.dry}"}}'
+    text = with_section(2, f'- {{id: work, @a2, {option}}}\n{use}')
+    text = text.replace('qty_change: -1', 'qty_change: -1, runs_for: all')
+    assert words in drawn(f'{params}\n{text}').words('task.work')
+
+
+def test_what_a_time_limit_is_compared_with_is_the_components() -> None:
+    assert not any('at most' in word for word in drawn(THREE).words('task.work'))
+
+
+def test_a_long_argument_is_cut_and_whole_in_the_tooltip() -> None:
+    value = 'word ' * 60 + 'end'
+    dot = drawn(with_section(2, f'- {{id: work, @a2, args: {{special_argument_1: "{value}"}}}}'))
+    shown = dot.words('task.work')
+    assert len(shown) == 6
+    assert shown[-1].endswith('\u2026')
+    assert f'argument special_argument_1: {value}' in dot.nodes['task.work']['tooltip']
+
+
+def test_text_that_means_something_to_graphviz_is_only_text() -> None:
+    value = '<B>&amp; \\\\N \\"x\\"'
+    text = with_section(2, f'- {{id: work, @a2, args: {{special_argument_1: "{value}"}}}}')
+    dot = drawn(text)
+    label = dot.nodes['task.work']['label']
+    assert 'special_argument_1: &lt;B&gt;&amp;amp; \\N' in label
+    assert '<B>&amp; \\\\N "x"' in dot.nodes['task.work']['tooltip']
+
+
+def test_items_come_and_go() -> None:
+    dot = drawn(THREE)
+    assert '+1 item' in dot.words('task.place')
+    assert '\u22121 item' in dot.words('task.pack')
+
+
+@pytest.mark.parametrize(
+    ('tasks', 'seen'),
+    [
+        (
+            '- {id: early, @b2, requires_conveyor: false}\n- {id: work, @a2}',
+            'while the belt moves',
+        ),
+        (
+            '- {id: work, @a2}\n- {id: early, @b2, requires_conveyor: false}\n- {id: x, @a2}',
+            'does not need the belt',
+        ),
+        (
+            '- parallel: [{id: early, @b2, requires_conveyor: false}, {id: work, @a2}]',
+            'does not need the belt',
+        ),
+    ],
+)
+def test_how_a_task_relates_to_the_belt(tasks: str, seen: str) -> None:
+    dot = drawn(with_section(2, tasks))
+    assert seen in dot.words('task.early')
+    assert 'STYLE="dashed"' in dot.nodes['task.early']['label']
+    assert 'STYLE="dashed"' not in dot.nodes['task.work']['label']
+
+
+# --- what couples the sections --------------------------------------------------------------
+
+
+def test_a_flag_is_an_edge_with_its_counts() -> None:
+    edge = long().edges['task.work4 -> task.work15']
+    assert words(edge['label']) == ['flag far', 'capacity 12, initial 2']
+    assert 'work15 starts while it is above 0' in edge['edgetooltip']
+    assert '\u25b2 sets flag far' in long().words('task.work4')
+    assert '\u25bc takes flag far' in long().words('task.work15')
+
+
+def test_a_zone_is_named_on_each_of_its_tasks() -> None:
+    for task in ('work10', 'work11', 'work17'):
+        assert '\u25a0 zone crane' in long().words(f'task.{task}')
+
+
+def test_initialization_is_a_group_with_its_order() -> None:
+    dot = long()
+    assert words(dot.clusters['initialization']['label']) == ['Initialization, per order']
+    assert 'once, until the cell stops' in dot.words('task.home')
+    assert 'task.home -> task.prepare_2' in dot.edges
+    assert dot.card('home').bottom > dot.card('prepare_2').top
+    assert dot.area('initialization').holds(dot.card('prepare_4'))
+
+
+def test_the_belts_own_move() -> None:
+    assert long().words('task.index') == ['index', 'MOVE_ONE_INDEX', '/belt/do', 'retry once']
+
+
+def test_the_belt_is_released_where_the_turn_ends() -> None:
+    dot = long()
+    release = dot.place('section.9.release')[1]
+    assert dot.card('grip').bottom > release > dot.card('store').top
+    assert [name for name in dot.nodes if name.endswith('.release')] == ['section.9.release']
+
+
+def test_title_and_parameters() -> None:
+    assert long().words('title') == [
+        'test',
+        'for cell test_line, 20 sections',
+        'parameter lot: str, default A7',
+        'parameter force: float, required',
+        'quantity: default 12',
+    ]
+
+
+def test_the_legend_explains_what_is_there_and_nothing_else() -> None:
+    everything, little = long().words('legend'), drawn(THREE).words('legend')
+    for mark in ('dashed frame', '- - \u25b6 flag', '\u25a0 zone', 'belt released'):
+        assert mark in everything
+        assert mark not in little
+
+
+def test_a_section_without_tasks_is_there() -> None:
+    assert long().words('section.8.idle') == ['no task: items pass']
+    assert words(long().clusters['section.8']['label']) == ['Section 8']
+
+
+# --- where it stands ------------------------------------------------------------------------
+
+
+def test_sections_stand_in_the_order_of_the_belt() -> None:
+    areas = [long().area(f'section.{number}') for number in range(1, 21)]
+    for one, following in pairwise(areas):
+        same_row = one.top == following.top
+        assert one.right < following.left if same_row else one.bottom > following.top
+    assert len({area.top for area in areas}) > 1
+    assert [f'slot.{n} -> slot.{n + 1}' in long().edges for n in range(1, 20)] == [True] * 19
+
+
+def test_titles_of_source_and_sink() -> None:
+    assert words(long().clusters['section.1']['label']) == ['Section 1 \u00b7 source']
+    assert words(long().clusters['section.20']['label']) == ['Section 20 \u00b7 sink']
+
+
+def test_the_members_of_a_group_stand_in_it() -> None:
+    group = long().area('section.5.group.1')
+    for task in ('turn5', 'weld5', 'watch5'):
+        assert group.holds(long().card(task))
+    assert long().area('section.5').holds(group)
+
+
+def check_places(dot: DotText, script: Script) -> None:
+    """Nothing covers anything, and every task stands in its section."""
+    cards = {task: dot.card(task) for task in script.tasks}
+    for one, other in combinations(cards.values(), 2):
+        assert not one.meets(other)
+    for task, card in cards.items():
+        section = script.section_of(task)
+        frame = f'section.{section}' if section else 'initialization'
+        assert dot.area(frame).holds(card), task
+
+
+def test_nothing_covers_anything_on_a_long_line() -> None:
+    check_places(long(), long_line().script(LONG))
+
+
+@pytest.mark.parametrize('seed', range(30))
+def test_nothing_covers_anything_on_random_lines(seed: int) -> None:
+    random = RandomLine(seed)
+    for text in random.texts:
+        check_places(drawn(text, random.line), random.line.script(text))
+
+
+@pytest.mark.parametrize(
+    ('upstream', 'downstream'), [('work', 'pack'), ('place', 'pack'), ('pack', 'place')]
+)
+def test_a_flag_begins_and_ends_at_its_tasks(upstream: str, downstream: str) -> None:
+    flag = f'{{flag: f, upstream: {upstream}, downstream: {downstream}, initial: 1}}'
+    dot = drawn(f'{THREE}lateral_dependencies: [{flag}]')
+    way = dot.edges[f'task.{upstream} -> task.{downstream}']['pos'].split()
+    tip = tuple(float(number) for number in way[0].removeprefix('e,').split(','))
+    start = tuple(float(number) for number in way[1].split(','))
+    there, here = dot.card(downstream), dot.card(upstream)
+    assert tip == (there.left, (there.bottom + there.top) / 2)
+    assert start == (here.right, (here.bottom + here.top) / 2)
+    assert len(way) % 3 == 2  # the tip, and 3n + 1 points
+
+
+def test_flags_of_neighbours_and_of_one_task_do_not_cover_each_other() -> None:
+    text = with_section(2, '- parallel: [{id: left, @a2}, {id: right, @b2}]')
+    flags = [('f', 'left', 'pack'), ('g', 'right', 'pack'), ('h', 'right', 'place')]
+    listed = [f'{{flag: {f}, upstream: {u}, downstream: {d}, initial: 1}}' for f, u, d in flags]
+    dot = drawn(f'{text}lateral_dependencies: [{", ".join(listed)}]')
+    labels = sorted(float(edge['lp'].split(',')[1]) for edge in dot.edges.values() if 'lp' in edge)
+    assert len(labels) == 3
+    assert min(above - below for below, above in pairwise(labels)) >= 24
+
+
+# --- the behaviour tree ---------------------------------------------------------------------
+
+
+def test_the_tree_has_every_behaviour_in_the_order_of_ticks() -> None:
+    dot = drawn(with_section(2, '- {id: work, @a2, retries: 1}'), view='tree')
+    assert dot.nodes['root']['shape'] == 'parallelogram'
+    parts = [dot.nodes[f'root.{n}']['label'] for n in range(1, 6)]
+    assert parts == ['initialization', 'section 3', 'section 2', 'section 1', 'belt']
+    branch = [dot.nodes[f'root.3.1.2{deeper}']['label'] for deeper in ('', '.1', '.1.1', '.1.1.1')]
+    assert branch == ['belt at rest', 'hold if it fails', 'retry up to 1 time', 'work: TASK_A']
+    assert dot.nodes['root.3.1.2.1.1.1']['tooltip'].startswith('action: work: TASK_A (ActionLeaf)')
+    assert set(dot.edges) == {f'{n.rpartition(".")[0]} -> {n}' for n in dot.nodes if '.' in n}
+
+
+def test_drawing_the_tree_leaves_nothing_on_the_blackboard() -> None:
+    before = set(Blackboard.clients)
+    drawn(f'{THREE}zones: {{z: [work, pack]}}', view='tree')
+    assert set(Blackboard.clients) == before
+
+
+# --- dot ------------------------------------------------------------------------------------
+
+
+def test_a_missing_dot_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv('PATH', '/nowhere')
+    line = Line()
+    with pytest.raises(CannotDraw, match=r'^the program `dot` .* is missing; install Graphviz'):
+        draw(line.script(THREE), line.cell).image('svg')
