@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import argparse
-import sys
 
-from bt_orchestrator.cli.node_options import add_node_options, add_who_options
+from bt_orchestrator.cli.node_options import add_node_options, add_who_options, call_and_print
 
 ANSWERS = ('retry', 'mark_done', 'skip', 'reject', 'abort_job')
 
@@ -23,12 +22,7 @@ def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns 1 when the answer was refused."""
     from bt_orchestrator_interfaces.srv import AnswerHold
 
-    from bt_orchestrator.ros.client import NodeClient
-
     request = AnswerHold.Request(
         hold=args.hold, answer=args.answer, who=args.who, reason=args.reason
     )
-    with NodeClient(args.node, args.timeout) as client:
-        response = client.call(AnswerHold, 'answer_hold', request)
-    print(response.message, file=sys.stdout if response.accepted else sys.stderr)
-    return 0 if response.accepted else 1
+    return call_and_print(args, AnswerHold, 'answer_hold', request)

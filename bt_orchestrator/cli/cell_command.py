@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import argparse
-import sys
 
-from bt_orchestrator.cli.node_options import add_node_options, add_who_options
+from bt_orchestrator.cli.node_options import add_node_options, add_who_options, call_and_print
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -22,10 +21,5 @@ def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns 1 when it was refused."""
     from bt_orchestrator_interfaces.srv import Command
 
-    from bt_orchestrator.ros.client import NodeClient
-
     request = Command.Request(command=args.verb, who=args.who, reason=args.reason)
-    with NodeClient(args.node, args.timeout) as client:
-        response = client.call(Command, 'command', request)
-    print(response.message, file=sys.stdout if response.accepted else sys.stderr)
-    return 0 if response.accepted else 1
+    return call_and_print(args, Command, 'command', request)

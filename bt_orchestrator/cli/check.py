@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from bt_orchestrator.cli import bootstrap
-from bt_orchestrator.cli.folders import script_folders
+from bt_orchestrator.cli.folders import add_trees_option, script_folders
 from bt_orchestrator.errors import Finding, Refused
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import Script
@@ -39,15 +39,7 @@ def add_cell_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--cell', required=True, type=Path, metavar='CELL', help='cell file (YAML)'
     )
-    parser.add_argument(
-        '--trees',
-        action='append',
-        type=Path,
-        default=[],
-        metavar='DIR',
-        help='folder in which scripts are looked up by name; may be repeated '
-        '(default: trees/ here, then the installed ones)',
-    )
+    add_trees_option(parser)
 
 
 def run(args: argparse.Namespace) -> int:

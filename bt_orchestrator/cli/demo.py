@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from bt_orchestrator.cli.bootstrap import installed_types, load_cell
-from bt_orchestrator.cli.folders import shipped
+from bt_orchestrator.cli.folders import add_trees_option, shipped
 from bt_orchestrator.cli.forecast_text import forecast_lines
 from bt_orchestrator.cli.programs import Program, ProgramFailed
 from bt_orchestrator.cli.progress import Progress
@@ -43,14 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--order', type=Path, metavar='ORDER', help='work order (default: the shipped WO-1001)'
     )
-    parser.add_argument(
-        '--trees',
-        action='append',
-        type=Path,
-        default=[],
-        metavar='DIR',
-        help='folder of scripts; may be repeated',
-    )
+    add_trees_option(parser)
     parser.add_argument(
         '--speed',
         type=float,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
@@ -10,6 +11,19 @@ from pathlib import Path
 from bt_orchestrator.errors import Finding, Refused
 
 PACKAGE = 'bt_orchestrator'
+
+
+def add_trees_option(parser: argparse.ArgumentParser) -> None:
+    """Declare where scripts are looked up; `script_folders` takes what is given."""
+    parser.add_argument(
+        '--trees',
+        action='append',
+        type=Path,
+        default=[],
+        metavar='DIR',
+        help='folder in which scripts are looked up by name; may be repeated '
+        '(default: trees/ here, then the installed ones)',
+    )
 
 
 def script_folders(asked: Sequence[Path]) -> list[Path]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import getpass
+import sys
+from typing import Any
 
 DEFAULT_NODE = '/bt_orchestrator'
 
@@ -31,3 +33,13 @@ def add_who_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--who', default=getpass.getuser(), metavar='NAME', help='who decides (default: you)'
     )
+
+
+def call_and_print(args: argparse.Namespace, kind: Any, service: str, request: Any) -> int:
+    """Call a service that accepts or refuses, and print its answer; returns 1 if it refused."""
+    from bt_orchestrator.ros.client import NodeClient
+
+    with NodeClient(args.node, args.timeout) as client:
+        response = client.call(kind, service, request)
+    print(response.message, file=sys.stdout if response.accepted else sys.stderr)
+    return 0 if response.accepted else 1

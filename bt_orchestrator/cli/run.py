@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from bt_orchestrator.cli.folders import script_folders
+from bt_orchestrator.cli.folders import add_trees_option, script_folders
 from bt_orchestrator.stop_signals import StopSignals
 
 DESCRIPTION = """\
@@ -29,15 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--cell', type=Path, default=Path(), metavar='CELL', help='cell file (YAML)'
     )
-    parser.add_argument(
-        '--trees',
-        action='append',
-        type=Path,
-        default=[],
-        metavar='DIR',
-        help='folder in which scripts are looked up by name; may be repeated '
-        '(default: trees/ here, then the installed ones)',
-    )
+    add_trees_option(parser)
     parser.add_argument(
         '--namespace',
         default='',
