@@ -25,6 +25,8 @@ class ThreadServers:
         self._executor = MultiThreadedExecutor(num_threads=3, context=self._context)
         self._executor.add_node(self.node)
         self._servers: list[Any] = []
+        # A coroutine that waits is looked at only when the executor has something to do.
+        self.node.create_timer(0.05, lambda: None)
         self._thread = threading.Thread(target=self._spin)
         self._thread.start()
 
@@ -50,10 +52,6 @@ class ThreadServers:
             callback_group=ReentrantCallbackGroup(),
         )
         self._servers.append(server)
-
-    def run(self, callback: Callable[[], None]) -> None:
-        """Call back in a thread of the servers."""
-        self._executor.create_task(callback)
 
     def close(self) -> None:
         """Leave ROS."""

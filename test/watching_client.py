@@ -23,7 +23,9 @@ from std_msgs.msg import String
 ON_CHANGE_S = sys.float_info.max
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-VOLATILE = QoSProfile(depth=1)
+VOLATILE = QoSProfile(depth=100)
+
+ASK_AGAIN_S = 10.0
 
 READY = 'watching: '
 
@@ -102,7 +104,11 @@ class WatchingClient:
             self._clients[service] = self.ros.node.create_client(kind, name)
         client = self._clients[service]
         self.ros.spin_until(client.service_is_ready, f'the service {service}')
-        return self.ros.wait(client.call_async(request), f'an answer of {service}')
+        answer = client.call_async(request)
+        # A service that a client sees ready may not yet see the client, and its answer is lost.
+        if not self.ros.spin_for(ASK_AGAIN_S, answer.done):
+            answer = client.call_async(request)
+        return self.ros.wait(answer, f'an answer of {service}')
 
     # --- watching -----------------------------------------------------------------------------
 

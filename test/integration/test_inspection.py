@@ -81,8 +81,11 @@ def test_every_kind_of_behaviour_has_its_words() -> None:
 def test_tips_are_those_of_py_trees() -> None:
     root, branch = sample_tree()
     messages = TreeMessages()
-    for change in (lambda: None, root.tick_once, lambda: branch.stop(), root.tick_once):
-        change()
+    for step in range(4):
+        if step == 2:
+            branch.stop()
+        elif step:
+            root.tick_once()
         messages.refresh(root)
         assert tips(snapshot_of(messages)) == {b.name: tip_of(b) for b in root.iterate()}
 

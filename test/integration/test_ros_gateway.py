@@ -142,7 +142,7 @@ class TestRequest:
         lost = bench.gateway.send(goal_request('slow'))
         assert ended(bench, lost) is GoalStatus.LOST
         end = lost.end
-        servers.run(lambda: decided.set_result(None))
+        decided.set_result(None)
         bench.run_until(cancelled.is_set, 'the cancel request')
         assert lost.end is end
         assert not lost.accepted

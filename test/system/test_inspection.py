@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -50,7 +51,7 @@ def test_a_job_is_seen_from_its_beginning_to_its_end(
     client.ros.spin_until(lambda: 'WO-1' not in seen[-1].by_name, 'the end of the job')
 
     assert working.message.changed
-    assert working.text(WORK) == 'running at /worker/task'
+    assert working.text(WORK) == 'running at worker/task'
     assert working.status('section 2') == Behaviour.RUNNING
     assert working.status('pack: TASK_A') == Behaviour.INVALID
     root = working.message.behaviours[0]
@@ -249,9 +250,8 @@ def test_the_blackboard_of_the_visited_path_with_what_is_done_there(
         lambda: '/small_cell/ready/worker : True' in texts[-1], 'the guard of the work'
     )
     assert not any('slots/2 :' in text.partition('Activity')[0] for text in texts)
-    client.ros.spin_until(
-        lambda: any('WRITE' in text and 'at rest -> moving' in text for text in texts), 'the move'
-    )
+    done = '\n'.join(text.partition('Blackboard Activity\n')[2] for text in texts)
+    assert re.search(r'small_cell/belt +: WRITE .* at rest -> moving$', done, re.MULTILINE), done
     assert client.close_text(topic)
     assert not client.close_text(topic)
     client.until_gone(topic, within_s=20.0)

@@ -330,13 +330,17 @@ def test_the_parameter_file_names_every_parameter_of_the_node() -> None:
 
 
 def _declared() -> Iterator[str]:
-    """Yield the names in `ros/parameters.py`, which cannot be imported without ROS 2."""
-    source = Path(check.__file__).parents[1] / 'ros' / 'parameters.py'
-    for node in ast.walk(ast.parse(source.read_text(encoding='utf-8'))):
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
-            first = node.args[0] if node.args else None
-            if node.func.id == 'value' and isinstance(first, ast.Constant):
-                yield str(first.value)
+    """Yield the names declared in `ros/`, which cannot be imported without ROS 2."""
+    ros = Path(check.__file__).parents[1] / 'ros'
+    for file in (ros / 'parameters.py', ros / 'inspection' / 'parameters.py'):
+        for node in ast.walk(ast.parse(file.read_text(encoding='utf-8'))):
+            if isinstance(node, ast.Call):
+                name = getattr(node.func, 'id', getattr(node.func, 'attr', ''))
+                first = node.args[0] if node.args else None
+                if name in ('value', 'declare_parameter') and isinstance(first, ast.Constant):
+                    yield str(first.value)
+            elif isinstance(node, ast.Dict):  # a table of parameters by name
+                yield from (k.value for k in node.keys if isinstance(k, ast.Constant))
 
 
 # --- size -----------------------------------------------------------------------------------

@@ -3,6 +3,7 @@
     server.py              the services, and the turns that publish
     snapshot_streams.py    snapshots of the tree, one topic a watcher
     blackboard_streams.py  the blackboard as text, one topic a watcher
+    snapshot_source.py     what snapshots are made of
     tree_messages.py       behaviours to messages
     blackboard_view.py     reading the blackboard, and what was done on it
     attachment.py          whether a stream still has a watcher
