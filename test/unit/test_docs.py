@@ -340,7 +340,7 @@ def _declared() -> Iterator[str]:
                 if name in ('value', 'declare_parameter') and isinstance(first, ast.Constant):
                     yield str(first.value)
             elif isinstance(node, ast.Dict):  # a table of parameters by name
-                yield from (k.value for k in node.keys if isinstance(k, ast.Constant))
+                yield from (str(k.value) for k in node.keys if isinstance(k, ast.Constant))
 
 
 # --- size -----------------------------------------------------------------------------------
