@@ -30,8 +30,7 @@ def make_executor(kind: str) -> Executor:
         from rclpy.experimental.events_executor import EventsExecutor
     except ImportError:
         raise UnknownExecutor(
-            'parameter executor: this ROS 2 distribution has no events executor (Kilted and newer '
-            'have it); use single'
+            'parameter executor: the rclpy installed here has no events executor; use single'
         ) from None
     return EventsExecutor()
 

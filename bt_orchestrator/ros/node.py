@@ -37,6 +37,9 @@ NODE_NAME = 'bt_orchestrator'
 FAREWELL_S = 10.0
 """Longest time that a stop waits for the ends of cancelled goals."""
 
+LAST_WORDS_S = 0.3
+"""How long the node stays after its last words, so that they are heard."""
+
 ENDLESS_S = 1e6
 """Stands for no limit, with which rclpy's EventsExecutor would spin in circles at full load."""
 
@@ -124,6 +127,7 @@ class TreeNode:
         while running and stop.count == first and time.monotonic() < deadline:
             self._spin_once(0.1)
         self._status.publish_now()
+        self._linger(lambda: stop.count > first)
         return list(self._without_end())
 
     def close(self) -> None:
@@ -132,6 +136,12 @@ class TreeNode:
         self._gateway.close()
         self.executor.shutdown()
         self.node.destroy_node()
+
+    def _linger(self, is_hurried: Callable[[], bool]) -> None:
+        """Stay a moment: what a client has not taken when its publisher leaves, DDS drops."""
+        until = time.monotonic() + LAST_WORDS_S
+        while time.monotonic() < until and not is_hurried():
+            self._spin_once(0.1)
 
     def _without_end(self) -> Iterator[str]:
         """Yield the tasks whose goals may go on; those in doubt count as running no more."""

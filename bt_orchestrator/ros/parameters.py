@@ -56,7 +56,7 @@ def declare(node: Node, defaults: NodeParameters) -> NodeParameters:
         executor=value(
             'executor',
             defaults.executor,
-            'rclpy executor: single, or events (Kilted and newer).',
+            'rclpy executor: single, or events where rclpy has it.',
             additional_constraints='single or events',
         ),
         auto_start=value(

@@ -32,7 +32,7 @@ def is_there(pid: int) -> bool:
 def test_the_demo_packs_its_order_and_leaves_nothing(demo: ProgramProcess) -> None:
     assert demo.wait(2 * PATIENCE_S) == 0, demo.errors
     # items, packed, rejected, missing, nonconforming
-    assert re.search(r'^WO-1001 +reference_process( +3){2}( +0){3}$', demo.output, re.MULTILINE)
+    assert re.search(r'^WO-1001 +reference_process( +3){2}( +0){3} ', demo.output, re.MULTILINE)
     demo.assert_clean()
     pids = started_pids(demo)
     assert len(pids) == 3

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator
+from itertools import groupby
 from typing import Any
 
 import pytest
@@ -38,30 +39,34 @@ def at_work(cell: CellProcesses) -> None:
 
 
 def test_a_job_is_seen_from_its_beginning_to_its_end(
-    small_cell: CellProcesses, client: WatchingClient
+    start_cell: StartCell, client: WatchingClient
 ) -> None:
+    cell = start_cell(speed=2)  # every task is longer than the time between snapshots
+    cell.connect()
     seen = client.watch(client.open())
-    idle = client.until(seen, lambda s: s.message.behaviours, 'of the idle cell')
+    idle = client.until(seen, lambda s: True, 'of the idle cell')
     assert idle.message.changed
     assert idle.text('next cycle').startswith('the cell is ')
     assert 'WO-1' not in idle.by_name
 
-    small_cell.run_small(task='TASK_C')
-    working = client.until(seen, lambda s: s.status(WORK) == Behaviour.RUNNING, 'at work')
-    client.ros.spin_until(lambda: 'WO-1' not in seen[-1].by_name, 'the end of the job')
+    cell.run_small()
+    client.ros.spin_until(lambda: 'pack: TASK_A' in seen[-1].by_name, 'the job')
+    client.ros.spin_until(lambda: 'pack: TASK_A' not in seen[-1].by_name, 'the end of the job')
 
+    new, running, done = Behaviour.INVALID, Behaviour.RUNNING, Behaviour.SUCCESS
+    statuses = [s.status('work: TASK_A') for s in seen if 'WO-1' in s.by_name]
+    assert [status for status, _ in groupby(statuses)] in ([new, running, done, new], [new, running, done])
+    working = next(s for s in seen if s.status('work: TASK_A') == running)
     assert working.message.changed
-    assert working.text(WORK) == 'running at worker/task'
-    assert working.status('section 2') == Behaviour.RUNNING
-    assert working.status('pack: TASK_A') == Behaviour.INVALID
+    assert working.text('work: TASK_A') == 'running at worker/task'
+    assert working.status('section 2') == running
+    assert working.status('pack: TASK_A') == new
     root = working.message.behaviours[0]
     assert (root.name, root.type, root.additional_detail) == ('small_cell', 4, 'OnAll')
     assert not working.message.blackboard_on_visited_path
-    before = seen[: seen.index(working)]
-    assert any(s.status(WORK) == Behaviour.INVALID for s in before)
     counts = [s.message.statistics.count for s in seen]
     assert counts == sorted(counts)
-    small_cell.stop()
+    cell.stop()
 
 
 def test_who_attaches_in_the_middle_sees_the_present_once(
@@ -174,7 +179,7 @@ def test_the_stream_of_a_killed_watcher_ends_and_the_cell_goes_on(
     watcher = WatcherProcess()
     try:
         topic = watcher.topic()
-        assert client.ros.node.count_publishers(topic) == 1
+        client.ros.spin_until(lambda: client.ros.node.count_publishers(topic), 'its stream')
     finally:
         watcher.kill()
     small_cell.run_small(task='TASK_C', quantity=3)
@@ -225,15 +230,15 @@ def test_the_blackboard_is_listed_and_followed(
     assert {'/small_cell/belt', '/small_cell/slots/2', '/small_cell/ready/worker'} <= set(names)
 
     everything = client.watch_text(client.open_text())
-    part = client.watch_text(client.open_text('small_cell/slots/1', '/no/such.thing'))
+    part = client.watch_text(client.open_text('small_cell/slots/2', '/no/such.thing'))
     client.ros.spin_until(lambda: everything and part, 'a first text')
     assert everything[0].startswith('Blackboard Data\n')
     assert all(f'    {name} ' in everything[0] for name in names)
     lines = [line.split() for line in part[0].splitlines()[1:]]
-    assert lines == [['small_cell/slots/1', ':'], ['/no/such.thing', ':', '-']]
+    assert lines == [['small_cell/slots/2', ':'], ['/no/such.thing', ':', '-']]
 
     at_work(small_cell)
-    client.ros.spin_until(lambda: any('slots/1 : WO-1/1' in text for text in part), 'the placing')
+    client.ros.spin_until(lambda: any('slots/2 : WO-1/1' in text for text in part), 'the item')
     client.ros.spin_until(lambda: 'work of WO-1/1' in everything[-1], 'the work')
 
 
