@@ -25,6 +25,7 @@ class TurnsComplete(Behaviour):
     def update(self) -> Status:
         """Begin the move or the next beat when it is due; wait with the reason otherwise."""
         state = self.recorder.state
+        self.feedback_message = ''
         if state.indexing:
             return Status.SUCCESS
         due = end_of_beat(state)

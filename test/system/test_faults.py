@@ -253,11 +253,14 @@ def test_a_server_that_was_killed_is_lost_when_the_graph_forgets_it(
 # --- readiness --------------------------------------------------------------------------------
 
 
-def wait_for_ready(cell: CellProcesses) -> Any:
-    """Wait until the second section waits for its worker's readiness, and return the status."""
+def wait_for_ready(cell: CellProcesses, since_seq: int = 0) -> Any:
+    """Wait until the second section waits for its worker's readiness, and return the status.
+
+    :param since_seq: an event that the status must know of
+    """
     reason = 'waiting for worker/state = READY'
     return cell.watch.until_status(
-        lambda s: any(reason in waiting for waiting in s.sections[1].waiting), reason
+        lambda s: s.seq >= since_seq and any(reason in w for w in s.sections[1].waiting), reason
     )
 
 
@@ -278,7 +281,8 @@ def test_a_component_that_becomes_unready_is_waited_for(start_cell: StartCell) -
     cell = start(start_cell, '#1=not_ready:60')
     cell.run_small(quantity=2)
 
-    wait_for_ready(cell)
+    packed = cell.watch.until('item.removed', item='WO-1/1')
+    wait_for_ready(cell, packed['seq'])
     assert [event['item'] for event in cell.watch.seen('task.started', task='work')] == ['WO-1/1']
     assert cell.watch.until_ended('WO-1').packed == 2
     cell.stop()

@@ -55,7 +55,7 @@ def test_a_job_is_seen_from_its_beginning_to_its_end(
 
     new, running, done = Behaviour.INVALID, Behaviour.RUNNING, Behaviour.SUCCESS
     statuses = [s.status('work: TASK_A') for s in seen if 'WO-1' in s.by_name]
-    assert [status for status, _ in groupby(statuses)] in ([new, running, done, new], [new, running, done])
+    assert [status for status, _ in groupby(statuses)][:3] == [new, running, done]
     working = next(s for s in seen if s.status('work: TASK_A') == running)
     assert working.message.changed
     assert working.text('work: TASK_A') == 'running at worker/task'
