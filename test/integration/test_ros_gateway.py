@@ -69,10 +69,13 @@ class TestAnyActionType:
         from test_msgs.action import Fibonacci
 
         servers.serve('/fibonacci', Fibonacci, fibonacci)
-        goal = bench.gateway.send(goal_request('fibonacci', 'any label', order=5))
-        assert ended(bench, goal) is GoalStatus.SUCCEEDED
-        assert goal.end is not None
-        assert goal.end.result == {'sequence': [0, 1, 1, 2, 3, 5]}
+        for _ in range(20):
+            goal = bench.gateway.send(goal_request('fibonacci', 'any label', order=5))
+            assert ended(bench, goal) is GoalStatus.SUCCEEDED
+            assert goal.end is not None
+            assert goal.end.result == {'sequence': [0, 1, 1, 2, 3, 5]}
+            if goal.feedback is not None:
+                break  # that of the first goals may leave before the topics have found each other
         assert goal.feedback is not None
         assert goal.feedback.fields == {'sequence': [0, 1, 1, 2, 3, 5]}
         assert goal.feedback.time == pytest.approx(bench.node_time, abs=5.0)
