@@ -40,9 +40,6 @@ FAREWELL_S = 10.0
 LAST_WORDS_S = 0.3
 """How long the node stays after its last words, so that they are heard."""
 
-ENDLESS_S = 1e6
-"""Stands for no limit, with which rclpy's EventsExecutor would spin in circles at full load."""
-
 
 class BadRosArguments(OrchestratorError):
     """What follows --ros-args cannot be understood."""
@@ -113,7 +110,7 @@ class TreeNode:
         self.heart.start(settle, self.parameters.tick_rate_hz)
         self._status.publish_now()
         while not stop.requested:
-            self._spin_once(ENDLESS_S)
+            self._spin_once()
 
     def finish(self, stop: StopSignals) -> list[str]:
         """Cancel every goal and wait for the ends, not longer than FAREWELL_S.
@@ -150,7 +147,7 @@ class TreeNode:
             if state.tasks[key].reason is not Reason.SERVER_LOST:
                 yield f'{key} (goal {state.tasks[key].goal})'
 
-    def _spin_once(self, timeout_s: float) -> None:
+    def _spin_once(self, timeout_s: float | None = None) -> None:
         try:
             spin_once(self.executor, timeout_s)
         except ExternalShutdownException:

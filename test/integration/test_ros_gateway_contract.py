@@ -23,7 +23,7 @@ class TestRosGateway(GatewayContract):
         return running_bench(components)
 
 
-@pytest.mark.skipif(not HAS_EVENTS_EXECUTOR, reason='Kilted and newer have the events executor')
+@pytest.mark.skipif(not HAS_EVENTS_EXECUTOR, reason='this rclpy has no events executor')
 class TestRosGatewayOnEventsExecutor(GatewayContract):
     @staticmethod
     def make_bench(components: Sequence[Component]) -> Bench:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.util
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,7 @@ PROFILES = ('FASTDDS_DEFAULT_PROFILES_FILE', 'FASTRTPS_DEFAULT_PROFILES_FILE')
 @pytest.fixture(scope='session', autouse=True)
 def fast_discovery() -> Iterator[None]:
     """Let processes find each other in tenths of a second instead of up to three seconds."""
-    is_jazzy = importlib.util.find_spec('rclpy.experimental') is None
+    is_jazzy = os.environ.get('ROS_DISTRO') == 'jazzy'
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv(PROFILES[is_jazzy], str(ROOT / 'test' / 'data' / 'fast_discovery.xml'))
         yield

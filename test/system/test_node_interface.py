@@ -152,7 +152,7 @@ def test_a_parameter_that_cannot_be_is_refused_in_words(
     assert all(word in errors for word in words), errors
 
 
-@pytest.mark.skipif(not HAS_EVENTS_EXECUTOR, reason='Jazzy has no events executor')
+@pytest.mark.skipif(not HAS_EVENTS_EXECUTOR, reason='this rclpy has no events executor')
 def test_the_events_executor_runs_a_cell_to_its_end(start_cell: StartCell) -> None:
     cell = start_cell(run_options=['--executor', 'events'], fail=['worker.TASK_A#1=abort'])
     cell.connect()
@@ -165,7 +165,7 @@ def test_the_events_executor_runs_a_cell_to_its_end(start_cell: StartCell) -> No
     cell.stop()
 
 
-@pytest.mark.skipif(HAS_EVENTS_EXECUTOR, reason='Kilted and newer have the events executor')
+@pytest.mark.skipif(HAS_EVENTS_EXECUTOR, reason='this rclpy has the events executor')
 def test_without_the_events_executor_asking_for_it_is_refused(small_cell_file: Path) -> None:
     status, _, errors = run_verb(
         small_cell_file.parent, 'run', '--cell', str(small_cell_file), '--executor', 'events'
