@@ -268,7 +268,9 @@ def test_a_component_that_is_not_ready_at_first_is_waited_for(start_cell: StartC
     cell = start(start_cell, '#0=not_ready:160')
     cell.run_small()
 
-    component = worker(wait_for_ready(cell))
+    wait_for_ready(cell)
+    told = cell.watch.until_status(lambda s: worker(s).state, 'the state of the worker')
+    component = worker(told)
     assert (component.ready, component.state, component.available) == (False, 'NOT_READY', True)
     assert not cell.watch.seen('task.started', task='work')
     assert_packed(cell)
