@@ -41,6 +41,7 @@ setuptools.setup(
         share_files('config'),
         share_files('config/orders'),
         share_files('launch'),
+        share_files('schemas'),
         share_files('trees'),
     ],
     options=develop_options(),
@@ -49,7 +50,7 @@ setuptools.setup(
     # ROS 2 packages are not named here: they come from a distribution or from its wheels, and
     # py_trees_ros exists only in the former. package.xml lists them all.
     install_requires=['graphviz', 'py_trees>=2.2,<2.7', 'PyYAML'],
-    extras_require={'test': ['hypothesis', 'pytest', 'pytest-timeout']},
+    extras_require={'test': ['hypothesis', 'jsonschema', 'pytest', 'pytest-timeout']},
     entry_points={
         'console_scripts': [
             'bt-orchestrator = bt_orchestrator.cli.main:main',

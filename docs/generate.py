@@ -1,7 +1,7 @@
-"""Write the parts of the pages that are made from the code: keys, events, verbs.
+"""Write what is made from the code: parts of the pages (keys, events, verbs), and schemas/.
 
     python docs/generate.py          write them
-    python docs/generate.py --check  say which pages are not up to date, exit 1
+    python docs/generate.py --check  say which files are not up to date, exit 1
 
 A generated part stands between `<!-- generated: NAME -->` and `<!-- end -->`; what is between them
 is replaced, everything else is the author's.
@@ -14,6 +14,7 @@ import ast
 import dataclasses
 import importlib
 import inspect
+import json
 import re
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -25,6 +26,7 @@ from bt_orchestrator.model import events
 from bt_orchestrator.model.codec import event_types
 from bt_orchestrator.model.fault import FaultKind
 from bt_orchestrator.script.cell_keys import CELL
+from bt_orchestrator.script.json_schema import SCHEMA_FILES, json_schema
 from bt_orchestrator.script.keys import LARGEST_WHOLE, LONGEST_SECONDS, Key, Kind, Table
 from bt_orchestrator.script.script_keys import ORDER, SCRIPT
 
@@ -276,23 +278,28 @@ def generated(text: str) -> str:
     return _PART.sub(lambda part: part[1] + '\n' + '\n'.join(PARTS[part['name']]()) + '\n', text)
 
 
-def stale_pages(root: Path = ROOT) -> list[str]:
-    """Return the pages that do not say what the code says."""
-    texts = {page: (root / page).read_text(encoding='utf-8') for page in PAGES}
-    return [page for page, text in texts.items() if generated(text) != text]
+def stale_files(root: Path = ROOT) -> dict[str, str]:
+    """Return what the files have to say that do not say what the code says."""
+    wanted = {page: generated((root / page).read_text(encoding='utf-8')) for page in PAGES}
+    for name, table in SCHEMA_FILES.items():
+        wanted[f'schemas/{name}'] = json.dumps(json_schema(table), indent=2) + '\n'
+    return {name: text for name, text in wanted.items() if _text(root / name) != text}
+
+
+def _text(path: Path) -> str:
+    return path.read_text(encoding='utf-8') if path.exists() else ''
 
 
 def main(words: Sequence[str]) -> int:
-    """Write the pages, or check them."""
-    stale = stale_pages()
+    """Write the files, or check them."""
+    stale = stale_files()
     if '--check' in words:
-        for page in stale:
-            sys.stderr.write(f'{page} is not up to date: run python docs/generate.py\n')
+        for name in stale:
+            sys.stderr.write(f'{name} is not up to date: run python docs/generate.py\n')
         return 1 if stale else 0
-    for page in stale:
-        path = ROOT / page
-        path.write_text(generated(path.read_text(encoding='utf-8')), encoding='utf-8')
-        sys.stdout.write(f'{page} written\n')
+    for name, text in stale.items():
+        (ROOT / name).write_text(text, encoding='utf-8')
+        sys.stdout.write(f'{name} written\n')
     return 0
 
 

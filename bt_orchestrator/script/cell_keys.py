@@ -3,23 +3,53 @@
 from __future__ import annotations
 
 from bt_orchestrator.model.cell import DEFAULT_DURATION_S, DEFAULT_TIMEOUT_S, OnFailure
-from bt_orchestrator.script.keys import LONGEST_SECONDS, Key, Kind, Table, action, whole, words
+from bt_orchestrator.script.keys import (
+    LONGEST_SECONDS,
+    Key,
+    Kind,
+    Table,
+    action,
+    action_type,
+    whole,
+    words,
+)
+from bt_orchestrator.script.names import NAME_WITHOUT_DOTS
+from bt_orchestrator.script.ros_names import MESSAGE_TYPE_FORM, NAME_FORM, TOKEN_FORM
 
 MOST_SECTIONS = 1000
 
 STATE = Table(
     'a state topic',
     (
-        Key('topic', Kind.TEXT, 'ROS 2 topic name', '/unpacking/state', required=True),
-        Key('type', Kind.TEXT, 'message type', 'std_msgs/msg/String', required=True),
+        Key(
+            'topic',
+            Kind.TEXT,
+            'ROS 2 topic name',
+            '/unpacking/state',
+            required=True,
+            form=NAME_FORM,
+        ),
+        Key(
+            'type',
+            Kind.TEXT,
+            'message type',
+            'std_msgs/msg/String',
+            required=True,
+            form=MESSAGE_TYPE_FORM,
+        ),
         Key('field', Kind.TEXT, 'field that is compared, or a path to it', 'data', required=True),
-        Key('ready', Kind.LIST, 'values that allow a goal', '[READY]', required=True),
+        Key(
+            'ready',
+            Kind.LIST,
+            'values that allow a goal',
+            '[READY]',
+            required=True,
+            members=Kind.VALUE,
+            fewest=1,
+        ),
     ),
 )
 
-_TYPE = Key(
-    'type', Kind.TEXT, 'ROS 2 action type', 'my_interfaces/action/PackingArm', required=True
-)
 _STATE = Key(
     'state',
     Kind.TABLE,
@@ -41,12 +71,14 @@ _RESULTS = Key(
     Kind.MAPPING,
     'result fields of each task, for simulation; else true, 0 and empty',
     '{TASK_A: {measurement: 1.5}}',
+    members=Kind.MAPPING,
 )
 _FAULTS = Key(
     'faults',
     Kind.LIST,
     'faults of the simulated controller, each `[TASK][#NTH]=KIND[:SECONDS]` as for `sim-cell`',
     '["TASK_A#2=abort"]',
+    members=Kind.TEXT,
 )
 
 COMPONENT = Table(
@@ -60,7 +92,7 @@ COMPONENT = Table(
             minimum=1,
         ),
         action(),
-        _TYPE,
+        action_type(),
         _STATE,
         _TIMEOUT,
         Key(
@@ -68,6 +100,9 @@ COMPONENT = Table(
             Kind.MAPPING,
             'nominal seconds of each task, for simulation and prediction; else 1.0',
             '{PREPARE: 1.0}',
+            minimum=0,
+            maximum=LONGEST_SECONDS,
+            members=Kind.SECONDS,
         ),
         _RESULTS,
         _FAULTS,
@@ -93,7 +128,7 @@ CONVEYOR = Table(
             maximum=MOST_SECTIONS,
         ),
         action(),
-        _TYPE,
+        action_type(),
         Key(
             'task',
             Kind.TEXT,
@@ -135,7 +170,14 @@ CONVEYOR = Table(
 CELL = Table(
     'a cell file',
     (
-        Key('cell', Kind.TEXT, 'name of the cell, a ROS name token', 'my_cell', required=True),
+        Key(
+            'cell',
+            Kind.TEXT,
+            'name of the cell, a ROS name token',
+            'my_cell',
+            required=True,
+            form=TOKEN_FORM,
+        ),
         Key(
             'conveyor',
             Kind.TABLE,
@@ -151,6 +193,8 @@ CELL = Table(
             '{my_arm: {section: 1, action: /my_arm/task, type: ...}}',
             required=True,
             of=(COMPONENT,),
+            fewest=1,
+            name_form=NAME_WITHOUT_DOTS,
         ),
     ),
 )

@@ -13,6 +13,8 @@ from enum import Enum
 from functools import cached_property
 from typing import Any
 
+from bt_orchestrator.script.ros_names import ACTION_TYPE_FORM, NAME_FORM
+
 LARGEST_WHOLE = 2**31 - 1
 """Counts travel as 32 bit numbers in messages."""
 
@@ -32,7 +34,8 @@ class Kind(Enum):
     CHOICE = 'one of a few words'
     SECTIONS = 'a section number or a list of them'
     VALUE = 'a value'
-    """Of a type that something else declares: a parameter, a message field."""
+    """One plain value, of a type that something else declares."""
+    REFERENCE = 'a reference'
     CONDITION = 'a reference or {value: ..., equals: ...}'
     TABLE = 'a mapping'
     MAPPING = 'a mapping of names'
@@ -61,6 +64,16 @@ class Key:
     choices: tuple[str, ...] = ()
     of: tuple[Table, ...] = ()
     """Tables of the members (LIST, MAPPING), or of the mapping itself (TABLE, CONDITION)."""
+    members: Kind | None = None
+    """What members are that no table describes; None: whatever a message field may be."""
+    fewest: int = 0
+    """Members that a list or mapping has at least."""
+    is_nested: bool = False
+    """Whether a member of the list may be a list of such members."""
+    form: str = ''
+    """Pattern of a text, as far as an editor can know what the reader takes."""
+    name_form: str = ''
+    """Pattern of the names in a MAPPING."""
 
     @property
     def hint(self) -> str:
@@ -78,6 +91,10 @@ class Table:
     keys: tuple[Key, ...]
     misplaced: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     """Keys that belong elsewhere: why they are wrong here, and what to do."""
+    rivals: tuple[tuple[str, str], ...] = ()
+    """Pairs of keys that say the same thing; one of each pair may be given."""
+    short: str = ''
+    """A key whose value may stand in place of the whole mapping."""
 
     @cached_property
     def by_name(self) -> Mapping[str, Key]:
@@ -107,5 +124,22 @@ def whole(name: str, meaning: str, example: str, minimum: int, default: int | No
 def action() -> Key:
     """Return the key of an action name."""
     return Key(
-        'action', Kind.TEXT, 'ROS 2 action name', '/unpacking/unpacking_action', required=True
+        'action',
+        Kind.TEXT,
+        'ROS 2 action name',
+        '/unpacking/unpacking_action',
+        required=True,
+        form=NAME_FORM,
+    )
+
+
+def action_type() -> Key:
+    """Return the key of an action type."""
+    return Key(
+        'type',
+        Kind.TEXT,
+        'ROS 2 action type',
+        'my_interfaces/action/PackingArm',
+        required=True,
+        form=ACTION_TYPE_FORM,
     )

@@ -9,6 +9,10 @@ from bt_orchestrator.script.yaml_nodes import quoted
 
 LONGEST_NAME = 64
 
+ID_FORM = r'[^\s/${}]+'
+NAME_WITHOUT_DOTS = r'[^\s/${}.]+'
+"""Patterns for editors. They know fewer letters than Python does, so these take a little more."""
+
 _ID = re.compile(r'[\w-]+(?:\.[\w-]+)*')
 _NAME = re.compile(r'[\w-]+')
 

@@ -18,8 +18,14 @@ LONGEST_TOPIC = 255 - 8
 LONGEST_ACTION = LONGEST_TOPIC - len('/_action/cancel_goal')
 """An action's services and topics put their own endings behind its name."""
 
-_TOKEN = re.compile(r'[A-Za-z_][A-Za-z0-9_]*')
-_TYPE = re.compile(r'[a-z][a-z0-9_]*/(action|msg)/[A-Z][A-Za-z0-9]*')
+TOKEN_FORM = '[A-Za-z_][A-Za-z0-9_]*'
+NAME_FORM = f'/?{TOKEN_FORM}(?:/{TOKEN_FORM})*'
+ACTION_TYPE_FORM = '[a-z][a-z0-9_]*/action/[A-Z][A-Za-z0-9]*'
+MESSAGE_TYPE_FORM = '[a-z][a-z0-9_]*/msg/[A-Z][A-Za-z0-9]*'
+"""Patterns of whole names, for those who need no sentence."""
+
+_TOKEN = re.compile(TOKEN_FORM)
+_TYPES = {'action': re.compile(ACTION_TYPE_FORM), 'msg': re.compile(MESSAGE_TYPE_FORM)}
 
 
 def check_action_name(name: str, place: Place, report: Report) -> bool:
@@ -43,13 +49,12 @@ def check_token(name: str, kind: str, place: Place, report: Report) -> bool:
 
 def check_type_name(name: str, kind: str, place: Place, report: Report) -> bool:
     """Report a type name that is not package/action/Name or package/msg/Name."""
-    match = _TYPE.fullmatch(name)
-    if match and match.group(1) == kind:
+    if _TYPES[kind].fullmatch(name):
         return True
     parts = [part for part in re.split(r'[^A-Za-z0-9_]+', name) if part]
     last = ''.join(word[:1].upper() + word[1:] for word in parts[-1].split('_')) if parts else ''
     example = f'{parts[0].lower()}/{kind}/{last}' if len(parts) > 1 else ''
-    if not _TYPE.fullmatch(example):
+    if not _TYPES[kind].fullmatch(example):
         example = f'my_interfaces/{kind}/MyType'
     kinds = {'action': 'an action type', 'msg': 'a message type'}
     report.add(

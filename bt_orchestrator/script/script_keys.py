@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bt_orchestrator.model.script import Release
 from bt_orchestrator.script.keys import Key, Kind, Table, whole, words
+from bt_orchestrator.script.names import ID_FORM, NAME_WITHOUT_DOTS
 from bt_orchestrator.script.task_keys import INITIALIZATION_TASK, TASK
 
 PARALLEL = Table(
@@ -16,6 +17,8 @@ PARALLEL = Table(
             '[{task: ..., action: ...}, {task: ..., action: ...}]',
             required=True,
             of=(TASK,),
+            fewest=2,
+            is_nested=True,
         ),
     ),
 )
@@ -38,8 +41,10 @@ SECTION = Table(
             '[{task: ..., action: ...}]',
             required=True,
             of=(TASK, PARALLEL),
+            fewest=1,
         ),
     ),
+    short='tasks',
 )
 
 PARAMETER = Table(
@@ -68,7 +73,14 @@ INITIALIZATION_DEPENDENCY = Table(
 LATERAL_DEPENDENCY = Table(
     'a lateral dependency',
     (
-        Key('flag', Kind.TEXT, 'name of the counter', 'camera_clear', required=True),
+        Key(
+            'flag',
+            Kind.TEXT,
+            'name of the counter',
+            'camera_clear',
+            required=True,
+            form=NAME_WITHOUT_DOTS,
+        ),
         Key('upstream', Kind.TEXT, 'task that adds one', 'inspect', required=True),
         Key('downstream', Kind.TEXT, 'task that takes one', 'assemble', required=True),
         whole('capacity', 'upstream starts only below this count', '2', 1, default=1),
@@ -79,7 +91,7 @@ LATERAL_DEPENDENCY = Table(
 SCRIPT = Table(
     'a script',
     (
-        Key('script', Kind.TEXT, 'name of the script', 'my_process', required=True),
+        Key('script', Kind.TEXT, 'name of the script', 'my_process', required=True, form=ID_FORM),
         whole('quantity', 'items of an order that names no quantity', '12', 1),
         Key(
             'params',
@@ -87,6 +99,7 @@ SCRIPT = Table(
             'what a work order may set',
             '{lot: {type: str, default: "none"}}',
             of=(PARAMETER,),
+            name_form=NAME_WITHOUT_DOTS,
         ),
         Key(
             'initialization',
@@ -109,6 +122,8 @@ SCRIPT = Table(
             '{1: [{task: ..., action: ...}]}',
             required=True,
             of=(SECTION,),
+            fewest=1,
+            name_form='[1-9][0-9]*',
         ),
         Key(
             'lateral_dependencies',
@@ -122,6 +137,8 @@ SCRIPT = Table(
             Kind.MAPPING,
             'tasks that must never overlap, by the name of the workspace they share',
             '{shared_table: [inspect, assemble]}',
+            members=Kind.LIST,
+            name_form=NAME_WITHOUT_DOTS,
         ),
     ),
 )
@@ -132,6 +149,12 @@ ORDER = Table(
         Key('order', Kind.TEXT, 'order id; assigned when absent', 'WO-1001'),
         Key('script', Kind.TEXT, 'name of a script, or a path', 'my_process', required=True),
         whole('quantity', "number of items; absent: the script's", '12', 1),
-        Key('params', Kind.MAPPING, 'values for the parameters of the script', '{lot: A7}'),
+        Key(
+            'params',
+            Kind.MAPPING,
+            'values for the parameters of the script',
+            '{lot: A7}',
+            members=Kind.VALUE,
+        ),
     ),
 )

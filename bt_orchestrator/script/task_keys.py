@@ -5,17 +5,30 @@ from __future__ import annotations
 from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.script import RunsFor
 from bt_orchestrator.script.keys import LONGEST_SECONDS, Key, Kind, Table, action, whole, words
+from bt_orchestrator.script.names import ID_FORM
 
 CONDITION = Table(
     'a condition',
     (
-        Key('value', Kind.TEXT, 'a reference', '"${results.inspect.size}"', required=True),
+        Key(
+            'value',
+            Kind.REFERENCE,
+            'what is compared',
+            '"${results.inspect.size}"',
+            required=True,
+        ),
         Key('equals', Kind.VALUE, 'the value that it is compared with', '3', required=True),
     ),
 )
 
 _FIRST_TASK_KEYS = (
-    Key('id', Kind.TEXT, 'name of the task in the script; else section and number', 'inspect'),
+    Key(
+        'id',
+        Kind.TEXT,
+        'name of the task in the script; else section and number',
+        'inspect',
+        form=ID_FORM,
+    ),
     Key(
         'task',
         Kind.TEXT,
@@ -112,6 +125,7 @@ TASK = Table(
         ),
     ),
     misplaced={'once': ('only initialization tasks can run once', 'remove `once`')},
+    rivals=(('continue_if_fail', 'on_failure'), ('when', 'unless')),
 )
 
 _NO_ITEM = 'initialization has no items, so `{}` means nothing there'
@@ -134,4 +148,5 @@ INITIALIZATION_TASK = Table(
         key: (_NO_ITEM.format(key), f'remove `{key}`')
         for key in ('requires_conveyor', 'qty_change', 'when', 'unless', 'runs_for')
     },
+    rivals=(('continue_if_fail', 'on_failure'),),
 )

@@ -84,6 +84,15 @@ class MapNode:
 Node = Scalar | ListNode | MapNode
 
 
+def as_data(node: Node) -> object:
+    """Return plain data, without places."""
+    if isinstance(node, Scalar):
+        return node.value
+    if isinstance(node, ListNode):
+        return [as_data(item) for item in node.items]
+    return {entry.key.text: as_data(entry.value) for entry in node.entries}
+
+
 def plain_value(text: str) -> Value:
     """Return what an unquoted scalar means."""
     if text in _WORDS:

@@ -16,7 +16,7 @@ SCRIPTS = Path(__file__).resolve().parents[1]
 PACKAGE = 'bt_orchestrator'
 # All that setup.py packs, and itself.
 PACKED = (
-    *(PACKAGE, 'config', 'launch', 'resource', 'trees'),
+    *(PACKAGE, 'config', 'launch', 'resource', 'schemas', 'trees'),
     *('package.xml', 'pyproject.toml', 'setup.cfg', 'setup.py'),
 )
 VARIABLES = Path(__file__).with_name('ros_variables.py')

@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 import pytest
 from fakes.action_types import FakeActionTypes
+from fakes.schemas import refusals
 from fakes.shipped import REFERENCE_CELL, ROOT, TREES
 
 from bt_orchestrator.cli import check, simulate
@@ -96,7 +97,7 @@ class PageReader:
         name = file.order.script
         script = self.scripts.get(name) or read_script(TREES / f'{name}.yaml', self.cell, TYPES)
         bind_order(file.order, script, file.order.order or 'WO-1', file.places)
-        return 'order'
+        return 'work_order'
 
 
 @pytest.mark.parametrize('page', sorted({block.page for block in yaml_blocks()}))
@@ -109,6 +110,7 @@ def test_yaml_on_a_page_is_accepted_by_the_real_readers(page: str) -> None:
                 kinds.append(reader.read(block))
             except Refused as refused:
                 pytest.fail(f'{block.place}:\n{refused}')
+            assert refusals(f'{kinds[-1]}.schema.json', block.text) == [], block.place
     assert kinds
 
 
@@ -279,7 +281,7 @@ def generator() -> ModuleType:
 
 
 def test_generated_parts_are_up_to_date() -> None:
-    assert generator().stale_pages() == [], 'run python docs/generate.py'
+    assert list(generator().stale_files()) == [], 'run python docs/generate.py'
 
 
 def test_every_generated_part_has_its_place() -> None:
@@ -288,13 +290,17 @@ def test_every_generated_part_has_its_place() -> None:
 
 
 def test_a_stale_part_would_be_seen(tmp_path: Path) -> None:
-    for page in generator().PAGES:
-        (tmp_path / page).parent.mkdir(exist_ok=True)
-        (tmp_path / page).write_text(text_of(page), encoding='utf-8')
+    schemas = [f'schemas/{path.name}' for path in (ROOT / 'schemas').iterdir()]
+    for name in (*generator().PAGES, *schemas):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text_of(name), encoding='utf-8')
+    assert generator().stale_files(tmp_path) == {}
     page = tmp_path / 'docs' / 'formats.md'
     text = page.read_text(encoding='utf-8')
     page.write_text(text.replace('| `task.started` |', '| `task.begun` |'), encoding='utf-8')
-    assert generator().stale_pages(tmp_path) == ['docs/formats.md']
+    schema = tmp_path / 'schemas' / 'cell.schema.json'
+    schema.write_text(schema.read_text(encoding='utf-8').replace('30', '31'), encoding='utf-8')
+    assert {*generator().stale_files(tmp_path)} == {'docs/formats.md', 'schemas/cell.schema.json'}
 
 
 AGREED = {

@@ -128,7 +128,7 @@ def test_one_id_given_twice_is_refused_where_it_stands(tmp_path: Path) -> None:
 
     (finding,) = refused.value.findings
     assert (finding.file, finding.line, finding.column) == (str(again), 3, 8)
-    assert f'`WO-1001` was given before, in {REFERENCE_ORDER}:1' in finding.what
+    assert f'`WO-1001` was given before, in {REFERENCE_ORDER}:2' in finding.what
 
 
 def test_the_mistakes_of_all_orders_are_told(tmp_path: Path) -> None:

@@ -5,20 +5,19 @@ from __future__ import annotations
 import pytest
 from fakes.action_types import POSE_FIELD, UINT8, array
 from fakes.mistake_tables import table
+from fakes.mistake_texts import ARGUMENTS
 from fakes.script_texts import line, mistakes
 
 from bt_orchestrator.script.argument_checks import member_type
 
-CAMERA = '  2: [{{task: RUN, action: /camera/task, args: {{{}}}}}]\n'
-
 
 @pytest.mark.parametrize(('arguments', 'expected'), table('arguments'))
 def test_arguments(arguments: str, expected: list[str]) -> None:
-    assert mistakes(lambda: line(CAMERA.format(arguments))) == expected
+    assert mistakes(lambda: line(ARGUMENTS.format(arguments))) == expected
 
 
 def test_arguments_are_plain_values() -> None:
-    read = line(CAMERA.format('ratio: 1, names: [a], pose: {position: {x: 2}}, few: [1, 2]'))
+    read = line(ARGUMENTS.format('ratio: 1, names: [a], pose: {position: {x: 2}}, few: [1, 2]'))
     args = read.tasks['2.1'].args
     assert args == {
         'ratio': 1.0,

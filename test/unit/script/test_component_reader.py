@@ -5,24 +5,12 @@ from __future__ import annotations
 import pytest
 from fakes.action_types import FakeActionTypes
 from fakes.mistake_tables import table
+from fakes.mistake_texts import BELT, COMPONENT, NAMED
 from fakes.script_texts import mistakes
 
 from bt_orchestrator.model.cell import Cell, OnFailure
 from bt_orchestrator.model.fault import Fault, FaultKind
 from bt_orchestrator.script.cell_file import parse_cell
-
-CELL = """\
-cell: c
-conveyor: {{sections: 3, action: /belt/index, type: plain_interfaces/action/Index}}
-components:
-  arm: {{{}}}
-"""
-
-BELT = """\
-cell: c
-conveyor: {{action: /belt/index, {}}}
-components: {{a: {{action: /arm/task, type: test_interfaces/action/Rich, section: 3}}}}
-"""
 
 
 def parsed(text: str) -> Cell:
@@ -30,12 +18,12 @@ def parsed(text: str) -> Cell:
 
 
 def arm(options: str) -> str:
-    return CELL.format(f'action: /arm/task, type: test_interfaces/action/Rich,\n    {options}')
+    return COMPONENT.format(NAMED + options)
 
 
 @pytest.mark.parametrize(('names', 'expected'), table('component_names'))
 def test_names(names: str, expected: list[str]) -> None:
-    assert mistakes(lambda: parsed(CELL.format(names))) == expected
+    assert mistakes(lambda: parsed(COMPONENT.format(names))) == expected
 
 
 @pytest.mark.parametrize(('options', 'expected'), table('component_options'))

@@ -10,7 +10,7 @@ from fakes.script_texts import mistakes
 from bt_orchestrator.script import composing
 from bt_orchestrator.script.composing import compose
 from bt_orchestrator.script.report import Place, Report
-from bt_orchestrator.script.yaml_nodes import ListNode, MapNode, Node, Scalar
+from bt_orchestrator.script.yaml_nodes import ListNode, MapNode, Node, as_data
 
 
 def composed(text: str) -> Node:
@@ -19,14 +19,6 @@ def composed(text: str) -> Node:
     report.refuse()
     assert node is not None
     return node
-
-
-def as_data(node: Node) -> object:
-    if isinstance(node, Scalar):
-        return node.value
-    if isinstance(node, ListNode):
-        return [as_data(item) for item in node.items]
-    return {entry.key.text: as_data(entry.value) for entry in node.entries}
 
 
 @pytest.mark.parametrize(('text', 'expected'), table('yaml'))

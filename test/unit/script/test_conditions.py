@@ -4,21 +4,16 @@ from __future__ import annotations
 
 import pytest
 from fakes.mistake_tables import table
+from fakes.mistake_texts import CONDITION
 from fakes.script_texts import line, mistakes
 
 from bt_orchestrator.model.reference import Reference, Template
 from bt_orchestrator.model.script import Condition
 
-LOOK = """\
-  2: [{{id: look, task: RUN, action: /camera/task}}, {{task: RUN, action: /camera/task,
-    {}}}]
-params: {{b: {{type: bool}}, n: {{type: int}}, s: {{type: str}}}}
-"""
-
 
 @pytest.mark.parametrize(('condition', 'expected'), table('conditions'))
 def test_conditions(condition: str, expected: list[str]) -> None:
-    assert mistakes(lambda: line(LOOK.format(condition))) == expected
+    assert mistakes(lambda: line(CONDITION.format(condition))) == expected
 
 
 @pytest.mark.parametrize(
@@ -32,5 +27,5 @@ def test_conditions(condition: str, expected: list[str]) -> None:
 )
 def test_a_condition_is_read(text: str, name: str, equals: object, negated: bool) -> None:
     template = Template((Reference('params', name),))
-    read = line(LOOK.format(text)).tasks['2.2'].condition
+    read = line(CONDITION.format(text)).tasks['2.2'].condition
     assert read == Condition(template, equals, negated)

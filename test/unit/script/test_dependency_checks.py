@@ -4,26 +4,20 @@ from __future__ import annotations
 
 import pytest
 from fakes.mistake_tables import table
+from fakes.mistake_texts import RELATED
 from fakes.script_texts import line, mistakes
 
 from bt_orchestrator.model.script import Dependency, InitializationDependency, Zone
 
-TASKS = """\
-  2: [{id: look, task: RUN, action: /camera/task}]
-  3: [{id: press, task: TASK_A, action: /press/task}]
-initialization: [{id: home, task: HOME, action: /belt/index}, \
-{id: ready, task: PREPARE, action: /loader/task}, {id: set, task: RUN, action: /lamp/task}]
-"""
-
 
 @pytest.mark.parametrize(('text', 'expected'), table('dependencies'))
 def test_dependencies(text: str, expected: list[str]) -> None:
-    assert mistakes(lambda: line(TASKS + text)) == expected
+    assert mistakes(lambda: line(RELATED + text)) == expected
 
 
 def test_relations_are_read() -> None:
     read = line(
-        TASKS + 'lateral_dependencies:\n'
+        RELATED + 'lateral_dependencies:\n'
         '  - {flag: f, upstream: look, downstream: press, capacity: 3, initial: 1}\n'
         '  - {flag: g, upstream: place, downstream: pack}\n'
         'zones: {t: [look, press]}\n'

@@ -31,6 +31,7 @@ READERS = {
     Kind.TABLE: Fields.mapping,
     Kind.SECTIONS: Fields.value,
     Kind.VALUE: Fields.value,
+    Kind.REFERENCE: Fields.value,
     Kind.CONDITION: Fields.value,
 }
 

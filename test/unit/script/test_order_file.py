@@ -45,7 +45,7 @@ def test_bindings(text: str, expected: list[str]) -> None:
 def test_the_shipped_order_is_read() -> None:
     read = read_order(ROOT / 'config' / 'orders' / 'wo_1001.yaml')
     assert read.order == WorkOrder('reference_process', 'WO-1001', 3, {'label': 'A7'})
-    assert read.places.place('params', 'label') == Place(4, 17)
+    assert read.places.place('params', 'label') == Place(5, 17)
 
 
 def test_a_missing_file_is_refused(tmp_path: Path) -> None:

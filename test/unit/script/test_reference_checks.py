@@ -4,20 +4,15 @@ from __future__ import annotations
 
 import pytest
 from fakes.mistake_tables import table
+from fakes.mistake_texts import REFERENCE
 from fakes.script_texts import line, mistakes
 
 from bt_orchestrator.model.reference import Reference, Template
 
-LOOK = """\
-  2: [{{id: look, task: RUN, action: /camera/task}}]
-  3: [{{id: use, task: TASK_A, action: /press/task, args: {{{}}}}}]
-params: {{lot: {{type: str}}, n: {{type: int}}, x: {{type: float}}, b: {{type: bool}}}}
-"""
-
 
 @pytest.mark.parametrize(('argument', 'expected'), table('references'))
 def test_references(argument: str, expected: list[str]) -> None:
-    assert mistakes(lambda: line(LOOK.format(argument))) == expected
+    assert mistakes(lambda: line(REFERENCE.format(argument))) == expected
 
 
 @pytest.mark.parametrize(('text', 'expected'), table('reference_order'))
@@ -27,7 +22,7 @@ def test_a_value_must_exist_before_it_is_used_and_fit(text: str, expected: list[
 
 def test_references_become_templates() -> None:
     read = line(
-        LOOK.format(
+        REFERENCE.format(
             'special_argument_1: "lot ${params.lot}: ${item.number}", '
             'special_argument_2: "${results.look.value}"'
         )
@@ -50,7 +45,7 @@ def test_the_longest_id_that_fits_is_meant() -> None:
 
 
 def test_nested_fields_are_a_path() -> None:
-    read = line(LOOK.format('special_argument_1: "${results.look.pose.frame}"'))
+    read = line(REFERENCE.format('special_argument_1: "${results.look.pose.frame}"'))
     assert read.tasks['use'].args['special_argument_1'] == Template(
         (Reference('results', 'look', ('pose', 'frame')),)
     )

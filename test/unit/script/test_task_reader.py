@@ -5,15 +5,13 @@ from __future__ import annotations
 import pytest
 from fakes.action_types import FakeActionTypes
 from fakes.mistake_tables import table
+from fakes.mistake_texts import INITIALIZATION, TASK
 from fakes.script_texts import LINE, line, mistakes, script
 
 from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.script import RunsFor
 from bt_orchestrator.script.cell_file import parse_cell
 from bt_orchestrator.script.script_file import parse_script
-
-TASK = '  2: [{{task: RUN, action: /camera/task{}}}]\n'
-INITIALIZATION = 'initialization: [{{task: RUN, action: /lamp/task, {}}}]\n'
 
 
 @pytest.mark.parametrize(('options', 'expected'), table('task_options'))
