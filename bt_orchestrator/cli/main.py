@@ -31,6 +31,7 @@ VERBS: Mapping[str, tuple[str, str]] = {
         'let a running cell start nothing more; what runs goes on to its end',
     ),
     'resume': ('cell_command', 'let a cell go on after a pause, or after a restart'),
+    'doctor': ('doctor', 'what this machine and a cell on it lack, and what to do about it'),
     'remove-item': ('remove_item', 'record that an item was taken off the belt by hand'),
 }
 """Module and one line of help of each verb; a module has `add_arguments` and `run`."""

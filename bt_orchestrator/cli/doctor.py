@@ -1,0 +1,155 @@
+"""The verb `doctor`: what this machine has, what it lacks, and what to do about it."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import asdict
+from importlib import util
+from pathlib import Path
+
+from bt_orchestrator.cli import bootstrap
+from bt_orchestrator.cli.node_options import DEFAULT_NODE
+from bt_orchestrator.diagnosis import machine
+from bt_orchestrator.diagnosis.check import Check, Verdict, fail, ok, worst
+from bt_orchestrator.diagnosis.domain import domain, domain_id, other_domains, reach
+from bt_orchestrator.diagnosis.journal_folder import journal_folder
+from bt_orchestrator.errors import Refused
+from bt_orchestrator.model.cell import Cell
+
+DESCRIPTION = """\
+Look at this machine, and with --cell at everything a cell needs on the ROS graph. Each line says
+ok, warn (a cell runs, but not as one may expect) or fail, what was found, and what to do. Sends no
+goal and changes nothing."""
+
+EPILOG = 'exit status: 0 nothing failed, 1 something did, 2 wrong use'
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of the verb."""
+    parser.description = DESCRIPTION
+    parser.epilog = EPILOG
+    parser.add_argument(
+        '--cell',
+        type=Path,
+        metavar='CELL',
+        help='cell file (YAML): look for its types, action servers and state topics',
+    )
+    parser.add_argument(
+        '--node',
+        metavar='NAME',
+        help=f'full name of a tree node that has to run (default: {DEFAULT_NODE} may run)',
+    )
+    parser.add_argument(
+        '--journal',
+        type=Path,
+        default=Path('journal.db'),
+        metavar='FILE',
+        help='where a journal is to be: its folder is tried (default: the working directory)',
+    )
+    parser.add_argument(
+        '--timeout',
+        type=float,
+        default=5.0,
+        metavar='SECONDS',
+        help='longest time to wait for what is missing on the graph (default 5)',
+    )
+    parser.add_argument('--json', action='store_true', help='one JSON object')
+
+
+def run(args: argparse.Namespace) -> int:
+    """Carry out the verb; returns the exit status."""
+    checks = []
+    for check in examine(args):
+        checks.append(check)
+        if not args.json:
+            print('\n'.join(lines(check)), flush=True)
+    verdict = worst(checks)
+    if args.json:
+        print(as_json(checks))
+    return 1 if verdict is Verdict.FAIL else 0
+
+
+def lines(check: Check) -> Iterator[str]:
+    """Yield a check as text."""
+    yield f'{check.verdict.value:<4}  {check.name}: {check.found}'
+    if check.remedy:
+        yield f'      -> {check.remedy}'
+
+
+def as_json(checks: list[Check]) -> str:
+    """Return all checks as one JSON object."""
+    plain = [{**asdict(check), 'verdict': check.verdict.value} for check in checks]
+    return json.dumps({'verdict': worst(checks).value, 'checks': plain})
+
+
+def examine(args: argparse.Namespace) -> Iterator[Check]:
+    """Yield the checks, one as soon as it is known."""
+    environment = os.environ
+    yield machine.python(sys.version_info[:3])
+    yield machine.py_trees()
+    yield machine.dot()
+    yield machine.wall_clock(time.time())
+    yield machine.prefixes(environment)
+    yield machine.log_folder(environment)
+    yield journal_folder(args.journal.absolute().parent)
+    yield domain(environment)
+    yield reach(environment)
+    yield from machine.interface_packages()
+    cell, found = _cell(args.cell)
+    yield from found
+    yield from _with_ros(args, cell)
+
+
+def _cell(path: Path | None) -> tuple[Cell | None, list[Check]]:
+    """Read the cell file, whose types have to be installed."""
+    if path is None:
+        return None, []
+    try:
+        cell = bootstrap.load_cell(path, bootstrap.installed_types())
+    except Refused as refused:
+        mistakes = refused.findings
+        return None, [
+            fail('cell file', f'{one.file}:{one.line}:{one.column}: {one.what}', one.hint)
+            for one in mistakes
+        ]
+    types = {component.type for component in cell.components.values()}
+    return cell, [ok('cell file', f'{path}: cell {cell.name}, {len(types)} types installed')]
+
+
+def _with_ros(args: argparse.Namespace, cell: Cell | None) -> Iterator[Check]:
+    if util.find_spec('rclpy') is None:
+        remedy = 'install ROS 2 and source its setup.bash; nothing that needs it was tried'
+        yield fail('rclpy', 'not installed', remedy)
+        return
+    from bt_orchestrator.ros.diagnosis import versions
+
+    yield versions.rclpy_version()
+    middleware = versions.middleware()
+    yield middleware
+    if middleware.verdict is not Verdict.FAIL:
+        yield versions.executors()
+        yield from _on_graph(args, cell)
+
+
+def _on_graph(args: argparse.Namespace, cell: Cell | None) -> Iterator[Check]:
+    from bt_orchestrator.ros.diagnosis.cell import cell_on_graph
+    from bt_orchestrator.ros.diagnosis.exchange import discovery
+    from bt_orchestrator.ros.diagnosis.graph import Graph
+    from bt_orchestrator.ros.diagnosis.tree_node import tree_node
+
+    exchanged = discovery()
+    yield exchanged
+    if exchanged.verdict is Verdict.FAIL:
+        return
+    node = '/' + (args.node or DEFAULT_NODE).strip('/')
+    elsewhere = other_domains(domain_id(os.environ))
+    with Graph(node.rpartition('/')[0] or '/') as graph:
+        if cell is not None:
+            yield from cell_on_graph(graph, cell, args.timeout, elsewhere)
+        expected = args.node is not None
+        yield from tree_node(graph, node, expected=expected, timeout_s=args.timeout)

@@ -1,0 +1,49 @@
+"""One thing that was looked at, what was found, and what to do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from enum import Enum
+
+
+class Verdict(Enum):
+    """How bad it is."""
+
+    OK = 'ok'
+    WARN = 'warn'
+    """A cell runs, but not as somebody may expect."""
+    FAIL = 'fail'
+    """A cell does not run."""
+
+
+@dataclass(frozen=True)
+class Check:
+    """One line of a diagnosis."""
+
+    name: str
+    verdict: Verdict
+    found: str
+    remedy: str = ''
+    """What to do; only of what is not ok."""
+
+
+def ok(name: str, found: str) -> Check:
+    """Return a check that is as it should be."""
+    return Check(name, Verdict.OK, found)
+
+
+def warn(name: str, found: str, remedy: str) -> Check:
+    """Return a check that somebody should know about."""
+    return Check(name, Verdict.WARN, found, remedy)
+
+
+def fail(name: str, found: str, remedy: str) -> Check:
+    """Return a check that keeps a cell from running."""
+    return Check(name, Verdict.FAIL, found, remedy)
+
+
+def worst(checks: Iterable[Check]) -> Verdict:
+    """Return the worst verdict of all; nothing is ok."""
+    found = {check.verdict for check in checks}
+    return next((v for v in (Verdict.FAIL, Verdict.WARN) if v in found), Verdict.OK)

@@ -1,0 +1,95 @@
+"""Who can find whom: the domain and the range of discovery, as the environment says it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from bt_orchestrator.diagnosis.check import Check, fail, ok, warn
+
+LARGEST = 232
+"""The last domain whose ports exist."""
+CROWDED = 101
+"""The last one without a clash with the ports that Linux hands out to others."""
+
+RANGES: Mapping[str, str] = {
+    'SUBNET': 'every computer of the network',
+    'LOCALHOST': 'this computer only',
+    'OFF': 'nobody, not even this computer',
+    'SYSTEM_DEFAULT': 'whatever the middleware is configured for',
+}
+
+_FIRST_PORT = 7400
+_PORTS = 250
+_UNICAST = 10
+"""Ports of the domains begin there, so many for each (DDSI-RTPS). The first of a domain is for
+discovery on a network, those from the eleventh on belong to participants."""
+
+
+def domain(environment: Mapping[str, str]) -> Check:
+    """Look at ROS_DOMAIN_ID."""
+    name = 'ROS_DOMAIN_ID'
+    text = environment.get(name, '').strip()
+    if not text:
+        return ok(name, '0, as it is not set; only nodes of domain 0 are found')
+    if not text.isdecimal() or int(text) > LARGEST:
+        return fail(name, f'{text!r} is no domain', f'set a whole number from 0 to {LARGEST}')
+    if int(text) > CROWDED:
+        remedy = f'its ports may be taken by others; choose one from 0 to {CROWDED}'
+        return warn(name, text, remedy)
+    return ok(name, f'{int(text)}; only nodes of domain {int(text)} are found')
+
+
+def domain_id(environment: Mapping[str, str]) -> int:
+    """Return the domain; 0 for one that is not set, or none."""
+    text = environment.get('ROS_DOMAIN_ID', '').strip()
+    return int(text) if text.isdecimal() else 0
+
+
+def reach(environment: Mapping[str, str]) -> Check:
+    """Say what range, static peers and ROS_LOCALHOST_ONLY mean together."""
+    name = 'discovery range'
+    if environment.get('ROS_LOCALHOST_ONLY', '') == '1':
+        found = 'ROS_LOCALHOST_ONLY=1: this computer only, whatever the other variables say'
+        remedy = 'it is deprecated; unset it, and set ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST'
+        return warn(name, found, remedy)
+    text = environment.get('ROS_AUTOMATIC_DISCOVERY_RANGE', '').strip() or 'SUBNET'
+    if text not in RANGES:
+        known = ', '.join(RANGES)
+        remedy = f'set ROS_AUTOMATIC_DISCOVERY_RANGE to one of {known}; ROS 2 takes SUBNET now'
+        return warn(name, f'{text!r} is no range', remedy)
+    peers = [peer for peer in environment.get('ROS_STATIC_PEERS', '').split(';') if peer]
+    found = f'{text}: {RANGES[text]}'
+    if text == 'OFF':
+        remedy = 'no action server can be found; set ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST'
+        return fail(name, found, remedy)
+    return ok(name, f'{found}, and {", ".join(peers)}' if peers else found)
+
+
+def domains_in_use(sockets: str) -> set[int]:
+    """Return the domains in which somebody on this computer takes part.
+
+    :param sockets: what stands in /proc/net/udp
+    """
+    ports = re.findall(r'^ *\d+: [0-9A-F]+:([0-9A-F]{4}) ', sockets, re.MULTILINE)
+    return set(_domains(int(port, 16) for port in ports))
+
+
+def _domains(ports: Iterator[int]) -> Iterator[int]:
+    for port in ports:
+        number, offset = divmod(port - _FIRST_PORT, _PORTS)
+        if 0 <= number <= CROWDED and (offset == 0 or offset >= _UNICAST):
+            yield number
+
+
+def other_domains(own: int, sockets: Path = Path('/proc/net/udp')) -> str:
+    """Say in which other domains there are nodes on this computer; empty: none, or unknown."""
+    try:
+        found = domains_in_use(sockets.read_text(encoding='ascii')) - {own}
+    except OSError:
+        return ''
+    if not found:
+        return ''
+    numbers = ', '.join(map(str, sorted(found)))
+    return f'this shell is in domain {own}, and there are nodes on this computer in {numbers}'

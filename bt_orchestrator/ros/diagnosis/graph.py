@@ -1,0 +1,99 @@
+"""The ROS graph as one participant sees it, after time enough for discovery."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.expand_topic_name import expand_topic_name
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+from rclpy.topic_endpoint_info import TopicEndpointInfo
+
+STEP_S = 0.1
+
+SETTLE_S = 1.5
+"""How long to look at least: a second server or node may be found later than the first."""
+
+UNNAMED = '_NODE_NAME_UNKNOWN_'
+"""As rmw writes it."""
+
+OWN_NAME = 'bt_orchestrator_doctor'
+
+
+class Graph:
+    """A look at who is there. A context: entering joins the ROS graph, leaving leaves it."""
+
+    def __init__(self, namespace: str) -> None:
+        """Prepare.
+
+        :param namespace: in which relative names are meant
+        """
+        self._namespace = namespace
+
+    def __enter__(self) -> Graph:
+        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+        self._node = Node(OWN_NAME, start_parameter_services=False, enable_rosout=False)
+        self._executor = SingleThreadedExecutor()
+        self._executor.add_node(self._node)
+        self._joined = time.monotonic()
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self._executor.shutdown()
+        self._node.destroy_node()
+        rclpy.try_shutdown()
+
+    def wait(self, condition: Callable[[], bool], timeout_s: float) -> bool:
+        """Spin until a condition holds; tell whether it does."""
+        deadline = time.monotonic() + timeout_s
+        while not condition():
+            if time.monotonic() >= deadline:
+                return False
+            self._executor.spin_once(timeout_sec=STEP_S)
+        return True
+
+    def settle(self) -> None:
+        """Look on until it is SETTLE_S since it joined the graph."""
+        self.wait(lambda: False, self._joined + SETTLE_S - time.monotonic())
+
+    def publishers(self, name: str) -> Sequence[TopicEndpointInfo]:
+        """Return who publishes on a topic, relative names expanded."""
+        return self._node.get_publishers_info_by_topic(self.full(name))
+
+    def action_servers(self, action: str) -> Sequence[TopicEndpointInfo]:
+        """Return the feedback publishers of an action: one a server, with the action's type."""
+        return self.publishers(f'{action}/_action/feedback')
+
+    def full(self, name: str) -> str:
+        """Return the full name of what a cell file names."""
+        return str(expand_topic_name(name, OWN_NAME, self._namespace))
+
+    def nodes(self) -> list[str]:
+        """Return the full names of all nodes, each as often as it is there."""
+        found = self._node.get_node_names_and_namespaces()
+        return [f'{namespace.rstrip("/")}/{name}' for name, namespace in found]
+
+    def call(self, kind: Any, service: str, request: Any, timeout_s: float) -> Any:
+        """Call a service; None if it does not answer in time."""
+        client: Any = self._node.create_client(kind, service)
+        if not self.wait(client.service_is_ready, timeout_s):
+            return None
+        future = client.call_async(request)
+        return future.result() if self.wait(future.done, timeout_s) else None
+
+
+def is_named(endpoint: TopicEndpointInfo) -> bool:
+    """Tell whether it is known whose it is: that comes a moment after the endpoint itself."""
+    return endpoint.node_name != UNNAMED
+
+
+def names(endpoints: Sequence[TopicEndpointInfo]) -> str:
+    """Return who they belong to."""
+    return ', '.join(
+        f'{e.node_namespace.rstrip("/")}/{e.node_name}' if is_named(e) else 'a node without name'
+        for e in endpoints
+    )

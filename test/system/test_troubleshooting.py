@@ -1,0 +1,72 @@
+"""Every command of docs/troubleshooting.md, run beside a cell that is held and paused."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+from cell_processes import ROOT, StartCell, run_verb
+
+from bt_orchestrator.cli.main import PROGRAM
+
+PAGE = ROOT / 'docs' / 'troubleshooting.md'
+PATIENCE_S = 60.0
+
+
+def blocks() -> list[str]:
+    text = PAGE.read_text(encoding='utf-8')
+    found = re.findall(r'^```sh\n(.*?)^```$', text, re.MULTILINE | re.DOTALL)
+    return list(dict.fromkeys(found))
+
+
+def program_in(folder: Path) -> Path:
+    """Put the program of this very environment into a folder for PATH."""
+    folder.mkdir()
+    program = folder / PROGRAM
+    program.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m bt_orchestrator "$@"\n')
+    program.chmod(0o755)
+    return folder
+
+
+def test_every_entry_has_a_symptom_a_cause_and_a_command() -> None:
+    entries = PAGE.read_text(encoding='utf-8').split('\n## ')[1:]
+    assert len(entries) >= 8
+    for entry in entries:
+        for part in ('\n**Symptom.** ', '\n**Cause.** ', '\n**Command.**', '\n```sh\n'):
+            assert entry.count(part) == 1, (entry.partition('\n')[0], part)
+
+
+def test_every_command_does_what_it_is_for(start_cell: StartCell, tmp_path: Path) -> None:
+    journal = ['--journal', str(tmp_path / 'cell' / 'journal.db')]
+    cell = start_cell(fail=['worker.#1=abort'], run_options=journal)
+    cell.connect()
+    cell.run_small()
+    cell.watch.until('hold.raised')
+    assert run_verb(cell.folder, 'pause', '--reason', 'as after a restart')[0] == 0
+
+    path = f'{program_in(tmp_path / "bin")}:{os.environ["PATH"]}'
+    (tmp_path / 'cell' / 'trees').mkdir()
+    (tmp_path / 'cell' / 'small.yaml').rename(tmp_path / 'cell' / 'trees' / 'small.yaml')
+    printed = ''
+    for block in blocks():
+        done = subprocess.run(
+            ['sh', '-ec', block],
+            cwd=cell.folder,
+            env={**os.environ, 'PATH': path},
+            capture_output=True,
+            text=True,
+            timeout=PATIENCE_S,
+            check=False,
+        )
+        assert (done.returncode, done.stderr) == (0, ''), f'{block}{done.stdout}{done.stderr}'
+        printed += done.stdout
+
+    assert 'hold 1: section 2, work of WO-1/1: aborted' in printed
+    assert f'\n{cell.node.pid}\n' in printed, 'who has the journal'
+    assert 'ok    worker: state topic: /worker/state (/sim_cell)' in printed
+    assert 'ok    tree node: /bt_orchestrator runs' in printed
+    cell.watch.until_ended('WO-1')
+    cell.stop()
