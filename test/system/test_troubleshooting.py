@@ -16,10 +16,11 @@ PAGE = ROOT / 'docs' / 'troubleshooting.md'
 PATIENCE_S = 60.0
 
 
-def blocks() -> list[str]:
+def commands() -> list[str]:
+    """Return the lines of all blocks, each once, in the order of the page."""
     text = PAGE.read_text(encoding='utf-8')
-    found = re.findall(r'^```sh\n(.*?)^```$', text, re.MULTILINE | re.DOTALL)
-    return list(dict.fromkeys(found))
+    blocks = re.findall(r'^```sh\n(.*?)^```$', text, re.MULTILINE | re.DOTALL)
+    return list(dict.fromkeys(''.join(blocks).splitlines()))
 
 
 def program_in(folder: Path) -> Path:
@@ -51,9 +52,9 @@ def test_every_command_does_what_it_is_for(start_cell: StartCell, tmp_path: Path
     (tmp_path / 'cell' / 'trees').mkdir()
     (tmp_path / 'cell' / 'small.yaml').rename(tmp_path / 'cell' / 'trees' / 'small.yaml')
     printed = ''
-    for block in blocks():
+    for command in commands():
         done = subprocess.run(
-            ['sh', '-ec', block],
+            ['sh', '-c', command],
             cwd=cell.folder,
             env={**os.environ, 'PATH': path},
             capture_output=True,
@@ -61,7 +62,7 @@ def test_every_command_does_what_it_is_for(start_cell: StartCell, tmp_path: Path
             timeout=PATIENCE_S,
             check=False,
         )
-        assert (done.returncode, done.stderr) == (0, ''), f'{block}{done.stdout}{done.stderr}'
+        assert (done.returncode, done.stderr) == (0, ''), f'{command}\n{done.stdout}{done.stderr}'
         printed += done.stdout
 
     assert 'hold 1: section 2, work of WO-1/1: aborted' in printed
