@@ -16,6 +16,7 @@ from bt_orchestrator.errors import OrchestratorError, Refused
 PROGRAM = 'bt-orchestrator'
 
 VERBS: Mapping[str, tuple[str, str]] = {
+    'new-cell': ('new_cell', "the first cell file, script and work order of somebody's own cell"),
     'check': ('check', 'all mistakes of scripts and their cell, with places and hints'),
     'render': ('render', 'draw a script for review: SVG, PNG, PDF or DOT'),
     'simulate': ('simulate', 'run work orders in virtual time and print the prediction'),

@@ -1,0 +1,54 @@
+"""`new-cell --from-graph` beside real action servers, each in a process of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from cell_processes import run_verb
+from fakes.shipped import REFERENCE_CELL
+from program_process import ProgramProcess
+
+from bt_orchestrator.ros.action_types import InstalledActionTypes
+from bt_orchestrator.script.cell_file import read_cell
+
+
+@pytest.fixture
+def controllers(tmp_path: Path) -> Iterator[None]:
+    """Simulate the shipped cell."""
+    words = ['sim-cell', '--cell', str(REFERENCE_CELL)]
+    process = ProgramProcess(words, tmp_path, 'controllers')
+    process.wait_ready()
+    yield
+    assert process.stop() == 0, process.errors
+
+
+@pytest.mark.usefixtures('controllers')
+def test_the_servers_that_run_are_filled_in(tmp_path: Path) -> None:
+    folder = tmp_path / 'mine'
+    words = ['new-cell', 'mine', '--sections', '5', '-o', str(folder), '--from-graph']
+    status, output, errors = run_verb(tmp_path, *words, '--timeout', '20')
+    assert (status, errors) == (0, '')
+    assert '8 of 8 devices found on the ROS graph' in output
+
+    types = InstalledActionTypes()
+    found = read_cell(folder / 'cell.yaml', types)
+    real = read_cell(REFERENCE_CELL, types)
+    assert {one.action: one.type for one in found.components.values()} == {
+        one.action: one.type for one in real.components.values()
+    }
+    assert found.components['component_3c'].sections == (4,)
+    assert '# state: {topic: /unpacking/state,' in (folder / 'cell.yaml').read_text()
+    cell = ['--cell', str(folder / 'cell.yaml'), '--trees', str(folder / 'trees')]
+    assert run_verb(tmp_path, 'check', 'first_product', *cell)[0] == 0
+    order = str(folder / 'order.yaml')
+    assert run_verb(tmp_path, 'simulate', order, *cell)[0] == 0
+
+
+def test_without_servers_nothing_is_written(tmp_path: Path) -> None:
+    words = ['new-cell', 'mine', '--sections', '2', '-o', str(tmp_path / 'mine'), '--from-graph']
+    status, output, errors = run_verb(tmp_path, *words, '--timeout', '0.5')
+    assert (status, output) == (1, '')
+    assert 'no action server was found within 0.5 s; start the controllers' in errors
+    assert not (tmp_path / 'mine').exists()

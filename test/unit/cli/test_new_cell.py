@@ -1,0 +1,87 @@
+"""The verb `new-cell`: its files can be checked, drawn and simulated at once."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import pytest
+from fakes.action_types import FakeActionTypes
+
+from bt_orchestrator.cli import check, new_cell, render, simulate
+from bt_orchestrator.cli.new_cell import NothingWritten
+from bt_orchestrator.cli.wrong_use import WrongUse
+
+TYPES = FakeActionTypes()
+
+
+def options(module: object, *words: str) -> argparse.Namespace:
+    parser = argparse.ArgumentParser()
+    module.add_arguments(parser)  # type: ignore[attr-defined]
+    return parser.parse_args(words)
+
+
+def write(*words: str) -> int:
+    return new_cell.new_cell(options(new_cell, *words), (), TYPES)
+
+
+@pytest.fixture(autouse=True)
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize('sections', ['1', '2', '6'])
+def test_the_files_work_as_they_are(
+    sections: str, here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert write('mine', '--sections', sections) == 0
+    assert 'next: cd mine && bt-orchestrator check first_product' in capsys.readouterr().out
+    monkeypatch.chdir(here / 'mine')
+    cell = ('--cell', 'cell.yaml')
+    assert check.check(options(check, 'first_product', *cell), TYPES) == 0
+    drawing = options(render, 'first_product', *cell, '-o', 'drawing.dot')
+    assert render.render(drawing, TYPES) == 0
+    assert simulate.simulate(options(simulate, 'order.yaml', *cell), TYPES) == 0
+    assert '3       3         0' in capsys.readouterr().out
+
+
+def test_the_files_name_the_installed_schemas(here: Path) -> None:
+    write('mine', '--sections', '2')
+    for path in (here / 'mine').rglob('*.yaml'):
+        first = path.read_text().partition('\n')[0]
+        schema = Path(first.removeprefix('# yaml-language-server: $schema='))
+        assert schema.is_absolute()
+        assert schema.is_file()
+
+
+def test_nothing_is_overwritten(here: Path) -> None:
+    write('mine', '--sections', '2', '-o', 'here')
+    order = here / 'here' / 'order.yaml'
+    order.write_text('mine')
+    (here / 'here' / 'cell.yaml').unlink()
+    with pytest.raises(NothingWritten, match=r'here/order\.yaml exist already, .* with -o'):
+        write('mine', '--sections', '3', '-o', 'here')
+    assert order.read_text() == 'mine'
+    assert not (here / 'here' / 'cell.yaml').exists()
+
+
+def test_a_folder_that_cannot_be_made_is_named(here: Path) -> None:
+    (here / 'file').write_text('')
+    with pytest.raises(NothingWritten, match=r'cannot write file/.*: .*'):
+        write('mine', '--sections', '2', '-o', 'file/inside')
+
+
+@pytest.mark.parametrize(
+    ('words', 'said'),
+    [
+        (['2x', '--sections', '2'], '`2x` cannot be a cell name.*`cell_2x`'),
+        (['a b', '--sections', '2'], '`a_b`'),
+        (['mine', '--sections', '0'], 'from 1 to 1000, not 0'),
+        (['mine', '--sections', '1001'], 'from 1 to 1000, not 1001'),
+    ],
+)
+def test_wrong_use(words: list[str], said: str, here: Path) -> None:
+    with pytest.raises(WrongUse, match=said):
+        write(*words)
+    assert [*here.iterdir()] == []
