@@ -5,12 +5,13 @@ Every implementation of a port passes the contract tests of that port (test/cont
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from typing import NamedTuple, Protocol
 
 from bt_orchestrator.model.action_type import ActionType
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.goal import Feedback, GoalEnd, GoalRequest, StateReading
+from bt_orchestrator.model.history import JobRecord
 from bt_orchestrator.model.script import Script
 
 
@@ -128,14 +129,68 @@ class Clock(Protocol):
         """Call back once, in the tick thread, when `now()` has reached `time`."""
 
 
+class Snapshot(NamedTuple):
+    """What the state was after an event."""
+
+    seq: int
+    stamp: str
+    """Which program wrote it, for which cell."""
+    state: str
+    """As JSON."""
+
+
 class EventStore(Protocol):
     """The journal: the only durable truth."""
 
     def append(self, events: Sequence[Event]) -> None:
-        """Make the events durable, all or none."""
+        """Make the events durable, all or none.
 
-    def read(self, after: int = 0) -> Sequence[Event]:
-        """Return the events with a seq greater than `after`, oldest first."""
+        :raises JournalFailed: they are not
+        """
+
+    def read(self, after: int = 0, most: int = -1) -> Iterable[Event]:
+        """Return the events with a seq greater than `after`, oldest first.
+
+        :param most: so many at most; -1: all
+        """
+
+    def first_seq(self) -> int:
+        """Return the seq of the first event that is kept, or that is to come."""
+
+    def snapshots(self) -> Iterable[Snapshot]:
+        """Return states to start from, newest first. Each is a cache and may be ignored."""
+
+    def beginning(self) -> Snapshot | None:
+        """Return the state that replay begins with; None: with the first event of all."""
+
+
+class Journal(EventStore, Protocol):
+    """A journal that outlives its orchestrator, and is kept short for the next one."""
+
+    def save(self, snapshot: Snapshot, ended: Sequence[JobRecord] = ()) -> None:
+        """Keep a state to start from, and what is to stay of jobs that ended.
+
+        :raises JournalFailed: neither is kept
+        """
+
+    def first_needed(self, live: Collection[str], keep_jobs: int) -> int:
+        """Return the seq of the first event of any live job, or of the last `keep_jobs` others."""
+
+    def begin_with(self, snapshot: Snapshot) -> None:
+        """Let replay begin with a state: events up to it may be removed.
+
+        :raises JournalFailed: nothing has changed
+        """
+
+    def remove_batch(self, before: int) -> bool:
+        """Remove some of the first events before a seq, none that replay needs.
+
+        :return: whether there are more
+        :raises JournalFailed: none were removed
+        """
+
+    def close(self) -> None:
+        """Let others have it."""
 
 
 class EventSink(Protocol):

@@ -12,7 +12,7 @@ from bt_orchestrator.errors import Finding, Refused
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.script import Script
-from bt_orchestrator.ports import ActionTypes, AdmissionCheck, EventSink, EventStore
+from bt_orchestrator.ports import ActionTypes, AdmissionCheck, EventSink, EventStore, Journal
 from bt_orchestrator.script.admission import admit
 from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.script.lookup import find_script
@@ -142,12 +142,17 @@ def load_jobs(
     return cell, jobs
 
 
-def open_journal(path: Path | None) -> EventStore:
-    """Open the journal in a file; without one, a journal in memory.
+def open_journal(path: Path, synchronous: str) -> Journal:
+    """Open the journal in a file.
 
     :raises JournalUnusable: the file cannot be used
     """
-    return MemoryStore() if path is None else SqliteStore(path)
+    return SqliteStore(path, synchronous=synchronous)
+
+
+def memory_store() -> EventStore:
+    """Make a journal that is gone with the process."""
+    return MemoryStore()
 
 
 def build_simulation(cell: Cell, types: ActionTypes, sinks: Sequence[EventSink]) -> Simulation:

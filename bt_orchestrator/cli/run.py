@@ -48,6 +48,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         'survives the process',
     )
     parser.add_argument(
+        '--journal-synchronous',
+        choices=('FULL', 'NORMAL'),
+        default='FULL',
+        help='FULL: a power cut loses nothing; NORMAL: quicker, a power cut may lose the last '
+        'events, a crash of the program loses nothing (default FULL)',
+    )
+    parser.add_argument(
+        '--journal-keep-jobs',
+        type=int,
+        default=1000,
+        metavar='N',
+        help='how many ended jobs keep their events in the journal, of older ones a summary '
+        'stays; -1: all (default 1000)',
+    )
+    parser.add_argument(
         '--auto-resume',
         action='store_true',
         help='after a restart with unfinished work, go on without waiting for `resume`',
@@ -67,7 +82,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _run(args: argparse.Namespace, stop: StopSignals) -> int:
     # Imported here, so that --help needs no ROS.
-    from bt_orchestrator.cli.bootstrap import build_admission_check, open_journal
+    from bt_orchestrator.cli.bootstrap import build_admission_check, memory_store, open_journal
     from bt_orchestrator.model.goal import SERVER_TIMEOUT_S
     from bt_orchestrator.ros.node import Parts, run_node
     from bt_orchestrator.ros.parameters import DEFAULT_TICK_RATE_HZ, NodeParameters
@@ -80,10 +95,12 @@ def _run(args: argparse.Namespace, stop: StopSignals) -> int:
         auto_start=not args.no_auto_start,
         auto_resume=args.auto_resume,
         journal=args.journal,
+        journal_synchronous=args.journal_synchronous,
+        journal_keep_jobs=args.journal_keep_jobs,
         server_timeout_s=SERVER_TIMEOUT_S,
     )
     ros_args = getattr(args, 'ros_args', ())
-    parts = Parts(open_journal, build_admission_check)
+    parts = Parts(open_journal, memory_store, build_admission_check)
     left = run_node(defaults, parts, stop, _say, namespace=args.namespace, ros_args=ros_args)
     for task in left:
         print(f'still running at its server: {task}', file=sys.stderr)

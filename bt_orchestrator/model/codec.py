@@ -109,7 +109,7 @@ def _read(kind: Any, value: Any) -> Any:
 def _read_dataclass(kind: type, value: Any) -> Any:
     if kind is Template:
         return _read_free(value)
-    hints = _hints(kind)
+    hints = hints_of(kind)
     return kind(**{key: _read(hints[key], member) for key, member in value.items()})
 
 
@@ -126,5 +126,6 @@ def _read_free(value: Any) -> Any:
 
 
 @lru_cache(maxsize=256)
-def _hints(kind: type) -> Mapping[str, Any]:
+def hints_of(kind: type) -> Mapping[str, Any]:
+    """Return the annotations of a class as types."""
     return typing.get_type_hints(kind)

@@ -16,6 +16,9 @@ from bt_orchestrator.model.packml import Mode
 from bt_orchestrator.model.reference import Scope
 from bt_orchestrator.model.script import Script, Task
 
+DERIVED: Mapping[str, bool] = {'derived': True}
+"""Marks a field of the state that follows from the others, or from the cell file."""
+
 
 class Phase(Enum):
     """Where a task stands. A task without a state is new: nothing happened to it yet."""
@@ -181,48 +184,55 @@ class Reading:
     value: Any = None
 
 
+@dataclass(eq=False)
 class CellState:
-    """Everything that is so now, and nothing that is not in the events."""
+    """Everything that is so now, and nothing that is not in the events.
 
-    def __init__(self, cell: Cell) -> None:
-        self.cell = cell
-        self.cell_digest = ''
-        """Of the cell as the last orchestrator knew it; empty: there was none."""
-        self.seq = 0
-        """Last event applied."""
-        self.mode = Mode.STOPPED
-        self.order_arrived = False
-        """There is work that nobody stopped: since the cell was last Stopped a job was queued, or
-        an orchestrator started with jobs. So a shutdown is no reason to start again."""
-        self.beat = 1
-        self.indexing = False
-        """True from `belt.index_started` to `belt.indexed`."""
-        self.sections = {n: SectionState(n) for n in range(1, cell.conveyor.sections + 1)}
-        self.scripts: dict[str, Script] = {}
-        """By digest; those that a live job uses."""
-        self.preparations: dict[str, Preparation] = {}
-        """What initialization means in this cell, by digest."""
-        self.jobs: dict[str, JobState] = {}
-        """Live jobs in queue order."""
-        self.ended: dict[str, JobState] = {}
-        """The last jobs that ended, oldest first."""
-        self.items: dict[str, ItemState] = {}
-        self.tasks: dict[TaskKey, TaskState] = {}
-        self.running: dict[TaskKey, TaskState] = {}
-        """The tasks in phase RUNNING."""
-        self.reserved: dict[str, TaskKey] = {}
-        """Components that a task has, by name."""
-        self.zones: dict[str, TaskKey] = {}
-        """Zones that a task is in, by name; a name means the same workspace in every script."""
-        self.flags: dict[str, FlagState] = {}
-        self.holds: dict[str, Hold] = {}
-        self.holds_raised = 0
-        self.readings = {
-            name: Reading(ready=component.state is None)
-            for name, component in cell.components.items()
-        }
-        self.done_once: set[str] = set()
-        """Signatures of initialization tasks that succeeded since Stopped (semantics 5.1)."""
+    Every field is kept in snapshots by its annotation (`model.snapshot`), except derived ones.
+    """
+
+    cell: Cell = field(metadata=DERIVED)
+    cell_digest: str = ''
+    """Of the cell as the last orchestrator knew it; empty: there was none."""
+    seq: int = 0
+    """Last event applied."""
+    mode: Mode = Mode.STOPPED
+    order_arrived: bool = False
+    """There is work that nobody stopped: since the cell was last Stopped a job was queued, or an
+    orchestrator started with jobs. So a shutdown is no reason to start again."""
+    beat: int = 1
+    indexing: bool = False
+    """True from `belt.index_started` to `belt.indexed`."""
+    sections: dict[int, SectionState] = field(default_factory=dict)
+    scripts: dict[str, Script] = field(default_factory=dict)
+    """By digest; those that a live job uses."""
+    preparations: dict[str, Preparation] = field(default_factory=dict, metadata=DERIVED)
+    """What initialization means in this cell, by digest."""
+    jobs: dict[str, JobState] = field(default_factory=dict)
+    """Live jobs in queue order."""
+    ended: dict[str, JobState] = field(default_factory=dict)
+    """The last jobs that ended, oldest first."""
+    items: dict[str, ItemState] = field(default_factory=dict)
+    tasks: dict[TaskKey, TaskState] = field(default_factory=dict)
+    running: dict[TaskKey, TaskState] = field(default_factory=dict)
+    """The tasks in phase RUNNING."""
+    reserved: dict[str, TaskKey] = field(default_factory=dict)
+    """Components that a task has, by name."""
+    zones: dict[str, TaskKey] = field(default_factory=dict)
+    """Zones that a task is in, by name; a name means the same workspace in every script."""
+    flags: dict[str, FlagState] = field(default_factory=dict)
+    holds: dict[str, Hold] = field(default_factory=dict)
+    holds_raised: int = 0
+    readings: dict[str, Reading] = field(default_factory=dict)
+    done_once: set[str] = field(default_factory=set)
+    """Signatures of initialization tasks that succeeded since Stopped (semantics 5.1)."""
+
+    def __post_init__(self) -> None:
+        """Begin with an empty belt, and with topics that were not heard of yet."""
+        for number in range(1, self.cell.conveyor.sections + 1):
+            self.sections[number] = SectionState(number)
+        for name, component in self.cell.components.items():
+            self.readings[name] = Reading(ready=component.state is None)
 
     def script(self, job: str) -> Script:
         """Return the script of a live job."""

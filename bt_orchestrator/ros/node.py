@@ -17,7 +17,7 @@ from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.commands import Shutdown
 from bt_orchestrator.model.goal import Reason
-from bt_orchestrator.ports import ActionTypes, AdmissionCheck, EventStore
+from bt_orchestrator.ports import ActionTypes, AdmissionCheck, EventStore, Journal
 from bt_orchestrator.ros.action_types import InstalledActionTypes
 from bt_orchestrator.ros.clock import RosClock
 from bt_orchestrator.ros.executors import make_executor, spin_once
@@ -28,6 +28,7 @@ from bt_orchestrator.ros.inspection.tick_statistics import TickStatistics
 from bt_orchestrator.ros.outputs import Diagnostics, EventsTopic, StatusTopic
 from bt_orchestrator.ros.parameters import NodeParameters, declare
 from bt_orchestrator.ros.services import Services
+from bt_orchestrator.runtime.housekeeping import Housekeeping
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.stop_signals import StopSignals
@@ -52,8 +53,10 @@ class NoCell(OrchestratorError):
 class Parts(NamedTuple):
     """What the node is given from other rooms."""
 
-    make_store: Callable[[Path | None], EventStore]
-    """Opens the journal of a path; without one, one in memory."""
+    open_journal: Callable[[Path, str], Journal]
+    """Opens the journal in a file, to be written with a value of `journal_synchronous`."""
+    make_memory_store: Callable[[], EventStore]
+    """Makes one that is gone with the process, where no file is named."""
     make_admission_check: Callable[[Cell, ActionTypes], AdmissionCheck]
 
 
@@ -79,16 +82,18 @@ class TreeNode:
         self._gateway = RosGateway(
             node, cell, types, server_timeout_s=self.parameters.server_timeout_s
         )
+        self._journal = _open_journal(self.parameters, parts)
         self.orchestrator = Orchestrator(
             cell,
             self._gateway,
             RosClock(node),
-            parts.make_store(self.parameters.journal),
+            self._journal or parts.make_memory_store(),
             [EventsTopic(node)],
             wake=self.heart.wake,
             auto_start=self.parameters.auto_start,
             auto_resume=self.parameters.auto_resume,
         )
+        self._housekeeping = self._keep_house()
         admission = parts.make_admission_check(cell, types)
         Services(node, self.orchestrator, types, self.parameters.trees, admission)
         self._status = StatusTopic(node, self.orchestrator)
@@ -107,7 +112,7 @@ class TreeNode:
     def serve(self, stop: StopSignals) -> None:
         """Run the cell until a stop signal comes."""
         settle = self._ticks.timed(self.orchestrator.settle)
-        self.heart.start(settle, self.parameters.tick_rate_hz)
+        self.heart.start(lambda: self._beat(settle), self.parameters.tick_rate_hz)
         self._status.publish_now()
         while not stop.requested:
             self._spin_once()
@@ -129,10 +134,25 @@ class TreeNode:
 
     def close(self) -> None:
         """Let go of everything."""
+        if self._housekeeping is not None and not self.orchestrator.broken:
+            self._housekeeping.finish()
         self.orchestrator.close()
+        if self._journal is not None:
+            self._journal.close()
         self._gateway.close()
         self.executor.shutdown()
         self.node.destroy_node()
+
+    def _keep_house(self) -> Housekeeping | None:
+        if self._journal is None:
+            return None
+        keep_jobs = self.parameters.journal_keep_jobs
+        return Housekeeping(self.orchestrator.state, self._journal, keep_jobs)
+
+    def _beat(self, settle: Callable[[], bool]) -> None:
+        happened = settle()
+        if self._housekeeping is not None and not self.orchestrator.broken:
+            self._housekeeping.turn(quiet=not happened)
 
     def _linger(self, is_hurried: Callable[[], bool]) -> None:
         """Stay a moment: what a client has not taken when its publisher leaves, DDS drops."""
@@ -189,6 +209,12 @@ def run_node(
             cell.close()
     finally:
         rclpy.try_shutdown()
+
+
+def _open_journal(parameters: NodeParameters, parts: Parts) -> Journal | None:
+    if parameters.journal is None:
+        return None
+    return parts.open_journal(parameters.journal, parameters.journal_synchronous)
 
 
 def _build(namespace: str, defaults: NodeParameters, parts: Parts) -> TreeNode:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.node import Node
 
 DEFAULT_TICK_RATE_HZ = 10.0
@@ -24,6 +24,9 @@ class NodeParameters:
     auto_resume: bool
     journal: Path | None
     """None: events are kept in memory, and gone with the process."""
+    journal_synchronous: str
+    journal_keep_jobs: int
+    """How many ended jobs keep their events; -1: all."""
     server_timeout_s: float
 
 
@@ -70,6 +73,20 @@ def declare(node: Node, defaults: NodeParameters) -> NodeParameters:
             'After a restart with unfinished work, go on without waiting for resume.',
         ),
         journal=Path(journal) if journal else None,
+        journal_synchronous=value(
+            'journal_synchronous',
+            defaults.journal_synchronous,
+            'FULL: a power cut loses nothing. NORMAL: quicker; a power cut may lose the last '
+            'events, a crash of the program loses nothing.',
+            additional_constraints='FULL or NORMAL',
+        ),
+        journal_keep_jobs=value(
+            'journal_keep_jobs',
+            defaults.journal_keep_jobs,
+            'How many ended jobs keep their events in the journal; of older ones a summary '
+            'stays. -1: all.',
+            integer_range=[IntegerRange(from_value=-1, to_value=2**31 - 1)],
+        ),
         server_timeout_s=value(
             'server_timeout',
             defaults.server_timeout_s,

@@ -16,13 +16,12 @@ from bt_orchestrator.errors import CommandRefused, JournalFailed
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.commands import Answer, Command
-from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import ActionGateway, Clock, EventSink, EventStore
 from bt_orchestrator.runtime import lifecycle
 from bt_orchestrator.runtime.commands import answer_to
 from bt_orchestrator.runtime.flights import Flights
 from bt_orchestrator.runtime.ledger import Ledger
-from bt_orchestrator.runtime.recovery import replay, take_over
+from bt_orchestrator.runtime.recovery import restore, take_over
 from bt_orchestrator.tree.blackboard import BlackboardProjection
 from bt_orchestrator.tree.compile import CellTree
 
@@ -57,8 +56,7 @@ class Orchestrator:
         :param auto_resume: unfinished work in the journal goes on without `Resume`
         :raises JournalMismatch: the journal is of another cell
         """
-        self.state = CellState(cell)
-        replay(self.state, store.read())
+        self.state = restore(cell, store)
         self._store = store
         self._sinks = list(sinks)
         self._auto_start = auto_start

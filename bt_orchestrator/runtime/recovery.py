@@ -2,24 +2,95 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import hashlib
+import json
+import logging
+from collections.abc import Iterable, Iterator
+from functools import lru_cache
+from importlib.resources import files
 
+from bt_orchestrator import model
 from bt_orchestrator.errors import JournalMismatch
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.fold import apply
+from bt_orchestrator.model.snapshot import state_from_plain
 from bt_orchestrator.model.state import CellState
+from bt_orchestrator.ports import EventStore, Snapshot
 from bt_orchestrator.runtime.operators import RESUME
+
+log = logging.getLogger(__name__)
+
+_UNREADABLE = (AttributeError, IndexError, KeyError, TypeError, ValueError)
+"""What reading a state that is damaged, or of another program, may raise."""
 
 RESTARTED = 'restarted'
 """Reason of the hold with which an orchestrator waits after a restart with unfinished work."""
 
 
-def replay(state: CellState, events: Sequence[e.Event]) -> None:
-    """Bring the state to where the journal ends.
+def restore(cell: Cell, store: EventStore) -> CellState:
+    """Return the state where the journal ends: that of a snapshot, and the events after it.
+
+    A snapshot is only a shorter way. One that cannot be used is ignored, and the events are
+    replayed from the beginning.
 
     :raises JournalMismatch: there is unfinished work, and the cell is not the one it was begun on
+    :raises JournalUnusable: the journal cannot be read
     """
+    for snapshot in store.snapshots():
+        state = _from_snapshot(cell, snapshot, store)
+        if state is not None:
+            return state
+    beginning = store.beginning()
+    state = CellState(cell) if beginning is None else _begin(cell, beginning)
+    _replay(state, store.read(state.seq))
+    return state
+
+
+def stamp(cell: Cell) -> str:
+    """Name the program and the cell that a snapshot is of; another one replays the events.
+
+    The program is named by the text of its rules: whatever changes in the fold or in the state,
+    nobody has to remember to count up a version.
+    """
+    return f'{_program()}-{digest(cell)}'
+
+
+@lru_cache(maxsize=1)
+def _program() -> str:
+    rules = hashlib.sha256()
+    for file in sorted(files(model).iterdir(), key=lambda file: file.name):
+        if file.name.endswith('.py'):
+            rules.update(file.read_bytes())
+    return rules.hexdigest()[:16]
+
+
+def _from_snapshot(cell: Cell, snapshot: Snapshot, store: EventStore) -> CellState | None:
+    if snapshot.stamp != stamp(cell):
+        log.info('the snapshot at event %d is of another program or cell', snapshot.seq)
+        return None
+    try:
+        state = state_from_plain(cell, json.loads(snapshot.state))
+        _replay(state, store.read(state.seq))
+    except (*_UNREADABLE, JournalMismatch) as error:
+        log.warning('the snapshot at event %d is ignored: %r', snapshot.seq, error)
+        return None
+    return state
+
+
+def _begin(cell: Cell, beginning: Snapshot) -> CellState:
+    try:
+        return state_from_plain(cell, json.loads(beginning.state))
+    except _UNREADABLE as error:
+        raise JournalMismatch(
+            f'the journal begins with a state, at event {beginning.seq}, that does not fit cell '
+            f'{cell.name} or this program ({error!r}); name the cell file and use the program '
+            'that it was written with'
+        ) from error
+
+
+def _replay(state: CellState, events: Iterable[e.Event]) -> None:
     try:
         for event in events:
             apply(state, event)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from bt_orchestrator.model.events import Event
+from bt_orchestrator.ports import Snapshot
 
 
 class MemoryStore:
@@ -17,6 +18,17 @@ class MemoryStore:
         """Keep the events."""
         self._events.extend(events)
 
-    def read(self, after: int = 0) -> Sequence[Event]:
+    def read(self, after: int = 0, most: int = -1) -> Sequence[Event]:
         """Return the events with a seq greater than `after`; seq counts from 1 without gaps."""
-        return self._events[after:]
+        return self._events[after:] if most < 0 else self._events[after : after + most]
+
+    def first_seq(self) -> int:
+        """Return 1: nothing is ever removed."""
+        return 1
+
+    def snapshots(self) -> Sequence[Snapshot]:
+        """Return no state: nobody starts from here again who had to hurry."""
+        return ()
+
+    def beginning(self) -> None:
+        """Return no state: replay begins with the first event of all."""

@@ -6,32 +6,25 @@ import fcntl
 import json
 import os
 import sqlite3
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import IO, TypeVar
+from typing import IO
 
-from bt_orchestrator.errors import JournalFailed, OrchestratorError
+from bt_orchestrator.errors import JournalFailed
 from bt_orchestrator.model.codec import from_record, to_record
 from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.history import JobRecord, job_to_plain
+from bt_orchestrator.ports import Snapshot
+from bt_orchestrator.store import retention, snapshots
+from bt_orchestrator.store.database import JournalUnusable, transaction, unusable_otherwise
+from bt_orchestrator.store.schema import bring_up_to_date, schema_of
 
-SCHEMA = 1
-"""Version of the tables, kept in SQLite's user_version."""
-
-APPLICATION_ID = 0x62746F72
-"""Says that a file is a journal of ours (`btor`), and not some other SQLite file."""
-
-_TABLES = 'CREATE TABLE events (seq INTEGER PRIMARY KEY, record TEXT NOT NULL) STRICT'
-
-_T = TypeVar('_T')
-
-
-class JournalUnusable(OrchestratorError):
-    """The journal cannot be opened; nothing in it was changed."""
+SYNCHRONOUS = ('FULL', 'NORMAL')
 
 
 class SqliteStore:
-    """A journal in a file. Implements `ports.EventStore`.
+    """A journal in a file. Implements `ports.Journal`.
 
     One transaction an append, in WAL mode, so that others may read while it is written. A lock on
     a file beside it keeps a second orchestrator out for as long as this one lives, and is gone
@@ -39,19 +32,25 @@ class SqliteStore:
     """
 
     def __init__(self, path: Path, *, synchronous: str = 'FULL') -> None:
-        """Open or make a journal.
+        """Open or make a journal; an older one is brought up to date.
 
         :param synchronous: FULL (a power cut loses nothing) or NORMAL (it may lose the last
             events; a crash of the program loses nothing)
         :raises JournalUnusable: it is in use, not ours, newer, damaged, or cannot be written
         """
+        if synchronous not in SYNCHRONOUS:
+            known = ' or '.join(SYNCHRONOUS)
+            raise JournalUnusable(f'a journal is written with {known}; found {synchronous!r}')
         self._path = path
         self._lock = _locked(path)
         try:
-            self._database = _unusable_otherwise(path, lambda: _opened(path, synchronous))
+            with unusable_otherwise(path):
+                self._database = _opened(path, synchronous)
         except BaseException:
             self._lock.close()
             raise
+
+    # --- events -----------------------------------------------------------------------------
 
     def append(self, events: Sequence[Event]) -> None:
         """Make the events durable, all or none.
@@ -59,30 +58,96 @@ class SqliteStore:
         :raises JournalFailed: they are not; nothing of them is in the journal
         """
         rows = [(event.seq, json.dumps(to_record(event), ensure_ascii=False)) for event in events]
-        try:
-            with _transaction(self._database):
-                self._database.executemany('INSERT INTO events VALUES (?, ?)', rows)
-        except sqlite3.Error as error:
-            raise JournalFailed(f'the journal {self._path} cannot be written: {error}') from error
+        with self._writing():
+            self._database.executemany('INSERT INTO events VALUES (?, ?)', rows)
 
-    def read(self, after: int = 0) -> list[Event]:
-        """Return the events with a seq greater than `after`, oldest first.
+    def read(self, after: int = 0, most: int = -1) -> Iterator[Event]:
+        """Yield the events with a seq greater than `after`, oldest first.
 
+        :param most: so many at most; -1: all
         :raises JournalUnusable: the file is damaged
         """
-        query = 'SELECT record FROM events WHERE seq > ? ORDER BY seq'
-        return _unusable_otherwise(
-            self._path,
-            lambda: [
-                from_record(json.loads(record))
-                for (record,) in self._database.execute(query, (after,))
-            ],
-        )
+        query = 'SELECT record FROM events WHERE seq > ? ORDER BY seq LIMIT ?'
+        with unusable_otherwise(self._path):
+            for (record,) in self._database.execute(query, (after, most)):
+                yield from_record(json.loads(record))
+
+    def first_seq(self) -> int:
+        """Return the seq of the first event that is kept, or that is to come."""
+        with unusable_otherwise(self._path):
+            found = self._database.execute('SELECT min(seq) FROM events').fetchone()[0]
+        if found is not None:
+            return int(found)
+        start = self.beginning()
+        return start.seq + 1 if start else 1
+
+    # --- states -----------------------------------------------------------------------------
+
+    def snapshots(self) -> Iterator[Snapshot]:
+        """Yield the states to start from, newest first."""
+        return snapshots.sound_snapshots(self._database)
+
+    def beginning(self) -> Snapshot | None:
+        """Return the state before which events were removed, if some were.
+
+        :raises JournalUnusable: it is damaged
+        """
+        with unusable_otherwise(self._path):
+            return snapshots.beginning(self._database)
+
+    def save(self, snapshot: Snapshot, ended: Sequence[JobRecord] = ()) -> None:
+        """Keep a state to start from, and what is to stay of jobs that ended.
+
+        :raises JournalFailed: neither is kept
+        """
+        rows = [
+            (job.job, job.queued, json.dumps(job_to_plain(job), ensure_ascii=False))
+            for job in ended
+        ]
+        with self._writing():
+            snapshots.keep_snapshot(self._database, snapshot)
+            self._database.executemany('INSERT OR REPLACE INTO jobs VALUES (?, ?, ?)', rows)
+
+    # --- retention --------------------------------------------------------------------------
+
+    def first_needed(self, live: Collection[str], keep_jobs: int) -> int:
+        """Return the seq of the first event that must stay.
+
+        :param live: jobs that have not ended
+        :param keep_jobs: how many others keep their events, the last ones
+        """
+        with self._writing():
+            return retention.first_needed(self._database, live, keep_jobs)
+
+    def begin_with(self, snapshot: Snapshot) -> None:
+        """Let replay begin with a state: events up to it may be removed.
+
+        :raises JournalFailed: nothing has changed
+        """
+        with self._writing():
+            snapshots.begin_with(self._database, snapshot)
+
+    def remove_batch(self, before: int) -> bool:
+        """Remove some of the first events before a seq, none that replay needs.
+
+        :return: whether there are more
+        :raises JournalFailed: none were removed
+        """
+        with self._writing():
+            return retention.remove_batch(self._database, before)
 
     def close(self) -> None:
         """Close the file and let others have it."""
         self._database.close()
         self._lock.close()
+
+    @contextmanager
+    def _writing(self) -> Iterator[None]:
+        try:
+            with transaction(self._database):
+                yield
+        except sqlite3.Error as error:
+            raise JournalFailed(f'the journal {self._path} cannot be written: {error}') from error
 
 
 def _locked(path: Path) -> IO[str]:
@@ -102,74 +167,28 @@ def _locked(path: Path) -> IO[str]:
             f'the journal {path} is in use by another orchestrator (process {owner}); stop that '
             'one, or name another file'
         ) from None
-    lock.truncate(0)
-    lock.write(f'{os.getpid()}\n')
-    lock.flush()
+    _sign(lock)
     return lock
+
+
+def _sign(lock: IO[str]) -> None:
+    """Say who has the lock, for people; it holds even where that cannot be written."""
+    try:
+        lock.truncate(0)
+        lock.write(f'{os.getpid()}\n')
+        lock.flush()
+    except OSError:
+        pass
 
 
 def _opened(path: Path, synchronous: str) -> sqlite3.Connection:
     database = sqlite3.connect(path, isolation_level=None, timeout=10.0)
     try:
-        _check_ours(database, path)
+        version = schema_of(database, path)
         database.execute('PRAGMA journal_mode = WAL')
         database.execute(f'PRAGMA synchronous = {synchronous}')
-        if _pragma(database, 'user_version') == 0:
-            _make(database)
-        else:
-            _check_writable(database)
+        bring_up_to_date(database, version)
     except BaseException:
         database.close()
         raise
     return database
-
-
-def _check_ours(database: sqlite3.Connection, path: Path) -> None:
-    version = _pragma(database, 'user_version')
-    tables = database.execute('SELECT count(*) FROM sqlite_schema').fetchone()[0]
-    if _pragma(database, 'application_id') != APPLICATION_ID and (version or tables):
-        raise JournalUnusable(f'{path} is an SQLite file, but no journal of an orchestrator')
-    if version > SCHEMA:
-        raise JournalUnusable(
-            f'the journal {path} has schema {version}, this program knows {SCHEMA}; use the newer '
-            'program, or name another file'
-        )
-
-
-def _check_writable(database: sqlite3.Connection) -> None:
-    with _transaction(database):
-        database.execute(f'PRAGMA user_version = {SCHEMA}')
-
-
-def _make(database: sqlite3.Connection) -> None:
-    with _transaction(database):
-        database.execute(_TABLES)
-        database.execute(f'PRAGMA application_id = {APPLICATION_ID}')
-        database.execute(f'PRAGMA user_version = {SCHEMA}')
-
-
-def _pragma(database: sqlite3.Connection, name: str) -> int:
-    return int(database.execute(f'PRAGMA {name}').fetchone()[0])
-
-
-@contextmanager
-def _transaction(database: sqlite3.Connection) -> Iterator[None]:
-    database.execute('BEGIN IMMEDIATE')
-    try:
-        yield
-        database.execute('COMMIT')
-    except BaseException:
-        if database.in_transaction:
-            database.execute('ROLLBACK')
-        raise
-
-
-def _unusable_otherwise(path: Path, work: Callable[[], _T]) -> _T:
-    try:
-        return work()
-    except sqlite3.Error as error:
-        raise JournalUnusable(f'the journal {path} cannot be used: {error}') from error
-    except (KeyError, TypeError, ValueError) as error:
-        raise JournalUnusable(
-            f'the journal {path} holds a record that cannot be read: {error!r}'
-        ) from error

@@ -15,7 +15,7 @@ from cell_processes import SMALL_CELL
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-from bt_orchestrator.cli.bootstrap import build_admission_check, open_journal
+from bt_orchestrator.cli.bootstrap import build_admission_check, memory_store, open_journal
 from bt_orchestrator.ros.node import NODE_NAME, Parts, TreeNode
 from bt_orchestrator.ros.parameters import NodeParameters
 from bt_orchestrator.stop_signals import StopSignals
@@ -66,9 +66,13 @@ def tree_node(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[TreeNo
         auto_start=True,
         auto_resume=False,
         journal=None,
+        journal_synchronous='FULL',
+        journal_keep_jobs=-1,
         server_timeout_s=1.0,
     )
-    node = TreeNode(Node(NODE_NAME), parameters, Parts(open_journal, build_admission_check))
+    node = TreeNode(
+        Node(NODE_NAME), parameters, Parts(open_journal, memory_store, build_admission_check)
+    )
     yield node
     node.close()
     rclpy.try_shutdown()

@@ -20,7 +20,7 @@ KILLS = 4
 def journal(cell: CellProcesses) -> list[e.Event]:
     """Return what the journal says; the node must be gone."""
     store = SqliteStore(cell.folder / 'journal.sqlite3')
-    events = store.read()
+    events = list(store.read())
     store.close()
     return events
 

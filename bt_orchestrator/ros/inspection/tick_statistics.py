@@ -6,7 +6,9 @@ import time
 from collections import deque
 from collections.abc import Callable
 from statistics import fmean, pvariance
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
+
+_T = TypeVar('_T')
 
 WINDOW = 100
 """Averages are over so many ticks, so that they show how the cell does now."""
@@ -30,17 +32,17 @@ class TickStatistics:
         self._durations: deque[float] = deque(maxlen=WINDOW)
         self._intervals: deque[float] = deque(maxlen=WINDOW)
 
-    def timed(self, settle: Callable[[], object]) -> Callable[[], None]:
+    def timed(self, settle: Callable[[], _T]) -> Callable[[], _T]:
         """Return the same call, measured."""
 
-        def call() -> None:
+        def call() -> _T:
             started = self._clock()
             if self._started is not None:
                 self._intervals.append(started - self._started)
             self._started = started
             self.count += 1
             try:
-                settle()
+                return settle()
             finally:
                 self._durations.append(self._clock() - started)
 

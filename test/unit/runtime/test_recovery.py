@@ -217,7 +217,7 @@ def test_9_1_nothing_is_sent_that_is_not_durable() -> None:
     first.close()
 
     durable = MemoryStore()
-    durable.append(world.store.read())
+    durable.append(list(world.store.read()))
     world.store = durable  # the disk has room again
     second = world.orchestrator()
     world.go(second)

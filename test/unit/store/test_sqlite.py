@@ -11,7 +11,9 @@ import pytest
 
 from bt_orchestrator.errors import JournalFailed
 from bt_orchestrator.model.events import Event, JobStarted
-from bt_orchestrator.store.sqlite import APPLICATION_ID, SCHEMA, JournalUnusable, SqliteStore
+from bt_orchestrator.store.database import JournalUnusable
+from bt_orchestrator.store.schema import APPLICATION_ID, SCHEMA
+from bt_orchestrator.store.sqlite import SqliteStore
 
 
 def events(first: int, last: int) -> list[Event]:
@@ -42,8 +44,8 @@ def test_what_was_appended_is_there_for_the_next(path: Path) -> None:
     first.append(events(4, 4))
     first.close()
     second = SqliteStore(path)
-    assert second.read() == events(1, 4)
-    assert second.read(after=3) == events(4, 4)
+    assert list(second.read()) == events(1, 4)
+    assert list(second.read(after=3)) == events(4, 4)
     second.close()
 
 
@@ -57,16 +59,16 @@ def test_others_read_while_it_is_open(store: SqliteStore, path: Path) -> None:
 def test_a_second_orchestrator_is_kept_out(store: SqliteStore, path: Path) -> None:
     assert f'in use by another orchestrator (process {os.getpid()})' in refusal(path)
     store.append(events(1, 1))
-    assert store.read() == events(1, 1)
+    assert list(store.read()) == events(1, 1)
 
 
 def test_an_append_is_all_or_nothing(store: SqliteStore) -> None:
     store.append(events(1, 2))
     with pytest.raises(JournalFailed, match='cannot be written: UNIQUE'):
         store.append([*events(3, 4), *events(2, 2)])
-    assert store.read() == events(1, 2)
+    assert list(store.read()) == events(1, 2)
     store.append(events(3, 3))
-    assert store.read() == events(1, 3)
+    assert list(store.read()) == events(1, 3)
 
 
 def test_a_damaged_file_is_refused_and_kept(path: Path) -> None:
@@ -84,7 +86,7 @@ def test_a_record_that_cannot_be_read_is_refused(path: Path) -> None:
     database.close()
     store = SqliteStore(path)
     with pytest.raises(JournalUnusable, match=r"cannot be read: KeyError\('no.such'\)"):
-        store.read()
+        list(store.read())
     store.close()
 
 

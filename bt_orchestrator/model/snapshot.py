@@ -1,0 +1,212 @@
+"""The state of the cell as plain data that JSON can carry, and back, exactly.
+
+Nothing here names a field: annotations say how a value is kept, so a new field of the state needs
+no code. An annotation that cannot be kept is a TypeError, not a loss. What can change, and scripts
+because they are large, stand once in a list of objects; who names them carries their place in that
+list, so that one object stays one object.
+
+A field that a record lacks has its default. So a state that was written before the field existed
+can still be read, as events can.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import types
+import typing
+from collections.abc import Mapping
+from enum import Enum
+from functools import lru_cache
+from typing import Any
+
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.codec import from_plain, hints_of, to_plain
+from bt_orchestrator.model.initialization import Preparation
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.model.state import CellState
+
+SCALARS = (str, int, float, bool)
+
+
+def kept_fields() -> tuple[str, ...]:
+    """Return the names of the fields of the state that a record has."""
+    every = dataclasses.fields(CellState)
+    return tuple(field.name for field in every if not field.metadata.get('derived'))
+
+
+def state_to_plain(state: CellState) -> dict[str, Any]:
+    """Return a state as dicts, lists and scalars.
+
+    :raises TypeError: it has a field whose annotation cannot be kept
+    """
+    writer, hints = _Writer(), hints_of(CellState)
+    fields = {name: writer.write(hints[name], getattr(state, name)) for name in kept_fields()}
+    return {'state': fields, 'objects': writer.objects}
+
+
+def state_from_plain(cell: Cell, plain: Mapping[str, Any]) -> CellState:
+    """Return the state that a record tells of, in a cell.
+
+    :raises KeyError: it names something that the cell does not have
+    :raises TypeError: it is damaged, or of a program that knows more
+    :raises ValueError: the same
+    """
+    state = CellState(cell)
+    reader, hints, kept = _Reader(plain['objects']), hints_of(CellState), kept_fields()
+    for name, value in plain['state'].items():
+        if name not in kept:
+            raise TypeError(f'the state has no field {name}')
+        setattr(state, name, reader.read(hints[name], value))
+    _fit(state)
+    state.preparations = {d: Preparation(script, cell) for d, script in state.scripts.items()}
+    return state
+
+
+def _fit(state: CellState) -> None:
+    """Fit a state to its cell, whose file may have changed since.
+
+    :raises KeyError: an item or a cycle is where the cell has no section any more
+    """
+    fresh = CellState(state.cell)
+    for number, section in state.sections.items():
+        if number not in fresh.sections and (section.slot or section.cycle):
+            raise KeyError(f'section {number}')
+    state.sections = {n: state.sections.get(n, section) for n, section in fresh.sections.items()}
+    state.readings = {n: state.readings.get(n, reading) for n, reading in fresh.readings.items()}
+
+
+class _Writer:
+    def __init__(self) -> None:
+        self.objects: list[Any] = []
+        self._places: dict[int, int] = {}
+
+    def write(self, kind: Any, value: Any) -> Any:
+        """Return plain data of a value with an annotation."""
+        if value is None:
+            return None
+        if kind is Any:
+            return to_plain(value)
+        if isinstance(kind, type):
+            return self._write_class(kind, value)
+        origin, arguments = typing.get_origin(kind), typing.get_args(kind)
+        if origin in (types.UnionType, typing.Union):
+            return self.write(_without_none(kind), value)
+        if origin in (dict, Mapping):
+            return self._write_mapping(arguments[0], arguments[1], value)
+        return [self.write(_member(kind), member) for member in _in_order(origin, value)]
+
+    def _write_class(self, kind: type, value: Any) -> Any:
+        if _by_place(kind):
+            return self._place_of(kind, value)
+        if dataclasses.is_dataclass(kind):
+            return self._write_fields(kind, value)
+        if issubclass(kind, tuple):
+            members = zip(_of_tuple(kind), value, strict=True)
+            return [self.write(hint, member) for hint, member in members]
+        if issubclass(kind, Enum):
+            return value.value
+        if kind in SCALARS:
+            return value
+        raise TypeError(f'no way to keep a {kind.__name__}')
+
+    def _write_mapping(self, key: Any, member: Any, value: Mapping[Any, Any]) -> Any:
+        if key is str:
+            return {name: self.write(member, one) for name, one in value.items()}
+        return [[self.write(key, k), self.write(member, one)] for k, one in value.items()]
+
+    def _write_fields(self, kind: type, value: Any) -> dict[str, Any]:
+        return {name: self.write(h, getattr(value, name)) for name, h in _of_fields(kind)}
+
+    def _place_of(self, kind: type, value: Any) -> int:
+        if id(value) not in self._places:
+            self._places[id(value)] = place = len(self.objects)
+            self.objects.append(None)  # its place; what it names may come after it
+            plain = to_plain(value) if kind is Script else self._write_fields(kind, value)
+            self.objects[place] = plain
+        return self._places[id(value)]
+
+
+class _Reader:
+    def __init__(self, objects: list[Any]) -> None:
+        self._plain = objects
+        self._objects: dict[int, Any] = {}
+
+    def read(self, kind: Any, value: Any) -> Any:
+        """Return the value of an annotation that plain data tells of."""
+        if value is None:
+            return None
+        if kind is Any:
+            return from_plain(Any, value)
+        if isinstance(kind, type):
+            return self._read_class(kind, value)
+        origin, arguments = typing.get_origin(kind), typing.get_args(kind)
+        if origin in (types.UnionType, typing.Union):
+            return self.read(_without_none(kind), value)
+        if origin in (dict, Mapping):
+            return self._read_mapping(arguments[0], arguments[1], value)
+        return origin(self.read(_member(kind), member) for member in value)
+
+    def _read_class(self, kind: type, value: Any) -> Any:
+        if _by_place(kind):
+            return self._object(kind, value)
+        if dataclasses.is_dataclass(kind):
+            return self._read_fields(kind, value)
+        if issubclass(kind, tuple):
+            members = zip(_of_tuple(kind), value, strict=True)
+            return kind(*(self.read(hint, member) for hint, member in members))
+        return kind(value) if issubclass(kind, Enum) else value
+
+    def _read_mapping(self, key: Any, member: Any, value: Any) -> dict[Any, Any]:
+        pairs = value.items() if key is str else value
+        return {self.read(key, k): self.read(member, one) for k, one in pairs}
+
+    def _read_fields(self, kind: type, value: Mapping[str, Any]) -> Any:
+        hints = hints_of(kind)
+        return kind(**{name: self.read(hints[name], one) for name, one in value.items()})
+
+    def _object(self, kind: type, place: int) -> Any:
+        if place not in self._objects:
+            plain = self._plain[place]
+            is_script = kind is Script
+            found = from_plain(kind, plain) if is_script else self._read_fields(kind, plain)
+            self._objects[place] = found
+        return self._objects[place]
+
+
+@lru_cache(maxsize=256)
+def _by_place(kind: type) -> bool:
+    """Tell whether a class has one place in the list of objects."""
+    if kind is Script:
+        return True
+    return dataclasses.is_dataclass(kind) and not kind.__dataclass_params__.frozen  # type: ignore[attr-defined]
+
+
+@lru_cache(maxsize=256)
+def _of_fields(kind: type) -> tuple[tuple[str, Any], ...]:
+    hints = hints_of(kind)
+    return tuple((field.name, hints[field.name]) for field in dataclasses.fields(kind))
+
+
+@lru_cache(maxsize=256)
+def _of_tuple(kind: type) -> tuple[Any, ...]:
+    """Return the annotations of a NamedTuple."""
+    return tuple(hints_of(kind).values())
+
+
+def _without_none(union: Any) -> Any:
+    kinds = [kind for kind in typing.get_args(union) if kind is not type(None)]
+    if len(kinds) != 1:
+        raise TypeError(f'no way to keep {union}: it is not one kind or None')
+    return kinds[0]
+
+
+def _member(kind: Any) -> Any:
+    """Return what a list, a set or a tuple of any length holds."""
+    origin, arguments = typing.get_origin(kind), typing.get_args(kind)
+    if origin in (list, set) or (origin is tuple and arguments[1:] == (...,)):
+        return arguments[0]
+    raise TypeError(f'no way to keep {kind}')
+
+
+def _in_order(origin: Any, value: Any) -> Any:
+    return sorted(value) if origin is set else value

@@ -1,0 +1,113 @@
+"""Keeping the journal short for the next start: snapshots and retention.
+
+None of it is on the way of a goal: it is done between settles, best when nothing happens, and in
+small pieces. If it fails the cell goes on; only the next start takes longer.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+
+from bt_orchestrator.errors import JournalFailed
+from bt_orchestrator.model.history import record_of
+from bt_orchestrator.model.snapshot import state_from_plain, state_to_plain
+from bt_orchestrator.model.state import CellState
+from bt_orchestrator.ports import Journal, Snapshot
+from bt_orchestrator.runtime.recovery import stamp
+
+log = logging.getLogger(__name__)
+
+SNAPSHOT_EVERY = 1000
+"""Events after which a quiet moment is used for a snapshot."""
+
+SNAPSHOT_AT_LATEST = 5000
+"""Events after which a snapshot is made on a line that is never quiet."""
+
+KEEP_JOBS = 1000
+"""How many ended jobs keep their events, unless somebody says otherwise."""
+
+KEEP_ALL = -1
+
+
+class Housekeeping:
+    """Snapshots of one cell's state, and the end of old events. Called from the tick thread."""
+
+    def __init__(self, state: CellState, journal: Journal, keep_jobs: int = KEEP_JOBS) -> None:
+        """Look after a journal.
+
+        :param keep_jobs: how many ended jobs keep their events, at least; KEEP_ALL: all
+        """
+        self._state = state
+        self._journal = journal
+        self._keep_jobs = keep_jobs
+        self._stamp = stamp(state.cell)
+        self._saved_seq = max(
+            (one.seq for one in journal.snapshots() if one.stamp == self._stamp), default=0
+        )
+        self._noted: set[str] = set()
+        self._remove_before = 0
+
+    def turn(self, *, quiet: bool) -> None:
+        """Do one small piece of what is due; the state is durable.
+
+        :param quiet: nothing happens at this moment
+        """
+        behind = self._state.seq - self._saved_seq
+        try:
+            if behind >= SNAPSHOT_AT_LATEST:
+                self._save()
+            elif quiet:
+                self._at_leisure(behind)
+        except JournalFailed as failed:
+            log.warning('%s: no snapshot, nothing removed; tried again later', failed)
+            self._saved_seq, self._remove_before = self._state.seq, 0
+
+    def finish(self) -> None:
+        """Leave a snapshot to the next start."""
+        try:
+            if self._state.seq > self._saved_seq:
+                self._save()
+        except JournalFailed as failed:
+            log.warning('%s: the next start replays more events', failed)
+
+    def _at_leisure(self, behind: int) -> None:
+        ended = self._state.ended.keys() - self._noted
+        if behind >= SNAPSHOT_EVERY or ended:
+            self._save()
+            if ended:
+                self._look_for_old_events()
+        elif self._remove_before and not self._journal.remove_batch(self._remove_before):
+            self._remove_before = 0
+
+    def _save(self) -> None:
+        ended = [job for name, job in self._state.ended.items() if name not in self._noted]
+        self._journal.save(self._snapshot(), [record_of(job) for job in ended])
+        self._saved_seq = self._state.seq
+        self._noted = set(self._state.ended)
+
+    def _look_for_old_events(self) -> None:
+        if self._keep_jobs == KEEP_ALL:
+            return
+        first = self._journal.first_needed(self._state.jobs.keys(), self._keep_jobs)
+        if first <= self._journal.first_seq():
+            return
+        snapshot = self._snapshot()
+        self._check(snapshot)
+        self._journal.begin_with(snapshot)
+        self._remove_before = first
+
+    def _snapshot(self) -> Snapshot:
+        text = json.dumps(state_to_plain(self._state), ensure_ascii=False)
+        return Snapshot(self._state.seq, self._stamp, text)
+
+    def _check(self, snapshot: Snapshot) -> None:
+        """Read a state back before the events that led to it are given up."""
+        again = vars(state_from_plain(self._state.cell, json.loads(snapshot.state)))
+        differ = [
+            name
+            for name, value in vars(self._state).items()
+            if name != 'preparations' and again[name] != value
+        ]
+        if differ:
+            raise JournalFailed(f'the state cannot be kept ({", ".join(differ)} would change)')

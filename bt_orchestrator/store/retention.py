@@ -1,0 +1,42 @@
+"""Removing the events of jobs that ended long ago, always from the front."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Collection
+
+BATCH = 2000
+"""Most events that one transaction removes."""
+
+_QUEUED = """
+    SELECT seq, json_extract(record, '$.job') FROM events
+    WHERE json_extract(record, '$.event') = 'job.queued' ORDER BY seq
+"""
+
+
+def first_needed(database: sqlite3.Connection, live: Collection[str], keep_jobs: int) -> int:
+    """Return the seq of the first event that must stay.
+
+    That is where the first job begins that is live or among the `keep_jobs` last others. So what
+    is there of a job that counts is there from its beginning.
+    """
+    last = database.execute('SELECT coalesce(max(seq), 0) FROM events').fetchone()[0]
+    queued = database.execute(_QUEUED).fetchall()
+    others = [seq for seq, job in queued if job not in live]
+    needed = [seq for seq, job in queued if job in live]
+    needed += others[max(len(others) - keep_jobs, 0) :]
+    return int(min(needed, default=last + 1))
+
+
+def remove_batch(database: sqlite3.Connection, before: int) -> bool:
+    """Remove the first events before a seq; returns whether there are more.
+
+    Never removes what replay needs: those after the state that it begins with.
+    """
+    first = database.execute('SELECT min(seq) FROM events').fetchone()[0]
+    if first is None:
+        return False
+    kept = database.execute('SELECT coalesce(max(seq), 0) FROM beginning').fetchone()[0]
+    end = min(before, kept + 1)
+    database.execute('DELETE FROM events WHERE seq < ?', (min(end, first + BATCH),))
+    return bool(first + BATCH < end)

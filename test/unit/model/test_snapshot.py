@@ -1,0 +1,139 @@
+"""States as records: whatever is in the state comes back, and goes on as if nothing had been."""
+
+from __future__ import annotations
+
+import json
+import typing
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
+from enum import Enum
+from typing import Any
+
+import pytest
+from fakes.line import THREE, Line
+from fakes.random_line import RandomLine
+from fakes.virtual_run import snapshot
+
+from bt_orchestrator.model import snapshot as kept
+from bt_orchestrator.model.codec import hints_of
+from bt_orchestrator.model.fold import apply
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.model.snapshot import kept_fields, state_from_plain, state_to_plain
+from bt_orchestrator.model.state import CellState, Cycle, ItemState, JobState, SectionState
+
+LINE = Line()
+SCRIPT = LINE.script(THREE)
+
+
+def read_back(state: CellState) -> CellState:
+    return state_from_plain(state.cell, json.loads(json.dumps(state_to_plain(state))))
+
+
+def sample(kind: Any, number: int) -> Any:
+    """Return a value of an annotation that is no default."""
+    if kind is Any:
+        return {'x': [1.5, 'a'], 'y': {'z': True}}
+    if kind is Script:
+        return SCRIPT
+    if isinstance(kind, type):
+        return _sample_of_class(kind, number)
+    origin, arguments = typing.get_origin(kind), typing.get_args(kind)
+    if origin in (dict, Mapping):
+        return {sample(arguments[0], n): sample(arguments[1], n) for n in (7, 8)}
+    if origin in (list, set, tuple):
+        return origin(sample(arguments[0], n) for n in (5, 6))
+    return sample(arguments[0], number)  # one kind or None
+
+
+def _sample_of_class(kind: type, number: int) -> Any:
+    if is_dataclass(kind):
+        hints = hints_of(kind)
+        return kind(**{f.name: sample(hints[f.name], number) for f in fields(kind)})
+    if issubclass(kind, tuple):
+        return kind(*(sample(hint, number) for hint in hints_of(kind).values()))
+    if issubclass(kind, Enum):
+        return list(kind)[-1]
+    if kind is bool:
+        return True
+    return {str: f'text {number}', int: number, float: number / 4}[kind]
+
+
+@pytest.mark.parametrize('seed', range(8))
+def test_a_state_read_back_after_every_event_goes_on_as_the_one_that_was_not(seed: int) -> None:
+    run = RandomLine(seed).run(seed=seed)
+    state, copied = CellState(run.state.cell), CellState(run.state.cell)
+    for event in run.store.read():
+        apply(state, event)
+        copied = read_back(copied)
+        apply(copied, event)
+        assert snapshot(copied) == snapshot(state), event
+    assert state.seq > 30
+
+
+@pytest.mark.parametrize('name', kept_fields())
+def test_every_field_of_the_state_and_of_what_is_in_it_comes_back(name: str) -> None:
+    state = CellState(LINE.cell)
+    filled = sample(hints_of(CellState)[name], 2)
+    if name in ('sections', 'readings'):  # as the cell has them
+        there = getattr(state, name)
+        filled = dict(zip(there, [*filled.values()] * len(there), strict=False))
+    setattr(state, name, filled)
+    assert getattr(state, name) != getattr(CellState(LINE.cell), name)
+    assert getattr(read_back(state), name) == getattr(state, name)
+
+
+def test_nothing_is_in_the_state_but_its_fields() -> None:
+    assert list(vars(CellState(LINE.cell))) == [field.name for field in fields(CellState)]
+    derived = {field.name for field in fields(CellState)} - set(kept_fields())
+    assert derived == {'cell', 'preparations'}
+
+
+def test_what_stands_in_two_places_is_one_thing() -> None:
+    run = LINE.begin()
+    run.go(until=1.5)
+    again = read_back(run.state)
+    (job,) = again.jobs.values()
+    (name,) = job.items
+    assert job.items[name] is again.items[name]
+    assert job.job.script is again.scripts[job.digest]
+
+
+def test_an_annotation_that_cannot_be_kept_is_refused() -> None:
+    with pytest.raises(TypeError, match=r'no way to keep tuple\[int, str\]'):
+        kept._Writer().write(tuple[int, str], (1, 'a'))
+    with pytest.raises(TypeError, match='no way to keep a bytes'):
+        kept._Writer().write(dict[str, bytes], {'a': b'b'})
+    with pytest.raises(TypeError, match='is not one kind or None'):
+        kept._Writer().write(int | str | None, 3)
+
+
+def test_a_field_that_a_record_lacks_has_its_default() -> None:
+    state = CellState(LINE.cell)
+    state.jobs['J'] = sample(JobState, 3)
+    plain = state_to_plain(state)
+    del plain['state']['beat']
+    (job,) = [one for one in plain['objects'] if 'aborting' in one]
+    del job['aborting']
+    again = state_from_plain(LINE.cell, plain)
+    assert again.beat == 1
+    assert again.jobs['J'].aborting is False
+    assert again.jobs['J'].items == state.jobs['J'].items
+
+
+def test_a_field_that_nobody_knows_is_refused() -> None:
+    plain = state_to_plain(CellState(LINE.cell))
+    plain['state']['speed'] = 3
+    with pytest.raises(TypeError, match='the state has no field speed'):
+        state_from_plain(LINE.cell, plain)
+
+
+def test_a_cell_that_has_changed_since() -> None:
+    state = CellState(Line(3).cell)
+    longer = state_from_plain(Line(4).cell, state_to_plain(state))
+    assert longer.sections[4] == SectionState(4)
+    assert longer.readings.keys() == Line(4).cell.components.keys()
+    assert list(state_from_plain(Line(2).cell, state_to_plain(state)).sections) == [1, 2]
+    state.items['J/1'] = ItemState('J/1', 'J', 1)
+    state.sections[3].cycle = Cycle('J', 'J/1', 1)
+    with pytest.raises(KeyError, match='section 3'):
+        state_from_plain(Line(2).cell, state_to_plain(state))

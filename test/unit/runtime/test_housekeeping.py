@@ -1,0 +1,305 @@
+"""Snapshots make the next start short, retention the file; neither changes what is so."""
+
+from __future__ import annotations
+
+import itertools
+import logging
+import sqlite3
+from pathlib import Path
+
+import pytest
+from fakes.line import THREE, Line, with_section
+from fakes.long_journal import LongRun
+from fakes.virtual_run import snapshot
+
+from bt_orchestrator.errors import JournalFailed, JournalMismatch
+from bt_orchestrator.model.commands import SubmitJob
+from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.fold import apply
+from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.state import CellState
+from bt_orchestrator.runtime import housekeeping, recovery
+from bt_orchestrator.runtime.recovery import restore
+from bt_orchestrator.store.sqlite import SqliteStore
+
+LINE = Line()
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / 'journal.sqlite3'
+
+
+@pytest.fixture
+def often(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Make snapshots after 20 events."""
+    monkeypatch.setattr(housekeeping, 'SNAPSHOT_EVERY', 20)
+
+
+def change(path: Path, statement: str) -> None:
+    database = sqlite3.connect(path)
+    database.execute(statement)
+    database.commit()
+    database.close()
+
+
+def restored(path: Path, line: Line = LINE) -> CellState:
+    store = SqliteStore(path)
+    try:
+        return restore(line.cell, store)
+    finally:
+        store.close()
+
+
+def replayed(path: Path) -> CellState:
+    """Return what the events alone tell of."""
+    change(path, 'DELETE FROM snapshots')
+    return restored(path)
+
+
+@pytest.fixture
+def replays(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Count the events that every start replays."""
+    found: list[int] = []
+
+    def counting(state: CellState, event: Event) -> None:
+        found.append(state.seq)
+        apply(state, event)
+
+    monkeypatch.setattr('bt_orchestrator.runtime.recovery.apply', counting)
+    return found
+
+
+def test_a_start_replays_what_came_after_the_last_snapshot(
+    path: Path, often: None, replays: list[int]
+) -> None:
+    run = LongRun(path)
+    run.job('J1')
+    run.job('J2')
+    state = run.orchestrator.state
+    replays.clear()
+    run.kill()
+    again = restored(path)
+    assert snapshot(again) == snapshot(state)
+    assert len(replays) < 25
+    replays.clear()
+    assert snapshot(replayed(path)) == snapshot(state)
+    assert len(replays) == state.seq > 150
+
+
+def test_a_start_after_an_end_in_order_replays_nothing(path: Path, replays: list[int]) -> None:
+    run = LongRun(path)
+    run.job('J1')
+    run.close()
+    replays.clear()
+    assert restored(path).ended.keys() == {'J1'}
+    assert replays == []
+
+
+def test_a_line_that_is_never_quiet_gets_its_snapshots(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(housekeeping, 'SNAPSHOT_AT_LATEST', 50)
+    run = LongRun(path)
+    run.housekeeping.turn(quiet=False)
+    assert not list(run.store.snapshots())
+    run.job('J1', 10)
+    before = next(iter(run.store.snapshots())).seq
+    run.orchestrator.settle()
+    for name in 'ABCDEFGHIJKLMNOPQRSTUVWXYZ':
+        run.job(name, 1)
+        run.housekeeping.turn(quiet=False)
+    assert next(iter(run.store.snapshots())).seq > before
+    run.close()
+
+
+@pytest.mark.parametrize(
+    ('damage', 'warning'),
+    [
+        ('state = replace(state, \'"beat"\', \'"beta"\')', 'is damaged'),
+        ("checksum = 'x'", 'is damaged'),
+    ],
+)
+def test_a_damaged_snapshot_is_ignored_and_said(
+    path: Path,
+    damage: str,
+    warning: str,
+    replays: list[int],
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    run = LongRun(path)
+    run.job('J1')
+    state = run.orchestrator.state
+    run.close()
+    replays.clear()
+    change(path, f'UPDATE snapshots SET {damage}')
+    assert snapshot(restored(path)) == snapshot(state)
+    assert len(replays) == state.seq
+    assert warning in caplog.text
+
+
+def test_the_snapshot_before_a_damaged_one_is_used(
+    path: Path, often: None, replays: list[int]
+) -> None:
+    run = LongRun(path)
+    run.job('J1')
+    run.close()
+    replays.clear()
+    change(path, "UPDATE snapshots SET checksum = '' WHERE seq = (SELECT max(seq) FROM snapshots)")
+    restored(path)
+    assert 0 < len(replays) < 40
+
+
+def test_a_snapshot_of_another_program_is_ignored(
+    path: Path, replays: list[int], caplog: pytest.LogCaptureFixture
+) -> None:
+    caplog.set_level(logging.INFO)
+    run = LongRun(path)
+    run.job('J1')
+    state = run.orchestrator.state
+    run.close()
+    replays.clear()
+    change(path, "UPDATE snapshots SET stamp = 'older'")
+    assert snapshot(restored(path)) == snapshot(state)
+    assert len(replays) == state.seq
+    assert 'is of another program or cell' in caplog.text
+
+
+def test_a_snapshot_that_the_events_contradict_is_ignored(
+    path: Path, often: None, caplog: pytest.LogCaptureFixture
+) -> None:
+    run = LongRun(path)
+    run.job('J1')
+    run.kill()
+    expected = snapshot(replayed(path))
+    store = SqliteStore(path)
+    other = CellState(LINE.cell)
+    other.seq = 30
+    text = housekeeping.Housekeeping(other, store)._snapshot()
+    store.save(text)
+    store.close()
+    assert snapshot(restored(path)) == expected
+    assert 'the snapshot at event 30 is ignored' in caplog.text
+
+
+def test_the_stamp_names_the_cell() -> None:
+    assert recovery.stamp(LINE.cell) == recovery.stamp(Line().cell)
+    assert recovery.stamp(LINE.cell) != recovery.stamp(Line(4).cell)
+
+
+# --- retention ------------------------------------------------------------------------------
+
+
+def jobs_of(path: Path) -> list[str]:
+    database = sqlite3.connect(path)
+    query = "SELECT DISTINCT json_extract(record, '$.job') FROM events"
+    found = [job for (job,) in database.execute(query) if job]
+    database.close()
+    return found
+
+
+def test_old_jobs_lose_their_events_and_nothing_else(path: Path) -> None:
+    run = LongRun(path, keep_jobs=2)
+    for n in range(1, 6):
+        run.job(f'J{n}')
+        run.rest(3)
+    state = run.orchestrator.state
+    first = run.store.first_seq()
+    run.kill()
+    assert first > 100
+    assert jobs_of(path) == ['J4', 'J5']
+    assert snapshot(restored(path)) == snapshot(state)
+    change(path, 'DELETE FROM snapshots')
+    assert snapshot(restored(path)) == snapshot(state)
+    change(path, "UPDATE beginning SET stamp = 'an older program'")
+    assert snapshot(restored(path)) == snapshot(state)
+    database = sqlite3.connect(path)
+    summaries = database.execute('SELECT job FROM jobs ORDER BY job').fetchall()
+    database.close()
+    assert summaries == [(f'J{n}',) for n in range(1, 6)]
+
+
+def test_live_jobs_keep_all_their_events(path: Path) -> None:
+    run = LongRun(path, Line(faults={'a2': '#1=abort'}), keep_jobs=0)
+    for name in ('OLD', 'LIVE', 'LATER'):
+        text = with_section(2, '- {id: work, @b2}') if name == 'OLD' else THREE
+        if name == 'OLD':
+            run.job(name, 2, text)
+            continue
+        assert is_queued(run, name)
+    run.go(lambda: bool(run.orchestrator.state.holds))
+    run.housekeeping._noted.clear()  # look again, with a job on the line
+    run.rest(5)
+    state = run.orchestrator.state
+    run.kill()
+    assert jobs_of(path) == ['LIVE', 'LATER']
+    again = restored(path, Line(faults={'a2': '#1=abort'}))
+    assert snapshot(again) == snapshot(state)
+
+
+def is_queued(run: LongRun, name: str) -> bool:
+    return run.orchestrator.ask(SubmitJob(Job(name, run.line.script(THREE), 3))).accepted
+
+
+def test_many_events_go_in_small_pieces(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr('bt_orchestrator.store.retention.BATCH', 10)
+    run = LongRun(path, keep_jobs=0)
+    run.job('J1')
+    end = run.orchestrator.state.seq
+    firsts: list[int] = []
+    while not firsts or firsts[-1] <= end:
+        run.rest(1)
+        firsts.append(run.store.first_seq())
+    steps = [after - before for before, after in itertools.pairwise(firsts)]
+    assert 0 < max(steps) <= 10
+    run.kill()
+
+
+def test_everything_is_kept_on_demand(path: Path) -> None:
+    run = LongRun(path, keep_jobs=housekeeping.KEEP_ALL)
+    run.job('J1')
+    run.job('J2')
+    run.rest(3)
+    assert run.store.first_seq() == 1
+    run.kill()
+
+
+def test_a_damaged_beginning_is_refused_in_words(path: Path) -> None:
+    run = LongRun(path, keep_jobs=0)
+    run.job('J1')
+    run.rest(3)
+    run.kill()
+    change(path, 'DELETE FROM snapshots')
+    change(path, "UPDATE beginning SET state = '{}', checksum = ''")
+    with pytest.raises(Exception, match='holds a record that cannot be read: ValueError'):
+        restored(path)
+
+
+def test_a_beginning_of_another_cell_is_refused_in_words(path: Path) -> None:
+    run = LongRun(path, keep_jobs=0)
+    run.job('J1')
+    run.rest(3)
+    assert is_queued(run, 'J2')
+    run.go(lambda: run.orchestrator.state.sections[3].slot is not None)
+    run.housekeeping._journal.begin_with(run.housekeeping._snapshot())
+    run.kill()
+    with pytest.raises(JournalMismatch, match=r'begins with a state, at event \d+, that does not'):
+        restored(path, Line(2))
+
+
+class FullDisk(SqliteStore):
+    """A journal that takes events and nothing else."""
+
+    def save(self, *_: object) -> None:
+        raise JournalFailed('the journal x cannot be written: disk full')
+
+
+def test_a_snapshot_that_fails_harms_nothing(path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    run = LongRun(path)
+    full = FullDisk(path.with_name('other.sqlite3'))
+    run.housekeeping._journal = full
+    run.job('J1')
+    run.close()
+    full.close()
+    assert 'disk full: no snapshot, nothing removed; tried again later' in caplog.text
+    assert restored(path).ended.keys() == {'J1'}

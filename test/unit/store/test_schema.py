@@ -1,0 +1,67 @@
+"""A journal of an older program becomes one of today, and keeps what it says."""
+
+from __future__ import annotations
+
+import shutil
+import sqlite3
+from pathlib import Path
+
+import pytest
+from fakes.line import Line
+
+from bt_orchestrator.model.events import JobStarted
+from bt_orchestrator.runtime.recovery import restore
+from bt_orchestrator.store import schema
+from bt_orchestrator.store.database import JournalUnusable
+from bt_orchestrator.store.sqlite import SqliteStore
+
+SCHEMA_1 = Path(__file__).parents[2] / 'data' / 'journal_schema_1.sqlite3'
+"""Two jobs that ended, written by the program that knew schema 1."""
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return Path(shutil.copy(SCHEMA_1, tmp_path / 'journal.sqlite3'))
+
+
+def contents(path: Path) -> tuple[int, list[tuple[int, str]], set[str]]:
+    database = sqlite3.connect(path)
+    version = database.execute('PRAGMA user_version').fetchone()[0]
+    rows = database.execute('SELECT seq, record FROM events ORDER BY seq').fetchall()
+    tables = {name for (name,) in database.execute('SELECT name FROM sqlite_schema')}
+    database.close()
+    return version, rows, tables
+
+
+def test_schema_1_becomes_schema_2_with_every_event_as_it_was(path: Path) -> None:
+    version, rows, tables = contents(path)
+    assert (version, len(rows), tables) == (1, 156, {'events'})
+    SqliteStore(path).close()
+    assert contents(path)[:2] == (2, rows)
+    assert contents(path)[2] > {'events', 'snapshots', 'beginning', 'jobs', 'jobs_queued'}
+
+
+def test_the_cell_goes_on_where_the_older_program_left_it(path: Path) -> None:
+    store = SqliteStore(path)
+    state = restore(Line(faults={'a2': '#2=abort'}).cell, store)
+    assert {name: job.progress.packed for name, job in state.ended.items()} == {'J1': 3, 'J2': 2}
+    store.append([JobStarted(seq=157, job='J3')])
+    assert store.first_needed([], keep_jobs=1) == 94
+    store.close()
+
+
+def test_a_step_that_fails_leaves_the_older_file(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = contents(path)
+    broken = (*schema._STEPS[1], 'CREATE TABLE events (again INTEGER)')
+    monkeypatch.setattr(schema, '_STEPS', (schema._STEPS[0], broken))
+    with pytest.raises(JournalUnusable, match='table events already exists'):
+        SqliteStore(path)
+    assert contents(path) == before
+
+
+def test_a_new_file_has_the_tables_of_an_old_one(path: Path, tmp_path: Path) -> None:
+    SqliteStore(path).close()
+    SqliteStore(tmp_path / 'new.sqlite3').close()
+    assert contents(tmp_path / 'new.sqlite3')[2] == contents(path)[2]
