@@ -174,7 +174,10 @@ class Journal(EventStore, Protocol):
         """
 
     def first_needed(self, live: Collection[str], keep_jobs: int) -> int:
-        """Return the seq of the first event of any live job, or of the last `keep_jobs` others."""
+        """Return the seq of the first event of any live job, or of the last `keep_jobs` others.
+
+        0: there are not more jobs than that.
+        """
 
     def begin_with(self, snapshot: Snapshot) -> None:
         """Let replay begin with a state: events up to it may be removed.

@@ -15,16 +15,17 @@ _QUEUED = """
 
 
 def first_needed(database: sqlite3.Connection, live: Collection[str], keep_jobs: int) -> int:
-    """Return the seq of the first event that must stay.
+    """Return the seq of the first event that must stay; 0: none has to go.
 
     That is where the first job begins that is live or among the `keep_jobs` last others. So what
     is there of a job that counts is there from its beginning.
     """
-    last = database.execute('SELECT coalesce(max(seq), 0) FROM events').fetchone()[0]
     queued = database.execute(_QUEUED).fetchall()
     others = [seq for seq, job in queued if job not in live]
-    needed = [seq for seq, job in queued if job in live]
-    needed += others[max(len(others) - keep_jobs, 0) :]
+    if len(others) <= keep_jobs:
+        return 0
+    last = database.execute('SELECT max(seq) FROM events').fetchone()[0]
+    needed = [seq for seq, job in queued if job in live] + others[len(others) - keep_jobs :]
     return int(min(needed, default=last + 1))
 
 

@@ -111,7 +111,7 @@ class SqliteStore:
     # --- retention --------------------------------------------------------------------------
 
     def first_needed(self, live: Collection[str], keep_jobs: int) -> int:
-        """Return the seq of the first event that must stay.
+        """Return the seq of the first event that must stay; 0: none has to go.
 
         :param live: jobs that have not ended
         :param keep_jobs: how many others keep their events, the last ones

@@ -255,6 +255,16 @@ def test_many_events_go_in_small_pieces(path: Path, monkeypatch: pytest.MonkeyPa
     run.kill()
 
 
+def test_nothing_goes_before_there_are_too_many(path: Path) -> None:
+    run = LongRun(path, keep_jobs=2)
+    run.job('J1')
+    run.job('J2')
+    run.rest(3)
+    assert run.store.first_seq() == 1
+    assert run.store.beginning() is None
+    run.kill()
+
+
 def test_everything_is_kept_on_demand(path: Path) -> None:
     run = LongRun(path, keep_jobs=housekeeping.KEEP_ALL)
     run.job('J1')
