@@ -22,7 +22,7 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import from_record
 from bt_orchestrator.model.events import Event, JobAborted, JobCompleted
 from bt_orchestrator.script.order_file import read_order
-from bt_orchestrator.sim.forecast import forecast
+from bt_orchestrator.sim.forecast_fold import forecast
 from bt_orchestrator.stop_signals import StopSignals
 
 DESCRIPTION = """\

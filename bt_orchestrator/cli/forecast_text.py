@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from bt_orchestrator.cli.tables import table
-from bt_orchestrator.sim.forecast import Forecast, JobForecast, SectionLoad
+from bt_orchestrator.sim.forecast import Bottleneck, Forecast, JobForecast, SectionLoad, WaitLoad
+
+WAITS_SHOWN = 5
+"""How many waits are told of each section and component, the longest; the rest is summed up."""
 
 
 def forecast_lines(forecast: Forecast) -> Iterator[str]:
@@ -15,14 +18,11 @@ def forecast_lines(forecast: Forecast) -> Iterator[str]:
     yield f'total time     {forecast.total_s:.1f} s'
     if forecast.per_item_s is not None:
         yield f'time per item  {forecast.per_item_s:.1f} s in steady state'
-    slowest = forecast.bottleneck
-    if slowest is not None:
-        work = f'{slowest.busy_per_cycle_s:.1f} s of work for an item'
-        yield f'bottleneck     section {slowest.section}, {work}'
+    if forecast.bottleneck is not None:
+        yield f'bottleneck     {bottleneck_words(forecast.bottleneck)}'
     yield ''
-    yield from table(
-        ('section', 'cycles', 'busy', 'per cycle'), [_section(load) for load in forecast.sections]
-    )
+    headers = ('section', 'cycles', 'busy', 'per cycle', 'at best an item every')
+    yield from table(headers, [_section(load) for load in forecast.sections])
     yield ''
     yield from table(
         ('component', 'tasks', 'busy', 'utilisation'),
@@ -31,6 +31,43 @@ def forecast_lines(forecast: Forecast) -> Iterator[str]:
             for load in forecast.components
         ],
     )
+    yield from _wait_lines(forecast)
+
+
+def bottleneck_words(bottleneck: Bottleneck) -> str:
+    """Say which section it is, and by how much."""
+    text = f'section {bottleneck.section}, an item every {bottleneck.pace_s:.1f} s at best'
+    if bottleneck.next_section is None:
+        return text
+    margin_s = bottleneck.margin_s
+    share = margin_s / bottleneck.pace_s if bottleneck.pace_s else 0.0
+    if round(margin_s, 1) == 0.0:
+        return f'{text}; section {bottleneck.next_section} is as slow'
+    return (
+        f'{text}; section {bottleneck.next_section} is next, {margin_s:.1f} s ({share:.0%}) faster'
+    )
+
+
+def _wait_lines(forecast: Forecast) -> Iterator[str]:
+    """Yield where the time goes, of whatever waits at all."""
+    sections = [(f'section {load.section}', load) for load in forecast.sections]
+    components = [(load.component, load) for load in forecast.components]
+    for title, loads in (('sections', sections), ('components', components)):
+        waiting = [(name, load) for name, load in loads if load.waits]
+        if waiting:
+            yield from ('', f'where the time of the {title} goes:')
+        for name, load in waiting:
+            yield f'  {name}'
+            yield f'    {load.utilisation:6.1%}  works'
+            yield from _longest(load.waits)
+
+
+def _longest(waits: Sequence[WaitLoad]) -> Iterator[str]:
+    for wait in waits[:WAITS_SHOWN]:
+        yield f'    {wait.share:6.1%}  waits for {wait.cause}'
+    rest = sum(wait.share for wait in waits[WAITS_SHOWN:])
+    if rest:
+        yield f'    {rest:6.1%}  other waits'
 
 
 def job_lines(forecast: Forecast) -> Iterator[str]:
@@ -50,8 +87,8 @@ def _finish(job: JobForecast) -> str:
 
 
 def _section(load: SectionLoad) -> tuple[str, ...]:
-    busy = f'{load.busy_s:.1f} s'
-    return (str(load.section), str(load.cycles), busy, f'{load.busy_per_cycle_s:.1f} s')
+    times = (load.busy_s, load.busy_per_cycle_s, load.pace_s)
+    return (str(load.section), str(load.cycles), *map(_seconds, times))
 
 
 def _seconds(time_s: float | None) -> str:

@@ -17,13 +17,16 @@ from bt_orchestrator.cli.folders import script_folders
 from bt_orchestrator.cli.forecast_text import forecast_lines, job_lines
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.errors import Refused
+from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.ports import ActionTypes, EventSink
-from bt_orchestrator.runtime.waits import Wait
+from bt_orchestrator.runtime.waits import PartWait
 from bt_orchestrator.sim.fault_options import WrongFaults, with_faults
-from bt_orchestrator.sim.forecast import Forecast, ForecastFold
+from bt_orchestrator.sim.forecast import Forecast
+from bt_orchestrator.sim.forecast_fold import ForecastFold
 from bt_orchestrator.sim.simulation import Outcome, Simulation
 from bt_orchestrator.sim.standstill import standstill
+from bt_orchestrator.sim.wait_log import WaitLog
 from bt_orchestrator.store.trace import TraceFile, UnusableTrace
 
 DESCRIPTION = """\
@@ -43,7 +46,7 @@ class Run:
     outcome: Outcome
     time_s: float
     forecast: Forecast
-    waits: tuple[Wait, ...]
+    waits: tuple[PartWait, ...]
     """Who waits for whom at the end, if it is stuck."""
     holds: tuple[Hold, ...]
 
@@ -110,8 +113,12 @@ def _simulated(args: argparse.Namespace, types: ActionTypes) -> Run:
         simulation = bootstrap.build_simulation(cell, types, sinks)
         stack.callback(simulation.close)
         bootstrap.queue(simulation, given)
-        outcome = simulation.run()
-        return _result(simulation, outcome, fold.forecast(cell))
+        log = WaitLog()
+        outcome = simulation.run(
+            lambda: log.look(simulation.state, simulation.waits(), simulation.clock.now())
+        )
+        waits = log.end(simulation.clock.now())
+        return _result(simulation, outcome, fold.forecast(cell, waits))
 
 
 def _result(simulation: Simulation, outcome: Outcome, forecast: Forecast) -> Run:
@@ -156,7 +163,11 @@ def _plain(done: Run) -> dict[str, Any]:
         'outcome': done.outcome.value,
         'time_s': done.time_s,
         'forecast': dataclasses.asdict(done.forecast),
-        'bottleneck': None if slowest is None else slowest.section,
-        'waits': [wait._asdict() for wait in done.waits],
+        'bottleneck': None if slowest is None else dataclasses.asdict(slowest),
+        'waits': [_plain_wait(wait) for wait in done.waits],
         'holds': [dataclasses.asdict(hold) for hold in done.holds],
     }
+
+
+def _plain_wait(wait: PartWait) -> dict[str, Any]:
+    return {'part': wait.part, **to_plain(wait.wait)}

@@ -9,6 +9,7 @@ from typing import NamedTuple
 from bt_orchestrator.model.events import TaskKey
 from bt_orchestrator.model.script import SectionList
 from bt_orchestrator.model.state import CellState, JobState, Phase, SectionState
+from bt_orchestrator.model.wait import Wait, WaitKind
 
 
 class Start(NamedTuple):
@@ -19,23 +20,19 @@ class Start(NamedTuple):
     beat: int
 
 
-class Wait(NamedTuple):
-    """Why something does not begin, in words that name what it waits for (semantics 7.4)."""
-
-    reason: str
-
-
 def task_list(state: CellState, job: str, section: int) -> SectionList | None:
     """Return what a section does for a job; None: nothing."""
     return state.script(job).sections.get(section)
 
 
-def stopped_because(state: CellState) -> str | None:
+def stopped_because(state: CellState) -> Wait | None:
     """Say why nothing new begins anywhere: no cycle, no index move (semantics 7.1)."""
     if state.holds:
-        return 'waiting for an answer to ' + ', '.join(_hold_in_words(state))
+        holds = ', '.join(_hold_in_words(state))
+        kind = WaitKind.PAUSE if state.pauses else WaitKind.HOLD
+        return Wait(f'waiting for an answer to {holds}', kind, next(iter(state.holds)))
     if not state.mode.begins:
-        return f'the cell is {state.mode.value}'
+        return Wait(f'the cell is {state.mode.value}', WaitKind.CELL_STATE, state.mode.value)
     return None
 
 
@@ -84,7 +81,9 @@ def waits_for_earlier_jobs(state: CellState, job: str, sections: tuple[int, ...]
     for earlier in earlier_jobs(state, job):
         for number in sections:
             if not is_done_with(state, state.sections[number], earlier):
-                return Wait(f'waiting for section {number} to finish {earlier.job.id}')
+                name = earlier.job.id
+                what = f'waiting for section {number} to finish {name}'
+                return Wait(what, WaitKind.JOB, name, sections=(number,))
     return None
 
 
@@ -93,7 +92,8 @@ def waits_for_initialization(state: CellState, job: str, section: int) -> Wait |
     preparation = state.preparations[state.jobs[job].digest]
     for task in preparation.needed_by(section):
         if state.phase(TaskKey(job, None, None, task.id)) is not Phase.DONE:
-            return Wait(f'waiting for initialization {task.id} of {job}')
+            what = f'waiting for initialization {task.id} of {job}'
+            return Wait(what, WaitKind.INITIALIZATION, task.id, task=task.id)
     return None
 
 
@@ -114,7 +114,7 @@ def next_cycle(state: CellState, section: SectionState) -> Start | Wait:
     """Return the cycle that a section without one may begin now (semantics 3.4, 3.7)."""
     stopped = stopped_because(state)
     if stopped:
-        return Wait(stopped)
+        return stopped
     if state.indexing:
         return _ahead_of_the_move(state, section)
     if section.slot is not None and section.turn_beat < state.beat:
@@ -123,19 +123,22 @@ def next_cycle(state: CellState, section: SectionState) -> Start | Wait:
             return arrived
     taken = section.turn_beat >= state.beat or section.slot is not None
     beat = state.beat + 1 if taken else state.beat
-    return _at_source(state, section, beat) or Wait(_idle(state, section))
+    return _at_source(state, section, beat) or _idle(state, section)
+
+
+_UNREST = Wait('waiting for the belt to rest', WaitKind.BELT)
 
 
 def _ahead_of_the_move(state: CellState, section: SectionState) -> Start | Wait:
     if section.turn_beat > state.beat:
-        return Wait('waiting for the belt to rest')  # never more than one cycle ahead
+        return _UNREST  # never more than one cycle ahead
     if section.number > 1:
         coming = state.sections[section.number - 1].slot
         if coming is not None:
             arriving = _for_item(state, section, coming, state.beat + 1)
             if arriving is not None:
                 return arriving
-    return _at_source(state, section, state.beat + 1) or Wait('waiting for the belt to rest')
+    return _at_source(state, section, state.beat + 1) or _UNREST
 
 
 def _for_item(
@@ -159,10 +162,12 @@ def _at_source(state: CellState, section: SectionState, beat: int) -> Start | Wa
     )
 
 
-def _idle(state: CellState, section: SectionState) -> str:
+def _idle(state: CellState, section: SectionState) -> Wait:
     if section.slot is not None:
-        return 'waiting for the belt to move'
-    return 'waiting for an item' if state.jobs else 'waiting for a job'
+        return Wait('waiting for the belt to move', WaitKind.BELT)
+    if state.jobs:
+        return Wait('waiting for an item', WaitKind.ITEM)
+    return Wait('waiting for a job', WaitKind.JOB)
 
 
 # --- the belt -------------------------------------------------------------------------------
@@ -184,20 +189,20 @@ class Overrun(NamedTuple):
 
 def end_of_beat(state: CellState) -> Advance | Overrun | Wait:
     """Return what the belt at rest does now (semantics 3.5)."""
-    owing = [w for w in (owes_turn(state, s) for s in state.sections.values()) if w]
+    owing = {n: w for n, s in state.sections.items() if (w := owes_turn(state, s))}
     if owing:
-        return Wait('; '.join(owing))
+        return Wait('; '.join(owing.values()), WaitKind.TURN, sections=tuple(owing))
     last = state.slot(state.cell.conveyor.sections)
     if last is not None and last.present:
         return Overrun(last.id)
     stopped = stopped_because(state)
     if stopped:
-        return Wait(stopped)
+        return stopped
     if any(section.slot for section in state.sections.values()):
         return Advance.INDEX
     if _source_may_begin(state):
         return Advance.NEXT_BEAT
-    return Wait('waiting for an item on the belt')
+    return Wait('waiting for an item on the belt', WaitKind.ITEM)
 
 
 def owes_turn(state: CellState, section: SectionState) -> str | None:

@@ -1,17 +1,11 @@
-"""What a run says about the line: a fold over its events (semantics 8.3)."""
+"""What a run says about the line (semantics 8.3)."""
 
 from __future__ import annotations
 
 import itertools
 import statistics
-from collections import defaultdict
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
-from typing import NamedTuple
-
-from bt_orchestrator.model import events as e
-from bt_orchestrator.model.cell import Cell, OnFailure
-from bt_orchestrator.sim.intervals import Span, covered_s
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
@@ -36,13 +30,32 @@ class JobForecast:
 
 
 @dataclass(frozen=True)
+class WaitLoad:
+    """How long something waited for one thing."""
+
+    kind: str
+    """A value of `model.wait.WaitKind`; several, joined by +, where it waited for both."""
+    cause: str
+    """What it waited for, in words."""
+    waited_s: float
+    share: float
+    """Part of the total, 0 to 1."""
+
+
+@dataclass(frozen=True)
 class SectionLoad:
-    """How long a section works on its items."""
+    """How a section spends its time."""
 
     section: int
     cycles: int
     busy_s: float
     """Seconds in which at least one of its tasks ran, initialization left out."""
+    pace_s: float
+    """Seconds from one item to the next if the section never had to wait for another one."""
+    utilisation: float
+    """Busy time as a part of the total, 0 to 1."""
+    waits: tuple[WaitLoad, ...] = ()
+    """The rest of the time, the longest first; empty where nobody looked."""
 
     @property
     def busy_per_cycle_s(self) -> float:
@@ -60,6 +73,21 @@ class ComponentLoad:
     busy_s: float
     utilisation: float
     """Busy time as a part of the total, 0 to 1."""
+    waits: tuple[WaitLoad, ...] = ()
+    """While a task of its was next and something else kept it from starting; the rest of the time
+    there was no task for it."""
+
+
+@dataclass(frozen=True)
+class Bottleneck:
+    """What keeps a line from being faster."""
+
+    section: int
+    pace_s: float
+    next_section: int | None
+    """The section that would be the next; None: there is no other."""
+    margin_s: float
+    """Seconds by which the next one is faster."""
 
 
 @dataclass(frozen=True)
@@ -78,16 +106,18 @@ class Forecast:
     """All of the cell, in the order of its file."""
 
     @property
-    def bottleneck(self) -> SectionLoad | None:
-        """The section that needs most time for an item; of equals the first."""
-        return max(self.sections, key=lambda load: load.busy_per_cycle_s, default=None)
-
-
-def forecast(events: Iterable[e.Event], cell: Cell) -> Forecast:
-    """Fold the events of a whole run, oldest first."""
-    fold = ForecastFold()
-    fold.publish(list(events))
-    return fold.forecast(cell)
+    def bottleneck(self) -> Bottleneck | None:
+        """The section with the slowest pace; of equals the first. None: nothing was worked on."""
+        ranking = sorted(self.sections, key=lambda load: -load.pace_s)
+        if not ranking:
+            return None
+        slowest, *others = ranking
+        return Bottleneck(
+            section=slowest.section,
+            pace_s=slowest.pace_s,
+            next_section=others[0].section if others else None,
+            margin_s=slowest.pace_s - (others[0].pace_s if others else 0.0),
+        )
 
 
 def steady_interval_s(times_s: Sequence[float]) -> float | None:
@@ -96,139 +126,3 @@ def steady_interval_s(times_s: Sequence[float]) -> float | None:
     edge = len(intervals) // 4
     middle = intervals[edge : len(intervals) - edge]
     return statistics.median(middle) if middle else None
-
-
-@dataclass
-class _Job:
-    queued: e.JobQueued
-    started_s: float | None = None
-    finished_s: float | None = None
-    aborted: bool = False
-    packed_s: list[float] = field(default_factory=list)
-    rejected: int = 0
-    missing: int = 0
-    nonconforming: set[str] = field(default_factory=set)
-
-    def forecast(self) -> JobForecast:
-        return JobForecast(
-            job=self.queued.job,
-            script=self.queued.script,
-            quantity=self.queued.quantity,
-            packed=len(self.packed_s),
-            rejected=self.rejected,
-            missing=self.missing,
-            nonconforming=len(self.nonconforming),
-            started_s=self.started_s,
-            finished_s=self.finished_s,
-            aborted=self.aborted,
-            per_item_s=steady_interval_s(self.packed_s),
-        )
-
-
-class _Attempt(NamedTuple):
-    start_s: float
-    component: str
-    section: int | None
-
-
-class ForecastFold:
-    """Takes in one event after another. Implements `ports.EventSink`.
-
-    `forecast` may be asked at any time.
-    """
-
-    def __init__(self) -> None:
-        self._first_s: float | None = None
-        self._now_s = 0.0
-        """Seconds since the first event; so are all times here."""
-        self._jobs: dict[str, _Job] = {}
-        self._packed_s: list[float] = []
-        self._cycles: dict[int, int] = defaultdict(int)
-        self._open: dict[e.TaskKey, _Attempt] = {}
-        self._ended: list[tuple[_Attempt, float]] = []
-        """Attempts with their ends."""
-
-    def publish(self, events: Sequence[e.Event]) -> None:
-        """Take in the next events."""
-        for event in events:
-            self.follow(event)
-
-    def follow(self, event: e.Event) -> None:
-        """Take in the next event."""
-        if self._first_s is None:
-            self._first_s = event.time
-        self._now_s = event.time - self._first_s
-        if isinstance(event, e.TaskEvent):
-            self._follow_task(event)
-        elif isinstance(event, e.CycleStarted):
-            self._cycles[event.section] += 1
-        elif isinstance(event, e.ItemEvent):
-            self._follow_item(event)
-        else:
-            self._follow_job(event)
-
-    def _follow_task(self, event: e.TaskEvent) -> None:
-        if isinstance(event, e.TaskStarted):
-            self._open[event.key] = _Attempt(self._now_s, event.component, event.section)
-        elif isinstance(event, (e.TaskSucceeded, e.TaskFailed)):
-            attempt = self._open.pop(event.key, None)
-            if attempt is not None:  # a task may fail without having been sent
-                self._ended.append((attempt, self._now_s))
-        elif isinstance(event, e.TaskContinued):
-            self._follow_continued(event)
-
-    def _follow_continued(self, event: e.TaskContinued) -> None:
-        if event.job is None or event.item is None:
-            return
-        if event.policy == OnFailure.CONTINUE.value:
-            self._jobs[event.job].nonconforming.add(event.item)
-
-    def _follow_item(self, event: e.ItemEvent) -> None:
-        job = self._jobs[event.job]
-        if isinstance(event, e.ItemMissing):
-            job.missing += 1
-        elif isinstance(event, e.ItemRemoved):
-            if event.how == 'packed':
-                job.packed_s.append(self._now_s)
-                self._packed_s.append(self._now_s)
-            elif event.how == 'rejected':
-                job.rejected += 1
-            else:
-                job.missing += 1
-
-    def _follow_job(self, event: e.Event) -> None:
-        if isinstance(event, e.JobQueued):
-            self._jobs[event.job] = _Job(event)
-        elif isinstance(event, e.JobStarted):
-            self._jobs[event.job].started_s = self._now_s
-        elif isinstance(event, (e.JobCompleted, e.JobAborted)):
-            self._jobs[event.job].finished_s = self._now_s
-            self._jobs[event.job].aborted = isinstance(event, e.JobAborted)
-
-    def forecast(self, cell: Cell) -> Forecast:
-        """Say what follows from the events so far; a task that still runs counts until now."""
-        running = [(attempt, self._now_s) for attempt in self._open.values()]
-        by_section: dict[int, list[Span]] = defaultdict(list)
-        by_component: dict[str, list[Span]] = defaultdict(list)
-        for attempt, end_s in (*self._ended, *running):
-            span = Span(attempt.start_s, end_s)
-            by_component[attempt.component].append(span)
-            if attempt.section is not None:
-                by_section[attempt.section].append(span)
-        return Forecast(
-            total_s=self._now_s,
-            per_item_s=steady_interval_s(self._packed_s),
-            jobs=tuple(job.forecast() for job in self._jobs.values()),
-            sections=tuple(
-                SectionLoad(n, self._cycles[n], covered_s(by_section[n]))
-                for n in sorted(self._cycles)
-            ),
-            components=tuple(
-                _load(name, by_component[name], self._now_s) for name in cell.components
-            ),
-        )
-
-
-def _load(component: str, spans: Sequence[Span], total_s: float) -> ComponentLoad:
-    busy_s = covered_s(spans)
-    return ComponentLoad(component, len(spans), busy_s, busy_s / total_s if total_s else 0.0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 
@@ -21,3 +21,13 @@ def covered_s(spans: Iterable[Span]) -> float:
         total += max(0.0, end - max(start, until))
         until = max(until, end)
     return total
+
+
+def common(some: Iterable[Span], others: Iterable[Span]) -> Iterator[Span]:
+    """Yield the parts of some spans that lie within others; those do not overlap each other."""
+    within = sorted(others)
+    for span in some:
+        for other in within:
+            start, end = max(span.start, other.start), min(span.end, other.end)
+            if start < end:
+                yield Span(start, end)

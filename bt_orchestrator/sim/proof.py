@@ -16,8 +16,9 @@ from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.script import Dependency, Script
 from bt_orchestrator.model.state import CellState
+from bt_orchestrator.model.wait import WaitKind
 from bt_orchestrator.ports import ActionTypes, EventStore, Objection
-from bt_orchestrator.runtime.waits import Wait
+from bt_orchestrator.runtime.waits import PartWait
 from bt_orchestrator.sim.reduction import reduced_cell, reduced_script
 from bt_orchestrator.sim.simulation import Outcome, Simulation
 from bt_orchestrator.sim.standstill import standstill
@@ -33,7 +34,7 @@ class Deadlock:
     item: int
     """The last item placed or begun when the circle closed, counted from 1."""
     beat: int
-    circle: tuple[Wait, ...]
+    circle: tuple[PartWait, ...]
     flags: tuple[str, ...]
     """Flags that someone in the circle waits for."""
     remedy: str
@@ -126,9 +127,9 @@ def _in_words(changed: Dependency, before: Dependency) -> str:
     return f'initial count {changed.initial} with capacity {changed.capacity} {flag}'
 
 
-def _deadlock(script: Script, state: CellState, circle: tuple[Wait, ...]) -> Deadlock:
-    words = ' '.join(wait.reason for wait in circle)
-    flags = tuple(d.flag for d in script.dependencies if re.search(rf'\bflag {d.flag}\b', words))
+def _deadlock(script: Script, state: CellState, circle: tuple[PartWait, ...]) -> Deadlock:
+    awaited = {one.wait.name for one in circle if one.wait.kind is WaitKind.FLAG}
+    flags = tuple(d.flag for d in script.dependencies if d.flag in awaited)
     return Deadlock(
         script=script.name,
         item=state.jobs[_JOB].progress.started,

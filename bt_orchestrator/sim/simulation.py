@@ -14,7 +14,7 @@ from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import ActionTypes, EventSink, EventStore
 from bt_orchestrator.runtime.orchestrator import Orchestrator
-from bt_orchestrator.runtime.waits import Wait, waits
+from bt_orchestrator.runtime.waits import PartWait, waits
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.gateway import VirtualGateway
 
@@ -69,16 +69,21 @@ class Simulation:
         """Queue jobs now, in order."""
         return [self.orchestrator.ask(SubmitJob(job)) for job in jobs]
 
-    def run(self) -> Outcome:
-        """Let time pass until nothing more can happen."""
+    def run(self, look: Callable[[], None] = lambda: None) -> Outcome:
+        """Let time pass until nothing more can happen.
+
+        :param look: called after every settle: nothing changes from then until time moves on
+        """
         self.orchestrator.settle()
+        look()
         while self.state.jobs and self.clock.advance():
             self.orchestrator.settle()
+            look()
         if not self.state.jobs:
             return Outcome.FINISHED
         return Outcome.HELD if self.state.holds else Outcome.STUCK
 
-    def waits(self) -> list[Wait]:
+    def waits(self) -> list[PartWait]:
         """Say who waits for what now."""
         return waits(self.orchestrator)
 

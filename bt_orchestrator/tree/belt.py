@@ -6,33 +6,40 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.line import Advance, Overrun, Wait, end_of_beat
+from bt_orchestrator.model.line import Advance, Overrun, end_of_beat
 from bt_orchestrator.model.script import INDEX, Task
 from bt_orchestrator.model.state import CellState
+from bt_orchestrator.model.wait import Wait, WaitKind
 from bt_orchestrator.tree.subject import Recorder
+from bt_orchestrator.tree.waiter import Waiter
 
 OVERRUN = 'overrun'
 """Reason of the hold when an item would leave the belt unseen (semantics 3.6)."""
 
 
-class TurnsComplete(Behaviour):
+class TurnsComplete(Behaviour, Waiter):
     """Condition: the belt moves, or every section has released it; never fails."""
 
     def __init__(self, recorder: Recorder) -> None:
         super().__init__('all turns complete')
         self.recorder = recorder
 
+    @property
+    def components(self) -> tuple[str, ...]:
+        """The conveyor's."""
+        return (self.recorder.state.cell.conveyor.component.name,)
+
     def update(self) -> Status:
         """Begin the move or the next beat when it is due; wait with the reason otherwise."""
         state = self.recorder.state
-        self.feedback_message = ''
+        self.note(None)
         if state.indexing:
             return Status.SUCCESS
         due = end_of_beat(state)
         if isinstance(due, Overrun):
             self._hold(due.item)
         elif isinstance(due, Wait):
-            self.feedback_message = due.reason
+            self.note(due)
         elif due is Advance.INDEX:
             self.recorder.record([e.BeltIndexStarted(beat=state.beat)])
             return Status.SUCCESS
@@ -55,7 +62,8 @@ class TurnsComplete(Behaviour):
                 answers=('remove_item',),
             )
             self.recorder.record([held])
-        self.feedback_message = f'waiting for {item} to be removed'
+        what = f'waiting for {item} to be removed'
+        self.note(Wait(what, WaitKind.HOLD, item, sections=(state.cell.conveyor.sections,)))
 
 
 def index_task(state: CellState) -> Task:

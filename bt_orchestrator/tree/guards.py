@@ -19,25 +19,25 @@ from bt_orchestrator.model.initialization import Preparation
 from bt_orchestrator.model.line import stopped_because, waits_for_earlier_jobs
 from bt_orchestrator.model.script import Dependency, Step
 from bt_orchestrator.model.state import Phase
+from bt_orchestrator.model.wait import Wait, WaitKind
 from bt_orchestrator.tree.blackboard import AT_REST
 from bt_orchestrator.tree.subject import Recorder, Subject, is_done
+from bt_orchestrator.tree.waiter import TaskWaiter, Waiter
 
 
-class Guard(Decorator):
+class Guard(Decorator, Waiter):
     """Base: ticks its child unless there is something to wait for."""
 
-    def waits_for(self) -> str | None:
+    def waits_for(self) -> Wait | None:
         """Say what must become so before the child may be ticked; None: nothing."""
         raise AssertionError(f'{type(self).__name__} guards nothing')
 
     def tick(self) -> Iterator[Behaviour]:
         """Wait RUNNING with the reason, or tick the child."""
-        reason = self.waits_for()
-        if reason is None:
-            self.feedback_message = ''
+        self.note(self.waits_for())
+        if self.wait is None:
             yield from super().tick()
             return
-        self.feedback_message = reason
         if self.decorated.status is not Status.INVALID:
             self.decorated.stop(Status.INVALID)
         self.status = Status.RUNNING
@@ -65,7 +65,12 @@ class ConveyorGuard(Guard):
         for key in ('belt', 'beat'):
             self.belt.register_key(key=key, access=Access.READ)
 
-    def waits_for(self) -> str | None:
+    @property
+    def components(self) -> tuple[str, ...]:
+        """Those of all tasks of the step."""
+        return tuple(dict.fromkeys(subject.task.component for subject in self._subjects))
+
+    def waits_for(self) -> Wait | None:
         """Wait while the belt moves, or rests in the beat before this cycle's."""
         cycle = self._recorder.state.sections[self._section].cycle
         assert cycle is not None
@@ -74,10 +79,10 @@ class ConveyorGuard(Guard):
             return None
         if all(is_done(subject) for subject in self._subjects):
             return None
-        return f'waiting for the belt to {"move" if rests else "rest"}'
+        return Wait(f'waiting for the belt to {"move" if rests else "rest"}', WaitKind.BELT)
 
 
-class FlagGuard(Guard):
+class FlagGuard(TaskWaiter, Guard):
     """A lateral dependency's flag (semantics 4.1); also for a task that will be skipped (4.2)."""
 
     def __init__(
@@ -91,21 +96,25 @@ class FlagGuard(Guard):
         self.flags = self.attach_blackboard_client(name=self.name, namespace=f'{space}/flags')
         self.flags.register_key(key=dependency.flag, access=Access.READ)
 
-    def waits_for(self) -> str | None:
+    def waits_for(self) -> Wait | None:
         """Wait while the count is at the wrong end."""
         if not effects.is_startable(self.subject.state, self.subject.key):
             return None
         count = self.flags.get(self.dependency.flag)
-        flag = self.dependency.flag
         if self.upstream:
             full = count >= self.dependency.capacity
-            return (
-                f'waiting for {self.dependency.downstream} to take flag {flag}' if full else None
-            )
-        return None if count > 0 else f'waiting for {self.dependency.upstream} to set flag {flag}'
+            return self._until(self.dependency.downstream, 'take') if full else None
+        return self._until(self.dependency.upstream, 'set') if count <= 0 else None
+
+    def _until(self, task: str, does: str) -> Wait:
+        flag, job = self.dependency.flag, self.subject.job
+        assert job is not None
+        section = self.subject.state.script(job).section_of(task)
+        what = f'waiting for {task} to {does} flag {flag}'
+        return Wait(what, WaitKind.FLAG, flag, (section,), task)
 
 
-class ZoneGuard(Guard):
+class ZoneGuard(TaskWaiter, Guard):
     """A shared workspace (semantics 4.4)."""
 
     def __init__(self, subject: Subject, zone: str, child: Behaviour, space: str) -> None:
@@ -115,15 +124,15 @@ class ZoneGuard(Guard):
         self.zones = self.attach_blackboard_client(name=self.name, namespace=f'{space}/zones')
         self.zones.register_key(key=zone, access=Access.READ)
 
-    def waits_for(self) -> str | None:
+    def waits_for(self) -> Wait | None:
         """Wait while another task is in the zone."""
         there = self.zones.get(self.zone)
         if not there or not self.subject.waits_to_start:
             return None
-        return f'waiting for zone {self.zone}, taken by {there}'
+        return Wait(f'waiting for zone {self.zone}, taken by {there}', WaitKind.ZONE, self.zone)
 
 
-class ReadyGuard(Guard):
+class ReadyGuard(TaskWaiter, Guard):
     """A component's state topic (semantics 2.5)."""
 
     def __init__(self, subject: Subject, topic: StateTopic, child: Behaviour, space: str) -> None:
@@ -133,16 +142,17 @@ class ReadyGuard(Guard):
         self.ready = self.attach_blackboard_client(name=self.name, namespace=f'{space}/ready')
         self.ready.register_key(key=subject.task.component, access=Access.READ)
 
-    def waits_for(self) -> str | None:
+    def waits_for(self) -> Wait | None:
         """Wait while the topic does not say ready."""
-        if self.ready.get(self.subject.task.component) or not self.subject.waits_to_start:
+        component = self.subject.task.component
+        if self.ready.get(component) or not self.subject.waits_to_start:
             return None
-        value = self.subject.state.readings[self.subject.task.component].value
+        value = self.subject.state.readings[component].value
         found = 'nothing is published there' if value is None else f'it is {value}'
-        return f'waiting for {self.topic}; {found}'
+        return Wait(f'waiting for {self.topic}; {found}', WaitKind.READINESS, component)
 
 
-class InitializationGuard(Guard):
+class InitializationGuard(TaskWaiter, Guard):
     """An initialization task waits for other tasks and for the jobs in front (semantics 5)."""
 
     def __init__(self, subject: Subject, preparation: Preparation, child: Behaviour) -> None:
@@ -154,7 +164,7 @@ class InitializationGuard(Guard):
         self._upstream = upstream
         self._sections = preparation.sections[subject.task.id]
 
-    def waits_for(self) -> str | None:
+    def waits_for(self) -> Wait | None:
         """Wait for what comes first; a task that is not needed waits for nothing (5.1)."""
         job, state = self.subject.job, self.subject.state
         assert job is not None
@@ -165,6 +175,6 @@ class InitializationGuard(Guard):
             return stopped
         for task in self._upstream:
             if state.phase(self.subject.key._replace(task=task)) is not Phase.DONE:
-                return f'waiting for initialization {task}'
-        waiting = waits_for_earlier_jobs(state, job, self._sections)
-        return waiting.reason if waiting else None
+                what = f'waiting for initialization {task}'
+                return Wait(what, WaitKind.INITIALIZATION, task, task=task)
+        return waits_for_earlier_jobs(state, job, self._sections)

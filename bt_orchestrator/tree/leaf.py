@@ -10,13 +10,15 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.reference import resolve
 from bt_orchestrator.model.state import Phase, TaskState
+from bt_orchestrator.model.wait import Wait, WaitKind
 from bt_orchestrator.tree.subject import Subject
+from bt_orchestrator.tree.waiter import TaskWaiter
 
 EARLY_S = 1e-6
 """Seconds by which a deadline may be missed by rounding."""
 
 
-class ActionLeaf(Behaviour):
+class ActionLeaf(TaskWaiter, Behaviour):
     """One task at one action server.
 
     Its states: new (it starts when nothing is in the way), RUNNING while its goal is in flight or
@@ -39,6 +41,7 @@ class ActionLeaf(Behaviour):
 
     def update(self) -> Status:
         """Look where the task stands, and start it if it may."""
+        self.note(None)
         progress = self.subject.progress
         if progress is None or progress.phase is Phase.RETRYING:
             return self._start_if_free(progress)
@@ -52,7 +55,8 @@ class ActionLeaf(Behaviour):
             return Status.RUNNING
         if progress.phase is Phase.HELD:
             reason = progress.reason.value if progress.reason else 'held'
-            self.feedback_message = f'waiting for an answer to hold {progress.hold} ({reason})'
+            what = f'waiting for an answer to hold {progress.hold} ({reason})'
+            self.note(Wait(what, WaitKind.HOLD, progress.hold or ''))
             return Status.RUNNING
         if progress.phase is Phase.FAILED:
             self.feedback_message = f'failed: {progress.reason.value if progress.reason else ""}'
@@ -66,7 +70,7 @@ class ActionLeaf(Behaviour):
             return self._skip(skipped)
         obstacle = self._obstacle(progress)
         if obstacle is not None:
-            self.feedback_message = obstacle
+            self.note(obstacle)
             return Status.RUNNING
         return self._start(1 if progress is None else progress.attempt + 1)
 
@@ -77,21 +81,25 @@ class ActionLeaf(Behaviour):
         self.feedback_message = f'skipped: {reason}'
         return Status.SUCCESS
 
-    def _obstacle(self, progress: TaskState | None) -> str | None:
+    def _obstacle(self, progress: TaskState | None) -> Wait | None:
         """Say what keeps the next attempt from starting, besides the guards."""
         state, task = self.subject.state, self.subject.task
         if not state.mode.works:
-            return f'the cell is {state.mode.value}'
+            return Wait(f'the cell is {state.mode.value}', WaitKind.CELL_STATE, state.mode.value)
         if state.pauses:
-            return f'paused: {state.pauses[0].reason}, {state.pauses[0].message}'
+            what = f'paused: {state.pauses[0].reason}, {state.pauses[0].message}'
+            return Wait(what, WaitKind.PAUSE, state.pauses[0].id)
         held = self.subject.waits_in_hold()
         if held is not None:
             return held
         if progress is not None and progress.not_before > self.subject.recorder.now + EARLY_S:
             self.subject.recorder.wake_at(progress.not_before)
-            return f'waiting to retry, attempt {progress.attempt + 1}'
+            return Wait(f'waiting to retry, attempt {progress.attempt + 1}', WaitKind.RETRY_DELAY)
         busy = state.reserved.get(task.component)
-        return f'waiting for {task.component}, busy with {busy}' if busy is not None else None
+        if busy is None:
+            return None
+        what = f'waiting for {task.component}, busy with {busy}'
+        return Wait(what, WaitKind.COMPONENT, task.component)
 
     def _start(self, attempt: int) -> Status:
         recorder, task, key = self.subject.recorder, self.subject.task, self.subject.key

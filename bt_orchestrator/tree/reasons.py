@@ -1,4 +1,4 @@
-"""Why something does not go on, read off the tree in its own words (semantics 7.4)."""
+"""Why something does not go on, read off the tree (semantics 7.4)."""
 
 from __future__ import annotations
 
@@ -7,21 +7,30 @@ from collections.abc import Iterator
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from bt_orchestrator.tree.leaf import ActionLeaf
+from bt_orchestrator.model.wait import Wait
+from bt_orchestrator.tree.waiter import Waiter
 
 
 def waiting(behaviour: Behaviour) -> list[str]:
-    """Return what a subtree waits for; nothing when all its running leaves have a goal."""
-    return list(dict.fromkeys(_reasons(behaviour)))
+    """Return what a subtree waits for in words; nothing when all its leaves have a goal."""
+    return list(dict.fromkeys(str(wait) for wait in waits_of(behaviour)))
 
 
-def _reasons(behaviour: Behaviour) -> Iterator[str]:
+def waits_of(behaviour: Behaviour) -> dict[Wait, tuple[str, ...]]:
+    """Return what a subtree waits for, and which components would work otherwise."""
+    found: dict[Wait, dict[str, None]] = {}
+    for waiter in _waiters(behaviour):
+        if waiter.wait is not None:
+            found.setdefault(waiter.wait, {}).update(dict.fromkeys(waiter.components))
+    return {wait: tuple(components) for wait, components in found.items()}
+
+
+def _waiters(behaviour: Behaviour) -> Iterator[Waiter]:
+    """Yield the behaviours that wait, in the order of the tree."""
     if behaviour.status is not Status.RUNNING:
         return
     running = [child for child in behaviour.children if child.status is Status.RUNNING]
-    if not running:
-        works = isinstance(behaviour, ActionLeaf) and behaviour.in_flight
-        if behaviour.feedback_message and not works:
-            yield behaviour.feedback_message
+    if not running and isinstance(behaviour, Waiter):
+        yield behaviour
     for child in running:
-        yield from _reasons(child)
+        yield from _waiters(child)

@@ -6,9 +6,11 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.line import Wait, next_cycle
+from bt_orchestrator.model.line import next_cycle
 from bt_orchestrator.model.state import Cycle, SectionState
+from bt_orchestrator.model.wait import Wait
 from bt_orchestrator.tree.subject import Recorder
+from bt_orchestrator.tree.waiter import Waiter
 
 
 class _OfSection(Behaviour):
@@ -78,7 +80,7 @@ class CompleteCycle(_OfSection):
         return Status.RUNNING
 
 
-class NextCycle(_OfSection):
+class NextCycle(_OfSection, Waiter):
     """Begins the section's next cycle when it may (semantics 3.4, 3.7); never ends."""
 
     def __init__(self, recorder: Recorder, section: int) -> None:
@@ -89,8 +91,9 @@ class NextCycle(_OfSection):
         state = self.recorder.state
         begin = next_cycle(state, self.section)
         if isinstance(begin, Wait):
-            self.feedback_message = begin.reason
+            self.note(begin)
             return Status.RUNNING
+        self.note(None)
         if not state.jobs[begin.job].started:
             self.recorder.record([e.JobStarted(job=begin.job)])
         started = e.CycleStarted(

@@ -12,6 +12,7 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.reference import Reference, resolve
 from bt_orchestrator.model.script import Condition, Task
 from bt_orchestrator.model.state import CellState, Phase, TaskState, signature
+from bt_orchestrator.model.wait import Wait, WaitKind
 
 
 class Recorder(Protocol):
@@ -107,7 +108,7 @@ class Subject:
             return missing
         return None
 
-    def waits_in_hold(self) -> str | None:
+    def waits_in_hold(self) -> Wait | None:
         """Say which hold keeps this task's section from starting anything (semantics 7.1)."""
         for hold in self.state.holds.values():
             same = (
@@ -116,7 +117,8 @@ class Subject:
                 and (hold.job is None) == (self.job is None)
             )
             if same:
-                return f'waiting for an answer to hold {hold.id} ({hold.task}: {hold.reason})'
+                what = f'waiting for an answer to hold {hold.id} ({hold.task}: {hold.reason})'
+                return Wait(what, WaitKind.HOLD, hold.id)
         return None
 
 

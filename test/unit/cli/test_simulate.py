@@ -44,7 +44,10 @@ def test_the_prediction_of_the_reference_order(capsys: pytest.CaptureFixture[str
     assert 'WO-1001 reference_process 3 3 0 0 0 6.5 s 39.0 s' in lines
     assert 'total time 39.0 s' in lines
     assert 'time per item 6.5 s in steady state' in lines
-    assert 'bottleneck section 4, 4.5 s of work for an item' in lines
+    slowest = (
+        'bottleneck section 4, an item every 6.5 s at best; section 2 is next, 1.5 s (23%) faster'
+    )
+    assert slowest in lines
     assert 'conveyor 7 14.0 s 35.9%' in lines
 
 
@@ -53,7 +56,13 @@ def test_the_prediction_as_json(capsys: pytest.CaptureFixture[str]) -> None:
     answer = json.loads(capsys.readouterr().out)
 
     assert (answer['ok'], answer['outcome'], answer['time_s']) == (True, 'finished', 39.0)
-    assert (answer['bottleneck'], answer['forecast']['per_item_s']) == (4, 6.5)
+    assert (answer['bottleneck']['section'], answer['forecast']['per_item_s']) == (4, 6.5)
+    assert answer['bottleneck'] == {
+        'section': 4,
+        'pace_s': 6.5,
+        'next_section': 2,
+        'margin_s': 1.5,
+    }
     assert answer['forecast']['jobs'][0]['packed'] == 3
 
 
@@ -73,7 +82,8 @@ def test_a_stuck_line_as_json(stuck: Path, capsys: pytest.CaptureFixture[str]) -
     answer = json.loads(capsys.readouterr().out)
 
     assert (answer['ok'], answer['outcome'], answer['time_s']) == (False, 'stuck', 9.0)
-    assert {'part': 'section 4', 'reason': 'waiting for an item'} in answer['waits']
+    idle = {'part': 'section 4', 'reason': 'waiting for an item', 'kind': 'item'}
+    assert idle in answer['waits']
 
 
 def test_a_hold_is_told_with_its_answers(capsys: pytest.CaptureFixture[str]) -> None:

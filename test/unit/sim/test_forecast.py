@@ -9,7 +9,8 @@ from fakes.script_texts import CELL
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.script.cell_file import parse_cell
-from bt_orchestrator.sim.forecast import Forecast, forecast, steady_interval_s
+from bt_orchestrator.sim.forecast import Forecast, steady_interval_s
+from bt_orchestrator.sim.forecast_fold import forecast
 
 
 @pytest.fixture
@@ -119,7 +120,8 @@ def test_the_bottleneck_is_the_section_with_most_work_for_an_item(cell: Cell) ->
     slowest = of(cell, queued('A'), *cycles, *tasks).bottleneck
 
     assert slowest is not None
-    assert (slowest.section, slowest.busy_per_cycle_s) == (3, 5.0)
+    assert (slowest.section, slowest.pace_s) == (3, 5.0)
+    assert (slowest.next_section, slowest.margin_s) == (2, 0.5)
 
 
 @pytest.mark.parametrize(

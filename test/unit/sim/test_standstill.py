@@ -11,6 +11,7 @@ from fakes.shipped import REFERENCE_CELL, STUCK
 
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.wait import WaitKind
 from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.script.script_file import read_script
 from bt_orchestrator.sim.fault_options import with_faults
@@ -44,6 +45,17 @@ def test_idle_sections_are_left_out_unless_a_wait_names_what_they_do() -> None:
             'belt: waiting for section 2 to finish with WO/2',
         ]
     assert {'section 1', 'section 3', 'section 5'} < set(parts)
+
+
+def test_the_circle_is_told_by_facts_and_not_only_by_words() -> None:
+    with stuck(read_cell(REFERENCE_CELL, TYPES)) as simulation:
+        circle = [wait.wait for wait in standstill(simulation.state, simulation.waits())]
+
+    assert [(wait.kind, wait.name, wait.sections, wait.task) for wait in circle] == [
+        (WaitKind.FLAG, 'read_before_assemble', (4,), 'assemble'),
+        (WaitKind.ITEM, '', (), ''),
+        (WaitKind.TURN, '', (2,), ''),
+    ]
 
 
 def test_a_goal_that_never_ends_is_named() -> None:

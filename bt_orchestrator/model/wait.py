@@ -1,0 +1,50 @@
+"""Why something does not go on: in words for people, and as facts for programs (semantics 7.4)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+
+class WaitKind(Enum):
+    """What somebody waits for."""
+
+    BELT = 'belt'
+    """The belt has to move, or to come to rest."""
+    TURN = 'turn'
+    """Sections have to complete their turns."""
+    ITEM = 'item'
+    """An item has to come, or something to put on the empty belt."""
+    JOB = 'job'
+    """There is no work, or a section has to be done with an earlier job."""
+    FLAG = 'flag'
+    ZONE = 'zone'
+    COMPONENT = 'component'
+    """Another task has it."""
+    READINESS = 'readiness'
+    """A state topic does not say ready."""
+    INITIALIZATION = 'initialization'
+    HOLD = 'hold'
+    """An operator has to answer."""
+    PAUSE = 'pause'
+    RETRY_DELAY = 'retry_delay'
+    CELL_STATE = 'cell_state'
+
+
+@dataclass(frozen=True)
+class Wait:
+    """Why something does not begin, naming what it waits for."""
+
+    reason: str
+    """The sentence that people read."""
+    kind: WaitKind
+    name: str = ''
+    """Of the flag, zone, component, initialization task, job or hold; the item where one is
+    waited for; empty where the kind says it all."""
+    sections: tuple[int, ...] = ()
+    """Sections that have to do something first."""
+    task: str = ''
+    """The task that has to do something first."""
+
+    def __str__(self) -> str:
+        return self.reason

@@ -1,0 +1,57 @@
+"""What somebody waits for without the item of the moment, so that equal waits can be summed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from bt_orchestrator.model.wait import Wait, WaitKind
+
+
+class Cause(NamedTuple):
+    """What is waited for."""
+
+    kind: WaitKind
+    text: str
+
+
+_TEXTS = {
+    WaitKind.BELT: 'the belt, which moves',
+    WaitKind.ITEM: 'an item',
+    WaitKind.FLAG: 'flag {name}',
+    WaitKind.ZONE: 'zone {name}',
+    WaitKind.COMPONENT: '{name}, busy elsewhere',
+    WaitKind.READINESS: '{name} to be ready',
+    WaitKind.INITIALIZATION: 'initialization {name}',
+    WaitKind.HOLD: 'an answer to a hold',
+    WaitKind.PAUSE: 'the cell to be resumed',
+    WaitKind.RETRY_DELAY: 'the delay before a retry',
+    WaitKind.CELL_STATE: 'the cell, which is {name}',
+}
+
+
+def cause_of(wait: Wait, belt: Sequence[Wait]) -> Cause:
+    """Name what somebody waits for.
+
+    :param belt: what the belt waits for now; nothing while it moves
+    """
+    if wait.kind is WaitKind.TURN:
+        return Cause(wait.kind, f'the {_turns(wait.sections)}')
+    if wait.kind is WaitKind.JOB:
+        return Cause(wait.kind, _job(wait))
+    if wait.kind is WaitKind.BELT and belt:
+        return Cause(wait.kind, f'the belt: {cause_of(belt[0], ()).text.removeprefix("the ")}')
+    return Cause(wait.kind, _TEXTS[wait.kind].format(name=wait.name))
+
+
+def _turns(sections: Sequence[int]) -> str:
+    *others, last = map(str, sections)
+    if not others:
+        return f'turn of section {last}'
+    return f'turns of sections {", ".join(others)} and {last}'
+
+
+def _job(wait: Wait) -> str:
+    if not wait.sections:
+        return 'a job'
+    return f'section {wait.sections[0]} to finish {wait.name}'

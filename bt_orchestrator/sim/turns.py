@@ -1,0 +1,62 @@
+"""How long sections keep the belt at rest: from that follows how fast each could be."""
+
+from __future__ import annotations
+
+import statistics
+from collections import defaultdict
+from collections.abc import Sequence
+
+from bt_orchestrator.model import events as e
+from bt_orchestrator.sim.intervals import Span, common, covered_s
+
+
+class TurnFold:
+    """Follows when each section owes its turn: its beat has come and it is not complete (3.4)."""
+
+    def __init__(self) -> None:
+        self._beat = 1
+        self._open: dict[int, tuple[int, float]] = {}
+        """Beat of the turn that a section has begun, and since when it keeps the belt."""
+        self._owed: dict[int, list[Span]] = defaultdict(list)
+        self._cycles: dict[int, int] = defaultdict(int)
+        self._move_began_s: float | None = None
+        self._moves_s: list[float] = []
+
+    def follow(self, event: e.Event, now_s: float) -> None:
+        """Take in the next event."""
+        if isinstance(event, e.CycleStarted):
+            self._cycles[event.section] += 1
+            self._open[event.section] = (event.beat, now_s)
+        elif isinstance(event, e.TurnCompleted):
+            self._complete(event.section, now_s)
+        elif isinstance(event, e.BeltIndexStarted):
+            self._move_began_s = now_s
+        elif isinstance(event, (e.BeltIndexed, e.BeatStarted)):
+            self._begin_beat(event.beat, now_s)
+
+    def work_s(self, section: int, worked: Sequence[Span]) -> float:
+        """Return the seconds that a section needs for all its cycles if it waits for nobody.
+
+        In each, the belt is kept for as long as its work in the turn lasts, and then moves; steps
+        that run while the belt moves cost nothing here.
+
+        :param worked: when its tasks ran
+        """
+        owed = [*self._owed[section]]
+        kept_s = covered_s(common(worked, owed))
+        move_s = statistics.median(self._moves_s) if self._moves_s else 0.0
+        return kept_s + self._cycles[section] * move_s
+
+    def _complete(self, section: int, now_s: float) -> None:
+        beat, since_s = self._open.pop(section)
+        if beat <= self._beat:
+            self._owed[section].append(Span(since_s, now_s))
+
+    def _begin_beat(self, beat: int, now_s: float) -> None:
+        self._beat = beat
+        if self._move_began_s is not None:
+            self._moves_s.append(now_s - self._move_began_s)
+            self._move_began_s = None
+        for section, (turn, _) in self._open.items():
+            if turn == beat:  # begun ahead, while the belt moved: that kept nobody waiting
+                self._open[section] = (turn, now_s)
