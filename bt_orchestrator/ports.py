@@ -63,8 +63,9 @@ class ActionGateway(Protocol):
         """Take over a goal that was sent before, perhaps by another process (semantics 9.2).
 
         Only its UUID is asked for; nothing is sent. Running or finished: it becomes accepted and
-        ends as the server says. LOST: the server does not know it, or no server came within the
-        server timeout.
+        ends as the server says. LOST: the server does not know it, asked again after a while
+        (`GoalEnd.denied_by` tells which instance said so), or no server came within the server
+        timeout.
         """
 
     def drain(self) -> Sequence[Goal | StateReading]:
@@ -76,6 +77,14 @@ class ActionGateway(Protocol):
 
     def available(self, component: str) -> bool:
         """Tell whether the component's action server is there now."""
+
+    def server(self, component: str) -> str | None:
+        """Return an id of the instance of the component's server that was seen last.
+
+        A server that was restarted has another one, and the goals of the one before are unknown
+        to it. It may be out of date, which only makes a proof fail that it is needed for
+        (semantics 9.2). None: no server was seen, or several with one name.
+        """
 
 
 class ActionTypes(Protocol):

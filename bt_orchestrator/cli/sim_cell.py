@@ -105,9 +105,8 @@ def _add_ros_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--result-timeout',
         type=_seconds,
-        default=10.0,
         metavar='SECONDS',
-        help='real seconds for which a server remembers an ended goal (default 10)',
+        help='real seconds for which a server remembers an ended goal (default: the cell file)',
     )
 
 

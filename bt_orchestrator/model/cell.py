@@ -8,6 +8,7 @@ from enum import Enum
 from typing import Any
 
 from bt_orchestrator.model.fault import Fault
+from bt_orchestrator.model.goal import RESULT_TIMEOUT_S
 
 DEFAULT_TIMEOUT_S = 300.0
 """Seconds that a task may take unless it or its component says otherwise (semantics 2.4)."""
@@ -57,6 +58,8 @@ class Component:
     durations_s: Mapping[str, float] = field(default_factory=dict)
     """Nominal seconds of each task, for simulation and prediction."""
     default_duration_s: float = DEFAULT_DURATION_S
+    result_timeout_s: float = RESULT_TIMEOUT_S
+    """Seconds for which its server remembers a goal that ended (semantics 9.2)."""
     results: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     """Simulated result fields of each task."""
     faults: tuple[Fault, ...] = ()

@@ -134,6 +134,8 @@ class TaskStarted(TaskEvent):
     attempt: int
     goal: str
     args: Mapping[str, Any] = field(default_factory=dict)
+    server: str | None = None
+    """Instance of the action server when it was sent, as its status publisher's id tells."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -147,11 +149,16 @@ class TaskAdopted(TaskEvent):
 
 @dataclass(frozen=True, kw_only=True)
 class TaskResent(TaskEvent):
-    """The server does not know an adopted goal; a repeatable task is sent again, same UUID."""
+    """The server does not know an adopted goal, and it is sent again, with the same UUID.
+
+    The task is repeatable, or the goal is proven never to have arrived (semantics 9.2).
+    """
 
     event: ClassVar[str] = 'task.resent'
     attempt: int
     goal: str
+    server: str | None = None
+    """As in `task.started`."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -120,6 +120,8 @@ def _task_started(event: e.TaskStarted, state: CellState) -> None:
         goal=event.goal,
         started=event.time,
         args=event.args,
+        sent=event.time,
+        server=event.server,
     )
     state.tasks[event.key] = state.running[event.key] = started
     state.reserved[event.component] = event.key
@@ -127,9 +129,17 @@ def _task_started(event: e.TaskStarted, state: CellState) -> None:
         state.zones[zone] = event.key
 
 
-@_on(e.TaskAdopted, e.TaskResent)
-def _task_goes_on(event: e.TaskAdopted | e.TaskResent, state: CellState) -> None:
+@_on(e.TaskAdopted)
+def _task_adopted(event: e.TaskAdopted, state: CellState) -> None:
     assert state.running[event.key].goal == event.goal
+
+
+@_on(e.TaskResent)
+def _task_resent(event: e.TaskResent, state: CellState) -> None:
+    before = state.running[event.key]
+    assert before.goal == event.goal
+    sent = replace(before, sent=event.time, server=event.server)
+    state.tasks[event.key] = state.running[event.key] = sent
 
 
 @_on(e.TaskCancelRequested)

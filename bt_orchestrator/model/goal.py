@@ -17,7 +17,10 @@ SERVER_LEASE_S = 20.0
 """Seconds after which the ROS graph has forgotten a killed server (semantics 9.3)."""
 
 RESULT_TIMEOUT_S = 10.0
-"""Seconds for which a server remembers a goal that ended (semantics 9.2)."""
+"""Seconds for which a server remembers a goal that ended, unless the cell file says otherwise.
+
+rclpy's default (semantics 9.2).
+"""
 
 REQUEST_CHECKS = 2
 """Checks in a row at which the server must not know an unanswered request for it to be LOST.
@@ -76,6 +79,8 @@ class GoalEnd:
     """Result fields with plain values; empty unless the server sent a result."""
     message: str = ''
     """The server's or the gateway's own words, for a person."""
+    denied_by: str | None = None
+    """Instance of the server that does not know an adopted goal; None: that cannot be told."""
 
 
 @dataclass(frozen=True)

@@ -45,6 +45,10 @@ class TaskState:
     started: float = 0.0
     """Seconds, when the last attempt began."""
     args: Mapping[str, Any] = field(default_factory=dict)
+    sent: float = 0.0
+    """Seconds, when the goal was sent last; later than `started` if it was sent again."""
+    server: str | None = None
+    """Instance of the server that it was sent to then; None: not known."""
     cancel_cause: str | None = None
     """Why the orchestrator itself cancelled the goal in flight, if it did."""
     cancelled_at: float = 0.0

@@ -65,11 +65,19 @@ class ActionLink:
         self._in_flight: dict[RosGoal, None] = {}
         self._unanswered: list[Any] = []
         self._seen_missing = False
+        self._server: str | None = None
 
     @property
     def available(self) -> bool:
         """Tell whether the server is in the ROS graph."""
         return self._client.server_is_ready()
+
+    @property
+    def server(self) -> str | None:
+        """Id of the server's status publisher, as it was seen last."""
+        if self._server is None:
+            self._server = self._client.server_id()
+        return self._server
 
     @property
     def is_waiting(self) -> bool:
@@ -209,11 +217,18 @@ class ActionLink:
 
     def _on_unknown(self, goal: RosGoal) -> None:
         goal.unknown_count += 1
-        believed = 1 if goal.accepted or goal.adopted else REQUEST_CHECKS
+        believed = 1 if goal.accepted else REQUEST_CHECKS
         if goal.refused:
             self._end(goal, GoalStatus.REJECTED, message='refused by the server')
         elif goal.unknown_count >= believed:
-            self._lose(goal, 'the server does not know the goal (any more)')
+            self._lose(goal, 'the server does not know the goal (any more)', self._denier(goal))
+        else:
+            goal.denied_by = self._client.server_id()
+
+    def _denier(self, goal: RosGoal) -> str | None:
+        """Return which server does not know a goal, if it was there at both answers."""
+        there = self._client.server_id()
+        return there if there == goal.denied_by else None
 
     def _on_feedback(self, goal: RosGoal, message: Any) -> None:
         if goal.end is None:
@@ -235,7 +250,8 @@ class ActionLink:
             goal.next_check_s += RESULT_CHECK_S
             if not goal.accepted:
                 self._repeat_cancel(goal)
-            if (goal.adopted or goal.refused) and not goal.accepted:
+            asked_about = goal.adopted or goal.refused
+            if asked_about and not goal.accepted and not goal.unknown_count:
                 self._accept(goal)  # a server that does not know it would have said so
             self._ask(goal, is_check=True)
 
@@ -252,24 +268,32 @@ class ActionLink:
         self._unanswered.clear()
         self._client.forget_cancels()
 
-    def _lose(self, goal: RosGoal, message: str) -> None:
-        self._end(goal, GoalStatus.LOST, message=message)
+    def _lose(self, goal: RosGoal, message: str, denied_by: str | None = None) -> None:
+        self._end(goal, GoalStatus.LOST, message=message, denied_by=denied_by)
 
     # --- book-keeping -----------------------------------------------------------------------
 
     def _accept(self, goal: RosGoal) -> None:
         goal.accepted = True
         self._news.add(goal)
+        # Now, while the goal runs, rather than before the next one, which somebody waits for.
+        self._server = self._client.server_id()
 
     def _end(
-        self, goal: RosGoal, status: GoalStatus, *, result: Any = None, message: str = ''
+        self,
+        goal: RosGoal,
+        status: GoalStatus,
+        *,
+        result: Any = None,
+        message: str = '',
+        denied_by: str | None = None,
     ) -> None:
         self._waiting.pop(goal, None)
         self._in_flight.pop(goal, None)
         self._client.forget(goal.id)
         if goal.response is not None and not goal.response.done():
             self._remember_unanswered(goal.response)
-        goal.end = GoalEnd(status, result or {}, message)
+        goal.end = GoalEnd(status, result or {}, message, denied_by)
         self._news.add(goal)
 
     def _remember_unanswered(self, response: Any) -> None:

@@ -97,6 +97,10 @@ class RosGateway:
         """Tell whether the component's server is in the ROS graph."""
         return self._links[component].available
 
+    def server(self, component: str) -> str | None:
+        """Return the id of the status publisher of the component's server, seen last."""
+        return self._links[component].server
+
     def close(self) -> None:
         """Destroy clients, subscriptions and timers; goals that run go on running."""
         for timer in self._timers:

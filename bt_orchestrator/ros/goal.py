@@ -22,6 +22,7 @@ class RosGoal:
         'accepted',
         'adopted',
         'cancel_requested',
+        'denied_by',
         'end',
         'id',
         'next_check_s',
@@ -47,6 +48,8 @@ class RosGoal:
         """When its result is asked for again, on the steady clock."""
         self.unknown_count = 0
         """How often the server did not know it."""
+        self.denied_by: str | None = None
+        """Instance of the server that was there when it did not."""
         self._cancel = cancel
         self._feedback: Feedback | None = None
         self._feedback_message: tuple[float, Any] | None = None

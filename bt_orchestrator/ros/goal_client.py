@@ -47,6 +47,15 @@ class GoalClient(ActionClient):  # type: ignore[type-arg] # no Generic in Jazzy'
             except Exception:  # noqa: BLE001 - whatever it is, the other goals go on
                 report(self._logger)
 
+    def server_id(self) -> str | None:
+        """Return an id of the server's status publisher, which no other instance of it has.
+
+        None: there is no server, or more than one. Takes a tenth of a millisecond.
+        """
+        topic = f'{self._action_name}/_action/status'
+        publishers = self._node.get_publishers_info_by_topic(topic)
+        return bytes(publishers[0].endpoint_gid).hex() if len(publishers) == 1 else None
+
     def expect(self, goal_id: UUID, confirmed: Callable[[], None]) -> None:
         """Call back, once, when the server's status topic lists a goal: it was accepted.
 

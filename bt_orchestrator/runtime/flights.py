@@ -78,8 +78,7 @@ class Flights:
             timer.cancel()
         state = self._ledger.state
         was_unknown = self._forget_adopted(goal) and end.status is GoalStatus.LOST
-        of_end = _of_unknown if was_unknown else _of_end
-        event = of_end(state, key, end)
+        event = self._of_unknown(key, end) if was_unknown else _of_end(state, key, end)
         self._ledger.record([event])
         if isinstance(event, e.TaskSucceeded):
             self._ledger.record(effects.of_success(state, key))
@@ -110,6 +109,36 @@ class Flights:
             message=message,
         )
         self._ledger.record([doubt])
+
+    def _of_unknown(self, key: e.TaskKey, end: GoalEnd) -> e.TaskEvent:
+        """Return what becomes of an adopted goal that its server does not know (9.2)."""
+        running, task = self._ledger.state.running[key], self._task(key)
+        assert running.goal is not None
+        may_go_again = task.repeatable or self._never_arrived(task.component, running, end)
+        if may_go_again and running.cancel_cause is None:
+            return e.TaskResent(
+                **key._asdict(),
+                attempt=running.attempt,
+                goal=running.goal,
+                server=self._ledger.server(task.component),
+            )
+        return e.TaskFailed(
+            **key._asdict(),
+            attempt=running.attempt,
+            goal=running.goal,
+            reason=Reason.IN_DOUBT.value,
+            message=f'after a restart of the orchestrator: {end.message}',
+        )
+
+    def _never_arrived(self, component: str, running: TaskState, end: GoalEnd) -> bool:
+        """Tell whether it is proven that a goal never reached its server (semantics 9.2).
+
+        The very server that it was meant for does not know it, at a time at which it would
+        remember even a goal that had ended at once.
+        """
+        remembered_s = self._ledger.state.cell.components[component].result_timeout_s
+        is_same = end.denied_by is not None and end.denied_by == running.server
+        return is_same and running.sent <= self._ledger.now < running.sent + remembered_s
 
     # --- after the commit -------------------------------------------------------------------
 
@@ -174,21 +203,6 @@ def _of_reading(state: CellState, reading: StateReading) -> Iterator[e.Event]:
     topic = state.cell.components[reading.component].state
     ready = topic is not None and reading.value in topic.ready
     yield e.ComponentStateChanged(component=reading.component, ready=ready, value=reading.value)
-
-
-def _of_unknown(state: CellState, key: e.TaskKey, end: GoalEnd) -> e.TaskEvent:
-    """Return what becomes of an adopted goal that its server does not know (semantics 9.2)."""
-    running, task = state.running[key], state.task(key)
-    assert running.goal is not None
-    if task is not None and task.repeatable and running.cancel_cause is None:
-        return e.TaskResent(**key._asdict(), attempt=running.attempt, goal=running.goal)
-    return e.TaskFailed(
-        **key._asdict(),
-        attempt=running.attempt,
-        goal=running.goal,
-        reason=Reason.IN_DOUBT.value,
-        message=f'after a restart of the orchestrator: {end.message}',
-    )
 
 
 def _of_end(state: CellState, key: e.TaskKey, end: GoalEnd) -> e.TaskEvent:

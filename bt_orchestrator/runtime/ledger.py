@@ -23,6 +23,7 @@ class Ledger:
         clock: Clock,
         follow: Callable[[Event], None],
         new_goal_id: Callable[[], str],
+        server: Callable[[str], str | None],
         on_time: Callable[[], None],
     ) -> None:
         """Open a ledger.
@@ -34,6 +35,7 @@ class Ledger:
         self._clock = clock
         self._follow = follow
         self._new_goal_id = new_goal_id
+        self._server = server
         self._on_time = on_time
         self._pending: list[Event] = []
         self._armed: dict[float, Timer] = {}
@@ -59,6 +61,10 @@ class Ledger:
     def new_goal_id(self) -> str:
         """Return a goal UUID that was never used."""
         return self._new_goal_id()
+
+    def server(self, component: str) -> str | None:
+        """Return the instance of a component's server that was seen last; None: not known."""
+        return self._server(component)
 
     def wake_at(self, time: float) -> None:
         """Ask for a settle at a time; asking again for the same time changes nothing."""

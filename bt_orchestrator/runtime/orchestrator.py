@@ -62,7 +62,9 @@ class Orchestrator:
         self._auto_start = auto_start
         self._projection = BlackboardProjection(_space(cell), self.state)
         self._wake = wake
-        self._ledger = Ledger(self.state, clock, self._follow, new_goal_id, self._on_time)
+        self._ledger = Ledger(
+            self.state, clock, self._follow, new_goal_id, gateway.server, self._on_time
+        )
         self.flights = Flights(self._ledger, gateway, clock, wake)
         self.gateway = gateway
         self.tree = CellTree(self._ledger, self._projection.space)

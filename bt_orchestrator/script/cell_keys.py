@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bt_orchestrator.model.cell import DEFAULT_DURATION_S, DEFAULT_TIMEOUT_S, OnFailure
+from bt_orchestrator.model.goal import RESULT_TIMEOUT_S
 from bt_orchestrator.script.keys import (
     LONGEST_SECONDS,
     Key,
@@ -66,6 +67,16 @@ _TIMEOUT = Key(
     minimum=0,
     maximum=LONGEST_SECONDS,
 )
+_RESULT_TIMEOUT = Key(
+    'result_timeout',
+    Kind.SECONDS,
+    'seconds for which its server remembers a goal that ended; what a crash leaves unknown is '
+    'sent again only within that time',
+    '10.0',
+    default=RESULT_TIMEOUT_S,
+    minimum=0,
+    maximum=LONGEST_SECONDS,
+)
 _RESULTS = Key(
     'results',
     Kind.MAPPING,
@@ -95,6 +106,7 @@ COMPONENT = Table(
         action_type(),
         _STATE,
         _TIMEOUT,
+        _RESULT_TIMEOUT,
         Key(
             'durations',
             Kind.MAPPING,
@@ -137,6 +149,7 @@ CONVEYOR = Table(
         ),
         _STATE,
         _TIMEOUT,
+        _RESULT_TIMEOUT,
         Key(
             'duration',
             Kind.SECONDS,

@@ -73,6 +73,7 @@ class ComponentReader:
             type=self._type.name if self._type else '',
             state=self._state(),
             timeout_s=self._fields.timeout('timeout', DEFAULT_TIMEOUT_S),
+            result_timeout_s=self._fields.seconds('result_timeout'),
             results=self._results(),
             faults=tuple(self._faults()),
         )

@@ -73,5 +73,9 @@ class VirtualGateway:
         """Tell whether the component's server is known to the graph."""
         return self._clients[component].available
 
+    def server(self, component: str) -> str | None:
+        """Return an id of the component's server, another one for each of its lives."""
+        return self._clients[component].server
+
     def _nominal_s(self, request: GoalRequest) -> float:
         return self._cell.components[request.component].duration_s(request.task)

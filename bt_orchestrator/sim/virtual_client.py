@@ -11,7 +11,6 @@ from bt_orchestrator.model.cell import Component
 from bt_orchestrator.model.goal import (
     REQUEST_CHECKS,
     RESULT_CHECK_S,
-    RESULT_TIMEOUT_S,
     SERVER_LEASE_S,
     Feedback,
     GoalEnd,
@@ -53,8 +52,14 @@ class VirtualClient:
         self._remembered: dict[str, tuple[VirtualGoal, float | None]] = {}
         self._lease: Timer | None = None
         self._value: Any = None
+        self._lives = 0
         self.available = False
         self._controller.switch_on()
+
+    @property
+    def server(self) -> str | None:
+        """Id of the server that was seen last."""
+        return f'{self._component.name}#{self._lives}' if self._lives else None
 
     def send(self, goal: VirtualGoal) -> None:
         """Request the goal, or wait for the server."""
@@ -71,9 +76,8 @@ class VirtualClient:
             self._clock.call_at(self._clock.now(), lambda: self._news.add(known))
             return known
         goal = VirtualGoal(request, self.cancel)
-        end = GoalEnd(GoalStatus.LOST, message=_UNKNOWN)
-        wait_s = 0.0 if self.available else self._server_timeout_s
-        goal.timer = self._after(wait_s, lambda: self.ended(goal, end))
+        wait_s = RESULT_CHECK_S if self.available else self._server_timeout_s
+        goal.timer = self._after(wait_s, lambda: self.ended(goal, self._denial()))
         return goal
 
     def cancel(self, goal: VirtualGoal) -> None:
@@ -92,6 +96,7 @@ class VirtualClient:
     def appeared(self) -> None:
         """Send what waited; goals of the server's earlier life are unknown to it."""
         self.available = True
+        self._lives += 1
         if self._lease is not None:
             self._lease.cancel()
             self._lease = None
@@ -135,6 +140,10 @@ class VirtualClient:
                 self._remembered[goal.request.id] = goal, self._clock.now()
         self._news.add(goal)
 
+    def _denial(self) -> GoalEnd:
+        who = self.server if self._controller.present else None
+        return GoalEnd(GoalStatus.LOST, message=_UNKNOWN, denied_by=who)
+
     # --- loss -------------------------------------------------------------------------------
 
     def _deliver(self, goal: VirtualGoal) -> None:
@@ -171,7 +180,7 @@ class VirtualClient:
         for id_, (_, ended_s) in tuple(self._remembered.items()):
             if ended_s is None:
                 continue
-            if ended_s + RESULT_TIMEOUT_S > self._clock.now():
+            if ended_s + self._component.result_timeout_s > self._clock.now():
                 break
             del self._remembered[id_]
 

@@ -69,6 +69,10 @@ class Compiled:
         """Nothing is ever ticked."""
         raise AssertionError('a drawing sends no goals')
 
+    def server(self, component: str) -> NoReturn:
+        """Nothing is ever ticked."""
+        raise AssertionError(f'a drawing does not ask for {component}')
+
     def wake_at(self, time: float) -> NoReturn:
         """Nothing is ever ticked."""
         raise AssertionError(f'a drawing waits for nothing, not for {time}')

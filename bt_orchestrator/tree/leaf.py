@@ -128,6 +128,7 @@ class ActionLeaf(TaskWaiter, Behaviour):
             attempt=attempt,
             goal=recorder.new_goal_id(),
             args=self._args(),
+            server=recorder.server(task.component),
         )
         recorder.record([started])
         self.feedback_message = f'running at {task.action}'

@@ -32,6 +32,9 @@ class Recorder(Protocol):
     def new_goal_id(self) -> str:
         """Return a goal UUID that was never used."""
 
+    def server(self, component: str) -> str | None:
+        """Return the instance of a component's server that was seen last; None: not known."""
+
     def wake_at(self, time: float) -> None:
         """Ask for a tick at a time."""
 

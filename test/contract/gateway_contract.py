@@ -32,6 +32,7 @@ COMPONENTS = (
     component('mute', '=mute'),
     component('mortal', '=die'),
     component('reborn', '=die:0.1'),
+    component('renewed', '=die:0.1'),
     component('absent', '=absent'),
     component('tired', '=not_ready:0.5', state=True),
     component('lost_state', '=die', state=True),
@@ -236,8 +237,26 @@ class GatewayContract(ABC):
 
     def test_adopted_goal_that_the_server_does_not_know_is_lost(self, bench: Bench) -> None:
         adopted = bench.gateway.adopt(goal_request('good'))
-        assert _end_of(bench, adopted, SLACK_S).status is GoalStatus.LOST
+        end = _end_of(bench, adopted, RESULT_CHECK_S + SLACK_S)
+        assert end.status is GoalStatus.LOST
         assert not adopted.accepted
+        assert end.denied_by is not None
+        assert end.denied_by == bench.gateway.server('good')
+
+    def test_a_server_has_another_id_after_a_restart(self, bench: Bench) -> None:
+        before = bench.gateway.server('renewed')
+        goal = _send(bench, 'renewed')
+        bench.run_until(lambda: goal.end, 'the loss of the goal', SERVER_LEASE_S + SLACK_S)
+        _run_to_end(bench, _send(bench, 'renewed'))
+        assert None not in (before, bench.gateway.server('renewed'))
+        assert bench.gateway.server('renewed') != before
+
+    def test_two_servers_have_two_ids(self, bench: Bench) -> None:
+        assert bench.gateway.server('good') == bench.gateway.server('good')
+        assert bench.gateway.server('good') != bench.gateway.server('other')
+
+    def test_a_server_that_never_came_has_no_id(self, bench: Bench) -> None:
+        assert bench.gateway.server('absent') is None
 
     def test_adopted_goal_without_a_server_is_lost(self, bench: Bench) -> None:
         adopted = bench.gateway.adopt(goal_request('absent'))

@@ -25,7 +25,7 @@ class Surroundings:
     interfaces: Interfaces
     log: GoalLog
     pace: Pace
-    result_timeout_s: float
+    result_timeout_s: float | None
 
 
 class ComponentServer:
@@ -50,13 +50,14 @@ class ComponentServer:
     def appear(self) -> None:
         """Create the action server and, if the component has one, the state topic."""
         node, interfaces = self._with.node, self._with.interfaces
+        given_s = self._with.result_timeout_s
         self._server = TaskServer(
             node,
             self._component.action,
             self._component.type,
             self.controller,
             interfaces,
-            self._with.result_timeout_s,
+            self._component.result_timeout_s if given_s is None else given_s,
         )
         if self._component.state:
             self._state = StatePublisher(node, self._component.state, interfaces)

@@ -29,8 +29,8 @@ class Setup:
     log: GoalLog
     pace: Pace = field(default_factory=Pace)
     namespace: str = ''
-    result_timeout_s: float = 10.0
-    """Seconds for which a server remembers an ended goal (rclpy's default since Kilted)."""
+    result_timeout_s: float | None = None
+    """Seconds for which a server remembers an ended goal; None: as the cell file says."""
 
 
 class ControllerNode(Node):

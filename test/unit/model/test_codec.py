@@ -39,6 +39,7 @@ REFERENCE = Template((Reference('results', 'look', ('pose', 'x')),))
 
 SAMPLES: dict[str, Any] = {
     'seq': 7,
+    'server': '010f6d0a',
     'time': 12.5,
     'script': 'test',
     'digest': '0123456789ab',

@@ -15,6 +15,7 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.commands import AnswerHold, Pause, Resume, SubmitJob
 from bt_orchestrator.model.fault import parse_fault
+from bt_orchestrator.model.goal import RESULT_TIMEOUT_S, GoalRequest
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.packml import Mode
 from bt_orchestrator.model.script import Script
@@ -22,6 +23,7 @@ from bt_orchestrator.ports import EventStore
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.gateway import VirtualGateway
+from bt_orchestrator.sim.virtual_goal import VirtualGoal
 from bt_orchestrator.store.memory import MemoryStore
 from bt_orchestrator.store.sqlite import SqliteStore
 
@@ -33,13 +35,25 @@ FLAGS = (
 )
 
 
+class DyingGateway(VirtualGateway):
+    """The robots, of an orchestrator that is killed between a commit and the sending."""
+
+    unsent: str | None = None
+    """The task whose goals do not reach the server."""
+
+    def send(self, request: GoalRequest) -> VirtualGoal:
+        if request.task == self.unsent:
+            return VirtualGoal(request, lambda goal: None)
+        return super().send(request)
+
+
 class World:
     """Controllers and a journal that outlive orchestrators."""
 
     def __init__(self, cell: Cell, store: EventStore | None = None) -> None:
         self.cell = cell
         self.clock = VirtualClock()
-        self.gateway = VirtualGateway(cell, TYPES, self.clock)
+        self.gateway = DyingGateway(cell, TYPES, self.clock)
         self.store = store or MemoryStore()
         self._goals = (f'00000000-0000-4000-8000-{n:012d}' for n in itertools.count(1))
 
@@ -60,11 +74,14 @@ class World:
                 return
 
     def go_until_runs(self, orchestrator: Orchestrator, task: str) -> None:
+        self.go_until_starts(orchestrator, task)
+        self.clock.advance()  # the request reaches the server
+
+    def go_until_starts(self, orchestrator: Orchestrator, task: str) -> None:
         orchestrator.settle()
         while not any(key.task == task for key in orchestrator.state.running):
             assert self.clock.advance()
             orchestrator.settle()
-        self.clock.advance()  # the request reaches the server
 
     def events(self, kind: type[e.Event]) -> list[e.Event]:
         return [event for event in self.store.read() if isinstance(event, kind)]
@@ -154,6 +171,61 @@ def test_9_2_a_goal_that_its_server_does_not_know(repeatable: str, ends: bool) -
     else:
         (hold,) = second.state.holds.values()
         assert (hold.task, hold.reason) == ('work', 'in_doubt')
+
+
+def killed_before_sending(line: Line, wait_s: float = 0.0) -> tuple[World, Orchestrator]:
+    """Kill an orchestrator that has committed the start of `work`, and start another one."""
+    world = World(line.cell)
+    first = begun(world, line.script(with_section(2, '- {id: work, @a2.TASK_B}')), 1)
+    world.gateway.unsent = 'TASK_B'
+    world.go_until_starts(first, 'work')
+    first.close()
+    world.gateway.unsent = None
+    if wait_s:
+        world.clock.call_at(world.clock.now() + wait_s, lambda: None)
+        world.clock.advance()
+    second = world.orchestrator()
+    world.go(second)
+    return world, second
+
+
+def test_9_2_a_goal_that_never_arrived_is_sent_with_the_same_uuid() -> None:
+    world, second = killed_before_sending(Line())
+    assert second.state.ended['J'].progress.packed == 1
+    (resent,) = world.events(e.TaskResent)
+    assert isinstance(resent, e.TaskResent)
+    started = [x for x in world.events(e.TaskStarted) if isinstance(x, e.TaskStarted)]
+    assert [x.goal for x in started if x.task == 'work'] == [resent.goal]
+    assert not world.events(e.TaskFailed)
+
+
+def test_9_2_a_server_may_have_forgotten_what_it_did_long_ago() -> None:
+    world, second = killed_before_sending(Line(), wait_s=RESULT_TIMEOUT_S)
+    assert [hold.reason for hold in second.state.holds.values()] == ['in_doubt']
+    assert not world.events(e.TaskResent)
+
+
+def test_9_2_how_long_it_remembers_stands_in_the_cell_file() -> None:
+    line = Line()
+    short = replace(line.cell.components['a2'], result_timeout_s=1.0)
+    line.cell = replace(line.cell, components={**line.cell.components, 'a2': short})
+    _, second = killed_before_sending(line)
+    assert [hold.reason for hold in second.state.holds.values()] == ['in_doubt']
+
+
+def test_9_2_another_instance_of_the_server_proves_nothing() -> None:
+    line = Line(faults={'a2': '#1=die:0.5'})
+    world = World(line.cell)
+    first = begun(world, line.script(with_section(2, '- {id: work, @a2}')), 1)
+    world.go_until_runs(first, 'work')
+    first.close()
+    world.clock.advance()  # the server dies
+    world.clock.advance()  # and is back at once, knowing nothing
+    second = world.orchestrator()
+    world.go(second)
+    sent = second.state.tasks[next(iter(second.state.holds.values())).key].sent  # type: ignore[index]
+    assert world.clock.now() < sent + RESULT_TIMEOUT_S
+    assert [hold.reason for hold in second.state.holds.values()] == ['in_doubt']
 
 
 def test_9_2_a_cancelled_goal_stays_cancelled() -> None:
