@@ -34,6 +34,14 @@ class Given(NamedTuple):
     places: OrderPlaces
 
 
+class Replacement(NamedTuple):
+    """A file whose script takes the place of another one."""
+
+    of: str
+    """Name of the script that it is used for."""
+    path: Path
+
+
 class Findings:
     """Collects the mistakes of several files, in the order the files were read."""
 
@@ -122,12 +130,17 @@ def _admitted(path: Path, cell: Cell, types: ActionTypes) -> Script:
 
 
 def load_jobs(
-    orders: Sequence[Path], cell_file: Path, folders: Sequence[Path], types: ActionTypes
+    orders: Sequence[Path],
+    cell_file: Path,
+    folders: Sequence[Path],
+    types: ActionTypes,
+    instead: Replacement | None = None,
 ) -> tuple[Cell, list[Given]]:
     """Read a cell, work orders and their scripts, and bind them to jobs.
 
     An order without id is called WO-1, WO-2 and so on, whatever is free.
 
+    :param instead: used for all orders of the script that it replaces
     :raises Refused: with every mistake in all files
     """
     findings = Findings()
@@ -135,7 +148,11 @@ def load_jobs(
     read = [findings.of(partial(read_order, path)) for path in orders]
     files = [file for file in read if file is not None]
     findings.of(partial(_refuse_duplicates, files))
-    jobs = None if cell is None else _bind(files, _ScriptShelf(cell, folders, types), findings)
+    jobs = (
+        None
+        if cell is None
+        else _bind(files, _ScriptShelf(cell, folders, types, instead), findings)
+    )
     findings.refuse()
     assert cell is not None
     assert jobs is not None
@@ -179,10 +196,17 @@ def queue(simulation: Simulation, given: Sequence[Given]) -> None:
 class _ScriptShelf:
     """Reads each script once, however many orders name it."""
 
-    def __init__(self, cell: Cell, folders: Sequence[Path], types: ActionTypes) -> None:
+    def __init__(
+        self,
+        cell: Cell,
+        folders: Sequence[Path],
+        types: ActionTypes,
+        instead: Replacement | None,
+    ) -> None:
         self._cell = cell
         self._folders = folders
         self._types = types
+        self._instead = instead
         self._scripts: dict[Path, Script] = {}
         self.types_by_component = action_types(cell, types)
 
@@ -193,6 +217,12 @@ class _ScriptShelf:
         """
         places = file.places
         path = find_script(file.order.script, self._folders, places.file, places.place('script'))
+        script = self._read(path)
+        if self._instead is not None and script.name == self._instead.of:
+            return self._read(self._instead.path)
+        return script
+
+    def _read(self, path: Path) -> Script:
         if path not in self._scripts:
             self._scripts[path] = read_script(path, self._cell, self._types)
         return self._scripts[path]

@@ -3,31 +3,21 @@
 from __future__ import annotations
 
 import argparse
-import dataclasses
 import json
-from collections.abc import Iterator
-from contextlib import ExitStack
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.check import add_cell_options, as_json
 from bt_orchestrator.cli.folders import script_folders
-from bt_orchestrator.cli.forecast_text import forecast_lines, job_lines
+from bt_orchestrator.cli.virtual_run import RunOptions, lines_of, plain, run_jobs
+from bt_orchestrator.cli.what_if import change_lines, plain_change, what_if_jobs
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.errors import Refused
-from bt_orchestrator.model.codec import to_plain
-from bt_orchestrator.model.state import Hold
-from bt_orchestrator.ports import ActionTypes, EventSink
-from bt_orchestrator.runtime.waits import PartWait
-from bt_orchestrator.sim.fault_options import WrongFaults, with_faults
-from bt_orchestrator.sim.forecast import Forecast
-from bt_orchestrator.sim.forecast_fold import ForecastFold
-from bt_orchestrator.sim.simulation import Outcome, Simulation
-from bt_orchestrator.sim.standstill import standstill
-from bt_orchestrator.sim.wait_log import WaitLog
-from bt_orchestrator.store.trace import TraceFile, UnusableTrace
+from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.sim.fault_options import WrongFaults
+from bt_orchestrator.sim.simulation import Outcome
+from bt_orchestrator.sim.standing_answers import POSSIBLE
+from bt_orchestrator.store.trace import UnusableTrace
 
 DESCRIPTION = """\
 Run work orders through the real tree in virtual time, with the nominal durations of the cell file,
@@ -37,18 +27,6 @@ EPILOG = """\
 faults are written as for sim-cell, see there: --fail component_2a.TASK_A#2=abort
 
 exit status: 0 every job ended, 1 refused, stuck, or held without an answer, 2 wrong use"""
-
-
-@dataclass(frozen=True)
-class Run:
-    """What a virtual run came to."""
-
-    outcome: Outcome
-    time_s: float
-    forecast: Forecast
-    waits: tuple[PartWait, ...]
-    """Who waits for whom at the end, if it is stuck."""
-    holds: tuple[Hold, ...]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -65,13 +43,54 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help='write every event, one JSON object a line, up to wherever the run gets',
     )
     parser.add_argument(
+        '--gantt',
+        type=Path,
+        metavar='FILE.svg',
+        help='draw who works, moves, waits and is held when, up to wherever the run gets',
+    )
+    parser.add_argument(
         '--fail',
         action='append',
         default=[],
         metavar='COMPONENT.FAULT',
         help='make a component fail; may be repeated',
     )
+    _add_hold_options(parser)
+    parser.add_argument(
+        '--what-if',
+        type=Path,
+        metavar='FILE',
+        help='run the orders again with this cell file, or with this script instead of the one of '
+        'its name (or of the only one), and compare',
+    )
     parser.add_argument('--json', action='store_true', help='the prediction as one JSON object')
+
+
+def _add_hold_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        '--on-hold',
+        action='append',
+        default=[],
+        choices=POSSIBLE,
+        help='answer every hold so; repeated: with the first one that the hold offers',
+    )
+    parser.add_argument(
+        '--answer-after',
+        type=_seconds,
+        default=0.0,
+        metavar='SECONDS',
+        help='virtual seconds from a hold to the answer of --on-hold (default 0)',
+    )
+
+
+def _seconds(text: str) -> float:
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = -1.0
+    if not 0.0 <= seconds < float('inf'):
+        raise argparse.ArgumentTypeError(f'expected seconds, 0 or more, found {text!r}')
+    return seconds
 
 
 def run(args: argparse.Namespace) -> int:
@@ -83,10 +102,12 @@ def simulate(args: argparse.Namespace, types: ActionTypes) -> int:
     """Simulate what the options name, with the types that are known.
 
     :raises Refused: a file is refused, and that is not wanted as JSON
-    :raises WrongUse: a fault or the trace cannot be had
+    :raises WrongUse: a fault, the trace or the chart cannot be had
     """
+    if args.what_if is not None and (args.trace is not None or args.gantt is not None):
+        raise WrongUse('--what-if compares two runs; --trace and --gantt are about one')
     try:
-        done = _simulated(args, types)
+        return _compare(args, types) if args.what_if is not None else _run(args, types)
     except Refused as refused:
         if not args.json:
             raise
@@ -94,80 +115,29 @@ def simulate(args: argparse.Namespace, types: ActionTypes) -> int:
         return 1
     except (WrongFaults, UnusableTrace) as error:
         raise WrongUse(str(error)) from error
-    if args.json:
-        print(json.dumps(_plain(done)))
-    else:
-        print('\n'.join(_lines(done)))
+
+
+def _run(args: argparse.Namespace, types: ActionTypes) -> int:
+    folders = script_folders(args.trees)
+    cell, given = bootstrap.load_jobs(args.orders, args.cell, folders, types)
+    done = run_jobs(cell, given, types, _options(args))
+    print(json.dumps(plain(done)) if args.json else '\n'.join(lines_of(done)))
     return 0 if done.outcome is Outcome.FINISHED else 1
 
 
-def _simulated(args: argparse.Namespace, types: ActionTypes) -> Run:
+def _compare(args: argparse.Namespace, types: ActionTypes) -> int:
     folders = script_folders(args.trees)
     cell, given = bootstrap.load_jobs(args.orders, args.cell, folders, types)
-    cell = with_faults(cell, args.fail, types)
-    fold = ForecastFold()
-    with ExitStack() as stack:
-        sinks: list[EventSink] = [fold]
-        if args.trace is not None:
-            sinks.append(stack.enter_context(TraceFile(args.trace)))
-        simulation = bootstrap.build_simulation(cell, types, sinks)
-        stack.callback(simulation.close)
-        bootstrap.queue(simulation, given)
-        log = WaitLog()
-        outcome = simulation.run(
-            lambda: log.look(simulation.state, simulation.waits(), simulation.clock.now())
-        )
-        waits = log.end(simulation.clock.now())
-        return _result(simulation, outcome, fold.forecast(cell, waits))
+    scripts = [one.job.script.name for one in given]
+    changed = what_if_jobs(args.what_if, args.orders, args.cell, folders, types, scripts)
+    before = run_jobs(cell, given, types, _options(args))
+    after = run_jobs(*changed, types, _options(args))
+    if args.json:
+        print(json.dumps(plain_change(before, after)))
+    else:
+        print('\n'.join(change_lines(before, after)))
+    return 0 if before.outcome is after.outcome is Outcome.FINISHED else 1
 
 
-def _result(simulation: Simulation, outcome: Outcome, forecast: Forecast) -> Run:
-    is_stuck = outcome is Outcome.STUCK
-    waits = standstill(simulation.state, simulation.waits()) if is_stuck else []
-    holds = tuple(simulation.state.holds.values())
-    return Run(outcome, simulation.clock.now(), forecast, tuple(waits), holds)
-
-
-# --- as text ----------------------------------------------------------------------------------
-
-
-def _lines(done: Run) -> Iterator[str]:
-    if done.outcome is Outcome.FINISHED:
-        yield from forecast_lines(done.forecast)
-        return
-    yield f'{done.outcome.value} at {done.time_s:.1f} s:'
-    for wait in done.waits:
-        yield f'  {wait}'
-    for hold in done.holds:
-        yield from _hold_lines(hold)
-    yield ''
-    yield from job_lines(done.forecast)
-
-
-def _hold_lines(hold: Hold) -> Iterator[str]:
-    subject = hold.item if hold.key is None else hold.key
-    where = '' if hold.section is None else f', section {hold.section}'
-    message = f' ({hold.message})' if hold.message else ''
-    yield f'  hold {hold.id}{where}: {subject}: {hold.reason}{message}'
-    yield f'    possible answers: {", ".join(hold.answers)}'
-
-
-# --- as data ----------------------------------------------------------------------------------
-
-
-def _plain(done: Run) -> dict[str, Any]:
-    slowest = done.forecast.bottleneck
-    return {
-        **as_json(()),
-        'ok': done.outcome is Outcome.FINISHED,
-        'outcome': done.outcome.value,
-        'time_s': done.time_s,
-        'forecast': dataclasses.asdict(done.forecast),
-        'bottleneck': None if slowest is None else dataclasses.asdict(slowest),
-        'waits': [_plain_wait(wait) for wait in done.waits],
-        'holds': [dataclasses.asdict(hold) for hold in done.holds],
-    }
-
-
-def _plain_wait(wait: PartWait) -> dict[str, Any]:
-    return {'part': wait.part, **to_plain(wait.wait)}
+def _options(args: argparse.Namespace) -> RunOptions:
+    return RunOptions(args.fail, args.on_hold, args.answer_after, args.trace, args.gantt)

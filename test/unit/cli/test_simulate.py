@@ -178,3 +178,105 @@ def test_scripts_that_disagree_about_a_flag_are_refused_at_the_later_order(
 def test_options_that_cannot_be_had_are_wrong_use(option: str, value: str, what: str) -> None:
     with pytest.raises(WrongUse, match=what):
         simulated(REFERENCE_ORDER, option, value)
+
+
+def test_the_chart_is_written(tmp_path: Path) -> None:
+    chart = tmp_path / 'chart.svg'
+    assert simulated(REFERENCE_ORDER, '--gantt', chart) == 0
+
+    assert 'WO-1001/3' in chart.read_text(encoding='utf-8')
+
+
+def test_the_chart_goes_up_to_where_the_run_got(stuck: Path, tmp_path: Path) -> None:
+    chart = tmp_path / 'chart.svg'
+    assert simulated(stuck, '--gantt', chart) == 1
+
+    assert '9 s in virtual time' in chart.read_text(encoding='utf-8')
+
+
+def test_holds_are_answered_as_said(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    trace = tmp_path / 'trace.jsonl'
+    fault = ['--fail', 'component_1a.#2=abort', '--on-hold', 'retry', '--answer-after', '7.5']
+    assert simulated(REFERENCE_ORDER, *fault, '--trace', trace) == 0
+
+    records = [json.loads(line) for line in trace.read_text().splitlines()]
+    (decided,) = [record for record in records if record['event'] == 'operator.decided']
+    (raised,) = [record for record in records if record['event'] == 'hold.raised']
+    assert (decided['who'], decided['answer']) == ('simulate --on-hold', 'retry')
+    assert decided['time'] - raised['time'] == 7.5
+
+
+def test_answers_that_lead_nowhere_end_with_a_sentence(capsys: pytest.CaptureFixture[str]) -> None:
+    assert simulated(REFERENCE_ORDER, '--fail', 'component_1a.#*=abort', '--on-hold', 'retry') == 1
+
+    assert 'was tried again 10 times and failed each time' in capsys.readouterr().out
+
+
+@pytest.mark.parametrize('seconds', ['-1', 'soon', 'nan', 'inf'])
+def test_a_time_to_answer_has_to_be_one(seconds: str) -> None:
+    with pytest.raises(SystemExit):
+        simulated(REFERENCE_ORDER, f'--answer-after={seconds}')
+
+
+# --- what if ----------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def quick_cell(tmp_path: Path) -> Path:
+    path = tmp_path / 'quick.yaml'
+    path.write_text(REFERENCE_CELL.read_text().replace('TASK_A: 1.0', 'TASK_A: 0.25'))
+    return path
+
+
+def test_another_cell_is_compared(quick_cell: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert simulated(REFERENCE_ORDER, '--what-if', quick_cell) == 0
+    lines = [' '.join(line.split()) for line in capsys.readouterr().out.splitlines()]
+
+    assert lines[0] == 'before after change'
+    assert 'time per item 6.5 s 4.4 s -32.7 %' in lines
+    assert 'section 2, an item every 5.0 s 5.0 s =' in lines
+    assert lines[-1] == 'bottleneck: from section 4 to section 2'
+
+
+def test_another_script_is_compared(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = (TREES / 'reference_process.yaml').read_text()
+    shorter = tmp_path / 'shorter.yaml'
+    shorter.write_text(text.replace('    - {task: TASK_B, action: /component_3b/task}\n', ''))
+    assert simulated(REFERENCE_ORDER, '--what-if', shorter, '--json') == 0
+
+    answer = json.loads(capsys.readouterr().out)
+    assert (answer['before']['time_s'], answer['after']['bottleneck']['section']) == (39.0, 2)
+    changes = {change['what']: change for change in answer['changes']}
+    assert changes['time per item']['percent'] == pytest.approx((5.0 / 6.5 - 1) * 100)
+
+
+def test_a_what_if_that_gets_held_is_told(
+    quick_cell: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    fault = ['--fail', 'component_1a.#2=abort']
+    assert simulated(REFERENCE_ORDER, '--what-if', quick_cell, *fault) == 1
+
+    assert '  held at 15.5 s:' in capsys.readouterr().out.splitlines()
+
+
+def test_a_file_that_is_neither_is_refused() -> None:
+    with pytest.raises(Refused, match='neither a cell file nor a script'):
+        simulated(REFERENCE_ORDER, '--what-if', REFERENCE_ORDER)
+
+
+def test_it_has_to_be_clear_which_script_is_replaced(tmp_path: Path) -> None:
+    orders = [
+        order(tmp_path, 'one', script='reference_process', quantity=1),
+        order(tmp_path, 'two', script='inspect_and_assemble', quantity=1),
+    ]
+    text = (TREES / 'reference_process.yaml').read_text()
+    other = tmp_path / 'other.yaml'
+    other.write_text(text.replace('script: reference_process', 'script: other'))
+
+    with pytest.raises(WrongUse, match='the orders ask for reference_process, inspect_and_assem'):
+        simulated(*orders, '--what-if', other)
+
+
+def test_two_runs_have_no_single_chart(quick_cell: Path) -> None:
+    with pytest.raises(WrongUse, match='compares two runs'):
+        simulated(REFERENCE_ORDER, '--what-if', quick_cell, '--gantt', 'x.svg')

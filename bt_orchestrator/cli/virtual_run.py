@@ -1,0 +1,161 @@
+"""One virtual run as the options of `simulate` describe it, and what it came to."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from bt_orchestrator.cli import bootstrap
+from bt_orchestrator.cli.check import as_json
+from bt_orchestrator.cli.forecast_text import forecast_lines, job_lines
+from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.codec import to_plain
+from bt_orchestrator.model.state import Hold
+from bt_orchestrator.ports import ActionTypes, EventSink
+from bt_orchestrator.runtime.waits import PartWait
+from bt_orchestrator.sim.fault_options import with_faults
+from bt_orchestrator.sim.forecast import Forecast
+from bt_orchestrator.sim.forecast_fold import ForecastFold
+from bt_orchestrator.sim.gantt import Gantt, GanttFold
+from bt_orchestrator.sim.gantt_page import gantt_svg
+from bt_orchestrator.sim.simulation import Outcome, Simulation
+from bt_orchestrator.sim.standing_answers import StandingAnswers
+from bt_orchestrator.sim.standstill import standstill
+from bt_orchestrator.sim.wait_log import WaitLog
+from bt_orchestrator.store.trace import TraceFile
+
+WHO = 'simulate --on-hold'
+"""Who answered, in the records of the run."""
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """How a run goes, whatever the cell and the orders."""
+
+    faults: Sequence[str] = ()
+    on_hold: Sequence[str] = ()
+    answer_after_s: float = 0.0
+    trace: Path | None = None
+    gantt: Path | None = None
+
+
+@dataclass(frozen=True)
+class Run:
+    """What a virtual run came to."""
+
+    outcome: Outcome
+    time_s: float
+    forecast: Forecast
+    waits: tuple[PartWait, ...]
+    """Who waits for whom at the end, if it is stuck."""
+    holds: tuple[Hold, ...]
+    complaints: tuple[str, ...]
+    """Why holds were not answered although there was an answer to give."""
+
+
+def run_jobs(
+    cell: Cell, given: Sequence[bootstrap.Given], types: ActionTypes, options: RunOptions
+) -> Run:
+    """Run jobs on a cell, from time 0.
+
+    :raises WrongFaults: a fault names what is not there
+    :raises UnusableTrace: the trace cannot be written
+    :raises WrongUse: the chart cannot be written
+    :raises Refused: the cell does not take all jobs
+    """
+    cell = with_faults(cell, options.faults, types)
+    fold, gantt = ForecastFold(), GanttFold()
+    with ExitStack() as stack:
+        sinks: list[EventSink] = [fold, gantt]
+        if options.trace is not None:
+            sinks.append(stack.enter_context(TraceFile(options.trace)))
+        simulation = bootstrap.build_simulation(cell, types, sinks)
+        stack.callback(simulation.close)
+        bootstrap.queue(simulation, given)
+        log = WaitLog()
+        operator = StandingAnswers(simulation, options.on_hold, options.answer_after_s, WHO)
+        outcome = simulation.run(_looks(simulation, log, operator if options.on_hold else None))
+        waits, now_s = log.end(simulation.clock.now()), simulation.clock.now()
+        if options.gantt is not None:
+            _draw(gantt.chart(cell.name, cell.conveyor.sections, waits, now_s), options.gantt)
+        return _result(simulation, outcome, fold.forecast(cell, waits), operator)
+
+
+def _looks(
+    simulation: Simulation, log: WaitLog, operator: StandingAnswers | None
+) -> Callable[[], None]:
+    def look() -> None:
+        log.look(simulation.state, simulation.waits(), simulation.clock.now())
+        if operator is not None:
+            operator.look()
+
+    return look
+
+
+def _draw(gantt: Gantt, path: Path) -> None:
+    try:
+        path.write_text(gantt_svg(gantt), encoding='utf-8')
+    except OSError as error:
+        what = error.strerror or str(error)
+        raise WrongUse(f'cannot write the Gantt chart {path}: {what}') from error
+
+
+def _result(
+    simulation: Simulation, outcome: Outcome, forecast: Forecast, operator: StandingAnswers
+) -> Run:
+    is_stuck = outcome is Outcome.STUCK
+    waits = standstill(simulation.state, simulation.waits()) if is_stuck else []
+    holds = tuple(simulation.state.holds.values())
+    complaints = tuple(operator.complaints())
+    return Run(outcome, simulation.clock.now(), forecast, tuple(waits), holds, complaints)
+
+
+# --- as text ----------------------------------------------------------------------------------
+
+
+def lines_of(done: Run) -> Iterator[str]:
+    """Yield everything about a run, for a person."""
+    if done.outcome is Outcome.FINISHED:
+        yield from forecast_lines(done.forecast)
+        return
+    yield f'{done.outcome.value} at {done.time_s:.1f} s:'
+    for wait in done.waits:
+        yield f'  {wait}'
+    for hold in done.holds:
+        yield from _hold_lines(hold)
+    for complaint in done.complaints:
+        yield f'  {complaint}'
+    yield ''
+    yield from job_lines(done.forecast)
+
+
+def _hold_lines(hold: Hold) -> Iterator[str]:
+    subject = hold.item if hold.key is None else hold.key
+    where = '' if hold.section is None else f', section {hold.section}'
+    message = f' ({hold.message})' if hold.message else ''
+    yield f'  hold {hold.id}{where}: {subject}: {hold.reason}{message}'
+    yield f'    possible answers: {", ".join(hold.answers)}'
+
+
+# --- as data ----------------------------------------------------------------------------------
+
+
+def plain(done: Run) -> dict[str, Any]:
+    """Return everything about a run as data that JSON can carry."""
+    slowest = done.forecast.bottleneck
+    return {
+        **as_json(()),
+        'ok': done.outcome is Outcome.FINISHED,
+        'outcome': done.outcome.value,
+        'time_s': done.time_s,
+        'forecast': dataclasses.asdict(done.forecast),
+        'bottleneck': None if slowest is None else dataclasses.asdict(slowest),
+        'waits': [{'part': wait.part, **to_plain(wait.wait)} for wait in done.waits],
+        'holds': [dataclasses.asdict(hold) for hold in done.holds],
+        'complaints': list(done.complaints),
+    }

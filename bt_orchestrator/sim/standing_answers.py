@@ -1,0 +1,91 @@
+"""Holds of a virtual run, answered as was said beforehand (semantics 7.1)."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from functools import partial
+
+from bt_orchestrator.model.commands import AnswerHold, RemoveItem
+from bt_orchestrator.model.events import TaskKey
+from bt_orchestrator.model.state import Hold
+from bt_orchestrator.sim.simulation import Simulation
+
+REMOVE_ITEM = 'remove_item'
+POSSIBLE = ('retry', 'mark_done', 'skip', 'reject', 'abort_job', REMOVE_ITEM)
+
+MOST_RETRIES = 10
+"""How often one task of one item is tried again; what fails that often would fail for ever."""
+
+
+class StandingAnswers:
+    """An operator who always gives the same answers, after the same time."""
+
+    def __init__(
+        self, simulation: Simulation, answers: Sequence[str], after_s: float, who: str
+    ) -> None:
+        """Stand by.
+
+        :param answers: the first one that a hold offers is given
+        """
+        self._simulation = simulation
+        self._answers = tuple(answers)
+        self._after_s = after_s
+        self._who = who
+        self._seen: dict[str, str] = {}
+        """The answer to each hold; empty where there was none to give."""
+        self._retries: Counter[tuple[TaskKey | None, int]] = Counter()
+        """By task, and by beat: the belt's own move is the same task in each."""
+        self._complaints: list[str] = []
+
+    def look(self) -> None:
+        """See to the holds that are new."""
+        state, clock = self._simulation.state, self._simulation.clock
+        for hold in [hold for hold in state.holds.values() if hold.id not in self._seen]:
+            answer = self._seen[hold.id] = self._answer_to(hold)
+            if answer:
+                when = clock.now() + self._after_s
+                clock.call_at(when, partial(self._give, hold, answer))
+
+    def complaints(self) -> list[str]:
+        """Say why holds are left."""
+        left = self._simulation.state.holds
+        stay = [
+            f'hold {hold} stays after {answer}; another answer has to end it'
+            for hold, answer in self._seen.items()
+            if answer and hold in left
+        ]
+        return [*self._complaints, *stay]
+
+    def _answer_to(self, hold: Hold) -> str:
+        answer = next((answer for answer in self._answers if answer in hold.answers), '')
+        if not answer:
+            self._complaints.append(
+                f'hold {hold.id} does not offer {" or ".join(self._answers)}, '
+                f'but {", ".join(hold.answers)}'
+            )
+        elif answer == 'retry' and self._is_in_vain(hold):
+            self._complaints.append(
+                f'{hold.key} was tried again {MOST_RETRIES} times and failed each time '
+                f'({hold.reason}); hold {hold.id} is left without an answer'
+            )
+            return ''
+        return answer
+
+    def _is_in_vain(self, hold: Hold) -> bool:
+        tried = (hold.key, self._simulation.state.beat)
+        self._retries[tried] += 1
+        return self._retries[tried] > MOST_RETRIES
+
+    def _give(self, hold: Hold, answer: str) -> None:
+        if hold.id not in self._simulation.state.holds:
+            return  # another answer ended it, abort_job for example
+        reason = 'decided beforehand'
+        command: AnswerHold | RemoveItem
+        if answer == REMOVE_ITEM:
+            command = RemoveItem(hold.item or '', self._who, reason)
+        else:
+            command = AnswerHold(hold.id, answer, self._who, reason)
+        given = self._simulation.orchestrator.ask(command)
+        if not given.accepted:
+            self._complaints.append(given.message)
