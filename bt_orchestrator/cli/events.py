@@ -1,38 +1,159 @@
-"""The verb `events`: what happens at a running node, as it happens."""
+"""The verb `events`: what happens at a running node, or what a journal says happened."""
 
 from __future__ import annotations
 
 import argparse
-from typing import Any
+import itertools
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import IO
 
+from bt_orchestrator.cli.journal_output import OUTPUTS
+from bt_orchestrator.cli.moments import moment
 from bt_orchestrator.cli.node_options import add_node_options
+from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.stop_signals import StopSignals
+from bt_orchestrator.store.reader import JournalReader, Wanted
+
+POLL_S = 0.2
+"""Time between two looks into a journal that is followed."""
+
+DESCRIPTION = """\
+Print every event of a running tree node from now on, one JSON object a line, until Ctrl-C. With
+--since-seq also those before, and none is missed: what the topic lost is fetched from the node's
+journal. With --journal read a journal file instead, whether its node runs or not, and end."""
+
+EPILOG = """\
+xes: one trace an item, the tasks are the activities (IEEE 1849-2016); csv: one row an event"""
+
+_OF_JOURNAL = ('job', 'event', 'since', 'until', 'follow', 'output', 'format')
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of the verb."""
-    parser.description = (
-        'Print every event of a running tree node from now on, one JSON object a line, until '
-        'Ctrl-C.'
-    )
+    parser.description = DESCRIPTION
+    parser.epilog = EPILOG
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.add_argument('--count', type=int, metavar='N', help='end after N events')
+    parser.add_argument(
+        '--since-seq', type=int, metavar='SEQ', help='begin after this sequence number'
+    )
+    parser.add_argument('--journal', type=Path, metavar='FILE', help='read this journal file')
+    parser.add_argument('--job', metavar='JOB', help='with --journal: of this job only')
+    parser.add_argument(
+        '--event',
+        action='append',
+        metavar='NAME',
+        help='with --journal: of this name only, task. for all of tasks; may be repeated',
+    )
+    parser.add_argument(
+        '--from',
+        dest='since',
+        type=moment,
+        metavar='TIME',
+        help='with --journal: from this time on, for instance 2026-05-17T14:30',
+    )
+    parser.add_argument(
+        '--to', dest='until', type=moment, metavar='TIME', help='with --journal: up to this time'
+    )
+    parser.add_argument(
+        '--follow', action='store_true', help='with --journal: go on with what is added to it'
+    )
+    parser.add_argument(
+        '--format', choices=OUTPUTS, help='with --journal: how it is written (default jsonl)'
+    )
+    parser.add_argument('-o', '--output', type=Path, metavar='FILE', help='with --journal: where')
     add_node_options(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns the exit status."""
+    _refuse_contradictions(args)
+    with StopSignals() as stop:
+        return _of_node(args, stop) if args.journal is None else _of_journal(args, stop)
+
+
+def _refuse_contradictions(args: argparse.Namespace) -> None:
+    if args.journal is None and any(getattr(args, name) for name in _OF_JOURNAL):
+        raise WrongUse('filters, --follow, --format and -o are for a journal: add --journal FILE')
+    if args.follow and args.format == 'xes':
+        raise WrongUse('xes is written when all events are known; leave --follow out')
+
+
+# --- a running node ---------------------------------------------------------------------------
+
+
+def _of_node(args: argparse.Namespace, stop: StopSignals) -> int:
     from bt_orchestrator.ros.client import NodeClient
+    from bt_orchestrator.ros.event_follower import EventFollower
 
-    printed = 0
-
-    def show(message: Any) -> None:
-        nonlocal printed
-        if args.count is None or printed < args.count:
-            print(message.record, flush=True)
-            printed += 1
-
-    with StopSignals() as stop, NodeClient(args.node, args.timeout) as client:
-        client.on_event(show)
-        while not stop.requested and (args.count is None or printed < args.count):
-            client.spin()
+    left = args.count
+    with NodeClient(args.node, args.timeout) as client:
+        follower = EventFollower(client, args.since_seq, _say_removed)
+        while not stop.requested and left != 0:
+            for message in follower.take():
+                print(message.record, flush=True)
+                left = None if left is None else left - 1
+                if left == 0:
+                    break
+            else:
+                client.spin()
     return 0
+
+
+def _say_removed(first: int, last: int) -> None:
+    what = f'events {first} to {last} are not in the journal any more'
+    print(what, file=sys.stderr)
+
+
+# --- a journal --------------------------------------------------------------------------------
+
+
+def _of_journal(args: argparse.Namespace, stop: StopSignals) -> int:
+    wanted = Wanted(args.since_seq or 0, args.job, tuple(args.event or ()), args.since, args.until)
+    with JournalReader(args.journal) as reader, _opened(args.output) as file:
+        first = reader.first_seq()
+        if args.since_seq is not None and first > args.since_seq + 1:
+            _say_removed(args.since_seq + 1, first - 1)
+        output = OUTPUTS[args.format or 'jsonl'](file)
+        for text in itertools.islice(_records(reader, wanted, args, stop), args.count):
+            output.write(text)
+            if args.follow:
+                file.flush()
+        output.close()
+    return 0
+
+
+def _records(
+    reader: JournalReader, wanted: Wanted, args: argparse.Namespace, stop: StopSignals
+) -> Iterator[str]:
+    """Yield the records that are there, and with --follow those that come."""
+    stopped = threading.Event()
+    stop.notify(stopped.set)
+    while True:
+        for seq, text in reader.records(wanted):
+            wanted = replace(wanted, after_seq=seq)
+            yield text
+        if not args.follow or stopped.wait(POLL_S):
+            return
+
+
+@contextmanager
+def _opened(path: Path | None) -> Iterator[IO[str]]:
+    """Give the file to write to, or the standard output.
+
+    :raises WrongUse: it cannot be written
+    """
+    if path is None:
+        yield sys.stdout
+        return
+    try:
+        file = path.open('w', encoding='utf-8', newline='')
+    except OSError as error:
+        raise WrongUse(f'cannot write {path}: {error.strerror}') from error
+    with file:
+        yield file

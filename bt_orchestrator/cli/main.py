@@ -25,7 +25,8 @@ VERBS: Mapping[str, tuple[str, str]] = {
     'demo': ('demo', 'a simulated cell, its tree node and one order, with live progress'),
     'submit': ('submit', 'give a running node work orders'),
     'status': ('status', 'how the cell of a running node stands'),
-    'events': ('events', 'what happens at a running node, one event a line'),
+    'events': ('events', 'what happens at a running node, or what a journal says happened'),
+    'history': ('history', 'the jobs of a journal and what became of them'),
     'answer': ('answer', 'decide about something that is held'),
     'pause': (
         'cell_command',

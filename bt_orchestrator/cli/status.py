@@ -34,6 +34,8 @@ def run(args: argparse.Namespace) -> int:
 def lines(status: Any) -> Iterator[str]:
     """Yield a status as text."""
     yield f'cell {status.cell}: {status.state}, belt {_belt(status)}'
+    if status.journal_failure:
+        yield f'  NOTHING IS DONE ANY MORE: {status.journal_failure}'
     for job in status.jobs:
         yield _job(job)
     for reason in status.initialization_waiting:

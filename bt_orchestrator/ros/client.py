@@ -8,6 +8,7 @@ from typing import Any
 
 import rclpy
 from bt_orchestrator_interfaces.msg import Event, Status
+from bt_orchestrator_interfaces.srv import GetEvents
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
@@ -67,6 +68,16 @@ class NodeClient:
         self.on_status(received.append)
         self.wait_until(lambda: bool(received), f'the status of {self._name}')
         return received[-1]
+
+    def events_after(self, seq: int) -> Any:
+        """Return events from the journal of the node (srv/GetEvents): as many as it gives at once.
+
+        :raises NodeUnreachable: it does not answer, or cannot read its journal
+        """
+        answer = self.call(GetEvents, 'get_events', GetEvents.Request(after_seq=seq))
+        if not answer.accepted:
+            raise NodeUnreachable(f'{self._name} cannot tell its events: {answer.message}')
+        return answer
 
     def on_status(self, callback: Callable[[Any], None]) -> None:
         """Call back with every status, the latched one first."""

@@ -20,6 +20,7 @@ from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.ports import ActionTypes, AdmissionCheck, EventStore, Journal
 from bt_orchestrator.ros.action_types import InstalledActionTypes
 from bt_orchestrator.ros.clock import RosClock
+from bt_orchestrator.ros.events_service import EventsService
 from bt_orchestrator.ros.executors import make_executor, spin_once
 from bt_orchestrator.ros.gateway import RosGateway
 from bt_orchestrator.ros.heart import Heart
@@ -83,11 +84,12 @@ class TreeNode:
             node, cell, types, server_timeout_s=self.parameters.server_timeout_s
         )
         self._journal = _open_journal(self.parameters, parts)
+        store = self._journal or parts.make_memory_store()
         self.orchestrator = Orchestrator(
             cell,
             self._gateway,
             RosClock(node),
-            self._journal or parts.make_memory_store(),
+            store,
             [EventsTopic(node)],
             wake=self.heart.wake,
             auto_start=self.parameters.auto_start,
@@ -96,6 +98,7 @@ class TreeNode:
         self._housekeeping = self._keep_house()
         admission = parts.make_admission_check(cell, types)
         Services(node, self.orchestrator, types, self.parameters.trees, admission)
+        EventsService(node, self.orchestrator.state, store)
         self._status = StatusTopic(node, self.orchestrator)
         Diagnostics(node, self.orchestrator, self.heart)
         self._ticks = TickStatistics()
@@ -127,6 +130,8 @@ class TreeNode:
         self.orchestrator.ask(Shutdown())
         running = self.orchestrator.state.running
         while running and stop.count == first and time.monotonic() < deadline:
+            if self.orchestrator.broken:
+                break  # nothing can be cancelled, and no end be kept
             self._spin_once(0.1)
         self._status.publish_now()
         self._linger(lambda: stop.count > first)

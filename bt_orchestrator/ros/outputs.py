@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 
 from bt_orchestrator_interfaces.msg import Event as EventMessage
@@ -10,11 +9,10 @@ from bt_orchestrator_interfaces.msg import Status
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 
-from bt_orchestrator.model.codec import to_record
 from bt_orchestrator.model.events import Event
+from bt_orchestrator.ros.event_message import event_message
 from bt_orchestrator.ros.heart import Heart
 from bt_orchestrator.ros.qos import EVENTS, LATCHED
-from bt_orchestrator.ros.stamps import to_time
 from bt_orchestrator.ros.status_message import status_message
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 
@@ -34,13 +32,7 @@ class EventsTopic:
     def publish(self, events: Sequence[Event]) -> None:
         """Publish the records, in order."""
         for event in events:
-            message = EventMessage(
-                seq=event.seq,
-                stamp=to_time(event.time),
-                event=event.event,
-                record=json.dumps(to_record(event), ensure_ascii=False),
-            )
-            self._publisher.publish(message)
+            self._publisher.publish(event_message(event))
 
 
 class StatusTopic:
@@ -50,21 +42,24 @@ class StatusTopic:
         self._node = node
         self._orchestrator = orchestrator
         self._publisher = node.create_publisher(Status, '~/status', LATCHED)
-        self._published_seq = -1
+        self._published: tuple[int, str | None] = (-1, None)
         self._beats = 0
         node.create_timer(STATUS_PERIOD_S, self._refresh)
 
     def publish_now(self) -> None:
         """Publish whatever is so now."""
         now = self._node.get_clock().now().nanoseconds / 1e9
-        self._published_seq = self._orchestrator.state.seq
+        self._published = self._standing
         self._beats = 0
         self._publisher.publish(status_message(self._orchestrator, now))
 
+    @property
+    def _standing(self) -> tuple[int, str | None]:
+        return self._orchestrator.state.seq, self._orchestrator.broken
+
     def _refresh(self) -> None:
         self._beats += 1
-        changed = self._published_seq != self._orchestrator.state.seq
-        if changed or self._beats * STATUS_PERIOD_S >= FRESH_S:
+        if self._published != self._standing or self._beats * STATUS_PERIOD_S >= FRESH_S:
             self.publish_now()
 
 

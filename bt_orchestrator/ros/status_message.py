@@ -35,6 +35,7 @@ def status_message(orchestrator: Orchestrator, now: float) -> Status:
         seq=state.seq,
         cell=state.cell.name,
         state=state.mode.value,
+        journal_failure=orchestrator.broken or '',
         belt_moving=state.indexing,
         belt_waiting=waiting(tree.belt),
         initialization_waiting=waiting(tree.initialization),

@@ -12,7 +12,7 @@ import logging
 import uuid
 from collections.abc import Callable, Sequence
 
-from bt_orchestrator.errors import CommandRefused, JournalFailed
+from bt_orchestrator.errors import CommandRefused, JournalFailed, OrchestratorError
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.commands import Answer, Command
@@ -148,17 +148,27 @@ class Orchestrator:
         try:
             self._store.append(events)
         except JournalFailed as failed:
-            self.broken = (
-                f'{failed}; nothing is sent any more, what runs goes on to its end. Make room or '
-                'mend the file, and start the orchestrator again: it takes over from the journal'
-            )
-            log.error('%s', self.broken)
+            self._break_off(failed)
             return False
         for event in events:
             self.flights.follow(event)
         for sink in self._sinks:
             self._hand_on(sink, events)
         return True
+
+    def _break_off(self, failed: JournalFailed) -> None:
+        self.broken = (
+            f'{failed}; nothing is sent any more, what runs goes on to its end. Make room or '
+            'mend the file, and start the orchestrator again: it takes over from the journal'
+        )
+        log.error('%s', self.broken)
+        try:
+            durable = restore(self.state.cell, self._store)
+        except OrchestratorError as error:
+            log.error('the state shown may be ahead of the journal: %s', error)
+            return
+        # Everybody reads this object, and shall see nothing that was not kept.
+        vars(self.state).update(vars(durable))
 
     def _hand_on(self, sink: EventSink, events: Sequence[e.Event]) -> None:
         try:

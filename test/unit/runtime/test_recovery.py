@@ -286,6 +286,7 @@ def test_9_1_nothing_is_sent_that_is_not_durable() -> None:
     assert first.broken is not None
     assert 'disk full' in first.broken
     assert not first.ask(Pause('Ann', '')).accepted
+    assert first.state.seq == len(list(world.store.read())) == 23
     first.close()
 
     durable = MemoryStore()

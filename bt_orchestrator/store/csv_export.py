@@ -1,0 +1,58 @@
+"""Records as a table for a spreadsheet: one row an event, the same columns for every journal."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Mapping
+from datetime import datetime, timezone
+from typing import IO, Any
+
+COLUMNS = (
+    *('seq', 'time', 'event', 'job', 'section', 'item', 'task', 'name', 'action', 'component'),
+    *('attempt', 'goal', 'reason', 'message', 'hold', 'answer', 'who', 'how', 'flag', 'count'),
+    *('beat', 'state', 'previous', 'results', 'more'),
+)
+"""New ones come at the end, before `more`: what has no column of its own, as JSON."""
+
+LEFT_OUT = ('definition',)
+"""The text of a script; it is in the jsonl export."""
+
+
+class CsvExport:
+    """Writes RFC 4180 with a header. Times are ISO 8601 in UTC, mappings are JSON."""
+
+    def __init__(self, file: IO[str]) -> None:
+        self._writer = csv.writer(file)
+        self._writer.writerow(COLUMNS)
+
+    def write(self, text: str) -> None:
+        """Write one record."""
+        record: dict[str, Any] = json.loads(text)
+        record['time'] = iso_time(record['time'])
+        more = {k: v for k, v in record.items() if k not in COLUMNS and k not in LEFT_OUT}
+        if more:
+            record['more'] = more
+        self._writer.writerow([_cell(record.get(name)) for name in COLUMNS])
+
+    def close(self) -> None:
+        """Do nothing: every row is complete."""
+
+
+def iso_time(seconds: float) -> str:
+    """Return a time as programs read it, to the microsecond."""
+    moment = datetime.fromtimestamp(seconds, timezone.utc)
+    return moment.isoformat(timespec='microseconds')
+
+
+def _cell(value: Any) -> Any:
+    """Return a value for one cell of a table.
+
+    A text that a spreadsheet would take for a formula gets an apostrophe in front: names and
+    messages come from devices and operators.
+    """
+    if isinstance(value, (Mapping, list)):
+        return json.dumps(value, ensure_ascii=False)
+    if isinstance(value, str) and value.startswith(('=', '+', '-', '@', '\t', '\r')):
+        return f"'{value}"
+    return value

@@ -1,0 +1,71 @@
+"""The journal of a real node: events that were missed, a disk that is full."""
+
+from __future__ import annotations
+
+import json
+import resource
+from pathlib import Path
+from typing import Any
+
+from bt_orchestrator_interfaces.srv import Command, GetEvents
+from cell_processes import CellProcesses, StartCell, run_verb
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+
+
+def start(start_cell: StartCell, path: Path) -> CellProcesses:
+    cell = start_cell(run_options=['--journal', str(path), '--auto-resume'])
+    cell.connect()
+    return cell
+
+
+def events_after(cell: CellProcesses, seq: int, most: int) -> Any:
+    request = GetEvents.Request(after_seq=seq, most=most)
+    return cell.watch.call(GetEvents, 'get_events', request)
+
+
+def test_events_that_were_missed_can_be_had(small_cell: CellProcesses) -> None:
+    small_cell.run_small(quantity=2)
+    small_cell.watch.until_ended('WO-1')
+    last = small_cell.watch.until('cell.state_changed', state='Complete')['seq']
+
+    page = events_after(small_cell, 3, 5)
+    assert [message.seq for message in page.events] == [4, 5, 6, 7, 8]
+    assert (page.accepted, page.first_seq, page.last_seq) == (True, 1, last)
+    records = [json.loads(message.record) for message in page.events]
+    assert records == [e for e in small_cell.watch.events if 4 <= e['seq'] <= 8]
+    assert events_after(small_cell, last, 0).events == []
+
+    words = ['events', '--since-seq', '2', '--count', str(last - 2)]
+    status, output, _ = run_verb(small_cell.folder, *words)
+    assert status == 0
+    assert [json.loads(line)['seq'] for line in output.splitlines()] == list(range(3, last + 1))
+    small_cell.stop()
+
+
+def test_a_full_disk_is_told_and_a_restart_goes_on(start_cell: StartCell, tmp_path: Path) -> None:
+    path = tmp_path / 'cell' / 'journal.sqlite3'
+    cell = start(start_cell, path)
+    said: list[DiagnosticStatus] = []
+    cell.watch.ros.node.create_subscription(
+        DiagnosticArray, '/diagnostics', lambda message: said.extend(message.status), 10
+    )
+    cell.run_small(task='TASK_C', quantity=3)
+    cell.watch.until('task.started', task='work')
+    room = path.with_name(path.name + '-wal').stat().st_size
+    resource.prlimit(cell.node.pid, resource.RLIMIT_FSIZE, (room, room))
+
+    status = cell.watch.until_status(lambda s: s.journal_failure, 'the failure of the journal')
+    assert 'cannot be written' in status.journal_failure
+    assert 'start the orchestrator again' in status.journal_failure
+    cell.watch.ros.spin_until(
+        lambda: any(s.level == DiagnosticStatus.ERROR for s in said), 'an error in diagnostics'
+    )
+    request = Command.Request(command='pause', who='Ann', reason='a test')
+    refused = cell.watch.call(Command, 'command', request)
+    assert (refused.accepted, refused.message) == (False, status.journal_failure)
+
+    cell.kill_and_restart_node()
+    cell.watch.until_ended('WO-1', within_s=40.0)
+    ran = [record['goal'] for record in cell.goals(event='started')]
+    assert len(ran) == len(set(ran))
+    cell.stop()

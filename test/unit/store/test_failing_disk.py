@@ -1,0 +1,127 @@
+"""Full disks, files that cannot be written, damaged files: said in words, and nothing is lost."""
+
+from __future__ import annotations
+
+import json
+import logging
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from fakes import until_broken
+from fakes.line import Line
+from fakes.long_journal import LongRun
+
+from bt_orchestrator.model.commands import AnswerHold
+from bt_orchestrator.runtime.recovery import restore
+from bt_orchestrator.store.database import JournalUnusable
+from bt_orchestrator.store.sqlite import SqliteStore
+
+NOBODY = 65534
+
+OPEN = """
+import os, sys
+from pathlib import Path
+from bt_orchestrator.store.sqlite import SqliteStore
+from bt_orchestrator.errors import OrchestratorError
+os.setuid(int(sys.argv[2]))
+try:
+    SqliteStore(Path(sys.argv[1])).close()
+except OrchestratorError as error:
+    print(error)
+"""
+
+
+def run_python(*words: str) -> str:
+    """Run Python in a process of its own, with the modules of this one."""
+    done = subprocess.run(
+        [sys.executable, *words],
+        env={**os.environ, 'PYTHONPATH': os.pathsep.join(sys.path)},
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=50,
+    )
+    return done.stdout.strip()
+
+
+@pytest.fixture
+def folder() -> Iterator[Path]:
+    """Give a folder that other users may look into."""
+    with tempfile.TemporaryDirectory() as name:
+        Path(name).chmod(0o755)
+        yield Path(name)
+        Path(name).chmod(0o755)
+
+
+@pytest.mark.parametrize('room', [60_000, 100_000])
+def test_a_full_disk_stops_the_cell_and_what_was_durable_goes_on(
+    tmp_path: Path, room: int
+) -> None:
+    path = tmp_path / 'journal.sqlite3'
+    said: dict[str, Any] = json.loads(run_python(until_broken.__file__, str(path), str(room)))
+    assert 'cannot be written' in said['broken']
+    assert 'nothing is sent any more' in said['broken']
+    assert said['pause'] is False
+
+    run = LongRun(path)  # there is room again
+    seqs = [event.seq for event in run.store.read()]
+    assert seqs == list(range(1, said['seq'] + 1))  # what was shown is what was kept
+    assert list(run.orchestrator.state.jobs) == said['live']
+    while run.orchestrator.state.jobs:
+        run.orchestrator.settle()
+        for hold in list(run.orchestrator.state.holds):  # controllers of another process
+            assert run.orchestrator.ask(AnswerHold(hold, 'mark_done', 'Ann', 'seen')).accepted
+        run.clock.advance()
+    run.job('LAST')
+    run.close()
+
+
+def test_a_file_that_may_not_be_written_is_refused_at_once(folder: Path) -> None:
+    path = folder / 'journal.sqlite3'
+    SqliteStore(path).close()
+    user = str(NOBODY if os.geteuid() == 0 else os.geteuid())
+    path.chmod(0o444)
+    path.with_name(path.name + '.lock').chmod(0o666)
+    folder.chmod(0o777)
+    assert 'attempt to write a readonly database' in run_python('-c', OPEN, str(path), user)
+    path.with_name(path.name + '.lock').unlink()
+    folder.chmod(0o555)
+    said = run_python('-c', OPEN, str(path), user)
+    assert said == f'the journal {path} cannot be opened: Permission denied'
+
+
+def damage(path: Path, first: int) -> bytes:
+    """Overwrite all pages but the first ones."""
+    whole = path.read_bytes()
+    kept = first * 4096
+    path.write_bytes(whole[:kept] + b'\x5a' * (len(whole) - kept))
+    return path.read_bytes()
+
+
+def test_overwritten_bytes_are_refused_and_kept(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    caplog.set_level(logging.CRITICAL)
+    path = tmp_path / 'journal.sqlite3'
+    run = LongRun(path)
+    for number in range(5):
+        run.job(f'J{number}')
+    run.close()
+    damaged = damage(path, 3)
+    with pytest.raises(JournalUnusable, match='cannot be used: database disk image is malformed'):
+        restored(path)
+    assert path.read_bytes()[4096:] == damaged[4096:]
+
+
+def restored(path: Path) -> None:
+    store = SqliteStore(path)
+    try:
+        restore(Line().cell, store)
+    finally:
+        store.close()
