@@ -92,7 +92,7 @@ def test_events_in_other_formats(
 ) -> None:
     words = ('events', '--journal', journal)
     text = said(capsys, *words, '--format', 'text', '--event', 'task.failed')
-    assert '#55 ' in text
+    assert '#45 ' in text
     assert 'task.failed           section 2 J1/2 work attempt=1' in text
     table = tmp_path / 'events.csv'
     said(capsys, *words, '--format', 'csv', '-o', str(table))
