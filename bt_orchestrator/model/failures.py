@@ -43,7 +43,7 @@ def pass_over(
 ) -> Iterator[e.Event]:
     """Let the cycle go on after a failure, as a policy or an operator says."""
     assert key.job is not None
-    if policy is OnFailure.REJECT and key.item is not None:
+    if policy is OnFailure.REJECT and key.item and not state.items[key.item].rejected:
         yield e.ItemRejected(job=key.job, item=key.item, reason=reason)
     if policy is OnFailure.ABORT_JOB:
         yield from effects.of_abort(state, state.jobs[key.job], reason)

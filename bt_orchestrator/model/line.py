@@ -200,7 +200,7 @@ def end_of_beat(state: CellState) -> Advance | Overrun | Wait:
         return stopped
     if any(section.slot for section in state.sections.values()):
         return Advance.INDEX
-    if _source_may_begin(state):
+    if _is_begun_ahead(state) or _source_may_begin(state):
         return Advance.NEXT_BEAT
     return Wait('waiting for an item on the belt', WaitKind.ITEM)
 
@@ -219,6 +219,12 @@ def owes_turn(state: CellState, section: SectionState) -> str | None:
     if isinstance(_at_source(state, section, state.beat), Start):
         return f'waiting for section {section.number} to place the next item'
     return None
+
+
+def _is_begun_ahead(state: CellState) -> bool:
+    """Tell whether a cycle waits for the next beat; it may be the last one (semantics 3.5)."""
+    cycles = (section.cycle for section in state.sections.values())
+    return any(cycle is not None and cycle.beat > state.beat for cycle in cycles)
 
 
 def _source_may_begin(state: CellState) -> bool:

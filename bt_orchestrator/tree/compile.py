@@ -126,7 +126,7 @@ class CellTree:
         children: list[Behaviour] = []
         for task in job.job.script.initialization:
             subject = Subject(self._recorder, task, job.job.id)
-            guarded = self._ready(subject, _decided(subject))
+            guarded = self._shared(job.job.id, subject)
             children.append(InitializationGuard(subject, preparation, guarded))
         return _parallel(job.job.id, children)
 
@@ -163,12 +163,17 @@ class CellTree:
         assert subject.job is not None
         script = self._recorder.state.script(subject.job)
         task = subject.task.id
-        behaviour = self._ready(subject, _decided(subject))
-        for zone in script.zones_of.get(task, ()):
-            behaviour = ZoneGuard(subject, zone, behaviour, self._space)
+        behaviour = self._shared(subject.job, subject)
         flags = (*script.upstream_of.get(task, ()), *script.downstream_of.get(task, ()))
         for dependency in flags:
             behaviour = FlagGuard(subject, dependency, behaviour, self._space)
+        return behaviour
+
+    def _shared(self, job: str, subject: Subject) -> Behaviour:
+        """Compile a task with the guards of what it shares: a ready component, zones (4.4)."""
+        behaviour = self._ready(subject, _decided(subject))
+        for zone in self._recorder.state.script(job).zones_of.get(subject.task.id, ()):
+            behaviour = ZoneGuard(subject, zone, behaviour, self._space)
         return behaviour
 
     def _ready(self, subject: Subject, behaviour: Behaviour) -> Behaviour:

@@ -65,6 +65,10 @@ class ActionLeaf(TaskWaiter, Behaviour):
         return Status.SUCCESS
 
     def _start_if_free(self, progress: TaskState | None) -> Status:
+        stopped = self._stopped()
+        if stopped is not None:
+            self.note(stopped)
+            return Status.RUNNING
         skipped = self.subject.why_skipped()
         if skipped is not None:
             return self._skip(skipped)
@@ -81,17 +85,19 @@ class ActionLeaf(TaskWaiter, Behaviour):
         self.feedback_message = f'skipped: {reason}'
         return Status.SUCCESS
 
-    def _obstacle(self, progress: TaskState | None) -> Wait | None:
-        """Say what keeps the next attempt from starting, besides the guards."""
-        state, task = self.subject.state, self.subject.task
+    def _stopped(self) -> Wait | None:
+        """Say why nothing goes on here; a skip would, for it counts as if the task had run."""
+        state = self.subject.state
         if not state.mode.works:
             return Wait(f'the cell is {state.mode.value}', WaitKind.CELL_STATE, state.mode.value)
         if state.pauses:
             what = f'paused: {state.pauses[0].reason}, {state.pauses[0].message}'
             return Wait(what, WaitKind.PAUSE, state.pauses[0].id)
-        held = self.subject.waits_in_hold()
-        if held is not None:
-            return held
+        return self.subject.waits_in_hold()
+
+    def _obstacle(self, progress: TaskState | None) -> Wait | None:
+        """Say what keeps the next attempt from starting, besides the guards."""
+        state, task = self.subject.state, self.subject.task
         if progress is not None and progress.not_before > self.subject.recorder.now + EARLY_S:
             self.subject.recorder.wake_at(progress.not_before)
             return Wait(f'waiting to retry, attempt {progress.attempt + 1}', WaitKind.RETRY_DELAY)

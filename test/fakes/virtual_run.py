@@ -3,14 +3,24 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from typing import Any
 
 from fakes.invariants import Invariants
 
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import from_record, to_record
-from bt_orchestrator.model.commands import Answer, AnswerHold, Command, RemoveItem, SubmitJob
+from bt_orchestrator.model.commands import (
+    Answer,
+    AnswerHold,
+    Command,
+    Pause,
+    RemoveItem,
+    Resume,
+    SubmitJob,
+)
 from bt_orchestrator.model.fold import apply
+from bt_orchestrator.model.goal import GoalRequest
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState, JobState
@@ -23,13 +33,21 @@ from bt_orchestrator.tree.compile import CellTree
 class VirtualRun:
     """A line at work. Every step forward is checked against `Invariants` and a replay."""
 
-    def __init__(self, cell: Cell, types: ActionTypes, *, rebuild: bool = False) -> None:
+    def __init__(
+        self,
+        cell: Cell,
+        types: ActionTypes,
+        *,
+        rebuild: bool = False,
+        duration: Callable[[GoalRequest], float] | None = None,
+    ) -> None:
         """Switch the line on.
 
+        :param duration: seconds of each goal; without it the nominal ones
         :param rebuild: compile the tree anew after every settle, and tick all of it every time
         """
         self.store = MemoryStore()
-        self.sim = Simulation(cell, types, self.store)
+        self.sim = Simulation(cell, types, self.store, duration=duration)
         self._invariants = Invariants(cell)
         self._rebuild = rebuild
 
@@ -71,6 +89,14 @@ class VirtualRun:
     def remove(self, item: str) -> Answer:
         """Take an item off the belt by hand."""
         return self.ask(RemoveItem(item, 'Ann', 'it fell over'))
+
+    def pause(self) -> Answer:
+        """Let the cell start nothing more."""
+        return self.ask(Pause('Ann', 'coffee'))
+
+    def resume(self) -> Answer:
+        """Let it go on."""
+        return self.ask(Resume('Ann', 'back'))
 
     # --- looking ----------------------------------------------------------------------------
 

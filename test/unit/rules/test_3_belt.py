@@ -21,6 +21,16 @@ def test_3_5_with_nothing_on_the_belt_the_next_beat_begins_without_a_move() -> N
     assert run.all('belt.index_started') == []
 
 
+def test_3_5_the_next_beat_begins_for_a_last_cycle_that_was_begun_ahead() -> None:
+    """The source has no cycles left to begin, but one that waits for its beat."""
+    text = 'sections:\n  1: [{id: place, @a1, qty_change: 1}, {id: pack, @b1, qty_change: -1}]'
+    run = Line(1, faults={'b1': '#1=abort'}).run(text, 2)
+    run.answer('mark_done')
+    run.go()
+    assert len(run.all('beat.started', beat=2)) == 1
+    assert run.ended, run.waits()
+
+
 def test_3_5_without_items_and_cycles_the_belt_rests() -> None:
     run = Line().run()
     assert len(run.all('belt.indexed')) == 2

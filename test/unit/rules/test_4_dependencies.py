@@ -291,6 +291,20 @@ def test_4_4_initialization_goes_before_sections() -> None:
     assert run.starts('ready') == [5.0]
 
 
+def test_4_4_initialization_tasks_of_a_zone_never_overlap() -> None:
+    text = """
+    initialization: [{id: light, @lamp}, {id: ready, @a2}, {id: other, @b2}]
+    sections:
+      1: [{id: place, @a1, qty_change: 1}]
+      2: [{id: work, @a2}]
+      3: [{id: pack, @a3, qty_change: -1}]
+    zones: {table: [light, ready]}
+    """
+    run = Line().run(text, 1)
+    assert [run.starts(task) for task in ('light', 'other', 'ready')] == [[0.0], [0.0], [1.0]]
+    assert run.ended
+
+
 def test_4_4_in_a_section_the_list_decides() -> None:
     text = """
     sections:

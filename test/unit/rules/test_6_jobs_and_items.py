@@ -174,6 +174,33 @@ def test_6_4_the_remaining_tasks_skip_a_rejected_item() -> None:
     assert run.times('item.moved', item='J/2', section=3) == [13.0]
 
 
+def test_6_4_an_item_is_rejected_once() -> None:
+    text = """
+    sections:
+      1: [{id: place, @a1, qty_change: 1}]
+      2: [parallel: [{id: one, @a2, on_failure: reject}, {id: two, @b2, on_failure: reject}]]
+      3: [{id: pack, @a3, qty_change: -1, runs_for: all}]
+    """
+    run = Line(faults={'a2': '#1=abort', 'b2': '#1=abort'}).run(text)
+    assert run.order('item.rejected', 'item') == ['J/1']
+    assert run.counts()['rejected'] == 1
+
+
+def test_6_4_no_further_attempt_for_an_item_that_was_rejected_meanwhile() -> None:
+    text = """
+    sections:
+      1: [{id: place, @a1, qty_change: 1}]
+      2:
+        - parallel:
+          - {id: one, @a2, on_failure: reject}
+          - {id: two, @b2, retries: 3, retry_delay: 5.0}
+      3: [{id: pack, @a3, qty_change: -1, runs_for: all}]
+    """
+    run = Line(faults={'a2': '#1=abort', 'b2': '#1=abort'}).run(text)
+    assert run.starts('two') == [3.0]
+    assert run.order('task.skipped') == ['two']
+
+
 # --- 6.5 ------------------------------------------------------------------------------------
 
 

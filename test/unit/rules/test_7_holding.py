@@ -26,6 +26,21 @@ def test_7_1_the_held_section_starts_nothing() -> None:
     assert run.ended
 
 
+def test_7_1_the_held_section_skips_nothing_either() -> None:
+    """A skip counts as if the task had run (4.2), and the answer may reject the item."""
+    text = with_section(
+        2,
+        '[parallel: [{id: bad, @a2}, [{id: one, @b2}, {id: two, @b2, runs_for: rejected}]]]',
+    ).replace('qty_change: -1', 'qty_change: -1, runs_for: all')
+    run = Line(faults={'a2': '#1=abort'}, seconds={'b2': 3.0}).run(text)
+    assert run.times('task.succeeded', task='one') == [6.0]
+    assert run.all('task.skipped') == []
+    run.answer('reject')
+    run.go()
+    assert run.starts('two') == [6.0]
+    assert run.ended
+
+
 def test_7_1_the_other_sections_finish_the_cycle_in_hand_and_begin_none() -> None:
     text = """
     sections:
