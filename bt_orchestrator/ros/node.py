@@ -71,6 +71,7 @@ class TreeNode:
         :raises Refused: the cell file, with every mistake in it
         :raises UnknownExecutor: the parameter `executor` names none
         :raises UnknownInspection: the parameter `inspection` names none
+        :raises NoLibrary: it names py_trees_ros, which cannot be loaded
         """
         self.node = node
         self.parameters = declare(node, defaults)
@@ -102,7 +103,7 @@ class TreeNode:
         self._status = StatusTopic(node, self.orchestrator)
         Diagnostics(node, self.orchestrator, self.heart)
         self._ticks = TickStatistics()
-        start_inspection(node, self.orchestrator, self._ticks)
+        self._inspected = start_inspection(node, self.orchestrator, self._ticks)
         self.executor.add_node(node)
 
     @property
@@ -114,7 +115,7 @@ class TreeNode:
 
     def serve(self, stop: StopSignals) -> None:
         """Run the cell until a stop signal comes."""
-        settle = self._ticks.timed(self.orchestrator.settle)
+        settle = self._inspected(self._ticks.timed(self.orchestrator.settle))
         self.heart.start(lambda: self._beat(settle), self.parameters.tick_rate_hz)
         self._status.publish_now()
         while not stop.requested:

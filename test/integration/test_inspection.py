@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 from uuid import UUID
 
@@ -19,8 +21,10 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from watching_client import Snapshot
 
-from bt_orchestrator.ros.inspection import start
+from bt_orchestrator.ros.inspection import library_tree, start
+from bt_orchestrator.ros.inspection.library_tree import NoLibrary
 from bt_orchestrator.ros.inspection.parameters import UnknownInspection
+from bt_orchestrator.ros.inspection.tick_statistics import TickStatistics
 from bt_orchestrator.ros.inspection.tree_messages import TreeMessages
 
 # --- trees ------------------------------------------------------------------------------------
@@ -141,8 +145,8 @@ def start_on_node(context: Context, kind: str = 'builtin') -> list[str]:
     override = Parameter('inspection', value=kind)
     node = Node('bare', context=context, parameter_overrides=[override])
     try:
-        unused: Any = None
-        start.start_inspection(node, unused, unused)
+        engine: Any = SimpleNamespace(tree=SimpleNamespace(root=sample_tree()[0]))
+        start.start_inspection(node, engine, TickStatistics())
         return [name for name, _ in node.get_service_names_and_types_by_node('bare', '/')]
     finally:
         node.destroy_node()
@@ -160,13 +164,31 @@ def test_without_the_message_types_the_node_runs_and_warns_once(
     assert 'the package no_such_interfaces is not installed' in warning
 
 
-@pytest.mark.parametrize(
-    ('kind', 'words'),
-    [('py_trees_ros', 'not supported yet'), ('other', "expected builtin, found 'other'")],
-)
-def test_another_kind_is_refused_in_words(context: Context, kind: str, words: str) -> None:
-    with pytest.raises(UnknownInspection, match=words):
-        start_on_node(context, kind)
+def test_another_kind_is_refused_in_words(context: Context) -> None:
+    with pytest.raises(UnknownInspection, match="builtin or py_trees_ros, found 'other'"):
+        start_on_node(context, 'other')
+
+
+def test_a_library_that_is_missing_is_named_with_how_to_get_it(
+    context: Context, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(library_tree, 'LIBRARY', 'no_such_library')
+    with pytest.raises(NoLibrary) as refused:
+        start_on_node(context, 'py_trees_ros')
+    assert 'no_such_library was asked for, and it is not installed; ' in str(refused.value)
+    assert 'apt: ros-$ROS_DISTRO-py-trees-ros' in str(refused.value)
+
+
+def test_a_library_that_lacks_something_says_what(
+    context: Context, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    (tmp_path / 'half_library').mkdir()
+    (tmp_path / 'half_library' / '__init__.py').write_text('')
+    (tmp_path / 'half_library' / 'trees.py').write_text('import tf2_that_is_missing')
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.setattr(library_tree, 'LIBRARY', 'half_library')
+    with pytest.raises(NoLibrary, match='cannot be loaded: No module named'):
+        start_on_node(context, 'py_trees_ros')
 
 
 def test_the_services_are_those_of_the_contract(context: Context) -> None:

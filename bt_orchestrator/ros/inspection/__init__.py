@@ -10,7 +10,8 @@
     topic_names.py         the topics of streams
     tick_statistics.py     how long ticks take
     parameters.py          the node's parameters for all this
-    start.py               starts the server, if its message types are installed
+    library_tree.py        the server of py_trees_ros instead, where that is asked for
+    start.py               starts the one or the other, if what it needs is installed
 
 Everything runs in the executor's thread, between settles and never inside one.
 """

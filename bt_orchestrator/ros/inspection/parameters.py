@@ -13,13 +13,14 @@ from rclpy.node import Node
 from bt_orchestrator.errors import OrchestratorError
 
 BUILTIN = 'builtin'
+KINDS = (BUILTIN, 'py_trees_ros')
 
 ON_CHANGE_S = sys.float_info.max
 """The period that stands for: only when something has changed."""
 
 
 class UnknownInspection(OrchestratorError):
-    """The kind of inspection asked for does not exist, or not yet."""
+    """The kind of inspection asked for does not exist."""
 
 
 @dataclass(frozen=True)
@@ -55,18 +56,16 @@ def declare_kind(node: Node) -> str:
     :raises UnknownInspection: it names none that there is
     """
     descriptor = ParameterDescriptor(
-        description='What tree watchers attach to: builtin, the inspection server of this node.',
-        additional_constraints='builtin (py_trees_ros is not supported yet)',
+        description='What tree watchers attach to: builtin, the server of this node, or '
+        'py_trees_ros, the server of that package.',
+        additional_constraints=' or '.join(KINDS),
         read_only=True,
     )
     kind = str(node.declare_parameter('inspection', BUILTIN, descriptor).value)
-    if kind == 'py_trees_ros':
+    if kind not in KINDS:
         raise UnknownInspection(
-            'parameter inspection: py_trees_ros is not supported yet; '
-            "use builtin, to which py_trees_ros' watchers attach just as well"
+            f'parameter inspection: expected {" or ".join(KINDS)}, found {kind!r}'
         )
-    if kind != BUILTIN:
-        raise UnknownInspection(f'parameter inspection: expected builtin, found {kind!r}')
     return kind
 
 

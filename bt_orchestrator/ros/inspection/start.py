@@ -1,30 +1,48 @@
-"""Starts the inspection server, if its message types are installed."""
+"""Starts what tree watchers attach to: the inspection server, or that of py_trees_ros."""
 
 from __future__ import annotations
 
 import importlib.util
+from collections.abc import Callable
 
 from rclpy.node import Node
 
-from bt_orchestrator.ros.inspection.parameters import declare_kind
+from bt_orchestrator.ros.inspection.library_tree import LibraryTree, library_tree
+from bt_orchestrator.ros.inspection.parameters import BUILTIN, declare_kind
 from bt_orchestrator.ros.inspection.tick_statistics import TickStatistics
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 
 INTERFACES = 'py_trees_ros_interfaces'
 
+Settle = Callable[[], object]
 
-def start_inspection(node: Node, orchestrator: Orchestrator, ticks: TickStatistics) -> None:
+
+def start_inspection(
+    node: Node, orchestrator: Orchestrator, ticks: TickStatistics
+) -> Callable[[Settle], Settle]:
     """Let tree watchers attach to a node; without their message types, say that they cannot.
 
+    :return: what to wrap each settle in
     :raises UnknownInspection: the parameter `inspection` names none that there is
+    :raises NoLibrary: it names py_trees_ros, which cannot be loaded
     """
-    declare_kind(node)
+    kind = declare_kind(node)
+    if kind != BUILTIN:
+        tree = library_tree(orchestrator.tree.root, node)
+        logger = node.get_logger().get_child('inspection')
+        return LibraryTree(tree, lambda: orchestrator.tree.root, logger).around
     if importlib.util.find_spec(INTERFACES) is None:
         node.get_logger().warning(
             f'no tree watcher can attach: the package {INTERFACES} is not installed '
             '(apt: ros-$ROS_DISTRO-py-trees-ros-interfaces); the cell runs as usual'
         )
-        return
+        return _as_it_is
     from bt_orchestrator.ros.inspection.server import InspectionServer
 
     InspectionServer(node, orchestrator, ticks)
+    return _as_it_is
+
+
+def _as_it_is(settle: Settle) -> Settle:
+    """Wrap nothing: the inspection server looks between settles."""
+    return settle
