@@ -8,14 +8,21 @@ from pathlib import Path
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.check import add_cell_options
 from bt_orchestrator.cli.folders import script_folders
+from bt_orchestrator.cli.live_picture import Status, follow, node_status, saved_status
+from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.tree.draw import FORMATS, VIEWS, Drawing, draw
+from bt_orchestrator.tree.draw_status import line_state
 
 DESCRIPTION = """\
 Draw a script: the belt with its sections, every task with its arguments and policies, flags, zones
-and initialization. Needs no node. A script that would get stuck is drawn as well; see `check`."""
+and initialization. Needs no node. A script that would get stuck is drawn as well; see `check`.
+
+With --live or --status the same drawing shows how the line stands: what runs, waits (and for
+what), failed or is held, where the items are, the flags' counts. What a section does for a job of
+another script is said at its slot."""
 
 EPILOG = 'exit status: 0 drawn, 1 the script is refused or cannot be drawn, 2 wrong use'
 
@@ -31,6 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of the verb."""
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.add_argument('script', metavar='SCRIPT', help='name or path of a script (YAML)')
     add_cell_options(parser)
     parser.add_argument(
@@ -47,11 +55,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=VIEWS[0],
         help='line: the process, for reviewers (default); tree: the behaviours it compiles to',
     )
+    source = parser.add_mutually_exclusive_group()
+    source.add_argument('--live', action='store_true', help='show the state of a running node')
+    source.add_argument(
+        '--status',
+        type=Path,
+        metavar='FILE',
+        help='show the state that `status --json` printed into a file',
+    )
+    parser.add_argument(
+        '--every',
+        type=float,
+        metavar='SECONDS',
+        help='with --live: draw again when something changed, at most so often, until the jobs of '
+        'the script have ended, or Ctrl-C; the file is replaced as a whole',
+    )
+    add_node_options(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns the exit status."""
     kind_of(args.output)
+    _refuse_nonsense(args)
     return render(args, bootstrap.installed_types())
 
 
@@ -62,16 +87,49 @@ def render(args: argparse.Namespace, types: ActionTypes) -> int:
     :raises Refused: there are mistakes
     :raises CannotDraw: there is no working `dot`
     :raises CannotWrite: the file cannot be written
+    :raises CannotRead: the file of a status cannot be read
+    :raises NotThisLine: the status is of another cell
+    :raises NodeUnreachable: the node does not answer
     """
     kind = kind_of(args.output)
     folders = script_folders(args.trees)
     cell, script = bootstrap.load_script(args.script, args.cell, folders, types)
-    content = _content(draw(script, cell, args.view), kind)
-    try:
-        args.output.write_bytes(content)
-    except OSError as error:
-        raise CannotWrite(f'cannot write {args.output}: {error.strerror}') from error
+
+    def picture(status: Status | None) -> None:
+        state = None if status is None else line_state(status, script, cell)
+        _write(args.output, _content(draw(script, cell, args.view, state), kind))
+
+    if args.live and args.every is not None:
+        follow(args.node, args.timeout, script.name, args.every, picture)
+    elif args.live:
+        picture(node_status(args.node, args.timeout))
+    else:
+        picture(None if args.status is None else saved_status(args.status))
     return 0
+
+
+def _refuse_nonsense(args: argparse.Namespace) -> None:
+    """Refuse options that have no meaning together.
+
+    :raises WrongUse: there are such
+    """
+    if args.view != VIEWS[0] and (args.live or args.status is not None):
+        raise WrongUse(f'--view {args.view} shows no state; leave it out')
+    if args.every is not None and not args.live:
+        raise WrongUse('--every is for --live')
+    if args.every is not None and not args.every >= 0:
+        raise WrongUse(f'--every: expected seconds, found {args.every:g}')
+
+
+def _write(path: Path, content: bytes) -> None:
+    """Write a file at once: who looks at it meanwhile sees the old one or the new one."""
+    beside = path.with_name(f'.{path.name}.part')
+    try:
+        beside.write_bytes(content)
+        beside.replace(path)
+    except OSError as error:
+        beside.unlink(missing_ok=True)
+        raise CannotWrite(f'cannot write {path}: {error.strerror}') from error
 
 
 def kind_of(path: Path) -> str:

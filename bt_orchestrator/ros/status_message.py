@@ -17,7 +17,7 @@ from bt_orchestrator_interfaces.msg import (
 from bt_orchestrator.model.cell import Component
 from bt_orchestrator.model.events import TaskKey
 from bt_orchestrator.model.isa95 import job_word
-from bt_orchestrator.model.state import CellState, JobState, Phase, SectionState, TaskState
+from bt_orchestrator.model.state import CellState, Cycle, JobState, Phase, SectionState, TaskState
 from bt_orchestrator.ros.stamps import to_time
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.tree.reasons import waiting
@@ -54,6 +54,7 @@ def _section(orchestrator: Orchestrator, section: SectionState) -> SectionStatus
     state = orchestrator.state
     slot = state.slot(section.number)
     cycle = section.cycle
+    done, failed = _passed(state, section.number, cycle)
     return SectionStatus(
         section=section.number,
         slot=section.slot or '',
@@ -65,8 +66,29 @@ def _section(orchestrator: Orchestrator, section: SectionState) -> SectionStatus
             for key, task in state.running.items()
             if key.section == section.number
         ],
+        done=done,
+        failed=failed,
         waiting=waiting(orchestrator.tree.sections[section.number]),
     )
+
+
+def _passed(state: CellState, section: int, cycle: Cycle | None) -> tuple[list[str], list[str]]:
+    """Return which tasks the cycle in hand has passed, and which failed."""
+    if cycle is None:
+        return [], []
+    nonconforming = state.items[cycle.item].nonconforming
+    done, failed = [], []
+    for step in state.script(cycle.job).sections[section].steps:
+        for task in step.tasks:
+            phase = state.phase(TaskKey(cycle.job, section, cycle.item, task.id))
+            if phase is Phase.DONE:
+                done.append(task.id)
+            if task.id in nonconforming or phase in _FAILED:
+                failed.append(task.id)
+    return done, failed
+
+
+_FAILED = (Phase.FAILED, Phase.RETRYING, Phase.HELD)
 
 
 def _task(orchestrator: Orchestrator, key: TaskKey, progress: TaskState) -> TaskStatus:

@@ -11,6 +11,7 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.tree.draw_card import Sheet
 from bt_orchestrator.tree.draw_line import line
+from bt_orchestrator.tree.draw_state import LineState
 from bt_orchestrator.tree.draw_tree import tree
 
 FORMATS = ('svg', 'png', 'pdf')
@@ -52,12 +53,15 @@ class Drawing:
             raise CannotDraw(f'`dot` could not draw the picture: {said}') from error
 
 
-def draw(script: Script, cell: Cell, view: str = 'line') -> Drawing:
-    """Draw a script in its cell; nothing moves and nothing is asked but these two.
+def draw(
+    script: Script, cell: Cell, view: str = 'line', state: LineState | None = None
+) -> Drawing:
+    """Draw a script in its cell; nothing moves and nothing is asked but what is given.
 
     :param view: one of VIEWS
+    :param state: the line at work, for the view `line`
     """
-    sheet = Sheet(script, cell)
+    sheet = Sheet(script, cell, state)
     if view == 'tree':
         return Drawing(tree(sheet).source, 'dot', has_places=False)
     return Drawing(line(sheet).source, 'neato', has_places=True)

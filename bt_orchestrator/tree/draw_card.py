@@ -8,6 +8,8 @@ from typing import Any
 
 from bt_orchestrator.model.cell import Cell, OnFailure
 from bt_orchestrator.model.script import RunsFor, Script, SectionList, Step, Task
+from bt_orchestrator.tree.draw_mark import CARD_HEIGHT, card_state, tooltip_state
+from bt_orchestrator.tree.draw_state import LineState
 from bt_orchestrator.tree.draw_text import (
     CARD_COLUMNS,
     FAINT,
@@ -54,10 +56,12 @@ _RUNS_FOR: Mapping[RunsFor, str] = {
 
 @dataclass(frozen=True)
 class Sheet:
-    """What is drawn: one script in its cell."""
+    """What is drawn: one script in its cell, and how it stands there."""
 
     script: Script
     cell: Cell
+    state: LineState | None = None
+    """The line at work; None: the script alone."""
 
     def zone_fill(self, zone: str) -> str:
         """Return the colour of a zone; with many zones colours repeat, names do not."""
@@ -87,8 +91,14 @@ def card(sheet: Sheet, task: Task, belt: str = '') -> Card:
     marks = list(_marks(sheet, task))
     rows += [_wide(font(text, size=9), fill) for text, fill in marks]
     texts, blocks = len(what) + len(options), len(rows)
-    height = 15 * len(title) + 11 * texts + 4 * blocks + 11 * len(marks) + 4
-    return Card(table(rows, border=1, fill=PAPER, dashed=bool(belt), height=height), height)
+    height = 15 * len(title) + 11 * texts + 4 * blocks + 11 * len(marks) + 4.0
+    border = 1
+    if sheet.state is not None:
+        now = sheet.state.task(task.id)
+        rows.insert(0, _wide(card_state(now), now.mark.fill))
+        height += CARD_HEIGHT
+        border = 3 if now.mark.needs_eyes else 1
+    return Card(table(rows, border=border, fill=PAPER, dashed=bool(belt), height=height), height)
 
 
 def belt_words(tasks: SectionList, step: Step, task: Task) -> str:
@@ -102,7 +112,8 @@ def belt_words(tasks: SectionList, step: Step, task: Task) -> str:
 
 def details(sheet: Sheet, task: Task, belt: str = '') -> str:
     """Return the tooltip of a task: everything that is known about it."""
-    return tooltip(_details(sheet, task, belt))
+    now = () if sheet.state is None else tooltip_state(sheet.state.task(task.id))
+    return tooltip([*now, *_details(sheet, task, belt)])
 
 
 def arguments(value: Any) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from bt_orchestrator.tree.draw_card import ITEM_FILL, OFF_BELT, ZONE_FILLS, Card, Sheet, belt_words
+from bt_orchestrator.tree.draw_mark import headlines, legend_rows
 from bt_orchestrator.tree.draw_text import (
     BAR_FILL,
     FAINT,
@@ -36,6 +37,8 @@ def title(sheet: Sheet) -> Card:
         rows.append(font(text, size=11, colour=FAINT))
     if script.quantity is not None:
         rows.append(font(f'quantity: default {script.quantity}', size=11, colour=FAINT))
+    if sheet.state is not None:
+        rows += headlines(sheet.state)
     height = 16 + LINE * len(rows)
     return Card(table([[entry(row, width=TITLE_WIDTH)] for row in rows], height=height), height)
 
@@ -75,6 +78,10 @@ def _entries(sheet: Sheet) -> Iterator[tuple[str, str]]:
             entry(words, fill=BAR_FILL, width=SAMPLE_WIDTH),
             'or at this bar, if the list has one',
         )
+    if sheet.state is not None:
+        yield _plain('dashed line'), 'the belt while it moves'
+        for sample, fill, meaning in legend_rows():
+            yield _sample(sample, fill), meaning
 
 
 def _plain(text: str) -> str:

@@ -7,6 +7,7 @@ section's list below its slot, in several rows where the belt is long.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 import graphviz
 
@@ -14,8 +15,10 @@ from bt_orchestrator.model.script import Dependency
 from bt_orchestrator.tree.draw_canvas import Canvas
 from bt_orchestrator.tree.draw_card import Sheet, details
 from bt_orchestrator.tree.draw_legend import legend, title
+from bt_orchestrator.tree.draw_mark import slot_label, slot_tooltip
 from bt_orchestrator.tree.draw_page import FlagLine, Page
 from bt_orchestrator.tree.draw_plan import Box, Column, Placed
+from bt_orchestrator.tree.draw_state import SectionMark
 from bt_orchestrator.tree.draw_text import (
     BAR_FILL,
     BELT,
@@ -106,15 +109,21 @@ class _Drawing:
                 points,
                 id=f'belt.{number}',
                 edgetooltip=f'the belt, from section {number} to section {number + 1}',
-                color=BELT,
                 penwidth='5',
                 arrowsize='0.6',
+                **self._belt_style(),
             )
 
     def flags(self) -> None:
         """Draw the flags from task to task."""
         for one in self._page.flags():
             self._flag(one)
+
+    def _belt_style(self) -> dict[str, Any]:
+        state = self._sheet.state
+        if state is None or not state.belt_moves:
+            return {'color': BELT}
+        return {'color': INK, 'style': 'dashed'}
 
     # --- parts ------------------------------------------------------------------------------
 
@@ -148,8 +157,12 @@ class _Drawing:
     def _slot(self, frame: graphviz.Digraph, column: Column) -> None:
         words = f'slot {column.number}'
         name = self._names[column.slot] = f'slot.{column.number}'
-        label = _bar(words, INK, SLOT_FILL, column.slot)
-        self._canvas.node(frame, name, label, column.slot, tooltip=f'{words} of the belt')
+        label, hint = _bar(words, INK, SLOT_FILL, column.slot), [f'{words} of the belt']
+        if self._sheet.state is not None:
+            mark = self._sheet.state.sections.get(column.number, SectionMark())
+            label = slot_label(column.number, mark, column.slot.width, column.slot.height)
+            hint += slot_tooltip(mark)
+        self._canvas.node(frame, name, label, column.slot, tooltip=tooltip(hint))
 
     def _release(self, frame: graphviz.Digraph, name: str, box: Box) -> None:
         self._names[box] = name
@@ -175,7 +188,7 @@ class _Drawing:
 
     def _flag(self, one: FlagLine) -> None:
         flag = one.flag
-        counts = f'capacity {flag.capacity}, initial {flag.initial}'
+        counts = self._counts(flag)
         name = font(f'flag {flag.flag}', bold=True, colour=FLAG)
         hint = tooltip(_about_flag(flag))
         self._canvas.line(
@@ -191,6 +204,12 @@ class _Drawing:
             style='dashed',
             penwidth='1.6',
         )
+
+    def _counts(self, flag: Dependency) -> str:
+        state = self._sheet.state
+        if state is None or flag.flag not in state.flags:
+            return f'capacity {flag.capacity}, initial {flag.initial}'
+        return f'count {state.flags[flag.flag]} of {flag.capacity}'
 
 
 def _bar(words: str, colour: str, fill: str, box: Box) -> str:

@@ -12,6 +12,7 @@ from itertools import pairwise
 
 from bt_orchestrator.model.script import SectionList, Step, Task
 from bt_orchestrator.tree.draw_card import CARD_WIDTH, Card, Sheet, belt_words, card
+from bt_orchestrator.tree.draw_mark import SLOT_HEIGHT
 
 GAP = 24.0
 """Between the steps of a list, for an arrow."""
@@ -117,7 +118,7 @@ class _Stacking:
         self._tasks = tasks
         self._number = number
         self._inner = max(map(_width, tasks.steps), default=CARD_WIDTH) if tasks else CARD_WIDTH
-        self._slot = self._bar(TITLE)
+        self._slot = replace(self._bar(TITLE), height=BAR if sheet.state is None else SLOT_HEIGHT)
         self._bottom = self._slot.bottom
         self._cards: list[Placed] = []
         self._groups: list[Box] = []

@@ -64,16 +64,17 @@ class LibraryTree:
         self._before = guarded(self._begin, logger)
         self._after = guarded(self._show, logger)
 
-    def around(self, settle: Callable[[], object]) -> Callable[[], None]:
+    def around(self, settle: Callable[[], bool]) -> Callable[[], bool]:
         """Return the same call, watched."""
 
-        def call() -> None:
+        def call() -> bool:
             is_watched = self._is_watched()
             if is_watched:
                 self._before()
-            settle()
+            happened = settle()
             if is_watched:
                 self._after()
+            return happened
 
         return call
 

@@ -14,7 +14,8 @@ from bt_orchestrator.runtime.orchestrator import Orchestrator
 
 INTERFACES = 'py_trees_ros_interfaces'
 
-Settle = Callable[[], object]
+Settle = Callable[[], bool]
+"""Tells whether anything happened."""
 
 
 def start_inspection(

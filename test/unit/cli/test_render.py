@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import json
 from pathlib import Path
 
 import pytest
 from fakes.action_types import FakeActionTypes
 from fakes.shipped import REFERENCE_CELL, STUCK, TREES
 
-from bt_orchestrator.cli.render import CannotWrite, add_arguments, render
+from bt_orchestrator.cli.render import CannotWrite, add_arguments, render, run
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.errors import Refused
 
@@ -62,3 +63,50 @@ def test_mistakes_are_told_and_nothing_is_written(tmp_path: Path) -> None:
 def test_a_file_that_cannot_be_written(tmp_path: Path) -> None:
     with pytest.raises(CannotWrite, match=r'^cannot write .*: No such file or directory$'):
         rendered(STUCK, '-o', tmp_path / 'nowhere' / 'x.dot')
+
+
+# --- with a state -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ('words', 'what'),
+    [
+        (('--every', '1'), '--every is for --live'),
+        (('--live', '--every', '-1'), 'expected seconds, found -1'),
+        (('--live', '--view', 'tree'), '--view tree shows no state'),
+    ],
+)
+def test_options_that_mean_nothing_together(
+    words: tuple[str, ...], what: str, tmp_path: Path
+) -> None:
+    parser = argparse.ArgumentParser()
+    add_arguments(parser)
+    args = parser.parse_args(['x', '--cell', 'c', '-o', str(tmp_path / 'x.dot'), *words])
+    with pytest.raises(WrongUse, match=what):
+        run(args)
+
+
+def test_a_saved_status_is_drawn_and_the_file_replaced_at_once(tmp_path: Path) -> None:
+    saved, output = tmp_path / 'status.json', tmp_path / 'x.dot'
+    saved.write_text(json.dumps(EMPTY))
+    output.write_text('old')
+    before = output.stat().st_ino
+    assert rendered('reference_process', '--trees', TREES, '-o', output, '--status', saved) == 0
+    assert 'Stopped, the belt rests, after event 0' in output.read_text()
+    assert output.stat().st_ino != before
+    assert sorted(path.name for path in tmp_path.iterdir()) == ['status.json', 'x.dot']
+
+
+EMPTY = {
+    'cell': 'reference_cell',
+    'state': 'Stopped',
+    'seq': 0,
+    'belt_moving': False,
+    'belt_waiting': [],
+    'initialization_waiting': [],
+    'sections': [],
+    'components': [],
+    'jobs': [],
+    'flags': [],
+    'holds': [],
+}

@@ -52,11 +52,12 @@ class Bench:
         self.tree.pre_tick_handlers.append(lambda tree: self.told.append('before'))
         self.tree.post_tick_handlers.append(lambda tree: self.told.append('after'))
         library = LibraryTree(self.tree, lambda: self.root, self.log)
-        self.settle: Callable[[], None] = library.around(self._settle)
+        self.settle: Callable[[], bool] = library.around(self._settle)
 
-    def _settle(self) -> None:
+    def _settle(self) -> bool:
         self.told.append('settle')
         self.root.tick_once()
+        return len(self.told) == 2
 
     def seen(self) -> set[UUID]:
         return set(self.visitor.visited)
@@ -67,7 +68,7 @@ class Bench:
 
 def test_it_is_shown_what_a_tick_of_its_own_would_have_gone_through() -> None:
     bench, twin = Bench(), Bench()
-    bench.settle()
+    assert bench.settle(), 'what a settle says is handed on'
     twin.tree.tick()
 
     assert bench.told == ['before', 'settle', 'after']
@@ -75,13 +76,13 @@ def test_it_is_shown_what_a_tick_of_its_own_would_have_gone_through() -> None:
     names = [{b.name for b in one.root.iterate() if b.id in one.seen()} for one in (bench, twin)]
     assert names[0] == names[1] == {'root', 'first', 'busy'}
     assert bench.visitor.changed
-    bench.settle()
+    assert not bench.settle()
     assert not bench.visitor.changed
 
 
 def test_the_tree_is_not_ticked_by_it() -> None:
     bench = Bench()
-    LibraryTree(bench.tree, lambda: bench.root, bench.log).around(lambda: None)()
+    LibraryTree(bench.tree, lambda: bench.root, bench.log).around(lambda: False)()
     assert bench.told == ['before', 'after']
     assert {b.status for b in bench.root.iterate()} == {Status.INVALID}
     assert bench.seen() == set()

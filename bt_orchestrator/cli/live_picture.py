@@ -1,0 +1,96 @@
+"""Drawing what a node says, once or again and again."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.model.isa95 import JobWord
+from bt_orchestrator.stop_signals import StopSignals
+
+Status = Mapping[str, Any]
+"""The status of a node as plain values."""
+
+ENDED = (JobWord.ENDED.value, JobWord.ABORTED.value)
+"""States of a job that does not go on."""
+
+
+class CannotRead(OrchestratorError):
+    """The file of a status cannot be read."""
+
+
+def saved_status(path: Path) -> Status:
+    """Read what `status --json` printed.
+
+    :raises CannotRead: there is no such file, or it is no JSON object
+    """
+    try:
+        found = json.loads(path.read_text(encoding='utf-8'))
+    except OSError as error:
+        raise CannotRead(f'cannot read {path}: {error.strerror}') from error
+    except ValueError as error:
+        raise CannotRead(
+            f'{path} is no JSON: {error}; expected what status --json prints'
+        ) from error
+    if not isinstance(found, dict):
+        raise CannotRead(f'{path} holds no JSON object; expected what status --json prints')
+    return found
+
+
+def node_status(node: str, timeout_s: float) -> Status:
+    """Ask a node.
+
+    :raises NodeUnreachable: it does not answer
+    """
+    from bt_orchestrator.ros.client import NodeClient
+    from bt_orchestrator.ros.messages import to_plain
+
+    with NodeClient(node, timeout_s) as client:
+        return to_plain(client.status())
+
+
+def follow(
+    node: str, timeout_s: float, script: str, every_s: float, draw: Callable[[Status], None]
+) -> None:
+    """Draw every change, until a job of the script has ended and no other one is left, or Ctrl-C.
+
+    :param every_s: shortest time between two drawings
+    :raises NodeUnreachable: it does not answer
+    """
+    from bt_orchestrator.ros.client import NodeClient
+    from bt_orchestrator.ros.messages import to_plain
+
+    received: list[Status] = []
+    course = Course(script)
+    with StopSignals() as stop, NodeClient(node, timeout_s) as client:
+        client.on_status(lambda message: received.append(to_plain(message)))
+        client.wait_until(lambda: bool(received), f'the status of {node}')
+        drawn_at = -every_s
+        while not stop.requested and not course.is_over:
+            if received and time.monotonic() >= drawn_at + every_s:
+                drawn_at = time.monotonic()
+                status = received[-1]
+                received.clear()
+                draw(status)
+                course.look(status)
+            client.spin()
+
+
+class Course:
+    """Whether the jobs of a script are still to be waited for. States: expected, live, over."""
+
+    def __init__(self, script: str) -> None:
+        self._script = script
+        self._was_live = False
+        self.is_over = False
+
+    def look(self, status: Status) -> None:
+        """Take note of a status."""
+        states = [job['state'] for job in status['jobs'] if job['script'] == self._script]
+        is_live = any(state not in ENDED for state in states)
+        self.is_over = self._was_live and not is_live
+        self._was_live |= is_live

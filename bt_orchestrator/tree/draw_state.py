@@ -1,0 +1,76 @@
+"""What a drawing shows of a line at work: plain words for every task, slot, flag and section."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+
+
+class Mark(Enum):
+    """How a task stands; its sign and its word say it where colours do not."""
+
+    NEW = ('', '', '')
+    WAITING = ('\u2026', 'waits', '#fff4cc')
+    RUNNING = ('\u25b6', 'running', '#cfe3ff')
+    FAILED = ('\u21bb', 'failed, is tried again', '#ffe0cc')
+    HELD = ('!', 'HELD', '#ffd0d0')
+    DONE = ('\u2713', 'done', '#d7f2de')
+    PASSED = ('\u2717', 'failed, passed', '#e3dbd3')
+
+    def __init__(self, sign: str, word: str, fill: str) -> None:
+        self.sign = sign
+        self.word = word
+        self.fill = fill
+
+    @property
+    def needs_eyes(self) -> bool:
+        """Tell whether its frame is thick: something happens here, or should."""
+        return self in (Mark.RUNNING, Mark.FAILED, Mark.HELD)
+
+
+@dataclass(frozen=True)
+class TaskMark:
+    """One task now."""
+
+    mark: Mark
+    words: str = ''
+    """More than its word: which attempt, which hold."""
+    reason: str = ''
+    """What it waits for, or why it failed."""
+
+    @property
+    def text(self) -> str:
+        """One line for the card."""
+        return ' '.join(filter(None, (self.mark.sign, self.mark.word, self.words)))
+
+
+@dataclass(frozen=True)
+class SectionMark:
+    """One section and its slot now."""
+
+    slot: str = ''
+    """Item that stands there; empty: nothing."""
+    is_empty_position: bool = False
+    works_on: str = ''
+    """Item of the cycle in hand, with the job's script if that is not the one that is drawn."""
+    waiting: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class LineState:
+    """Everything that a drawing shows beside the script itself."""
+
+    headline: str
+    jobs: tuple[str, ...]
+    """One line a job."""
+    belt_moves: bool
+    tasks: Mapping[str, TaskMark] = field(default_factory=dict)
+    """By task id, the belt's move as well."""
+    sections: Mapping[int, SectionMark] = field(default_factory=dict)
+    flags: Mapping[str, int] = field(default_factory=dict)
+    """Counts by name."""
+
+    def task(self, name: str) -> TaskMark:
+        """Return how a task stands."""
+        return self.tasks.get(name, TaskMark(Mark.NEW))
