@@ -27,6 +27,7 @@ from bt_orchestrator.script.cell_file import parse_cell
 
 TIMEOUT_S = 10.0
 SHORT_S = 0.5
+SETTLE_S = 1.0
 
 CELL = """
 cell: looked_at
@@ -59,7 +60,7 @@ def serve(servers: ThreadServers, *names: str) -> None:
 
 def looked(timeout_s: float, elsewhere: str = '') -> dict[str, Check]:
     cell = parse_cell(CELL, 'cell.yaml', InstalledActionTypes())
-    with Graph('/') as graph:
+    with Graph('/', SETTLE_S) as graph:
         return {check.name: check for check in cell_on_graph(graph, cell, timeout_s, elsewhere)}
 
 
@@ -121,7 +122,7 @@ def test_a_state_topic_that_may_be_missed(
 
 
 def about_node(name: str, *, expected: bool = True) -> dict[str, Check]:
-    with Graph('/') as graph:
+    with Graph('/', SETTLE_S) as graph:
         checks = tree_node(graph, name, expected=expected, timeout_s=TIMEOUT_S)
         return {check.name: check for check in checks}
 
@@ -153,7 +154,7 @@ def test_simulated_time_that_nobody_publishes(servers: ThreadServers) -> None:
 
 
 def test_a_node_that_is_missing() -> None:
-    with Graph('/') as graph:
+    with Graph('/', SETTLE_S) as graph:
         (missing, _), (free, _) = (
             list(tree_node(graph, '/gone', expected=expected, timeout_s=SHORT_S))
             for expected in (True, False)

@@ -15,8 +15,9 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 STEP_S = 0.1
 
-SETTLE_S = 1.5
-"""How long to look at least: a second server or node may be found later than the first."""
+SETTLE_S = 3.5
+"""How long to look at least: a second server or node may be found later than the first. Where
+discovery is limited to one computer, a participant may hear of another after 3 s only."""
 
 UNNAMED = '_NODE_NAME_UNKNOWN_'
 """As rmw writes it."""
@@ -27,12 +28,14 @@ OWN_NAME = 'bt_orchestrator_doctor'
 class Graph:
     """A look at who is there. A context: entering joins the ROS graph, leaving leaves it."""
 
-    def __init__(self, namespace: str) -> None:
+    def __init__(self, namespace: str, settle_s: float = SETTLE_S) -> None:
         """Prepare.
 
         :param namespace: in which relative names are meant
+        :param settle_s: how long to look at least
         """
         self._namespace = namespace
+        self._settle_s = settle_s
 
     def __enter__(self) -> Graph:
         rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
@@ -57,8 +60,8 @@ class Graph:
         return True
 
     def settle(self) -> None:
-        """Look on until it is SETTLE_S since it joined the graph."""
-        self.wait(lambda: False, self._joined + SETTLE_S - time.monotonic())
+        """Look on until it has looked long enough since it joined the graph."""
+        self.wait(lambda: False, self._joined + self._settle_s - time.monotonic())
 
     def publishers(self, name: str) -> Sequence[TopicEndpointInfo]:
         """Return who publishes on a topic, relative names expanded."""

@@ -18,9 +18,10 @@ def tree_node(graph: Graph, node: str, *, expected: bool, timeout_s: float) -> I
     :param node: its full name
     :param expected: whether it is a fault that it does not run
     """
-    if expected:
-        graph.wait(lambda: node in graph.nodes(), timeout_s)
     graph.settle()
+    # Its name may become known later than its topics.
+    if expected or graph.publishers(f'{node}/status'):
+        graph.wait(lambda: node in graph.nodes(), timeout_s)
     count = graph.nodes().count(node)
     if count > 1:
         remedy = 'stop all but one, or give each a --namespace: clients would reach either'
