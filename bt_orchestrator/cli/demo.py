@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import random
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
@@ -16,11 +15,12 @@ from bt_orchestrator.cli.bootstrap import installed_types, load_cell
 from bt_orchestrator.cli.folders import add_trees_option, shipped
 from bt_orchestrator.cli.forecast_text import forecast_lines
 from bt_orchestrator.cli.programs import Program, ProgramFailed
-from bt_orchestrator.cli.progress import Progress
 from bt_orchestrator.cli.submit import submit
+from bt_orchestrator.cli.watch import follow, live_or, say
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.codec import from_record
-from bt_orchestrator.model.events import Event, JobAborted, JobCompleted
+from bt_orchestrator.model.events import CellStateChanged, Event, JobAborted, JobCompleted
+from bt_orchestrator.screen.plain import EventLines
+from bt_orchestrator.screen.words import DEFAULT_NODE, hold_text
 from bt_orchestrator.script.order_file import read_order
 from bt_orchestrator.sim.forecast_fold import forecast
 from bt_orchestrator.stop_signals import StopSignals
@@ -125,41 +125,39 @@ def _show(args: argparse.Namespace, cell: Cell, stop: StopSignals) -> int:
     from bt_orchestrator.ros.client import NodeClient
 
     events: list[Event] = []
-    progress = Progress()
-    with NodeClient('/bt_orchestrator', READY_S) as client:
-
-        def follow(message: Any) -> None:
-            event = from_record(json.loads(message.record))
-            events.append(event)
-            for line in progress.follow(event):
-                print(line, flush=True)
-
-        client.on_event(follow)
-        _wait_for_servers(client, stop)
-        answer = submit(client, read_order(args.order).order)
-        if not answer.accepted:
-            raise ProgramFailed('\n'.join([answer.message, *answer.findings]))
-        while not stop.requested and not _is_over(events, answer.job, progress):
-            client.spin()
+    with NodeClient(DEFAULT_NODE, READY_S) as client:
+        statuses: list[Any] = []
+        client.on_status(statuses.append)
+        _wait_for_servers(client, statuses, stop)
+        with live_or(lambda: EventLines(say), DEFAULT_NODE) as viewer:
+            follow(client, viewer, events.append)
+            answer = submit(client, read_order(args.order).order)
+            if not answer.accepted:
+                raise ProgramFailed('\n'.join([answer.message, *answer.findings]))
+            while not stop.requested and not _is_over(events, answer.job):
+                client.spin()
+                viewer.refresh()
+    for hold in statuses[-1].holds:
+        say(hold_text(hold))
     if stop.requested:
-        print('interrupted: stopping everything that was started', flush=True)
+        say('interrupted: stopping everything that was started')
         return INTERRUPTED
     return _sum_up(events, cell, answer.job)
 
 
-def _wait_for_servers(client: Any, stop: StopSignals) -> None:
+def _wait_for_servers(client: Any, statuses: Sequence[Any], stop: StopSignals) -> None:
     """Wait until the node sees every action server."""
-    seen: list[Any] = []
-    client.on_status(seen.append)
     client.wait_until(
-        lambda: stop.requested or (bool(seen) and all(c.available for c in seen[-1].components)),
+        lambda: stop.requested or (statuses and all(c.available for c in statuses[-1].components)),
         'every action server at the node',
     )
 
 
-def _is_over(events: list[Event], job: str, progress: Progress) -> bool:
+def _is_over(events: Sequence[Event], job: str) -> bool:
+    """Tell whether the job has ended, or nothing goes on without an operator."""
     ended = any(isinstance(e, JobCompleted | JobAborted) and e.job == job for e in events[-20:])
-    return ended or progress.held
+    states = (e.state for e in reversed(events) if isinstance(e, CellStateChanged))
+    return ended or next(states, '') == 'Held'
 
 
 def _sum_up(events: list[Event], cell: Cell, job: str) -> int:

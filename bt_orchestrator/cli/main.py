@@ -25,6 +25,7 @@ VERBS: Mapping[str, tuple[str, str]] = {
     'demo': ('demo', 'a simulated cell, its tree node and one order, with live progress'),
     'submit': ('submit', 'give a running node work orders'),
     'status': ('status', 'how the cell of a running node stands'),
+    'watch': ('watch', 'a running node on the terminal, as it changes'),
     'events': ('events', 'what happens at a running node, or what a journal says happened'),
     'history': ('history', 'the jobs of a journal and what became of them'),
     'answer': ('answer', 'decide about something that is held'),

@@ -7,7 +7,7 @@ import getpass
 import sys
 from typing import Any
 
-DEFAULT_NODE = '/bt_orchestrator'
+from bt_orchestrator.screen.words import DEFAULT_NODE
 
 
 def add_node_options(parser: argparse.ArgumentParser) -> None:

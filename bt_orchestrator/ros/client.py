@@ -48,6 +48,16 @@ class NodeClient:
         self._node.destroy_node()
         rclpy.try_shutdown()
 
+    @property
+    def name(self) -> str:
+        """Full name of the tree node."""
+        return self._name
+
+    @property
+    def node(self) -> Node:
+        """The client's own node."""
+        return self._node
+
     def call(self, kind: Any, service: str, request: Any) -> Any:
         """Call one of the node's services and return its response.
 

@@ -1,0 +1,120 @@
+"""Watching a tree node's inspection server: its tree and its blackboard, as they change."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+from py_trees_ros_interfaces.msg import BehaviourTree, SnapshotStreamParameters
+from py_trees_ros_interfaces.srv import OpenBlackboardStream, OpenSnapshotStream
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from std_msgs.msg import String
+
+from bt_orchestrator.ros.qos import LATCHED
+
+ASK_AGAIN_S = 3.0
+"""A service that a client sees may not see the client yet, and then its answer is lost."""
+
+TEXT = QoSProfile(depth=10)
+
+
+class _Kind(NamedTuple):
+    """What is asked for, and what comes."""
+
+    service: str
+    service_class: Any
+    request: Any
+    topic_field: str
+    message_class: Any
+    qos: QoSProfile
+
+
+class InspectionStream:
+    """A stream of the inspection server, asked for again whenever it has gone.
+
+    Nothing here waits: `look` is to be called a few times a second. The server ends a stream that
+    nobody listens to any more, so there is nothing to close.
+    """
+
+    def __init__(self, node: Node, server: str, kind: _Kind, hear: Callable[[Any], None]) -> None:
+        self._node = node
+        self._kind = kind
+        self._hear = hear
+        self._client: Any = node.create_client(kind.service_class, f'{server}/{kind.service}')
+        self._answer: Any = None
+        self._asked_at = 0.0
+        self._topic = ''
+        self._subscription: Any = None
+        self._was_there = False
+
+    def look(self) -> None:
+        """Go one step on: ask, listen, or notice that the stream has gone."""
+        if self._topic:
+            self._look_at_publisher()
+        elif self._answer is not None and self._answer.done():
+            self._listen(str(getattr(self._answer.result(), self._kind.topic_field)))
+        elif self._may_ask():
+            self._asked_at = time.monotonic()
+            self._answer = self._client.call_async(self._kind.request)
+
+    def _may_ask(self) -> bool:
+        is_due = time.monotonic() - self._asked_at > ASK_AGAIN_S
+        return is_due and bool(self._client.service_is_ready())
+
+    def _listen(self, topic: str) -> None:
+        """Listen to a topic; none is named where the server refused."""
+        self._answer = None
+        if topic:
+            self._topic, self._was_there = topic, False
+            self._subscription = self._node.create_subscription(
+                self._kind.message_class, topic, self._hear, self._kind.qos
+            )
+
+    def _look_at_publisher(self) -> None:
+        is_there = self._node.count_publishers(self._topic) > 0
+        if self._was_there and not is_there:
+            self._node.destroy_subscription(self._subscription)
+            self._topic = ''
+        self._was_there = is_there
+
+
+def tree_stream(node: Node, server: str, hear: Callable[[Any], None]) -> InspectionStream:
+    """Return a stream that calls back with every list of behaviours, when it has changed."""
+    on_change = SnapshotStreamParameters(snapshot_period=sys.float_info.max)
+    kind = _Kind(
+        'snapshot_streams/open',
+        OpenSnapshotStream,
+        OpenSnapshotStream.Request(parameters=on_change),
+        'topic_name',
+        BehaviourTree,
+        LATCHED,
+    )
+    return InspectionStream(node, server, kind, lambda message: hear(message.behaviours))
+
+
+def blackboard_stream(
+    node: Node, server: str, hear: Callable[[Mapping[str, str]], None]
+) -> InspectionStream:
+    """Return a stream that calls back with all variables, when one has changed."""
+    kind = _Kind(
+        'blackboard_streams/open',
+        OpenBlackboardStream,
+        OpenBlackboardStream.Request(),
+        'topic',
+        String,
+        TEXT,
+    )
+    return InspectionStream(node, server, kind, lambda message: hear(variables(message.data)))
+
+
+def variables(text: str) -> dict[str, str]:
+    """Return the variables in a text of the blackboard, which has one a line below its title."""
+    found: dict[str, str] = {}
+    for line in text.splitlines()[1:]:
+        key, colon, value = line.strip().partition(' : ')
+        if colon:
+            found[key.strip()] = value
+    return found

@@ -1,0 +1,45 @@
+"""Signs that stand beside words, in Unicode and in ASCII; colour is never the only sign."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from bt_orchestrator.screen.tree_view import Status
+from bt_orchestrator.screen.view import Weight
+
+
+class Glyphs(NamedTuple):
+    """What is drawn where."""
+
+    working: str
+    waiting: str
+    held: str
+    packed: str
+    on_line: str
+    to_come: str
+    wall: str
+    empty: str
+    rest: str
+    move: str
+    success: str
+    failure: str
+    ellipsis: str
+    rule: str
+
+    def of_row(self, weight: Weight) -> str:
+        """Return the sign of a section's row."""
+        signs = {Weight.HELD: self.held, Weight.WORKING: self.working}
+        return signs.get(weight, self.waiting)
+
+    def of_status(self, status: Status) -> str:
+        """Return the sign of a behaviour's status."""
+        return {
+            Status.RUNNING: self.working,
+            Status.SUCCESS: self.success,
+            Status.FAILURE: self.failure,
+            Status.INVALID: self.waiting,
+        }[status]
+
+
+UNICODE = Glyphs('▶', '·', '■', '█', '▒', '░', '│', '·', '→', '»', '✓', '✗', '…', '─')
+ASCII = Glyphs('>', '.', '!', '#', '=', '-', '|', '.', '->', '>>', '+', 'x', '.', '-')

@@ -1,0 +1,91 @@
+"""The live view: the whole terminal, drawn again whenever there is something new."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from types import TracebackType
+from typing import Any
+
+from rich.console import Console
+from rich.live import Live
+
+from bt_orchestrator.model.events import Event
+from bt_orchestrator.screen.picture import Picture
+from bt_orchestrator.screen.tree_view import Branch
+from bt_orchestrator.screen.view import CellView, cell_view
+from bt_orchestrator.screen.viewer import Hearing
+
+PACE_S = 0.5
+"""Longest time between two drawings: times of running tasks go on without news."""
+
+
+def terminal() -> Console | None:
+    """Return the terminal that is the standard output, if a picture can be drawn on it again."""
+    console = Console()
+    drawable = console.is_terminal and not console.is_dumb_terminal
+    return console if drawable else None
+
+
+class LiveView:
+    """A context: entering takes the terminal's second screen, leaving gives the first one back.
+
+    Nothing is drawn before the first status.
+    """
+
+    def __init__(self, console: Console, node: str) -> None:
+        self._console = console
+        self._node = node
+        self._view: CellView | None = None
+        self._tree: Branch | None = None
+        self._blackboard: Mapping[str, str] | None = None
+        self._hearing = Hearing(time.monotonic())
+        self._is_new = False
+        self._drawn_at = 0.0
+        self._drawn_size = console.size
+        self._live = Live(console=console, screen=True, auto_refresh=False, redirect_stdout=False)
+
+    def __enter__(self) -> LiveView:
+        self._live.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._live.stop()
+
+    def on_status(self, status: Any) -> None:
+        """Show how the cell stands."""
+        self._view = cell_view(status, self._node)
+        self._hearing.heard(time.monotonic())
+        self._is_new = True
+
+    def on_event(self, event: Event) -> None:
+        """Show nothing: what an event changes, the status says."""
+
+    def on_tree(self, tree: Branch) -> None:
+        """Show the behaviour tree in place of the sections."""
+        self._tree = tree
+        self._is_new = True
+
+    def on_blackboard(self, values: Mapping[str, str]) -> None:
+        """Show the variables of the blackboard below all else."""
+        self._blackboard = values
+        self._is_new = True
+
+    def refresh(self) -> None:
+        """Draw, if there is something new, the terminal has another size, or time has passed."""
+        now, size = time.monotonic(), self._console.size
+        is_due = now - self._drawn_at >= PACE_S or size != self._drawn_size
+        if self._view is None or not (self._is_new or is_due):
+            return
+        self._is_new, self._drawn_at, self._drawn_size = False, now, size
+        self._live.update(self._picture(self._view, now), refresh=True)
+
+    def _picture(self, view: CellView, now: float) -> Picture:
+        silent_s = self._hearing.silent_s(now)
+        age_s = 0.0 if silent_s is not None else self._hearing.age_s(now)
+        return Picture(view, self._node, age_s, silent_s, self._tree, self._blackboard)

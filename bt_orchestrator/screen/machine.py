@@ -1,0 +1,71 @@
+"""The view for machines: one JSON object a line whenever something is different."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from bt_orchestrator.model.events import Event
+from bt_orchestrator.screen.tree_view import Branch
+from bt_orchestrator.screen.viewer import Hearing
+
+
+class JsonView:
+    """Objects of the kinds `status`, `away`, `tree` and `blackboard`.
+
+    A status is the whole status as `status --json` prints it; it comes again when anything but its
+    stamp has changed, and when the node is back. Events are what the verb `events` prints.
+    """
+
+    def __init__(
+        self,
+        node: str,
+        say: Callable[[str], object],
+        to_plain: Callable[[Any], dict[str, Any]],
+    ) -> None:
+        self._node = node
+        self._say = say
+        self._to_plain = to_plain
+        self._hearing = Hearing(time.monotonic())
+        self._said: dict[str, Any] | None = None
+
+    def on_status(self, status: Any) -> None:
+        """Print a status that says something new."""
+        self._hearing.heard(time.monotonic())
+        plain = self._to_plain(status)
+        unstamped = {key: value for key, value in plain.items() if key != 'stamp'}
+        if unstamped != self._said:
+            self._said = unstamped
+            self._print('status', status=plain)
+
+    def on_event(self, event: Event) -> None:
+        """Print nothing: the status follows."""
+
+    def on_tree(self, tree: Branch) -> None:
+        """Print the behaviour tree."""
+        self._print('tree', tree=_plain_tree(tree))
+
+    def on_blackboard(self, values: Mapping[str, str]) -> None:
+        """Print the variables of the blackboard."""
+        self._print('blackboard', values=dict(values))
+
+    def refresh(self) -> None:
+        """Print once that the node went away; the next status says that it is back."""
+        silent_s = self._hearing.silent_s(time.monotonic())
+        if silent_s is not None and self._said is not None:
+            self._said = None
+            self._print('away', silent_s=round(silent_s, 1))
+
+    def _print(self, kind: str, **about: Any) -> None:
+        self._say(json.dumps({'kind': kind, 'node': self._node, **about}, ensure_ascii=False))
+
+
+def _plain_tree(branch: Branch) -> dict[str, Any]:
+    return {
+        'name': branch.name,
+        'status': branch.status.name,
+        'message': branch.words,
+        'children': [_plain_tree(child) for child in branch.children],
+    }

@@ -1,0 +1,98 @@
+"""The whole picture of a cell, for a terminal of any size."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from rich.console import Console, ConsoleOptions, RenderResult
+from rich.text import Text
+
+from bt_orchestrator.screen import blocks, words
+from bt_orchestrator.screen.blocks import Block
+from bt_orchestrator.screen.fit import heights
+from bt_orchestrator.screen.glyphs import ASCII, UNICODE, Glyphs
+from bt_orchestrator.screen.tree_view import Branch
+from bt_orchestrator.screen.view import CellView
+
+DISPLAYED = ('holds', 'troubles', 'jobs', 'body', 'blackboard', 'flags')
+"""From top to bottom."""
+
+IMPORTANCE = ('holds', 'body', 'jobs', 'troubles', 'blackboard', 'flags')
+"""Who gets room first."""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """What is known at one moment. Draws itself in exactly the room that rich gives it."""
+
+    view: CellView
+    node: str
+    age_s: float = 0.0
+    """Since the status came: tasks have gone on meanwhile."""
+    silent_s: float | None = None
+    """For how long nothing was heard of the node; None: all is well."""
+    tree: Branch | None = None
+    blackboard: Mapping[str, str] | None = None
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+        glyphs = ASCII if options.ascii_only else UNICODE
+        room = options.height or console.height
+        for line in self.lines(options.max_width, room, glyphs):
+            if options.ascii_only:
+                line.plain = line.plain.replace(UNICODE.ellipsis, ASCII.ellipsis)
+            line.end = '\n'
+            yield line
+
+    def lines(self, width: int, room: int, glyphs: Glyphs = UNICODE) -> list[Text]:
+        """Return the picture, no more lines than there is room for."""
+        head = blocks.head(self.view, self.node, width, glyphs)
+        if self.silent_s is not None:
+            notice = words.silence(self.node, self.silent_s)
+            head.append(Text(notice, style='reverse bold', no_wrap=True, overflow='ellipsis'))
+        parts = self._blocks(width, glyphs)
+        return [*head, *_stacked(parts, width, room - len(head), glyphs)][:room]
+
+    def _blocks(self, width: int, glyphs: Glyphs) -> dict[str, Block]:
+        view = self.view
+        found = {'body': self._body(width, glyphs)}
+        if view.holds:
+            found['holds'] = blocks.holds(view.holds, width, glyphs)
+        if view.troubles:
+            found['troubles'] = blocks.troubles(view, width, glyphs)
+        if view.jobs:
+            found['jobs'] = blocks.jobs(view.jobs, width, glyphs)
+        if self.blackboard:
+            found['blackboard'] = blocks.blackboard(self.blackboard, width)
+        if view.flags:
+            found['flags'] = blocks.flags(view, width)
+        return found
+
+    def _body(self, width: int, glyphs: Glyphs) -> Block:
+        """Return the sections; or the tree, which has a branch for each of them."""
+        if self.tree is not None:
+            return blocks.tree(self.tree, width, glyphs)
+        return blocks.sections(self.view, self.age_s, width, glyphs)
+
+
+def _stacked(parts: Mapping[str, Block], width: int, room: int, glyphs: Glyphs) -> Iterator[Text]:
+    """Yield the lines of all parts, with titles as long as there is room for any."""
+    names = [name for name in IMPORTANCE if name in parts]
+    wanted = [parts[name].wanted for name in names]
+    given = dict(
+        zip(names, heights(wanted, [parts[n].least for n in names], max(room, 0)), strict=True)
+    )
+    spare = room - sum(given.values())
+    for name in DISPLAYED:
+        if not given.get(name):
+            continue
+        if spare > 0:
+            spare -= 1
+            yield _title(parts[name].title, width, glyphs)
+        yield from parts[name].draw(given[name])
+
+
+def _title(title: str, width: int, glyphs: Glyphs) -> Text:
+    ruled = Text(f'{title} {glyphs.rule * (width - len(title) - 1)}', style=blocks.QUIET)
+    ruled.truncate(width)
+    return ruled

@@ -1,0 +1,107 @@
+"""The view in plain lines, one for each change that matters: for logs, pipes, dumb terminals."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+from bt_orchestrator.model import events as e
+from bt_orchestrator.screen import words
+from bt_orchestrator.screen.progress import Progress
+from bt_orchestrator.screen.tree_view import Branch, paths
+from bt_orchestrator.screen.viewer import Hearing
+
+
+class EventLines:
+    """Says what happens, and nothing else."""
+
+    def __init__(self, say: Callable[[str], object]) -> None:
+        self._say = say
+        self._progress = Progress()
+
+    def on_status(self, status: Any) -> None:
+        """Say nothing."""
+
+    def on_event(self, event: e.Event) -> None:
+        """Say what happened."""
+        self._say_all(self._progress.follow(event))
+
+    def on_tree(self, tree: Branch) -> None:
+        """Say nothing."""
+
+    def on_blackboard(self, values: Mapping[str, str]) -> None:
+        """Say nothing."""
+
+    def refresh(self) -> None:
+        """Say nothing."""
+
+    def _say_all(self, texts: Iterable[str]) -> None:
+        for text in texts:
+            self._say(text)
+
+
+class PlainView(EventLines):
+    """Says how the cell stands at first, and then what changes."""
+
+    def __init__(self, node: str, say: Callable[[str], object]) -> None:
+        super().__init__(say)
+        self._node = node
+        self._hearing = Hearing(time.monotonic())
+        self._is_away = True
+        self._troubles: list[str] = []
+        self._behaviours: dict[str, str] = {}
+        self._variables: dict[str, str] = {}
+
+    def on_status(self, status: Any) -> None:
+        """Say everything at first and when the node is back; after that, what is no event."""
+        self._hearing.heard(time.monotonic())
+        troubles = words.troubles(status)
+        if self._is_away:
+            self._is_away = False
+            self._say_all(words.status_lines(status, self._node))
+        else:
+            self._say_all(text for text in troubles if text not in self._troubles)
+            gone = [text for text in self._troubles if text not in troubles]
+            self._say_all(f'over: {text}' for text in gone)
+        self._troubles = troubles
+
+    def on_event(self, event: e.Event) -> None:
+        """Say what happened, and what an operator can do about it."""
+        super().on_event(event)
+        if isinstance(event, e.HoldRaised):
+            self._say_all(f'  {text}' for text in words.hold_advice(_Raised(event), self._node))
+
+    def on_tree(self, tree: Branch) -> None:
+        """Say which behaviours came to something else."""
+        found = {
+            path: f'{branch.status.word}  {branch.words}'.rstrip() for path, branch in paths(tree)
+        }
+        self._say_changes('tree', self._behaviours, found)
+        self._behaviours = found
+
+    def on_blackboard(self, values: Mapping[str, str]) -> None:
+        """Say which variables changed."""
+        found = dict(values)
+        self._say_changes('blackboard', self._variables, found)
+        self._variables = found
+
+    def refresh(self) -> None:
+        """Say when the node went away."""
+        silent_s = self._hearing.silent_s(time.monotonic())
+        if silent_s is not None and not self._is_away:
+            self._is_away = True
+            self._say(f'no news from {self._node} for {words.duration(silent_s)}')
+
+    def _say_changes(self, what: str, before: Mapping[str, str], now: Mapping[str, str]) -> None:
+        self._say_all(f'{what} {k}  {v}' for k, v in now.items() if before.get(k) != v)
+        self._say_all(f'{what} {key}  is gone' for key in before if key not in now)
+
+
+class _Raised:
+    """A hold as the status will show it."""
+
+    def __init__(self, event: e.HoldRaised) -> None:
+        self.id = event.hold
+        self.item = event.item or ''
+        self.answers = event.answers

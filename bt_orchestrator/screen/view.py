@@ -1,0 +1,139 @@
+"""The view of a cell: what a status means to a person who watches, without any drawing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any
+
+from bt_orchestrator.screen import words
+
+
+class Weight(IntEnum):
+    """How much a row matters where there is no room for all of them; the smallest stays."""
+
+    HELD = 0
+    WORKING = 1
+    WAITING_WITH_ITEM = 2
+    WAITING = 3
+    ENDED = 4
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line about a section: a task in flight, or a reason for waiting."""
+
+    section: int
+    slot: str
+    text: str
+    weight: Weight
+    elapsed_s: float | None
+    """Of a task, when the status was made."""
+
+
+@dataclass(frozen=True)
+class JobRow:
+    """One line about a job."""
+
+    id: str
+    script: str
+    state: str
+    counts: str
+    packed: float
+    """Share of the quantity that has left the line, good or bad."""
+    on_line: float
+    """Share of the quantity that is on its way."""
+    weight: Weight
+
+
+@dataclass(frozen=True)
+class HoldRow:
+    """Something that waits for an operator, with what can be typed."""
+
+    text: str
+    advice: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class CellView:
+    """Everything that is shown of one status."""
+
+    cell: str
+    state: str
+    belt: str
+    belt_waiting: tuple[str, ...]
+    made_at: float
+    """The node's time, seconds since the epoch."""
+    slots: tuple[str, ...]
+    """What the belt carries, in the direction of travel."""
+    rows: tuple[Row, ...]
+    initialization: tuple[str, ...]
+    jobs: tuple[JobRow, ...]
+    holds: tuple[HoldRow, ...]
+    troubles: tuple[str, ...]
+    flags: tuple[str, ...]
+
+    @property
+    def is_held(self) -> bool:
+        """Tell whether somebody has to decide something."""
+        return bool(self.holds)
+
+
+def cell_view(status: Any, node: str) -> CellView:
+    """Return the view of a status (bt_orchestrator_interfaces/msg/Status).
+
+    :param node: full name of the tree node, for the command lines
+    """
+    return CellView(
+        cell=words.one_line(status.cell),
+        state=status.state,
+        belt=words.belt(status),
+        belt_waiting=tuple(map(words.one_line, status.belt_waiting)),
+        made_at=_seconds(status.stamp),
+        slots=tuple(map(words.slot, status.sections)),
+        rows=tuple(row for section in status.sections for row in _rows(section, status)),
+        initialization=tuple(map(words.one_line, status.initialization_waiting)),
+        jobs=tuple(map(_job, status.jobs)),
+        holds=tuple(
+            HoldRow(words.hold_text(hold), tuple(words.hold_advice(hold, node)))
+            for hold in status.holds
+        ),
+        troubles=tuple(words.troubles(status)),
+        flags=tuple(map(words.flag_count, status.flags)),
+    )
+
+
+def _rows(section: Any, status: Any) -> Iterator[Row]:
+    """Yield what a section does and what it waits for; at least one row."""
+    number, slot = section.section, words.slot(section)
+    for task in section.running:
+        elapsed_s = max(_seconds(status.stamp) - _seconds(task.started), 0.0)
+        yield Row(number, slot, words.task(task), Weight.WORKING, elapsed_s)
+    weight = Weight.WAITING_WITH_ITEM if slot or section.item else Weight.WAITING
+    if any(hold.section == number for hold in status.holds):
+        weight = Weight.HELD
+    if section.waiting or not section.running:
+        reasons = '; '.join(map(words.one_line, section.waiting))
+        yield Row(number, slot, reasons, weight, None)
+
+
+def _job(job: Any) -> JobRow:
+    out = job.packed + job.rejected + job.missing
+    on_line = max(job.started - out, 0)
+    quantity = max(job.quantity, 1)
+    ended = job.state in ('Ended', 'Aborted')
+    weight = Weight.ENDED if ended else Weight.WORKING if job.started else Weight.WAITING
+    return JobRow(
+        id=words.one_line(job.id),
+        script=words.one_line(job.script),
+        state=job.state,
+        counts=words.job_counts(job),
+        packed=min(out / quantity, 1.0),
+        on_line=min(on_line / quantity, 1.0),
+        weight=weight,
+    )
+
+
+def _seconds(time: Any) -> float:
+    return float(time.sec + time.nanosec / 1e9)

@@ -1,0 +1,141 @@
+"""How a cell stands, in words: what `status` prints, `watch` shows, and an operator types.
+
+Everything here reads a status (bt_orchestrator_interfaces/msg/Status) or a part of it, and returns
+text of one line without control characters, whatever a controller wrote into its messages.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+PROGRAM = 'bt-orchestrator'
+
+DEFAULT_NODE = '/bt_orchestrator'
+
+OTHER_VERBS = {'remove_item': 'remove-item {item}', 'resume': 'resume'}
+"""Answers that are given by a verb of their own; all others by `answer`."""
+
+BAD_COUNTS = ('rejected', 'missing', 'nonconforming')
+"""Counts of a job that are shown only when there are any."""
+
+
+def one_line(text: str) -> str:
+    """Return a text without line ends and without what would steer a terminal."""
+    return ''.join(c if c.isprintable() else '\ufffd' for c in ' '.join(text.split()))
+
+
+def status_lines(status: Any, node: str) -> Iterator[str]:
+    """Yield a whole status as text."""
+    yield f'cell {one_line(status.cell)}: {status.state}, belt {belt(status)}'
+    for job in status.jobs:
+        yield f'  {job_name(job)}: {job.state}, {job_counts(job)}'
+    for reason in status.initialization_waiting:
+        yield f'  initialization  {one_line(reason)}'
+    for section in status.sections:
+        yield f'  section {section.section:<3} {slot(section) or "-":<14} {_work(section)}'
+    yield from (f'  {text}' for text in troubles(status))
+    for flag in status.flags:
+        yield f'  flag {flag_count(flag)}'
+    for hold in status.holds:
+        yield f'  {hold_text(hold)}'
+        yield from (f'    {text}' for text in hold_advice(hold, node))
+
+
+def belt(status: Any) -> str:
+    """Say whether the belt moves."""
+    return 'moving' if status.belt_moving else 'at rest'
+
+
+def job_name(job: Any) -> str:
+    """Return a job with its script."""
+    return f'{one_line(job.id)} ({one_line(job.script)})'
+
+
+def job_counts(job: Any) -> str:
+    """Return how far a job is, good and bad."""
+    bad = [f'{getattr(job, name)} {name}' for name in BAD_COUNTS if getattr(job, name)]
+    return ', '.join([f'{job.packed} of {job.quantity} packed', *bad])
+
+
+def slot(section: Any) -> str:
+    """Return what the belt carries at a section; the place of an absent item in brackets."""
+    name = one_line(section.slot)
+    return f'({name})' if section.slot_empty_position else name
+
+
+def task(running: Any) -> str:
+    """Return a task that has a goal in flight."""
+    again = f', attempt {running.attempt}' if running.attempt > 1 else ''
+    named = one_line(running.id)
+    if one_line(running.name) not in named:
+        named = f'{named} {one_line(running.name)}'
+    return f'{named}{again} at {one_line(running.action)}'
+
+
+def _work(section: Any) -> str:
+    reasons = [one_line(reason) for reason in section.waiting]
+    return '; '.join([*map(task, section.running), *reasons])
+
+
+def flag_count(flag: Any) -> str:
+    """Return where the counter of a flag stands."""
+    return f'{one_line(flag.name)}: {flag.count} of {flag.capacity}'
+
+
+def troubles(status: Any) -> list[str]:
+    """Return every component that can be sent nothing."""
+    return [text for text in map(trouble, status.components) if text]
+
+
+def trouble(component: Any) -> str:
+    """Say why a component can be sent nothing; nothing if it can."""
+    name = one_line(component.name)
+    if not component.available:
+        return f'{name}: no action server at {one_line(component.action)}'
+    if not component.ready:
+        state = f'its state is {one_line(component.state)}' if component.state else 'no state yet'
+        return f'{name}: not ready, {state}'
+    return ''
+
+
+def hold_text(hold: Any) -> str:
+    """Say what is held, where, and why."""
+    where = f'section {hold.section}, ' if hold.section else ''
+    about = one_line(hold.item or hold.job)
+    of_what = f' of {about}' if about else ''
+    what = f'{one_line(hold.task)}{of_what}' if hold.task else about
+    message = f' ({one_line(hold.message)})' if hold.message else ''
+    named = f'{where}{what}: ' if where or what else ''
+    return f'hold {hold.id}: {named}{one_line(hold.reason)}{message}'
+
+
+def hold_advice(hold: Any, node: str) -> list[str]:
+    """Return what an operator can type about a hold, and what instead."""
+    commands = [command(hold, answer, node) for answer in hold.answers]
+    others: Sequence[str] = hold.answers[1:]
+    advice = [f'to answer: {commands[0]}'] if commands else []
+    if others:
+        advice.append(f'or, in place of {hold.answers[0]}: {", ".join(others)}')
+    return advice
+
+
+def command(hold: Any, answer: str, node: str) -> str:
+    """Return the command line that gives an answer to a hold."""
+    verb = OTHER_VERBS.get(answer, f'answer {hold.id} {answer}').format(item=hold.item)
+    to_node = '' if node == DEFAULT_NODE else f' --node {node}'
+    return f'{PROGRAM} {verb} --reason "WHY"{to_node}'
+
+
+def duration(seconds: float) -> str:
+    """Return how long something takes or took, in at most 8 characters up to 100 hours."""
+    if seconds < 100:
+        return f'{seconds:.1f} s'
+    minutes, rest = divmod(int(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f'{hours}:{minutes:02}:{rest:02}' if hours else f'{minutes}:{rest:02}'
+
+
+def silence(node: str, silent_s: float) -> str:
+    """Say that nothing is heard of a node."""
+    return f'no news from {node} for {duration(silent_s)}; showing what was last heard'
