@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from textwrap import wrap
 
 from rich.text import Text
 
@@ -19,7 +20,6 @@ NARROW = 60
 """Below this width, times and pictures make room for words."""
 
 ELAPSED_WIDTH = 7
-BAR_WIDTH = 16
 
 GOOD, CARE, BAD, QUIET = 'green', 'yellow', 'bold red', 'dim'
 
@@ -85,16 +85,19 @@ def _runs(view: CellView) -> bool:
 def belt(view: CellView, width: int, glyphs: Glyphs) -> Text:
     """Return the belt in its direction of travel, with as much of the items as fits."""
     arrow = glyphs.move if 'moving' in view.belt else glyphs.rest
-    strips = [_strip(view.slots, glyphs, arrow, named) for named in (str, _number_of, _unnamed)]
     label = f'belt {view.belt:<7}  '
-    fitting = (strip for strip in strips if widest([label + strip], width + 1) <= width)
-    return line([Cell(Text(label + next(fitting, strips[-1])), None)], width)
+    strips = [
+        f'{label}{_strip(view.slots, glyphs, named, blank)} {arrow}'
+        for named, blank in ((str, ' '), (_number_of, ' '), (_number_of, ''), (_unnamed, ''))
+    ]
+    fitting = (strip for strip in strips if widest([strip], width + 1) <= width)
+    return line([Cell(Text(next(fitting, strips[-1])), None)], width)
 
 
-def _strip(slots: Sequence[str], glyphs: Glyphs, arrow: str, named: Callable[[str], str]) -> str:
+def _strip(slots: Sequence[str], glyphs: Glyphs, named: Callable[[str], str], blank: str) -> str:
     texts = [(named(slot) or glyphs.packed) if slot else glyphs.empty for slot in slots]
-    between = f' {glyphs.wall} '
-    return f'{glyphs.wall} {between.join(texts)} {glyphs.wall} {arrow}'
+    wall = f'{blank}{glyphs.wall}{blank}'
+    return f'{glyphs.wall}{blank}{wall.join(texts)}{blank}{glyphs.wall}'
 
 
 def _unnamed(_: str) -> str:
@@ -111,20 +114,23 @@ def _number_of(slot: str) -> str:
 
 
 def holds(rows: Sequence[HoldRow], width: int, glyphs: Glyphs) -> Block:
-    """Return the holds; what is held stays longest, then what to type."""
+    """Return the holds; what is held stays longest, then what to type. Nothing of it is cut."""
     lines: list[Text] = []
-    weights = []
+    weights: list[int] = []
     for row in rows:
-        lines.append(_cut(Text(f'{glyphs.held} {row.text}', style=BAD), width))
-        lines += [_cut(Text(f'    {advice}'), width) for advice in row.advice]
-        weights += [0, 1, 2][: 1 + len(row.advice)]
-    return of_lines('holds', lines, weights, 'lines about holds', least=min(len(lines), 3))
+        said = [f'{glyphs.held} {row.text}', *(f'  {advice}' for advice in row.advice)]
+        for weight, text in enumerate(said):
+            style = BAD if weight == 0 else ''
+            wrapped = wrap(text, max(width, 20), subsequent_indent='      ')
+            lines += [_cut(Text(part, style=style), width) for part in wrapped]
+            weights += [weight] * len(wrapped)
+    return of_lines('holds', lines, weights, 'lines about holds', least=min(len(lines), 6))
 
 
 def troubles(view: CellView, width: int, glyphs: Glyphs) -> Block:
     """Return the components that can be sent nothing."""
     lines = [_cut(Text(f'{glyphs.held} {text}', style=CARE), width) for text in view.troubles]
-    return of_lines('components', lines, [0] * len(lines), 'components')
+    return of_lines('', lines, [0] * len(lines), 'components')
 
 
 def _cut(text: Text, width: int) -> Text:
@@ -139,14 +145,15 @@ def jobs(rows: Sequence[JobRow], width: int, glyphs: Glyphs) -> Block:
     names = widest([row.id for row in rows], max(width // 5, 6))
     scripts = widest([row.script for row in rows], width // 4)
     states = widest([row.state for row in rows], 17)
+    bar_width = max(width // 8, 8)
     lines = []
     for row in rows:
         cells = [Cell(Text(end_of(row.id, names), style='bold'), names)]
         if width >= NARROW:
             cells.append(Cell(Text(row.script), scripts))
         cells.append(Cell(Text(row.state, style=_job_style(row)), states))
-        if width >= NARROW + BAR_WIDTH:
-            cells.append(Cell(bar(row, glyphs), BAR_WIDTH))
+        if width >= NARROW + bar_width:
+            cells.append(Cell(bar(row, bar_width, glyphs), bar_width))
         lines.append(line([*cells, Cell(Text(row.counts), None)], width))
     return of_lines('jobs', lines, [row.weight for row in rows], 'jobs')
 
@@ -155,13 +162,13 @@ def _job_style(row: JobRow) -> str:
     return {'Running': GOOD, 'Interrupted': BAD, 'Aborted': BAD}.get(row.state, '')
 
 
-def bar(row: JobRow, glyphs: Glyphs) -> Text:
+def bar(row: JobRow, width: int, glyphs: Glyphs) -> Text:
     """Return a job's progress: what has left the line, what is on it, what is to come."""
-    out = int(row.packed * BAR_WIDTH)
-    there = min(round((row.packed + row.on_line) * BAR_WIDTH), BAR_WIDTH) - out
+    out = int(row.packed * width)
+    there = min(round((row.packed + row.on_line) * width), width) - out
     text = Text(glyphs.packed * out, style=GOOD)
     text.append(glyphs.on_line * there, style=CARE)
-    return text.append(glyphs.to_come * (BAR_WIDTH - out - there), style=QUIET)
+    return text.append(glyphs.to_come * (width - out - there), style=QUIET)
 
 
 def sections(view: CellView, age_s: float, width: int, glyphs: Glyphs) -> Block:
@@ -203,7 +210,7 @@ def _section(
 def flags(view: CellView, width: int) -> Block:
     """Return all flags in one line."""
     text = ', '.join(view.flags)
-    return of_lines('flags', [_cut(Text(text), width)], [0], 'flags', least=1)
+    return of_lines('', [_cut(Text(f'flags  {text}', style=QUIET), width)], [0], 'flags', least=1)
 
 
 # --- for those who look inside ----------------------------------------------------------------

@@ -21,6 +21,9 @@ DISPLAYED = ('holds', 'troubles', 'jobs', 'body', 'blackboard', 'flags')
 IMPORTANCE = ('holds', 'body', 'jobs', 'troubles', 'blackboard', 'flags')
 """Who gets room first."""
 
+ROOMY = 20
+"""From so many lines on there are titles."""
+
 
 @dataclass(frozen=True)
 class Picture:
@@ -51,7 +54,10 @@ class Picture:
             notice = words.silence(self.node, self.silent_s)
             head.append(Text(notice, style='reverse bold', no_wrap=True, overflow='ellipsis'))
         parts = self._blocks(width, glyphs)
-        return [*head, *_stacked(parts, width, room - len(head), glyphs)][:room]
+        lines = [*head, *_stacked(parts, width, room - len(head), glyphs)][:room]
+        for line in lines:
+            line.truncate(width, overflow='ellipsis')
+        return lines
 
     def _blocks(self, width: int, glyphs: Glyphs) -> dict[str, Block]:
         view = self.view
@@ -76,20 +82,17 @@ class Picture:
 
 
 def _stacked(parts: Mapping[str, Block], width: int, room: int, glyphs: Glyphs) -> Iterator[Text]:
-    """Yield the lines of all parts, with titles as long as there is room for any."""
+    """Yield the lines of all parts; on a terminal of some height, each below its title."""
+    titled = {name for name, part in parts.items() if part.title and room >= ROOMY}
     names = [name for name in IMPORTANCE if name in parts]
     wanted = [parts[name].wanted for name in names]
-    given = dict(
-        zip(names, heights(wanted, [parts[n].least for n in names], max(room, 0)), strict=True)
-    )
-    spare = room - sum(given.values())
+    least = [parts[name].least for name in names]
+    given = dict(zip(names, heights(wanted, least, max(room - len(titled), 0)), strict=True))
     for name in DISPLAYED:
-        if not given.get(name):
-            continue
-        if spare > 0:
-            spare -= 1
+        if name in titled:
             yield _title(parts[name].title, width, glyphs)
-        yield from parts[name].draw(given[name])
+        if given.get(name):
+            yield from parts[name].draw(given[name])
 
 
 def _title(title: str, width: int, glyphs: Glyphs) -> Text:

@@ -114,10 +114,9 @@ def hold_advice(hold: Any, node: str) -> list[str]:
     """Return what an operator can type about a hold, and what instead."""
     commands = [command(hold, answer, node) for answer in hold.answers]
     others: Sequence[str] = hold.answers[1:]
-    advice = [f'to answer: {commands[0]}'] if commands else []
     if others:
-        advice.append(f'or, in place of {hold.answers[0]}: {", ".join(others)}')
-    return advice
+        commands[1:] = [f'or {", ".join(others)} in place of {hold.answers[0]}']
+    return commands
 
 
 def command(hold: Any, answer: str, node: str) -> str:

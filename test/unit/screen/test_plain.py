@@ -1,0 +1,150 @@
+"""The view in plain lines, and that for machines."""
+
+from __future__ import annotations
+
+import json
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from fakes import statuses
+
+from bt_orchestrator.model import events as e
+from bt_orchestrator.screen import machine, plain
+from bt_orchestrator.screen.machine import JsonView
+from bt_orchestrator.screen.plain import EventLines, PlainView
+from bt_orchestrator.screen.tree_view import Branch, Status
+
+NODE = '/bt_orchestrator'
+
+
+class Time:
+    """Stands for the module `time`: it passes when the test says so."""
+
+    def __init__(self) -> None:
+        self.now_s = 0.0
+
+    def monotonic(self) -> float:
+        """Return the time."""
+        return self.now_s
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Time:
+    clock = Time()
+    monkeypatch.setattr(plain, 'time', clock)
+    monkeypatch.setattr(machine, 'time', clock)
+    return clock
+
+
+def raised() -> e.HoldRaised:
+    return e.HoldRaised(
+        seq=1, time=0.0, hold='1', task='work', reason='aborted', answers=('retry', 'skip')
+    )
+
+
+def to_plain(message: Any) -> dict[str, Any]:
+    assert isinstance(message, SimpleNamespace)
+    return {
+        key: to_plain(value) if isinstance(value, SimpleNamespace) else repr(value)
+        for key, value in vars(message).items()
+    }
+
+
+def branch(status: Status) -> Branch:
+    leaf = Branch('work', status, '', is_decorator=False, children=())
+    return Branch('cell', Status.RUNNING, '', is_decorator=False, children=(leaf,))
+
+
+def test_the_first_status_is_told_and_then_only_what_changes() -> None:
+    said: list[str] = []
+    view = PlainView(NODE, said.append)
+    view.on_status(statuses.status())
+    assert said[0] == 'cell small_cell: Execute, belt at rest'
+    said.clear()
+
+    view.on_status(statuses.status())
+    gone = [statuses.component('worker', available=False)]
+    view.on_status(statuses.status(components=gone))
+    view.on_status(statuses.status(components=gone))
+    view.on_status(statuses.status())
+    trouble = 'worker: no action server at /worker/task'
+    assert said == [trouble, f'over: {trouble}']
+
+
+def test_a_hold_is_told_with_what_to_type() -> None:
+    said: list[str] = []
+    PlainView(NODE, said.append).on_event(raised())
+    assert [line.strip() for line in said] == [
+        '0.00 s  HOLD 1: work, aborted',
+        'bt-orchestrator answer 1 retry --reason "WHY"',
+        'or skip in place of retry',
+    ]
+
+
+def test_events_alone() -> None:
+    said: list[str] = []
+    view = EventLines(said.append)
+    view.on_status(statuses.status())
+    view.on_tree(branch(Status.RUNNING))
+    view.on_blackboard({'k': 'v'})
+    view.refresh()
+    assert said == []
+    view.on_event(raised())
+    assert len(said) == 1
+
+
+def test_a_node_that_goes_away_and_comes_back(clock: Time) -> None:
+    said: list[str] = []
+    view = PlainView(NODE, said.append)
+    view.on_status(statuses.status())
+    said.clear()
+    for clock.now_s in (2.9, 3.1, 4.0):
+        view.refresh()
+    assert said == ['no news from /bt_orchestrator for 3.1 s']
+    view.on_status(statuses.status())
+    assert said[1] == 'cell small_cell: Execute, belt at rest'
+
+
+def test_changes_of_tree_and_blackboard() -> None:
+    said: list[str] = []
+    view = PlainView(NODE, said.append)
+    view.on_tree(branch(Status.RUNNING))
+    view.on_tree(branch(Status.SUCCESS))
+    view.on_blackboard({'/cell/belt': 'moving', '/cell/beat': '1'})
+    view.on_blackboard({'/cell/belt': 'at rest'})
+    assert said == [
+        'tree /cell  running',
+        'tree /cell/work  running',
+        'tree /cell/work  success',
+        'blackboard /cell/belt  moving',
+        'blackboard /cell/beat  1',
+        'blackboard /cell/belt  at rest',
+        'blackboard /cell/beat  is gone',
+    ]
+
+
+def test_machines_get_what_is_different(clock: Time) -> None:
+    said: list[str] = []
+    view = JsonView(NODE, said.append, to_plain)
+    view.on_status(statuses.status())
+    view.on_status(statuses.status(stamp=statuses.stamp(1001)))
+    view.on_status(statuses.status(seq=8))
+    view.on_event(raised())
+    view.on_tree(branch(Status.SUCCESS))
+    view.on_blackboard({'/cell/belt': 'moving'})
+    for clock.now_s in (3.1, 9.0):
+        view.refresh()
+    view.on_status(statuses.status(seq=8))
+    records = [json.loads(line) for line in said]
+    kinds = [record['kind'] for record in records]
+    assert kinds == ['status', 'status', 'tree', 'blackboard', 'away', 'status']
+    assert records[0]['status']['cell'] == "'small_cell'"
+    assert records[2]['tree']['children'][0] == {
+        'name': 'work',
+        'status': 'SUCCESS',
+        'message': '',
+        'children': [],
+    }
+    assert records[3]['values'] == {'/cell/belt': 'moving'}
+    assert records[4] == {'kind': 'away', 'node': NODE, 'silent_s': 3.1}

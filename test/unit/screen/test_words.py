@@ -1,0 +1,108 @@
+"""A status in words, as `status` and `watch` use them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from fakes import statuses
+
+from bt_orchestrator.screen import words
+
+NODE = words.DEFAULT_NODE
+
+
+def test_a_whole_status() -> None:
+    status = statuses.status(
+        state='Held',
+        holds=[statuses.hold(message='gripper open')],
+        components=[statuses.component('worker', available=False)],
+        initialization_waiting=['waiting for initialization home'],
+    )
+    assert list(words.status_lines(status, NODE)) == [
+        'cell small_cell: Held, belt at rest',
+        '  WO-1 (small): Running, 0 of 10 packed',
+        '  initialization  waiting for initialization home',
+        '  section 1   -              waiting for the belt to move',
+        '  section 2   WO-1/1         work TASK_A at /work/task',
+        '  worker: no action server at /worker/task',
+        '  flag clear: 0 of 1',
+        '  hold 1: section 2, work of WO-1/1: aborted (gripper open)',
+        '    bt-orchestrator answer 1 retry --reason "WHY"',
+        '    or skip in place of retry',
+    ]
+
+
+def test_further_attempts_and_bad_counts_are_said() -> None:
+    assert words.task(statuses.task('4.1', attempt=3)) == '4.1 TASK_A, attempt 3 at /4.1/task'
+    bad = statuses.job(packed=3, rejected=2, missing=1)
+    assert words.job_counts(bad) == '3 of 10 packed, 2 rejected, 1 missing'
+
+
+def test_an_id_that_holds_the_name_stands_alone() -> None:
+    task = statuses.task('TASK_A')
+    assert words.task(task) == 'TASK_A at /TASK_A/task'
+
+
+def test_an_empty_position_stands_in_brackets() -> None:
+    assert words.slot(statuses.section(1, 'WO-1/2', empty_position=True)) == '(WO-1/2)'
+
+
+@pytest.mark.parametrize(
+    ('component', 'said'),
+    [
+        (statuses.component('arm'), ''),
+        (statuses.component('arm', available=False), 'arm: no action server at /arm/task'),
+        (statuses.component('arm', ready=False), 'arm: not ready, no state yet'),
+        (
+            statuses.component('arm', ready=False, state='DOOR_OPEN'),
+            'arm: not ready, its state is DOOR_OPEN',
+        ),
+    ],
+)
+def test_why_a_component_can_be_sent_nothing(component: object, said: str) -> None:
+    assert words.trouble(component) == said
+
+
+@pytest.mark.parametrize(
+    ('about', 'advice'),
+    [
+        (
+            {'answers': ['remove_item'], 'task': ''},
+            ['bt-orchestrator remove-item WO-1/1 --reason "WHY"'],
+        ),
+        (
+            {'answers': ['resume'], 'task': '', 'item': '', 'section': 0},
+            ['bt-orchestrator resume --reason "WHY"'],
+        ),
+        ({'answers': ['retry']}, ['bt-orchestrator answer 1 retry --reason "WHY"']),
+        ({'answers': []}, []),
+    ],
+)
+def test_what_an_operator_types_about_a_hold(about: dict[str, Any], advice: list[str]) -> None:
+    assert words.hold_advice(statuses.hold(**about), NODE) == advice
+
+
+def test_a_node_of_another_name_stands_in_the_command() -> None:
+    (command, _) = words.hold_advice(statuses.hold(), '/left/bt_orchestrator')
+    assert command.endswith(' --node /left/bt_orchestrator')
+
+
+def test_a_hold_of_the_whole_cell() -> None:
+    paused = statuses.hold(
+        task='', item='', job='', section=0, reason='paused', message='Ada: lunch'
+    )
+    assert words.hold_text(paused) == 'hold 1: paused (Ada: lunch)'
+
+
+def test_what_a_controller_says_cannot_steer_the_terminal() -> None:
+    nasty = statuses.hold(message='bad\n\x1b[2Jend\r\t\x07')
+    assert words.hold_text(nasty).endswith('aborted (bad \ufffd[2Jend \ufffd)')
+
+
+@pytest.mark.parametrize(
+    ('seconds', 'said'),
+    [(0.04, '0.0 s'), (99.9, '99.9 s'), (100, '1:40'), (3599, '59:59'), (359999, '99:59:59')],
+)
+def test_durations(seconds: float, said: str) -> None:
+    assert words.duration(seconds) == said
