@@ -106,6 +106,10 @@ class CellProcesses:
     def kill_and_restart_node(self) -> None:
         """Kill the node as kill -9 does, and start it again."""
         self.node.kill()
+        self.start_node()
+
+    def start_node(self) -> None:
+        """Start the node, which has ended, again."""
         self.node = ProgramProcess(self._node_words, self.folder, 'node')
         self.node.wait_ready()
 

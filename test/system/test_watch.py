@@ -1,0 +1,173 @@
+"""The verb `watch`: on a real pseudo-terminal, as plain lines, and for machines."""
+
+from __future__ import annotations
+
+import json
+import re
+import signal
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from cell_processes import CellProcesses, StartCell
+from program_process import ProgramProcess
+from pseudo_terminal import PseudoTerminal
+
+from bt_orchestrator.screen.blocks import NARROW
+
+OpenTerminal = Callable[..., PseudoTerminal]
+
+
+@pytest.fixture
+def open_terminal() -> Iterator[OpenTerminal]:
+    """Give a function that starts a verb on a terminal."""
+    opened: list[PseudoTerminal] = []
+
+    def start(*words: str, **options: Any) -> PseudoTerminal:
+        opened.append(PseudoTerminal(words, **options))
+        return opened[-1]
+
+    yield start
+    for terminal in opened:
+        terminal.close()
+
+
+@pytest.fixture
+def held_cell(start_cell: StartCell) -> CellProcesses:
+    """Give a cell that is Held by its worker, with the item in section 2."""
+    cell = start_cell(fail=['worker.TASK_A#1=abort'])
+    cell.connect()
+    cell.run_small(quantity=3)
+    cell.watch.until_held()
+    return cell
+
+
+def start_watching(cell: CellProcesses, *words: str) -> ProgramProcess:
+    """Start `watch` with its output in a file."""
+    return ProgramProcess(['watch', *words], cell.folder, 'watch')
+
+
+def wait_for(cell: CellProcesses, watching: ProgramProcess, words: str) -> None:
+    cell.watch.ros.spin_until(lambda: words in watching.output, f'{words} in {watching.output}')
+
+
+def test_a_held_cell_on_a_terminal(held_cell: CellProcesses, open_terminal: OpenTerminal) -> None:
+    (hold,) = held_cell.watch.status.holds
+    terminal = open_terminal('watch')
+    terminal.until_shows(f'bt-orchestrator answer {hold.id} retry --reason "WHY"')
+    assert terminal.lines[0].startswith('small_cell  ■ Held')
+    assert f'■ hold {hold.id}: section 2, work of WO-1/1: aborted' in terminal.text
+    assert '│ WO-1/1 │' in terminal.lines[1]
+
+    # The elapsed time of a task goes on; answered, the view is that of a running cell.
+    assert held_cell.watch.answer(hold.id, 'retry').accepted
+    terminal.until(lambda text: 'hold 1' not in text, 'the answered hold to go')
+    terminal.until_shows('3 of 3 packed')
+
+    terminal.send(signal.SIGINT)
+    assert terminal.wait() == 0
+    terminal.assert_left_clean()
+    held_cell.stop()
+
+
+def test_the_terminal_is_pulled_to_other_sizes(
+    held_cell: CellProcesses, open_terminal: OpenTerminal
+) -> None:
+    terminal = open_terminal('watch', columns=120, lines=30)
+    terminal.until_shows('or mark_done, skip, reject, abort_job in place of retry')
+    for columns, lines in ((60, 12), (40, 10), (100, 40)):
+        terminal.resize(columns, lines)
+        terminal.until(_is_one_picture(columns), f'a picture of {columns} columns')
+    assert re.search(r'^holds ─{94}$', terminal.text, re.MULTILINE), terminal.text
+    terminal.send(signal.SIGTERM)
+    assert terminal.wait() == 0
+    terminal.assert_left_clean()
+
+
+def _is_one_picture(columns: int) -> Callable[[str], bool]:
+    """Return what is so of a picture of a width: the clock ends the first line, where it fits."""
+
+    def is_so(text: str) -> bool:
+        first = text.partition('\n')[0]
+        fits = len(first) == columns if columns >= NARROW else first == 'small_cell  ■ Held'
+        return fits and text.count('hold 1: section') == 1
+
+    return is_so
+
+
+def test_without_colour(held_cell: CellProcesses, open_terminal: OpenTerminal) -> None:
+    terminal = open_terminal('watch', environment={'NO_COLOR': '1'})
+    terminal.until_shows('■ hold 1: section 2')
+    assert not re.search(rb'\x1b\[[\d;]*3[0-7]', terminal.raw)
+
+
+def test_a_dumb_terminal_gets_lines(held_cell: CellProcesses, open_terminal: OpenTerminal) -> None:
+    terminal = open_terminal('watch', environment={'TERM': 'dumb'})
+    terminal.until_shows('hold 1: section 2, work of WO-1/1: aborted')
+    assert b'\x1b[?1049h' not in terminal.raw
+
+
+def test_the_tree_and_the_blackboard_on_a_terminal(
+    held_cell: CellProcesses, open_terminal: OpenTerminal
+) -> None:
+    terminal = open_terminal('watch', '--tree', '--blackboard', columns=100, lines=60)
+    terminal.until_shows('▶ small_cell  running')
+    terminal.until_shows('/small_cell/belt')
+    assert re.search(r'▶ work: TASK_A  running  waiting for an answer to hold 1', terminal.text)
+    assert re.search(r'/small_cell/slots/2 +WO-1/1$', terminal.text, re.MULTILINE)
+
+
+def test_a_node_goes_away_and_comes_back(
+    small_cell: CellProcesses, open_terminal: OpenTerminal
+) -> None:
+    terminal = open_terminal('watch', '--tree')
+    plain = start_watching(small_cell)
+    try:
+        terminal.until_shows('▶ small_cell  running')
+        wait_for(small_cell, plain, 'cell small_cell: ')
+        assert small_cell.node.stop() == 0
+        terminal.until_shows('no news from /bt_orchestrator for ')
+        wait_for(small_cell, plain, 'no news from /bt_orchestrator for ')
+
+        small_cell.start_node()
+        terminal.until(lambda text: 'no news' not in text, 'news')
+        wait_for(small_cell, plain, 'no news')
+        small_cell.watch.ros.spin_until(
+            lambda: plain.output.count('cell small_cell: ') == 2, 'the status again'
+        )
+        small_cell.watch.wait_servers()
+        small_cell.run_small(task='TASK_B')
+        terminal.until_shows('work: TASK_B  running  running at worker/task')
+        assert plain.stop() == 0
+        plain.assert_clean()
+    finally:
+        plain.kill()
+
+
+def test_plain_lines_and_json(held_cell: CellProcesses) -> None:
+    plain = start_watching(held_cell)
+    machine = ProgramProcess(['watch', '--json', '--tree'], held_cell.folder, 'machine')
+    try:
+        wait_for(held_cell, plain, 'cell small_cell: Held, belt at rest\n')
+        wait_for(held_cell, machine, '"kind": "tree"')
+        assert held_cell.watch.answer('1', 'retry').accepted
+        wait_for(held_cell, plain, 'WO-1 completed\n')
+        wait_for(held_cell, machine, '"packed": 3')
+        assert (plain.stop(), machine.stop(signal.SIGTERM)) == (0, 0)
+        plain.assert_clean()
+        machine.assert_clean()
+    finally:
+        plain.kill()
+        machine.kill()
+    assert '\x1b' not in plain.output
+    assert 'bt-orchestrator answer 1 retry --reason "WHY"\n' in plain.output
+    assert re.search(r'^ +\d+\.\d\d s  section 2   WO-1/3 packed$', plain.output, re.MULTILINE)
+    records = [json.loads(line) for line in machine.output.splitlines()]
+    statuses = [record['status'] for record in records if record['kind'] == 'status']
+    assert len(statuses[0]['holds']) == 1
+    assert statuses[-1]['jobs'][0]['packed'] == 3
+    sequence = [status['seq'] for status in statuses]
+    assert sequence == sorted(sequence)
+    trees = [record['tree'] for record in records if record['kind'] == 'tree']
+    assert trees[0]['name'] == 'small_cell'
+    assert trees[0] != trees[-1]
