@@ -13,13 +13,13 @@ from importlib import util
 from pathlib import Path
 
 from bt_orchestrator.cli import bootstrap
-from bt_orchestrator.cli.node_options import DEFAULT_NODE
 from bt_orchestrator.diagnosis import machine
 from bt_orchestrator.diagnosis.check import Check, Verdict, fail, ok, worst
 from bt_orchestrator.diagnosis.domain import domain, domain_id, other_domains, reach
 from bt_orchestrator.diagnosis.journal_folder import journal_folder
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.screen.words import DEFAULT_NODE
 
 DESCRIPTION = """\
 Look at this machine, and with --cell at everything a cell needs on the ROS graph. Each line says

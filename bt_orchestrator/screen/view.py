@@ -61,6 +61,8 @@ class CellView:
 
     cell: str
     state: str
+    failure: str
+    """Why nothing is done any more; empty: all is well."""
     belt: str
     belt_waiting: tuple[str, ...]
     made_at: float
@@ -88,6 +90,7 @@ def cell_view(status: Any, node: str) -> CellView:
     return CellView(
         cell=words.one_line(status.cell),
         state=status.state,
+        failure=words.failure(status),
         belt=words.belt(status),
         belt_waiting=tuple(map(words.one_line, status.belt_waiting)),
         made_at=_seconds(status.stamp),

@@ -28,6 +28,8 @@ def one_line(text: str) -> str:
 def status_lines(status: Any, node: str) -> Iterator[str]:
     """Yield a whole status as text."""
     yield f'cell {one_line(status.cell)}: {status.state}, belt {belt(status)}'
+    if status.journal_failure:
+        yield f'  {failure(status)}'
     for job in status.jobs:
         yield f'  {job_name(job)}: {job.state}, {job_counts(job)}'
     for reason in status.initialization_waiting:
@@ -40,6 +42,12 @@ def status_lines(status: Any, node: str) -> Iterator[str]:
     for hold in status.holds:
         yield f'  {hold_text(hold)}'
         yield from (f'    {text}' for text in hold_advice(hold, node))
+
+
+def failure(status: Any) -> str:
+    """Say that the cell does nothing any more, and why; nothing if all is well."""
+    why = one_line(status.journal_failure)
+    return f'NOTHING IS DONE ANY MORE: {why}' if why else ''
 
 
 def belt(status: Any) -> str:

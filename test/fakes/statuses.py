@@ -76,6 +76,7 @@ def status(**about: Any) -> Any:
         'seq': 7,
         'cell': 'small_cell',
         'state': 'Execute',
+        'journal_failure': '',
         'belt_moving': False,
         'belt_waiting': [],
         'initialization_waiting': [],
