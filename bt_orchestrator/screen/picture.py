@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from textwrap import wrap
 
 from rich.console import Console, ConsoleOptions, RenderResult
 from rich.text import Text
@@ -50,14 +51,20 @@ class Picture:
     def lines(self, width: int, room: int, glyphs: Glyphs = UNICODE) -> list[Text]:
         """Return the picture, no more lines than there is room for."""
         head = blocks.head(self.view, self.node, width, glyphs)
-        if self.silent_s is not None:
-            notice = words.silence(self.node, self.silent_s)
-            head.append(Text(notice, style='reverse bold', no_wrap=True, overflow='ellipsis'))
+        for notice in self._notices():
+            wrapped = wrap(notice, max(width, 20), max_lines=3)
+            head += [Text(part, style='reverse bold') for part in wrapped]
         parts = self._blocks(width, glyphs)
         lines = [*head, *_stacked(parts, width, room - len(head), glyphs)][:room]
         for line in lines:
             line.truncate(width, overflow='ellipsis')
         return lines
+
+    def _notices(self) -> Iterator[str]:
+        if self.silent_s is not None:
+            yield words.silence(self.node, self.silent_s)
+        if self.view.failure:
+            yield self.view.failure
 
     def _blocks(self, width: int, glyphs: Glyphs) -> dict[str, Block]:
         view = self.view

@@ -56,7 +56,7 @@ class PlainView(EventLines):
     def on_status(self, status: Any) -> None:
         """Say everything at first and when the node is back; after that, what is no event."""
         self._hearing.heard(time.monotonic())
-        troubles = words.troubles(status)
+        troubles = [text for text in (words.failure(status), *words.troubles(status)) if text]
         if self._is_away:
             self._is_away = False
             self._say_all(words.status_lines(status, self._node))

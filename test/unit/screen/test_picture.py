@@ -79,6 +79,11 @@ def test_a_silent_node_is_said_to_be_silent() -> None:
     assert found[2].startswith('no news from /bt_orchestrator for 12.0 s')
 
 
+def test_a_broken_journal_is_told_first() -> None:
+    found = drawn(picture(statuses.status(journal_failure='no space left on /journal')))
+    assert found[2] == 'NOTHING IS DONE ANY MORE: no space left on /journal'
+
+
 @pytest.mark.parametrize('held', [3, 20])
 def test_of_twenty_sections_those_that_matter_stay(held: int) -> None:
     status = statuses.long_line(20, held=held, working=11)

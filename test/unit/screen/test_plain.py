@@ -70,6 +70,9 @@ def test_the_first_status_is_told_and_then_only_what_changes() -> None:
     view.on_status(statuses.status())
     trouble = 'worker: no action server at /worker/task'
     assert said == [trouble, f'over: {trouble}']
+    said.clear()
+    view.on_status(statuses.status(journal_failure='disk full'))
+    assert said == ['NOTHING IS DONE ANY MORE: disk full']
 
 
 def test_a_hold_is_told_with_what_to_type() -> None:
