@@ -59,7 +59,6 @@ def test_a_held_cell_on_a_terminal(held_cell: CellProcesses, open_terminal: Open
     assert f'■ hold {hold.id}: section 2, work of WO-1/1: aborted' in terminal.text
     assert '│ WO-1/1 │' in terminal.lines[1]
 
-    # The elapsed time of a task goes on; answered, the view is that of a running cell.
     assert held_cell.watch.answer(hold.id, 'retry').accepted
     terminal.until(lambda text: 'hold 1' not in text, 'the answered hold to go')
     terminal.until_shows('3 of 3 packed')
@@ -95,16 +94,15 @@ def _is_one_picture(columns: int) -> Callable[[str], bool]:
     return is_so
 
 
-def test_without_colour(held_cell: CellProcesses, open_terminal: OpenTerminal) -> None:
-    terminal = open_terminal('watch', environment={'NO_COLOR': '1'})
-    terminal.until_shows('■ hold 1: section 2')
-    assert not re.search(rb'\x1b\[[\d;]*3[0-7]', terminal.raw)
-
-
-def test_a_dumb_terminal_gets_lines(held_cell: CellProcesses, open_terminal: OpenTerminal) -> None:
-    terminal = open_terminal('watch', environment={'TERM': 'dumb'})
-    terminal.until_shows('hold 1: section 2, work of WO-1/1: aborted')
-    assert b'\x1b[?1049h' not in terminal.raw
+def test_without_colour_and_without_a_screen(
+    held_cell: CellProcesses, open_terminal: OpenTerminal
+) -> None:
+    colourless = open_terminal('watch', environment={'NO_COLOR': '1'})
+    dumb = open_terminal('watch', environment={'TERM': 'dumb'})
+    colourless.until_shows('■ hold 1: section 2')
+    assert not re.search(rb'\x1b\[[\d;]*3[0-7]', colourless.raw)
+    dumb.until_shows('hold 1: section 2, work of WO-1/1: aborted')
+    assert b'\x1b[?1049h' not in dumb.raw
 
 
 def test_the_tree_and_the_blackboard_on_a_terminal(
@@ -142,6 +140,15 @@ def test_a_node_goes_away_and_comes_back(
         plain.assert_clean()
     finally:
         plain.kill()
+
+
+def test_the_demo_on_a_terminal(open_terminal: OpenTerminal) -> None:
+    terminal = open_terminal('demo', '--speed', '5', columns=100, lines=50)
+    terminal.until(lambda text: re.search(r'^  1 .*▶ place PLACE', text, re.MULTILINE), 'a task')
+    assert terminal.lines[0].startswith('reference_cell  ▶ Execute')
+    assert terminal.wait() == 0
+    assert re.search(r'^WO-1001 +reference_process( +3){2}( +0){3} ', terminal.text, re.MULTILINE)
+    terminal.assert_left_clean()
 
 
 def test_plain_lines_and_json(held_cell: CellProcesses) -> None:
