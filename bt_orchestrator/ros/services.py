@@ -14,6 +14,7 @@ from bt_orchestrator.errors import Refused
 from bt_orchestrator.model import commands
 from bt_orchestrator.model.order import Job, WorkOrder
 from bt_orchestrator.ports import ActionTypes, AdmissionCheck
+from bt_orchestrator.ros.patient_service import create_patient_service
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.script.admission import admit
 from bt_orchestrator.script.lookup import find_script
@@ -55,7 +56,7 @@ class Services:
                 response.message = f'internal error, see the log of the node: {error!r}'
             return response
 
-        self._node.create_service(kind, f'~/{name}', answer)
+        create_patient_service(self._node, kind, f'~/{name}', answer)
 
     def _submit(self, request: Any, response: Any) -> None:
         try:

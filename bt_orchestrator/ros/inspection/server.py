@@ -18,6 +18,7 @@ from bt_orchestrator.ros.inspection.snapshot_source import SnapshotSource
 from bt_orchestrator.ros.inspection.snapshot_streams import SnapshotStreams, StreamParameters
 from bt_orchestrator.ros.inspection.tick_statistics import TickStatistics
 from bt_orchestrator.ros.inspection.topic_names import StreamRefused
+from bt_orchestrator.ros.patient_service import create_patient_service
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 
 TURN_S = 0.1
@@ -74,7 +75,7 @@ class InspectionServer:
             self._run_if_needed()
             return response
 
-        node.create_service(kind, f'~/{name}', answer)
+        create_patient_service(node, kind, f'~/{name}', answer)
 
     # --- snapshots ----------------------------------------------------------------------------
 

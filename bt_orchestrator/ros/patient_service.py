@@ -1,0 +1,93 @@
+"""Services that say their answer again to a client that could not hear it yet.
+
+A service is two DDS topics, discovered one by one. The request of a fresh client can come before the
+way back to it is known; the middleware then waits for 100 ms, drops the answer, and rclpy warns. The
+client would wait for ever.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from functools import partial
+from typing import TYPE_CHECKING, Any, Protocol
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
+
+AGAIN_AFTER_S = (0.3, 1.0, 3.0)
+"""Discovery takes up to 3 s; each attempt may take 100 ms of the thread."""
+
+UNHEARD = 'failed to send response (timeout)'
+"""What the warning says."""
+
+
+class Logger(Protocol):
+    """The part of a ROS 2 logger that is needed here."""
+
+    def warning(self, message: str) -> object:
+        """Report something odd."""
+
+
+def create_patient_service(
+    node: Node, kind: Any, name: str, callback: Callable[[Any, Any], Any]
+) -> None:
+    """Create a service whose answers are sent again if its client cannot hear them yet."""
+    service: Any = node.create_service(kind, name, callback)
+    answers = PatientAnswers(
+        service.service_name, service.send_response, partial(_once, node), node.get_logger()
+    )
+    service.send_response = answers.send  # what every executor calls
+
+
+class PatientAnswers:
+    """Sends answers, some of them more than once."""
+
+    def __init__(
+        self,
+        name: str,
+        send: Callable[[Any, Any], object],
+        later: Callable[[float, Callable[[], None]], None],
+        logger: Logger,
+    ) -> None:
+        """Prepare.
+
+        :param send: warns if the client cannot hear it
+        :param later: calls back once, after so many seconds
+        """
+        self._name = name
+        self._send = send
+        self._later = later
+        self._logger = logger
+
+    def send(self, response: Any, header: Any) -> None:
+        """Send an answer, now and if need be later."""
+        self._attempt(response, header, 0)
+
+    def _attempt(self, response: Any, header: Any, number: int) -> None:
+        if self._is_heard(response, header):
+            return
+        if number < len(AGAIN_AFTER_S):
+            again = partial(self._attempt, response, header, number + 1)
+            self._later(AGAIN_AFTER_S[number], again)
+            return
+        text = f'an answer of {self._name} was not heard: its client is gone, or not discovered'
+        self._logger.warning(text)
+
+    def _is_heard(self, response: Any, header: Any) -> bool:
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter('always')
+            self._send(response, header)
+        unheard = [one for one in said if UNHEARD in str(one.message)]
+        for one in said:
+            if one not in unheard:
+                warnings.warn_explicit(one.message, one.category, one.filename, one.lineno)
+        return not unheard
+
+
+def _once(node: Node, delay_s: float, callback: Callable[[], None]) -> None:
+    def call() -> None:
+        node.destroy_timer(timer)
+        callback()
+
+    timer = node.create_timer(delay_s, call)
