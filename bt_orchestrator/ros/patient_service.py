@@ -1,8 +1,8 @@
 """Services that say their answer again to a client that could not hear it yet.
 
-A service is two DDS topics, discovered one by one. The request of a fresh client can come before the
-way back to it is known; the middleware then waits for 100 ms, drops the answer, and rclpy warns. The
-client would wait for ever.
+A service is two DDS topics, discovered one by one. The request of a fresh client can come before
+the way back to it is known; the middleware then waits for 100 ms and drops the answer, and rclpy
+warns. The client would wait for ever.
 """
 
 from __future__ import annotations
