@@ -12,6 +12,8 @@ from program_process import ProgramProcess
 
 ROOT = Path(__file__).parents[1]
 
+CRASHING_NODE = ROOT / 'test' / 'chaos' / 'crashing_node.py'
+
 SPEED = 20
 
 SMALL_CELL = """
@@ -107,11 +109,15 @@ class CellProcesses:
         """Kill the node as kill -9 does, and start it again."""
         self.node.kill()
         self.start_node()
-
-    def start_node(self) -> None:
-        """Start the node, which has ended, again."""
-        self.node = ProgramProcess(self._node_words, self.folder, 'node')
         self.node.wait_ready()
+
+    def start_node(self, crash_point: Sequence[str] = ()) -> None:
+        """Start the node again, which must be gone.
+
+        :param crash_point: arguments of `chaos/crashing_node.py`, to have it kill itself
+        """
+        program = [str(CRASHING_NODE), *crash_point] if crash_point else ['-m', 'bt_orchestrator']
+        self.node = ProgramProcess(self._node_words, self.folder, 'node', program)
 
     def connect(self, *, wait_servers: bool = True) -> None:
         """Wait until everything is up and knows of each other."""

@@ -134,6 +134,11 @@ class NodeWatcher:
         request = AnswerHold.Request(hold=hold, answer=answer, who=WHO, reason='test')
         return self.call(AnswerHold, 'answer_hold', request)
 
+    def send_answer(self, hold: str, answer: str) -> Any:
+        """Answer a hold of a node that may be gone; return the future of its response."""
+        request = AnswerHold.Request(hold=hold, answer=answer, who=WHO, reason='test')
+        return self._client(AnswerHold, 'answer_hold').call_async(request)
+
     def remove(self, item: str) -> Any:
         """Take an item off the belt and return the response."""
         request = RemoveItem.Request(item=item, who=WHO, reason='test')
@@ -141,12 +146,15 @@ class NodeWatcher:
 
     def call(self, kind: Any, service: str, request: Any) -> Any:
         """Call a service of the node and return its response."""
+        client = self._client(kind, service)
+        self.ros.spin_until(client.service_is_ready, f'the service {service}')
+        return self.ros.wait(client.call_async(request), f'an answer of {service}')
+
+    def _client(self, kind: Any, service: str) -> Any:
         if service not in self._clients:
             name = f'{self.name}/{service}'
             self._clients[service] = self.ros.node.create_client(kind, name)
-        client = self._clients[service]
-        self.ros.spin_until(client.service_is_ready, f'the service {service}')
-        return self.ros.wait(client.call_async(request), f'an answer of {service}')
+        return self._clients[service]
 
     def _on_event(self, message: Any) -> None:
         record = json.loads(message.record)

@@ -22,13 +22,24 @@ class ProgramProcess:
     What it prints goes to files, so that it never waits for a reader.
     """
 
-    def __init__(self, words: Sequence[str], folder: Path, name: str) -> None:
-        """Start it; `words` is a command line from the verb on."""
+    def __init__(
+        self,
+        words: Sequence[str],
+        folder: Path,
+        name: str,
+        program: Sequence[str] = ('-m', 'bt_orchestrator'),
+        within: Sequence[str] = (),
+    ) -> None:
+        """Start it; `words` is a command line from the verb on.
+
+        :param program: what Python runs, if not the program itself
+        :param within: a command that becomes the program, such as `ip netns exec NAME`
+        """
         self._output = folder / f'{name}.out'
         self._errors = folder / f'{name}.err'
         with self._output.open('w') as output, self._errors.open('w') as errors:
             self._process = subprocess.Popen(
-                [sys.executable, '-u', '-m', 'bt_orchestrator', *words],
+                [*within, sys.executable, '-u', *program, *words],
                 stdin=subprocess.DEVNULL,
                 stdout=output,
                 stderr=errors,
@@ -50,6 +61,16 @@ class ProgramProcess:
     def errors(self) -> str:
         """What it has printed on stderr so far."""
         return self._errors.read_text()
+
+    @property
+    def is_running(self) -> bool:
+        """Tell whether it has not ended."""
+        return self._process.poll() is None
+
+    def wait_ready_or_end(self) -> None:
+        """Wait until it is ready, or has ended, which may be what it was started for."""
+        while self._look() is None and 'ready: ' not in self.output:
+            pass
 
     def wait_ready(self, words: str = 'ready: ') -> str:
         """Return the first line that holds these words; fails if it ends before."""

@@ -16,7 +16,7 @@ DOMAINS = range(1, 102)
 
 def pytest_configure(config: pytest.Config) -> None:
     """Choose the domain before any test module can start a node or a subprocess."""
-    domain, lock = _take_free_domain()
+    domain, lock = take_free_domain()
     config.add_cleanup(lock.close)
     os.environ['ROS_DOMAIN_ID'] = str(domain)
     # Whatever the user's shell says, tests do not talk to other computers.
@@ -28,7 +28,7 @@ def pytest_report_header() -> str:
     return f'ROS_DOMAIN_ID: {os.environ["ROS_DOMAIN_ID"]}'
 
 
-def _take_free_domain() -> tuple[int, TextIO]:
+def take_free_domain() -> tuple[int, TextIO]:
     """Lock the first free domain, for as long as the lock is open.
 
     The search starts at a place of this process's own: a run that was killed may have left nodes

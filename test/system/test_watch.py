@@ -128,6 +128,7 @@ def test_a_node_goes_away_and_comes_back(
         wait_for(small_cell, plain, 'no news from /bt_orchestrator for ')
 
         small_cell.start_node()
+        small_cell.node.wait_ready()
         terminal.until(lambda text: 'no news' not in text, 'news')
         wait_for(small_cell, plain, 'no news')
         small_cell.watch.ros.spin_until(
