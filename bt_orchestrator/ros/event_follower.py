@@ -4,11 +4,25 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterator
-from typing import Any
-
-from bt_orchestrator.ros.client import NodeClient
+from typing import Any, Protocol
 
 STARTED = 'orchestrator.started'
+
+
+class EventSource(Protocol):
+    """A tree node, as `ros.client.NodeClient` shows it."""
+
+    def on_event(self, callback: Callable[[Any], None]) -> None:
+        """Call back with every event from now on."""
+
+    def on_status(self, callback: Callable[[Any], None]) -> None:
+        """Call back with every status, the latched one first."""
+
+    def status(self) -> Any:
+        """Return the latched status."""
+
+    def events_after(self, seq: int) -> Any:
+        """Return events from the journal of the node (srv/GetEvents)."""
 
 
 class EventFollower:
@@ -19,7 +33,7 @@ class EventFollower:
 
     def __init__(
         self,
-        client: NodeClient,
+        client: EventSource,
         after_seq: int | None,
         on_removed: Callable[[int, int], None] = lambda _, __: None,
     ) -> None:

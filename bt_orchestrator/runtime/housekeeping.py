@@ -47,29 +47,33 @@ class Housekeeping:
         )
         self._noted: set[str] = set()
         self._remove_before = 0
+        self._failed_seq = 0
+        """Where it failed last; it is tried again when something has happened since."""
 
     def turn(self, *, quiet: bool) -> None:
         """Do one small piece of what is due; the state is durable.
 
         :param quiet: nothing happens at this moment
         """
-        behind = self._state.seq - self._saved_seq
+        if self._state.seq == self._failed_seq:
+            return
+        behind = self._state.seq - max(self._saved_seq, self._failed_seq)
         try:
             if behind >= SNAPSHOT_AT_LATEST:
                 self._save()
             elif quiet:
                 self._at_leisure(behind)
-        except JournalFailed as failed:
-            log.warning('%s: no snapshot, nothing removed; tried again later', failed)
-            self._saved_seq, self._remove_before = self._state.seq, 0
+        except Exception as error:  # noqa: BLE001 - whatever it is, the cell goes on
+            log.warning('%s: no snapshot, nothing removed; tried again later', error)
+            self._failed_seq, self._remove_before = self._state.seq, 0
 
     def finish(self) -> None:
         """Leave a snapshot to the next start."""
         try:
             if self._state.seq > self._saved_seq:
                 self._save()
-        except JournalFailed as failed:
-            log.warning('%s: the next start replays more events', failed)
+        except Exception as error:  # noqa: BLE001 - the node ends all the same
+            log.warning('%s: the next start replays more events', error)
 
     def _at_leisure(self, behind: int) -> None:
         ended = self._state.ended.keys() - self._noted

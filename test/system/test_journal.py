@@ -11,6 +11,8 @@ from bt_orchestrator_interfaces.srv import Command, GetEvents
 from cell_processes import CellProcesses, StartCell, run_verb
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
+from bt_orchestrator.store.sqlite import SqliteStore
+
 
 def start(start_cell: StartCell, path: Path) -> CellProcesses:
     cell = start_cell(run_options=['--journal', str(path), '--auto-resume'])
@@ -69,3 +71,7 @@ def test_a_full_disk_is_told_and_a_restart_goes_on(start_cell: StartCell, tmp_pa
     ran = [record['goal'] for record in cell.goals(event='started')]
     assert len(ran) == len(set(ran))
     cell.stop()
+    store = SqliteStore(path)
+    last = max(event.seq for event in store.read())
+    assert next(iter(store.snapshots())).seq == last  # for a quick start
+    store.close()

@@ -309,7 +309,17 @@ def test_a_snapshot_that_fails_harms_nothing(path: Path, caplog: pytest.LogCaptu
     full = FullDisk(path.with_name('other.sqlite3'))
     run.housekeeping._journal = full
     run.job('J1')
+    caplog.clear()
+    run.rest(20)
+    assert caplog.text == ''  # not again before something has happened
+    run.housekeeping._journal = run.store
+    run.job('J2')
+    assert [snapshot.seq for snapshot in run.store.snapshots()]
+    rows = run.store._database.execute('SELECT job FROM jobs').fetchall()
+    assert sorted(rows) == [('J1',), ('J2',)]
+    run.housekeeping._journal = full
+    run.job('J3')
     run.close()
     full.close()
     assert 'disk full: no snapshot, nothing removed; tried again later' in caplog.text
-    assert restored(path).ended.keys() == {'J1'}
+    assert restored(path).ended.keys() == {'J1', 'J2', 'J3'}
