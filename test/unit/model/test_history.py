@@ -68,7 +68,7 @@ def test_a_summary_comes_back_and_stands_for_a_job_without_its_beginning() -> No
     (ended,) = Line().run(THREE, 2).state.ended.values()
     kept = record_of(ended)
     assert job_from_plain(job_to_plain(kept)) == kept
-    history = History([kept])
+    history = History([record_of(ended)])
     history.follow({'event': 'item.placed', 'job': 'J', 'item': 'J/2', 'time': 1.0})
     assert history.jobs['J'] == kept
     history.follow({'event': 'job.queued', 'job': 'J', 'script': 's', 'quantity': 1, 'time': 9.0})

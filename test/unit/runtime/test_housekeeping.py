@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import itertools
+import json
 import logging
 import sqlite3
 from pathlib import Path
+from typing import Any
 
 import pytest
 from fakes.line import THREE, Line, with_section
@@ -17,6 +19,7 @@ from bt_orchestrator.model.commands import SubmitJob
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.snapshot import state_to_plain
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.runtime import housekeeping, recovery
 from bt_orchestrator.runtime.recovery import restore
@@ -220,21 +223,23 @@ def test_old_jobs_lose_their_events_and_nothing_else(path: Path) -> None:
 
 
 def test_live_jobs_keep_all_their_events(path: Path) -> None:
-    run = LongRun(path, Line(faults={'a2': '#1=abort'}), keep_jobs=0)
-    for name in ('OLD', 'LIVE', 'LATER'):
-        text = with_section(2, '- {id: work, @b2}') if name == 'OLD' else THREE
-        if name == 'OLD':
-            run.job(name, 2, text)
-            continue
-        assert is_queued(run, name)
-    run.go(lambda: bool(run.orchestrator.state.holds))
-    run.housekeeping._noted.clear()  # look again, with a job on the line
+    line = Line(faults={'a2': '#1=abort'})
+    run = LongRun(path, line, keep_jobs=0)
+    text = with_section(2, '- {id: work, @b2}')
+    assert run.orchestrator.ask(SubmitJob(Job('OLD', line.script(text), 2))).accepted
+    assert is_queued(run, 'LIVE')
+    assert is_queued(run, 'LATER')
+    run.go(lambda: bool(run.orchestrator.state.holds) and 'OLD' in run.orchestrator.state.ended)
     run.rest(5)
     state = run.orchestrator.state
     run.kill()
-    assert jobs_of(path) == ['LIVE', 'LATER']
-    again = restored(path, Line(faults={'a2': '#1=abort'}))
-    assert snapshot(again) == snapshot(state)
+    assert list(state.jobs) == ['LIVE', 'LATER']
+    database = sqlite3.connect(path)
+    query = 'SELECT record FROM events ORDER BY seq LIMIT 1'
+    first = json.loads(database.execute(query).fetchone()[0])
+    database.close()
+    assert (first['event'], first['job']) == ('job.queued', 'LIVE')
+    assert snapshot(restored(path, line)) == snapshot(state)
 
 
 def is_queued(run: LongRun, name: str) -> bool:
@@ -260,6 +265,32 @@ def test_nothing_goes_before_there_are_too_many(path: Path) -> None:
     run.job('J1')
     run.job('J2')
     run.rest(3)
+    assert run.store.first_seq() == 1
+    assert run.store.beginning() is None
+    run.kill()
+
+
+def test_nothing_goes_that_replay_needs(path: Path) -> None:
+    run = LongRun(path)
+    run.job('J1')
+    assert not run.store.remove_batch(100)
+    assert run.store.first_seq() == 1
+    run.kill()
+
+
+def test_nothing_goes_for_a_state_that_does_not_come_back(
+    path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    def forgetful(state: CellState) -> dict[str, Any]:
+        plain = state_to_plain(state)
+        del plain['state']['beat']
+        return plain
+
+    monkeypatch.setattr(housekeeping, 'state_to_plain', forgetful)
+    run = LongRun(path, keep_jobs=0)
+    run.job('J1')
+    run.rest(3)
+    assert 'the state cannot be kept (beat would change)' in caplog.text
     assert run.store.first_seq() == 1
     assert run.store.beginning() is None
     run.kill()
