@@ -273,7 +273,7 @@ def test_nothing_goes_before_there_are_too_many(path: Path) -> None:
 def test_nothing_goes_that_replay_needs(path: Path) -> None:
     run = LongRun(path)
     run.job('J1')
-    assert not run.store.remove_batch(100)
+    assert not run.store.remove_batch(50)
     assert run.store.first_seq() == 1
     run.kill()
 
