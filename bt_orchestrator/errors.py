@@ -58,6 +58,14 @@ class JournalMismatch(OrchestratorError):
 class CommandRefused(OrchestratorError):
     """A command cannot be carried out now; the message is the answer to its sender."""
 
+    def __init__(self, message: str, each: Sequence[str] = ()) -> None:
+        """Refuse.
+
+        :param each: for a command about several things, what is to be said of each
+        """
+        super().__init__(message)
+        self.each = tuple(each)
+
 
 class MissingResult(OrchestratorError):
     """A reference names the result of a task that was skipped or failed for this item.

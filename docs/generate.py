@@ -25,13 +25,15 @@ from bt_orchestrator.cli.main import PROGRAM, VERBS
 from bt_orchestrator.model import events
 from bt_orchestrator.model.codec import event_types
 from bt_orchestrator.model.fault import FaultKind
+from bt_orchestrator.model.isa95 import JobWord
+from bt_orchestrator.model.job_control import METHODS, Method
 from bt_orchestrator.script.cell_keys import CELL
 from bt_orchestrator.script.json_schema import SCHEMA_FILES, json_schema
 from bt_orchestrator.script.keys import LARGEST_WHOLE, LONGEST_SECONDS, Key, Kind, Table
 from bt_orchestrator.script.script_keys import ORDER, SCRIPT
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGES = ('README.md', 'docs/formats.md')
+PAGES = ('README.md', 'docs/formats.md', 'docs/queue.md')
 
 _PART = re.compile(r'(<!-- generated: (?P<name>[\w -]+) -->\n).*?(?=<!-- end -->)', re.DOTALL)
 
@@ -43,6 +45,7 @@ FIELDS: Mapping[str, str] = {
     'attempt': 'which attempt, from 1',
     'beat': 'the beat that begins',
     'cell': 'name of the cell',
+    'counts': 'the counts of the job, by name (semantics 6.2)',
     'component': 'name of the component in the cell file',
     'definition': 'the whole script, bound to the cell',
     'digest': 'name of the script by what it says: equal scripts have equal digests',
@@ -204,6 +207,35 @@ def fault_kinds() -> Iterator[str]:
     yield ''
 
 
+# --- jobs -------------------------------------------------------------------------------------
+
+
+def job_methods() -> Iterator[str]:
+    """Yield what every method of a job does."""
+    yield '| method (ISA-95) | `queue ...` | does |'
+    yield '|---|---|---|'
+    for method in METHODS:
+        yield f'| {method.name} | `{method.verb}` | {_cell(method.meaning)} |'
+    yield ''
+
+
+def job_states() -> Iterator[str]:
+    """Yield which state follows from which method in which state."""
+    yield f'| | {" | ".join(word.value for word in JobWord)} |'
+    yield '|---|' + '---|' * len(JobWord)
+    for method in METHODS[2:]:
+        after = (_after(method, before) for before in JobWord)
+        yield f'| {method.name} | {" | ".join(after)} |'
+    yield ''
+
+
+def _after(method: Method, before: JobWord) -> str:
+    if before not in method.changes:
+        return ''
+    after = method.changes[before]
+    return 'listed no more' if after is None else after.value
+
+
 # --- verbs ------------------------------------------------------------------------------------
 
 
@@ -267,6 +299,8 @@ PARTS: Mapping[str, Callable[[], Iterator[str]]] = {
     'keys of a script': lambda: keys_of(SCRIPT),
     'keys of a work order': lambda: keys_of(ORDER),
     'kinds of faults': fault_kinds,
+    'methods of a job': job_methods,
+    'states of a job': job_states,
     'events': events_in_groups,
     'verbs': verbs,
     'options of the verbs': options,

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import argparse
 import getpass
+import os
+import socket
 import sys
 from typing import Any
 
 from bt_orchestrator.screen.words import DEFAULT_NODE
+
+PROGRAM = 'bt-orchestrator'
 
 
 def add_node_options(parser: argparse.ArgumentParser) -> None:
@@ -27,12 +31,18 @@ def add_node_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_who_options(parser: argparse.ArgumentParser) -> None:
+def add_who_options(parser: argparse.ArgumentParser, *, required: bool = True) -> None:
     """Declare who decides, and why."""
-    parser.add_argument('--reason', required=True, metavar='TEXT', help='why, for the record')
+    parser.add_argument('--reason', required=required, metavar='TEXT', help='why, for the record')
     parser.add_argument(
         '--who', default=getpass.getuser(), metavar='NAME', help='who decides (default: you)'
     )
+
+
+def origin() -> str:
+    """Say where a command comes from: this program on this computer, and over which terminal."""
+    over = os.environ.get('SSH_CONNECTION', '').partition(' ')[0]
+    return f'{PROGRAM} at {socket.gethostname()}{f" from {over}" if over else ""}'
 
 
 def call_and_print(args: argparse.Namespace, kind: Any, service: str, request: Any) -> int:

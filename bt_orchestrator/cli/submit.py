@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import argparse
-import json
-import sys
 from pathlib import Path
 from typing import Any
 
-from bt_orchestrator.cli.node_options import add_node_options
+from bt_orchestrator.cli.node_options import add_node_options, add_who_options, origin
+from bt_orchestrator.cli.order_request import add_request, order_message, show_orders
 from bt_orchestrator.model.order import WorkOrder
-from bt_orchestrator.script.lookup import is_path
-from bt_orchestrator.script.order_file import read_order
 
 DESCRIPTION = """\
-Give a running tree node work orders, in the order named. The node looks scripts up by name in its
-own folders; a path is made absolute here."""
+Give a running tree node work orders, in the order named: all are queued, or none. The node looks
+scripts up by name in its own folders; a path is made absolute here. `queue add` can do more."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -23,48 +20,33 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = DESCRIPTION
     parser.add_argument('orders', nargs='+', type=Path, metavar='ORDER', help='work order (YAML)')
     parser.add_argument('--json', action='store_true', help='one JSON object an order')
+    add_who_options(parser, required=False)
     add_node_options(parser)
 
 
 def run(args: argparse.Namespace) -> int:
-    """Carry out the verb; returns 1 when an order was refused."""
+    """Carry out the verb; returns 1 when the orders were refused."""
+    from bt_orchestrator_interfaces.srv import QueueAdd
+
     from bt_orchestrator.ros.client import NodeClient
 
-    orders = [read_order(path).order for path in args.orders]
+    request = add_request(args.orders)
+    request.who, request.origin, request.reason = args.who, origin(), args.reason or ''
     with NodeClient(args.node, args.timeout) as client:
-        answers = [submit(client, order) for order in orders]
-    for answer in answers:
-        _show(answer, as_json=args.json)
-    return 0 if all(answer.accepted for answer in answers) else 1
+        response = client.call(QueueAdd, 'queue/add', request)
+    return show_orders(response, as_json=args.json)
 
 
 def submit(client: Any, order: WorkOrder) -> Any:
-    """Submit one order and return the response."""
+    """Submit one order and return the response (srv/SubmitOrder)."""
     from bt_orchestrator_interfaces.srv import SubmitOrder
-    from diagnostic_msgs.msg import KeyValue
 
+    message = order_message(order)
     request = SubmitOrder.Request(
-        order=order.order or '',
-        script=str(Path(order.script).absolute()) if is_path(order.script) else order.script,
-        quantity=order.quantity or 0,
-        params=[
-            KeyValue(key=key, value=value if isinstance(value, str) else json.dumps(value))
-            for key, value in order.params.items()
-        ],
+        order=message.order,
+        script=message.script,
+        quantity=message.quantity,
+        params=message.params,
+        origin=origin(),
     )
     return client.call(SubmitOrder, 'submit_order', request)
-
-
-def _show(answer: Any, *, as_json: bool) -> None:
-    if as_json:
-        plain = {
-            'accepted': answer.accepted,
-            'job': answer.job,
-            'message': answer.message,
-            'findings': list(answer.findings),
-        }
-        print(json.dumps(plain))
-        return
-    print(answer.message, file=sys.stdout if answer.accepted else sys.stderr)
-    for finding in answer.findings:
-        print(finding, file=sys.stderr)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from bt_orchestrator.model.job_commands import JobCommand
 from bt_orchestrator.model.order import Job
 
 
@@ -55,7 +56,7 @@ class Shutdown:
     """Cancel every goal and start nothing more (semantics 2.6)."""
 
 
-Command = SubmitJob | AnswerHold | RemoveItem | Pause | Resume | Shutdown
+Command = SubmitJob | AnswerHold | RemoveItem | Pause | Resume | Shutdown | JobCommand
 
 
 @dataclass(frozen=True)
@@ -65,3 +66,5 @@ class Answer:
     accepted: bool
     message: str
     """What was done, or why it was refused and what to do."""
+    each: tuple[str, ...] = ()
+    """Where several things were asked for and refused together: what is to be said of each."""

@@ -75,7 +75,11 @@ def why_skipped(state: CellState, key: e.TaskKey, task: Task) -> str | None:
 
 def _why_initialization_skipped(state: CellState, key: e.TaskKey) -> str | None:
     assert key.job is not None
-    return 'job aborted' if state.jobs[key.job].aborting else None
+    job = state.jobs[key.job]
+    if job.aborting:
+        return 'job aborted'
+    # While items are on the line they may need what is still to be prepared.
+    return 'job stopped' if job.stopping and not job.items else None
 
 
 def _of_flags(state: CellState, key: e.TaskKey) -> Iterator[e.Event]:

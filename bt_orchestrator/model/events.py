@@ -69,6 +69,56 @@ class JobQueued(Event):
     digest: str
     quantity: int
     params: Mapping[str, Any] = field(default_factory=dict)
+    position: int | None = None
+    """Place in the queue, from 1; None: the end."""
+    held: bool = False
+    """It may not start before it is released."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class JobMoved(Event):
+    """A queued job has another place in the queue."""
+
+    event: ClassVar[str] = 'job.moved'
+    job: str
+    position: int
+    """Place in the queue, from 1; jobs that have started are not in it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class JobUpdated(Event):
+    """A queued job was changed; the fields say all of what it is now."""
+
+    event: ClassVar[str] = 'job.updated'
+    job: str
+    script: str
+    digest: str
+    quantity: int
+    params: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True)
+class JobHeld(Event):
+    """A queued job may not start; it keeps its place and later jobs pass it."""
+
+    event: ClassVar[str] = 'job.held'
+    job: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class JobReleased(Event):
+    """A queued job may start when its turn comes."""
+
+    event: ClassVar[str] = 'job.released'
+    job: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class JobRemoved(Event):
+    """A job left the queue without having started."""
+
+    event: ClassVar[str] = 'job.removed'
+    job: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,10 +131,39 @@ class JobStarted(Event):
 
 @dataclass(frozen=True, kw_only=True)
 class JobCompleted(Event):
-    """Nothing of the job is on the line any more; it did all its cycles."""
+    """Nothing of the job is on the line any more; it did its cycles, or it was stopped."""
 
     event: ClassVar[str] = 'job.completed'
     job: str
+    exit_status: str = ''
+    """completed, or stopped: it began fewer items than were ordered; None in old journals."""
+    reason: str = ''
+    counts: Mapping[str, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True)
+class JobPaused(Event):
+    """The job begins no more items; those on the line go on."""
+
+    event: ClassVar[str] = 'job.paused'
+    job: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class JobResumed(Event):
+    """The job begins items again."""
+
+    event: ClassVar[str] = 'job.resumed'
+    job: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class JobStopping(Event):
+    """The job begins no more items, and ends when those on the line have left it."""
+
+    event: ClassVar[str] = 'job.stopping'
+    job: str
+    reason: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,6 +181,46 @@ class JobAborted(Event):
 
     event: ClassVar[str] = 'job.aborted'
     job: str
+    exit_status: str = ''
+    """aborted; None in old journals."""
+    reason: str = ''
+    counts: Mapping[str, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True)
+class JobCleared(Event):
+    """An ended job is not listed any more."""
+
+    event: ClassVar[str] = 'job.cleared'
+    job: str
+
+
+# --- the queue ------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, kw_only=True)
+class QueueStopRequested(Event):
+    """The line is to run empty; then the cell stops."""
+
+    event: ClassVar[str] = 'queue.stop_requested'
+    after: str
+    """item: no item is begun any more; job: no job."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class QueueStopCancelled(Event):
+    """The line is not to run empty any more."""
+
+    event: ClassVar[str] = 'queue.stop_cancelled'
+
+
+@dataclass(frozen=True, kw_only=True)
+class QueueStopReached(Event):
+    """The line is empty, as was asked for; the cell stops."""
+
+    event: ClassVar[str] = 'queue.stop_reached'
+    after: str
+    """item or job, as it was asked for."""
 
 
 # --- tasks ----------------------------------------------------------------------------------
@@ -419,7 +538,10 @@ class OperatorDecided(Event):
     answer: str
     who: str
     reason: str
+    origin: str = ''
+    """Where the command came from, for instance the program and the computer."""
     hold: str | None = None
+    job: str | None = None
     item: str | None = None
 
 

@@ -8,26 +8,20 @@ from functools import singledispatch
 from typing import TypeVar
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model import job_folds as jobs
 from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.goal import Reason
-from bt_orchestrator.model.initialization import Preparation
-from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.packml import Mode
 from bt_orchestrator.model.state import (
     CellState,
     Cycle,
-    FlagState,
     Hold,
     ItemState,
-    JobState,
     Phase,
     Reading,
     TaskState,
     signature,
 )
-
-ENDED_KEPT = 100
-"""How many ended jobs the state remembers; the journal has them all."""
 
 STILL_RESERVED = (Reason.IN_DOUBT, Reason.SERVER_LOST)
 """Ends after which the component may still be moving (semantics 2.6)."""
@@ -65,48 +59,22 @@ def _on(*kinds: type[e.Event]) -> Callable[[_Fold], _Fold]:
 # --- jobs -----------------------------------------------------------------------------------
 
 
-@_on(e.ScriptLoaded)
-def _script_loaded(event: e.ScriptLoaded, state: CellState) -> None:
-    state.scripts[event.digest] = event.definition
-    state.preparations[event.digest] = Preparation(event.definition, state.cell)
-
-
-@_on(e.JobQueued)
-def _job_queued(event: e.JobQueued, state: CellState) -> None:
-    script = state.scripts[event.digest]
-    job = Job(event.job, script, event.quantity, event.params)
-    # A flag that no live job names is back at its initial count (semantics 4.2), and a script that
-    # sees it otherwise than the one before may begin with its own.
-    named = {d.flag for live in state.jobs.values() for d in live.job.script.dependencies}
-    for dependency in script.dependencies:
-        if dependency.flag not in named:
-            flag = FlagState(dependency.initial, dependency.capacity)
-            state.flags[dependency.flag] = flag
-    state.jobs[event.job] = JobState(job, event.digest, queued_at=event.time)
-    state.order_arrived = True
-
-
-@_on(e.JobStarted)
-def _job_started(event: e.JobStarted, state: CellState) -> None:
-    state.jobs[event.job].started_at = event.time
-
-
-@_on(e.JobAborting)
-def _job_aborting(event: e.JobAborting, state: CellState) -> None:
-    state.jobs[event.job].aborting = True
-
-
-@_on(e.JobCompleted, e.JobAborted)
-def _job_ended(event: e.JobCompleted | e.JobAborted, state: CellState) -> None:
-    ended = state.jobs.pop(event.job)
-    ended.ended_at = event.time
-    for task in ended.job.script.initialization:
-        state.tasks.pop(e.TaskKey(event.job, None, None, task.id), None)
-    state.ended[event.job] = ended
-    if len(state.ended) > ENDED_KEPT:
-        del state.ended[next(iter(state.ended))]
-    if not any(job.digest == ended.digest for job in state.jobs.values()):
-        del state.scripts[ended.digest], state.preparations[ended.digest]
+_on(e.ScriptLoaded)(jobs.script_loaded)
+_on(e.JobQueued)(jobs.job_queued)
+_on(e.JobMoved)(jobs.job_moved)
+_on(e.JobUpdated)(jobs.job_updated)
+_on(e.JobHeld)(jobs.job_held)
+_on(e.JobReleased)(jobs.job_released)
+_on(e.JobRemoved)(jobs.job_removed)
+_on(e.QueueStopRequested)(jobs.queue_stop_requested)
+_on(e.QueueStopCancelled, e.QueueStopReached)(jobs.queue_stop_over)
+_on(e.JobStarted)(jobs.job_started)
+_on(e.JobPaused)(jobs.job_paused)
+_on(e.JobResumed)(jobs.job_resumed)
+_on(e.JobStopping)(jobs.job_stopping)
+_on(e.JobAborting)(jobs.job_aborting)
+_on(e.JobCompleted, e.JobAborted)(jobs.job_ended)
+_on(e.JobCleared)(jobs.job_cleared)
 
 
 # --- tasks ----------------------------------------------------------------------------------
@@ -401,7 +369,7 @@ def _operator_decided(_: e.OperatorDecided, state: CellState) -> None:
 @_on(e.OrchestratorStarted)
 def _orchestrator_started(event: e.OrchestratorStarted, state: CellState) -> None:
     state.cell_digest = event.digest
-    state.order_arrived = bool(state.jobs)
+    state.order_arrived = state.has_work
 
 
 @_on(e.CellStateChanged)

@@ -8,13 +8,29 @@ from bt_orchestrator.model.state import CellState, JobState
 
 
 class JobWord(Enum):
-    """State of a job."""
+    """State of a job; the two kinds of Interrupted are substates."""
 
+    NOT_ALLOWED_TO_START = 'NotAllowedToStart'
+    """It waits in the queue, and others pass it."""
     ALLOWED_TO_START = 'AllowedToStart'
+    """It waits in the queue for its turn."""
     RUNNING = 'Running'
-    INTERRUPTED = 'Interrupted'
+    HELD = 'Interrupted/Held'
+    """Something on the line went wrong."""
+    SUSPENDED = 'Interrupted/Suspended'
+    """An operator wished so."""
     ENDED = 'Ended'
     ABORTED = 'Aborted'
+
+    @property
+    def state(self) -> str:
+        """The state without its substate."""
+        return self.value.partition('/')[0]
+
+    @property
+    def substate(self) -> str:
+        """Held or Suspended; empty where there is none."""
+        return self.value.partition('/')[2]
 
 
 def job_word(state: CellState, job: JobState) -> JobWord:
@@ -22,5 +38,7 @@ def job_word(state: CellState, job: JobState) -> JobWord:
     if job.ended_at is not None:
         return JobWord.ABORTED if job.aborting else JobWord.ENDED
     if not job.started:
-        return JobWord.ALLOWED_TO_START
-    return JobWord.INTERRUPTED if state.holds else JobWord.RUNNING
+        return JobWord.NOT_ALLOWED_TO_START if job.held else JobWord.ALLOWED_TO_START
+    if job.paused or state.pauses:
+        return JobWord.SUSPENDED
+    return JobWord.HELD if state.holds else JobWord.RUNNING

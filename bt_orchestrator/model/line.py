@@ -46,16 +46,42 @@ def _hold_in_words(state: CellState) -> Iterator[str]:
 
 
 def feeding_job(state: CellState) -> JobState | None:
-    """Return the first job that has source cycles left (semantics 6.1)."""
-    return next((job for job in state.jobs.values() if job.cycles_left > 0), None)
+    """Return the first job that has source cycles left and is not held (semantics 6.1, 6.6)."""
+    jobs = (job for job in state.jobs.values() if not job.held)
+    return next((job for job in jobs if job.cycles_left > 0), None)
 
 
 def earlier_jobs(state: CellState, job: str) -> Iterator[JobState]:
-    """Yield the live jobs in front of a job."""
+    """Yield the live jobs in front of a job; those that are held are passed (semantics 6.6)."""
     for one in state.jobs.values():
         if one.job.id == job:
             return
-        yield one
+        if not one.held:
+            yield one
+
+
+def may_not_begin(state: CellState, job: JobState) -> Wait | None:
+    """Say what keeps a job from its first initialization task, or cycle (semantics 6.6)."""
+    if job.started:
+        return None
+    if job.held:
+        return Wait(f'waiting for {job.job.id} to be released', WaitKind.JOB, job.job.id)
+    if state.stop_after is not None:
+        return _the_line_stops(state.stop_after)
+    return None
+
+
+def _may_not_feed(state: CellState, job: JobState) -> Wait | None:
+    """Say what keeps a job from its next item (semantics 6.6)."""
+    if job.paused:
+        return Wait(f'waiting for {job.job.id} to be resumed', WaitKind.PAUSE, job.job.id)
+    if state.stop_after == 'item':
+        return _the_line_stops(state.stop_after)
+    return may_not_begin(state, job)
+
+
+def _the_line_stops(after: str) -> Wait:
+    return Wait(f'the line stops after the current {after}', WaitKind.CELL_STATE, after)
 
 
 def is_done_with(state: CellState, section: SectionState, job: JobState) -> bool:
@@ -156,7 +182,8 @@ def _at_source(state: CellState, section: SectionState, beat: int) -> Start | Wa
         return None
     name = job.job.id
     return (
-        waits_for_earlier_jobs(state, name, (section.number,))
+        _may_not_feed(state, job)
+        or waits_for_earlier_jobs(state, name, (section.number,))
         or waits_for_initialization(state, name, section.number)
         or Start(name, job.job.item(job.progress.started + 1), beat)
     )
@@ -165,7 +192,7 @@ def _at_source(state: CellState, section: SectionState, beat: int) -> Start | Wa
 def _idle(state: CellState, section: SectionState) -> Wait:
     if section.slot is not None:
         return Wait('waiting for the belt to move', WaitKind.BELT)
-    if state.jobs:
+    if state.has_work:
         return Wait('waiting for an item', WaitKind.ITEM)
     return Wait('waiting for a job', WaitKind.JOB)
 

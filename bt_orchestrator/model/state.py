@@ -12,6 +12,7 @@ from bt_orchestrator.model.events import INDEX_KEY, TaskKey
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.initialization import Preparation
 from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.order_ids import OrderIds
 from bt_orchestrator.model.packml import Mode
 from bt_orchestrator.model.reference import Scope
 from bt_orchestrator.model.script import Script, Task
@@ -107,7 +108,15 @@ class JobState:
     queued_at: float = 0.0
     started_at: float | None = None
     ended_at: float | None = None
+    held: bool = False
+    """It may not start, and later jobs pass it; never set once it has started."""
+    paused: bool = False
+    """It begins no more items until it is resumed."""
+    stopping: bool = False
+    """It begins no more items, and ends when those on the line have left it."""
     aborting: bool = False
+    end_reason: str = ''
+    """Why it was stopped or aborted."""
     progress: Progress = field(default_factory=Progress)
     items: dict[str, ItemState] = field(default_factory=dict)
     """Items that are on the line or in a cycle, oldest first."""
@@ -120,7 +129,21 @@ class JobState:
     @property
     def cycles_left(self) -> int:
         """Count the source cycles that have not begun."""
-        return 0 if self.aborting else self.job.quantity - self.progress.started
+        if self.aborting or self.stopping:
+            return 0
+        return self.job.quantity - self.progress.started
+
+    @property
+    def ending(self) -> str:
+        """Say how it ends before its time, from when that was asked: aborting, stopping."""
+        return 'aborting' if self.aborting else 'stopping' if self.stopping else ''
+
+    @property
+    def exit_status(self) -> str:
+        """How it ends: completed, stopped, or aborted."""
+        if self.aborting:
+            return 'aborted'
+        return 'completed' if self.progress.started == self.job.quantity else 'stopped'
 
 
 @dataclass(frozen=True)
@@ -213,9 +236,13 @@ class CellState:
     preparations: dict[str, Preparation] = field(default_factory=dict, metadata=DERIVED)
     """What initialization means in this cell, by digest."""
     jobs: dict[str, JobState] = field(default_factory=dict)
-    """Live jobs in queue order."""
+    """Live jobs: those that have started, in the order they did, then the queue."""
     ended: dict[str, JobState] = field(default_factory=dict)
     """The last jobs that ended, oldest first."""
+    order_ids: OrderIds = field(default_factory=OrderIds)
+    """Of every job there ever was: an id is used once."""
+    stop_after: str | None = None
+    """`item` or `job`: the line runs empty, and the cell stops (semantics 6.6)."""
     items: dict[str, ItemState] = field(default_factory=dict)
     tasks: dict[TaskKey, TaskState] = field(default_factory=dict)
     running: dict[TaskKey, TaskState] = field(default_factory=dict)
@@ -241,6 +268,21 @@ class CellState:
     def script(self, job: str) -> Script:
         """Return the script of a live job."""
         return self.jobs[job].job.script
+
+    @property
+    def on_the_line(self) -> list[JobState]:
+        """The jobs that have started and not ended."""
+        return [job for job in self.jobs.values() if job.started]
+
+    @property
+    def queue(self) -> list[JobState]:
+        """The jobs that have not started, in order."""
+        return [job for job in self.jobs.values() if not job.started]
+
+    @property
+    def has_work(self) -> bool:
+        """Tell whether any job is on the line, or allowed to be."""
+        return any(not job.held for job in self.jobs.values())
 
     def task(self, key: TaskKey) -> Task | None:
         """Return the task that a key names; None for the belt's own move."""

@@ -26,8 +26,11 @@ from bt_orchestrator.ros.gateway import RosGateway
 from bt_orchestrator.ros.heart import Heart
 from bt_orchestrator.ros.inspection.start import start_inspection
 from bt_orchestrator.ros.inspection.tick_statistics import TickStatistics
+from bt_orchestrator.ros.order_reader import OrderReader
 from bt_orchestrator.ros.outputs import Diagnostics, EventsTopic, StatusTopic
 from bt_orchestrator.ros.parameters import NodeParameters, declare
+from bt_orchestrator.ros.queue_services import QueueServices
+from bt_orchestrator.ros.run_job import RunJobServer
 from bt_orchestrator.ros.services import Services
 from bt_orchestrator.runtime.housekeeping import Housekeeping
 from bt_orchestrator.runtime.orchestrator import Orchestrator
@@ -98,7 +101,11 @@ class TreeNode:
         )
         self._housekeeping = self._keep_house()
         admission = parts.make_admission_check(cell, types)
-        Services(node, self.orchestrator, types, self.parameters.trees, admission)
+        orders = OrderReader(self.orchestrator.state, types, self.parameters.trees, admission)
+        Services(node, self.orchestrator)
+        QueueServices(node, self.orchestrator, orders)
+        self._run_job = RunJobServer(node, self.orchestrator, orders)
+        self.orchestrator.add_sink(self._run_job)
         EventsService(node, self.orchestrator.state, store)
         self._status = StatusTopic(node, self.orchestrator)
         Diagnostics(node, self.orchestrator, self.heart)
@@ -146,6 +153,7 @@ class TreeNode:
         if self._journal is not None:
             self._journal.close()
         self._gateway.close()
+        self._run_job.destroy()
         self.executor.shutdown()
         self.node.destroy_node()
 

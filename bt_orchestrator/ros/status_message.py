@@ -8,7 +8,6 @@ from bt_orchestrator_interfaces.msg import (
     ComponentStatus,
     FlagStatus,
     HoldStatus,
-    JobStatus,
     SectionStatus,
     Status,
     TaskStatus,
@@ -16,8 +15,8 @@ from bt_orchestrator_interfaces.msg import (
 
 from bt_orchestrator.model.cell import Component
 from bt_orchestrator.model.events import TaskKey
-from bt_orchestrator.model.isa95 import job_word
-from bt_orchestrator.model.state import CellState, Cycle, JobState, Phase, SectionState, TaskState
+from bt_orchestrator.model.state import CellState, Cycle, Phase, SectionState, TaskState
+from bt_orchestrator.ros.job_message import job_messages
 from bt_orchestrator.ros.stamps import to_time
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.tree.reasons import waiting
@@ -29,19 +28,20 @@ ENDED_SHOWN = 10
 def status_message(orchestrator: Orchestrator, now: float) -> Status:
     """Build the whole message."""
     state, tree = orchestrator.state, orchestrator.tree
-    ended = list(state.ended.values())[-ENDED_SHOWN:]
+    jobs = (*state.jobs.values(), *list(state.ended.values())[-ENDED_SHOWN:])
     return Status(
         stamp=to_time(now),
         seq=state.seq,
         cell=state.cell.name,
         state=state.mode.value,
+        stop_after=state.stop_after or '',
         journal_failure=orchestrator.broken or '',
         belt_moving=state.indexing,
         belt_waiting=waiting(tree.belt),
         initialization_waiting=waiting(tree.initialization),
         sections=[_section(orchestrator, section) for section in state.sections.values()],
         components=[_component(orchestrator, c) for c in state.cell.components.values()],
-        jobs=[_job(state, job) for job in (*state.jobs.values(), *ended)],
+        jobs=job_messages(state, jobs),
         flags=[
             FlagStatus(name=name, count=flag.count, capacity=flag.capacity)
             for name, flag in state.flags.items()
@@ -126,29 +126,6 @@ def _feedback(orchestrator: Orchestrator, goal: str | None) -> str:
     if flight is None or flight.feedback is None:
         return ''
     return json.dumps(flight.feedback.fields)
-
-
-def _job(state: CellState, job: JobState) -> JobStatus:
-    progress, name = job.progress, job.job.id
-    live = job.ended_at is None
-    return JobStatus(
-        id=name,
-        script=job.job.script.name,
-        state=job_word(state, job).value,
-        quantity=job.job.quantity,
-        started=progress.started,
-        placed=progress.placed,
-        processed=progress.processed,
-        packed=progress.packed,
-        rejected=progress.rejected,
-        nonconforming=progress.nonconforming,
-        missing=progress.missing,
-        initialization=[
-            task.id
-            for task in job.job.script.initialization
-            if live and state.phase(TaskKey(name, None, None, task.id)) is not Phase.DONE
-        ],
-    )
 
 
 def _holds(state: CellState) -> list[HoldStatus]:

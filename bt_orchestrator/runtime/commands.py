@@ -9,11 +9,12 @@ from bt_orchestrator.model.commands import (
     Pause,
     RemoveItem,
     Resume,
+    Shutdown,
     SubmitJob,
 )
 from bt_orchestrator.model.failures import SHUTDOWN
 from bt_orchestrator.model.packml import Mode
-from bt_orchestrator.runtime import operators, orders
+from bt_orchestrator.runtime import job_queue, operators, orders
 from bt_orchestrator.runtime.ledger import Ledger
 
 
@@ -23,7 +24,7 @@ def answer_to(command: Command, ledger: Ledger) -> str:
     :raises CommandRefused: it cannot be carried out now; nothing was recorded
     """
     if isinstance(command, SubmitJob):
-        ledger.record(list(orders.submit(ledger.state, command)))
+        ledger.record(orders.queue(ledger.state, [command.job]))
         return f'{command.job.id} is queued'
     if isinstance(command, AnswerHold):
         ledger.record(operators.answer(ledger.state, command, ledger.now))
@@ -37,7 +38,11 @@ def answer_to(command: Command, ledger: Ledger) -> str:
     if isinstance(command, Resume):
         ledger.record(list(operators.resume(ledger.state, command)))
         return 'the cell goes on'
-    return _shut_down(ledger)
+    if isinstance(command, Shutdown):
+        return _shut_down(ledger)
+    message, events = job_queue.carry_out(command, ledger.state)
+    ledger.record(events)
+    return message
 
 
 def _shut_down(ledger: Ledger) -> str:

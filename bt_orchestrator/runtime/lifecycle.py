@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import asdict
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.line import is_complete
@@ -14,7 +15,13 @@ def jobs_ended(state: CellState) -> Iterator[e.JobCompleted | e.JobAborted]:
     """Yield the end of every job of which nothing remains."""
     for name, job in list(state.jobs.items()):
         if is_complete(state, job):
-            yield e.JobAborted(job=name) if job.aborting else e.JobCompleted(job=name)
+            kind = e.JobAborted if job.aborting else e.JobCompleted
+            yield kind(
+                job=name,
+                exit_status=job.exit_status,
+                reason=job.end_reason,
+                counts=asdict(job.progress),
+            )
 
 
 def next_mode(
@@ -39,9 +46,9 @@ def _due(
     if mode is Mode.STOPPED:
         return (Mode.RESETTING, 'an order arrived') if auto_start and state.order_arrived else None
     if mode is Mode.COMPLETE:
-        return (Mode.RESETTING, 'an order arrived') if auto_start and state.jobs else None
+        return (Mode.RESETTING, 'an order arrived') if auto_start and state.has_work else None
     if mode is Mode.IDLE:
-        return (Mode.STARTING, 'an order arrived') if auto_start and state.jobs else None
+        return (Mode.STARTING, 'an order arrived') if auto_start and state.has_work else None
     if mode is Mode.EXECUTE:
         return _out_of_execute(state)
     if mode in (Mode.HOLDING, Mode.HELD) and not state.holds:
@@ -67,7 +74,7 @@ def _out_of_execute(state: CellState) -> tuple[Mode, str] | None:
     if state.holds:
         hold = next(iter(state.holds.values()))
         return Mode.HOLDING, f'hold {hold.id}: {hold.task or hold.item}, {hold.reason}'
-    return None if state.jobs else (Mode.COMPLETING, 'every job ended')
+    return None if state.has_work else (Mode.COMPLETING, 'every job ended')
 
 
 def _will_retry(state: CellState, now: float) -> bool:

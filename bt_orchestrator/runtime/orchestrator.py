@@ -17,7 +17,7 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.commands import Answer, Command
 from bt_orchestrator.ports import ActionGateway, Clock, EventSink, EventStore
-from bt_orchestrator.runtime import lifecycle
+from bt_orchestrator.runtime import job_queue, lifecycle
 from bt_orchestrator.runtime.commands import answer_to
 from bt_orchestrator.runtime.flights import Flights
 from bt_orchestrator.runtime.ledger import Ledger
@@ -79,9 +79,13 @@ class Orchestrator:
         try:
             message = '' if self.broken else answer_to(command, self._ledger)
         except CommandRefused as refused:
-            return Answer(accepted=False, message=str(refused))
+            return Answer(accepted=False, message=str(refused), each=refused.each)
         self.settle()
         return Answer(accepted=not self.broken, message=self.broken or message)
+
+    def add_sink(self, sink: EventSink) -> None:
+        """Hand on events to another output, from the next commit on."""
+        self._sinks.append(sink)
 
     def settle(self) -> bool:
         """Take in what is new and let the cell react until nothing changes.
@@ -115,7 +119,7 @@ class Orchestrator:
         self._wake()
 
     def _tick_until_still(self) -> None:
-        self._adopt_new_jobs()
+        self.tree.follow_jobs()
         for _ in range(MOST_TICKS):
             before = self.state.seq
             self.tree.tick()
@@ -125,16 +129,12 @@ class Orchestrator:
                 return
         raise AssertionError(f'the tree still changes the state after {MOST_TICKS} ticks')
 
-    def _adopt_new_jobs(self) -> None:
-        for name, job in self.state.jobs.items():
-            if not self.tree.has(name):
-                self.tree.insert(job)
-
     def _live_on(self, *, quiet: bool) -> None:
         """Let jobs end and the cell change its state, between ticks."""
         for ended in lifecycle.jobs_ended(self.state):
             self._ledger.record([ended])
             self.tree.prune(ended.job)
+        self._ledger.record(list(job_queue.stop_when_empty(self.state)))
         due = lifecycle.next_mode(
             self.state, self._ledger.now, quiet=quiet, auto_start=self._auto_start
         )

@@ -1,50 +1,122 @@
-"""Taking a job into the queue, or refusing it with the reason."""
+"""Taking jobs into the queue, or refusing them with the reason."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import digest
-from bt_orchestrator.model.commands import SubmitJob
+from bt_orchestrator.model.job_commands import By
+from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.script import Dependency, Script
 from bt_orchestrator.model.state import CellState
 
+FITS = 'fits, but was not queued because of the others'
+"""What is said of the good orders among some that were refused together."""
 
-def submit(state: CellState, command: SubmitJob) -> Iterator[e.Event]:
-    """Queue a job.
 
-    :raises CommandRefused: its id was used, or its flags contradict those of a live job
+def queue(
+    state: CellState,
+    jobs: Sequence[Job],
+    *,
+    position: int | None = None,
+    held: bool = False,
+    by: By | None = None,
+) -> list[e.Event]:
+    """Queue jobs, all or none.
+
+    :param position: place of the first, from 1; None: the end
+    :raises CommandRefused: an id was used, or flags contradict those of a live job
     """
-    job = command.job
-    if job.id in state.jobs or job.id in state.ended:
-        raise CommandRefused(f'order {job.id} was given before; choose another id')
-    for live in state.jobs.values():
-        _check_flags(job.script, live.job.script)
-    name = digest(job.script)
-    if name not in state.scripts:
-        yield e.ScriptLoaded(script=job.script.name, digest=name, definition=job.script)
-    yield e.JobQueued(
+    _refuse_unless_all_fit(state, jobs)
+    events: list[e.Event] = []
+    loaded = set(state.scripts)
+    for number, job in enumerate(jobs):
+        if by is not None:
+            decided = e.OperatorDecided(
+                answer='add', who=by.who, origin=by.origin, reason=by.reason, job=job.id
+            )
+            events.append(decided)
+        events += _loaded(job.script, loaded)
+        events.append(_queued(job, None if position is None else position + number, held=held))
+    return events
+
+
+def change(state: CellState, job: Job) -> list[e.Event]:
+    """Let a queued job be another one.
+
+    :raises CommandRefused: its flags contradict those of another live job
+    """
+    others = (live.job.script for name, live in state.jobs.items() if name != job.id)
+    why = _disagreement(job.script, others)
+    if why is not None:
+        raise CommandRefused(why)
+    updated = e.JobUpdated(
         job=job.id,
         script=job.script.name,
-        digest=name,
+        digest=digest(job.script),
         quantity=job.quantity,
         params=job.params,
     )
+    return [*_loaded(job.script, set(state.scripts)), updated]
 
 
-def _check_flags(new: Script, known: Script) -> None:
-    """Refuse scripts that share a flag and disagree about it (semantics 4.1)."""
-    there = {dependency.flag: dependency for dependency in known.dependencies}
-    for dependency in new.dependencies:
-        other = there.get(dependency.flag)
-        if other is not None and _traits(new, dependency) != _traits(known, other):
-            raise CommandRefused(
-                f'script {new.name} and script {known.name} share the flag {dependency.flag} '
-                'but disagree on its capacity, its initial count or the sections of its tasks; '
-                'make them agree or use two names'
-            )
+def _queued(job: Job, position: int | None, *, held: bool) -> e.JobQueued:
+    return e.JobQueued(
+        job=job.id,
+        script=job.script.name,
+        digest=digest(job.script),
+        quantity=job.quantity,
+        params=job.params,
+        position=position,
+        held=held,
+    )
+
+
+def _loaded(script: Script, known: set[str]) -> Iterator[e.ScriptLoaded]:
+    name = digest(script)
+    if name not in known:
+        known.add(name)
+        yield e.ScriptLoaded(script=script.name, digest=name, definition=script)
+
+
+def _refuse_unless_all_fit(state: CellState, jobs: Sequence[Job]) -> None:
+    reasons = list(_reasons(state, jobs))
+    wrong = [reason for reason in reasons if reason is not None]
+    if wrong:
+        each = [
+            f'{job.id} {FITS}' if r is None else r for job, r in zip(jobs, reasons, strict=True)
+        ]
+        raise CommandRefused('; '.join(wrong), each)
+
+
+def _reasons(state: CellState, jobs: Sequence[Job]) -> Iterator[str | None]:
+    """Yield for each job why it does not fit to those that live and those given before it."""
+    ids: set[str] = set()
+    scripts = [live.job.script for live in state.jobs.values()]
+    for job in jobs:
+        if job.id in ids or job.id in state.order_ids:
+            yield f'order {job.id} was given before; choose another id'
+        else:
+            yield _disagreement(job.script, scripts)
+        ids.add(job.id)
+        scripts.append(job.script)
+
+
+def _disagreement(new: Script, known: Iterable[Script]) -> str | None:
+    """Say which script shares a flag and disagrees about it (semantics 4.1)."""
+    for script in known:
+        there = {dependency.flag: dependency for dependency in script.dependencies}
+        for dependency in new.dependencies:
+            other = there.get(dependency.flag)
+            if other is not None and _traits(new, dependency) != _traits(script, other):
+                return (
+                    f'script {new.name} and script {script.name} share the flag '
+                    f'{dependency.flag} but disagree on its capacity, its initial count or the '
+                    'sections of its tasks; make them agree or use two names'
+                )
+    return None
 
 
 def _traits(script: Script, dependency: Dependency) -> tuple[int, int, int, int]:

@@ -20,6 +20,8 @@ from bt_orchestrator.model.state import CellState
 Part = int | str
 """A section by its number, or one of the two others by name."""
 
+_CHANGE_SCRIPTS = (e.JobQueued, e.JobUpdated, e.JobRemoved, e.JobCompleted, e.JobAborted)
+
 INITIALIZATION: Part = 'initialization'
 BELT: Part = 'belt'
 
@@ -46,7 +48,7 @@ class Attention:
 
     def notice(self, event: e.Event) -> None:
         """Take note of an event that was applied to the state."""
-        if isinstance(event, e.JobQueued | e.JobCompleted | e.JobAborted):
+        if isinstance(event, _CHANGE_SCRIPTS):
             self._index()
         if isinstance(event, e.FlagEvent):
             self._due |= self._flags[event.flag]

@@ -76,7 +76,7 @@ class BlackboardProjection:
             yield self._ready(event.component)
         elif isinstance(event, e.CellStateChanged):
             yield 'cell', event.state
-        elif isinstance(event, (e.JobQueued, e.HoldRaised, e.HoldReleased)):
+        elif isinstance(event, (e.JobQueued, e.JobUpdated, e.HoldRaised, e.HoldReleased)):
             yield from self._everything()
 
     def _task(self, event: e.TaskEvent) -> Iterator[tuple[str, Any]]:

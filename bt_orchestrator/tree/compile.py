@@ -64,6 +64,8 @@ class CellTree:
         parts = [(INITIALIZATION, self.initialization), *self.sections.items(), (BELT, self.belt)]
         self.root = CellRoot(state.cell.name, parts, self._attention)
         self._branches: dict[str, list[Behaviour]] = {}
+        self._digests: dict[str, str] = {}
+        """Of the scripts that the branches were compiled from."""
         for job in state.jobs.values():
             self.insert(job)
         self.root.setup_with_descendants()
@@ -88,9 +90,22 @@ class CellTree:
         """Tell whether a job has its branches in the tree."""
         return job in self._branches
 
+    def follow_jobs(self) -> None:
+        """Have a branch for every live job and no other, in their order. Only between ticks."""
+        jobs = self._recorder.state.jobs
+        for name, digest in list(self._digests.items()):
+            if name not in jobs or jobs[name].digest != digest:
+                self.prune(name)
+        for name, job in jobs.items():
+            if name not in self._branches:
+                self.insert(job)
+        if list(self._branches) != list(jobs):
+            self._arrange(list(jobs))
+
     def insert(self, job: JobState) -> None:
         """Add the branches of a job, behind those of the jobs in front. Only between ticks."""
         branches = self._branches[job.job.id] = []
+        self._digests[job.job.id] = job.digest
         if job.job.script.initialization:
             branch = self._initialization(job)
             self._insert(branch, self.initialization)
@@ -102,6 +117,7 @@ class CellTree:
 
     def prune(self, job: str) -> None:
         """Take the branches of a job out. Only between ticks."""
+        del self._digests[job]
         for branch in self._branches.pop(job):
             parent = branch.parent
             assert isinstance(parent, Composite)
@@ -113,6 +129,13 @@ class CellTree:
         """Give up the tree: take its readers off the blackboard."""
         for behaviour in self.root.iterate():
             _detach(behaviour)
+
+    def _arrange(self, jobs: list[str]) -> None:
+        """Put the branches into an order of the jobs; what is of no job stays last."""
+        self._branches = {name: self._branches[name] for name in jobs}
+        place = {b: n for n, name in enumerate(jobs) for b in self._branches[name]}
+        for part in (self.initialization, *self.sections.values()):
+            part.children.sort(key=lambda child: place.get(child, len(jobs)))
 
     @staticmethod
     def _insert(branch: Behaviour, parent: Composite) -> None:

@@ -16,7 +16,7 @@ from py_trees.decorators import Decorator
 from bt_orchestrator.model import effects
 from bt_orchestrator.model.cell import StateTopic
 from bt_orchestrator.model.initialization import Preparation
-from bt_orchestrator.model.line import stopped_because, waits_for_earlier_jobs
+from bt_orchestrator.model.line import may_not_begin, stopped_because, waits_for_earlier_jobs
 from bt_orchestrator.model.script import Dependency, Step
 from bt_orchestrator.model.state import Phase
 from bt_orchestrator.model.wait import Wait, WaitKind
@@ -173,6 +173,9 @@ class InitializationGuard(TaskWaiter, Guard):
         stopped = stopped_because(state)
         if stopped:
             return stopped
+        unready = may_not_begin(state, state.jobs[job])
+        if unready:
+            return unready
         for task in self._upstream:
             if state.phase(self.subject.key._replace(task=task)) is not Phase.DONE:
                 what = f'waiting for initialization {task}'

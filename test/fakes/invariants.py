@@ -6,6 +6,8 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from typing import ClassVar
 
+from fakes.queue_invariants import QueueInvariants
+
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import Script
@@ -34,6 +36,7 @@ class Invariants:
         self._busy: dict[str, e.TaskKey] = {}
         self._zones: dict[str, e.TaskKey] = {}
         self._moving = False
+        self._queue = QueueInvariants()
 
     def follow(self, events: Sequence[e.Event]) -> None:
         """Take in the events that are new."""
@@ -43,6 +46,7 @@ class Invariants:
             assert event.time >= self._time, event
             self._time = event.time
             self._take(event)
+            self._queue.take(event)
             self._check(event)
 
     def _check(self, event: e.Event) -> None:
@@ -62,8 +66,9 @@ class Invariants:
     def _script_loaded(self, event: e.ScriptLoaded) -> None:
         self._scripts[event.digest] = event.definition
 
-    def _job_queued(self, event: e.JobQueued) -> None:
+    def _job_queued(self, event: e.JobQueued | e.JobUpdated) -> None:
         script = self._scripts[event.digest]
+        self._live.discard(event.job)
         for dependency in script.dependencies:
             known = [d for name in self._live for d in self._jobs[name].dependencies]
             if dependency.flag not in [d.flag for d in known]:
@@ -77,7 +82,7 @@ class Invariants:
         self._jobs[event.job] = script
         self._live.add(event.job)
 
-    def _job_ended(self, event: e.JobCompleted | e.JobAborted) -> None:
+    def _job_ended(self, event: e.JobCompleted | e.JobAborted | e.JobRemoved) -> None:
         self._live.remove(event.job)
 
     def _flag(self, event: e.FlagEvent) -> None:
@@ -156,6 +161,8 @@ class Invariants:
     _takers: ClassVar[Mapping[type[e.Event], Callable[..., None]]] = {
         e.ScriptLoaded: _script_loaded,
         e.JobQueued: _job_queued,
+        e.JobUpdated: _job_queued,
+        e.JobRemoved: _job_ended,
         e.JobCompleted: _job_ended,
         e.JobAborted: _job_ended,
         e.FlagEvent: _flag,

@@ -42,13 +42,14 @@ class RandomLine:
         for _ in range(400):
             if run.ended:
                 break
-            self._operate(run, operator)
+            self.operate(run, operator)
             due = run.sim.clock.next_deadline() or run.now
             run.go(until=due + operator.uniform(0, 60))
         return run
 
     @staticmethod
-    def _operate(run: VirtualRun, operator: Random) -> None:
+    def operate(run: VirtualRun, operator: Random) -> None:
+        """Answer some holds, and take an item off the belt now and then."""
         standing = [s.slot for s in run.state.sections.values() if s.slot is not None]
         for hold in list(run.state.holds.values()):
             if hold.reason == 'overrun':

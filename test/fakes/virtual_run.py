@@ -21,6 +21,7 @@ from bt_orchestrator.model.commands import (
 )
 from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.goal import GoalRequest
+from bt_orchestrator.model.job_commands import AddJobs, By, ControlJob
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState, JobState
@@ -28,6 +29,8 @@ from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryStore
 from bt_orchestrator.tree.compile import CellTree
+
+BY = By('Ann', 'the test', 'it was time')
 
 
 class VirtualRun:
@@ -40,12 +43,15 @@ class VirtualRun:
         *,
         rebuild: bool = False,
         duration: Callable[[GoalRequest], float] | None = None,
+        replays: bool = True,
     ) -> None:
         """Switch the line on.
 
         :param duration: seconds of each goal; without it the nominal ones
         :param rebuild: compile the tree anew after every settle, and tick all of it every time
+        :param replays: replay the events after every command and step, not only at the end
         """
+        self._replays = replays
         self.store = MemoryStore()
         self.sim = Simulation(cell, types, self.store, duration=duration)
         self._invariants = Invariants(cell)
@@ -79,6 +85,17 @@ class VirtualRun:
         self._renew_tree()
         self._check()
         return answer
+
+    def add(
+        self, *jobs: tuple[str, Script], position: int | None = None, held: bool = False
+    ) -> Answer:
+        """Queue jobs of one item each now, all or none."""
+        orders = tuple(Job(name, script, 1, {}) for name, script in jobs)
+        return self.ask(AddJobs(orders, BY, position, held))
+
+    def control(self, verb: str, job: str) -> Answer:
+        """Ask something of a job now."""
+        return self.ask(ControlJob(verb, job, BY))
 
     def answer(self, answer: str, hold: str | None = None) -> Answer:
         """Answer a hold, the only one unless named; the operator is Ann."""
@@ -179,6 +196,12 @@ class VirtualRun:
     def _check(self) -> None:
         events = self.store.read()
         self._invariants.follow(events)
+        if self._replays:
+            self.check_replay()
+
+    def check_replay(self) -> None:
+        """Fail unless the events alone lead to the state."""
+        events = self.store.read()
         assert snapshot(replayed(self.state.cell, events)) == snapshot(self.state)
 
 

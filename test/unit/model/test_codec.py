@@ -75,6 +75,12 @@ SAMPLES: dict[str, Any] = {
     'who': 'Ann',
     'state': 'Execute',
     'previous': 'Starting',
+    'position': 2,
+    'held': True,
+    'exit_status': 'stopped',
+    'counts': {'started': 3, 'packed': 2},
+    'after': 'item',
+    'origin': 'cli at line-pc',
 }
 """A value for every field of every event."""
 

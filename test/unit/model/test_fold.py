@@ -10,7 +10,8 @@ from fakes.line import Line
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model import fold
 from bt_orchestrator.model.codec import event_types
-from bt_orchestrator.model.fold import ENDED_KEPT, apply
+from bt_orchestrator.model.fold import apply
+from bt_orchestrator.model.job_folds import ENDED_KEPT
 from bt_orchestrator.model.state import CellState
 
 

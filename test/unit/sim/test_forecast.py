@@ -68,7 +68,7 @@ def test_items_are_counted_by_how_they_leave(cell: Cell) -> None:
         e.ItemRemoved(job='A', item='A/2', how='rejected', time=2.0),
         e.ItemRemoved(job='A', item='A/3', how='by_hand', time=3.0),
         e.ItemMissing(job='A', item='A/4', section=1, time=4.0),
-        e.JobAborted(job='A', time=5.0),
+        e.JobAborted(job='A', exit_status='aborted', time=5.0),
     ).jobs[0]
 
     assert (job.packed, job.rejected, job.missing) == (1, 1, 2)
@@ -104,7 +104,9 @@ def test_a_task_that_still_runs_counts_until_the_last_event(cell: Cell) -> None:
 
 
 def test_times_count_from_the_first_event(cell: Cell) -> None:
-    found = of(cell, queued('A', 1e9), e.JobCompleted(job='A', time=1e9 + 7.0))
+    found = of(
+        cell, queued('A', 1e9), e.JobCompleted(job='A', exit_status='completed', time=1e9 + 7.0)
+    )
 
     assert (found.total_s, found.jobs[0].finished_s) == (7.0, 7.0)
 

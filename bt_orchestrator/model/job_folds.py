@@ -1,0 +1,167 @@
+"""How the events of jobs and of the queue change the state; part of `model.fold`."""
+
+from __future__ import annotations
+
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.initialization import Preparation
+from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.model.state import CellState, FlagState, JobState
+
+ENDED_KEPT = 100
+"""How many ended jobs the state remembers; the journal has them all."""
+
+
+def script_loaded(event: e.ScriptLoaded, state: CellState) -> None:
+    """Keep the script as long as a live job names it."""
+    state.scripts[event.digest] = event.definition
+    state.preparations[event.digest] = Preparation(event.definition, state.cell)
+
+
+# --- the queue ------------------------------------------------------------------------------
+
+
+def job_queued(event: e.JobQueued, state: CellState) -> None:
+    """Put a new job into the queue."""
+    script = state.scripts[event.digest]
+    job = Job(event.job, script, event.quantity, event.params)
+    _begin_flags(state, script, besides=event.job)
+    state.jobs[event.job] = JobState(job, event.digest, queued_at=event.time, held=event.held)
+    state.order_ids.add(event.job)
+    if event.position is not None:
+        _put(state, event.job, event.position)
+    if not event.held:
+        state.order_arrived = True
+
+
+def job_moved(event: e.JobMoved, state: CellState) -> None:
+    """Put a queued job at another place."""
+    _put(state, event.job, event.position)
+
+
+def job_updated(event: e.JobUpdated, state: CellState) -> None:
+    """Let a queued job be another one, as if it had been queued so."""
+    live = _queued(state, event.job)
+    script, before = state.scripts[event.digest], live.digest
+    _begin_flags(state, script, besides=event.job)
+    _forget_initialization(state, live)
+    live.job = Job(event.job, script, event.quantity, event.params)
+    live.digest = event.digest
+    _forget_unused(state, before)
+
+
+def job_held(event: e.JobHeld, state: CellState) -> None:
+    """Let later jobs pass."""
+    _queued(state, event.job).held = True
+
+
+def job_released(event: e.JobReleased, state: CellState) -> None:
+    """Let it start in its turn; to the cell it is as if an order had arrived."""
+    _queued(state, event.job).held = False
+    state.order_arrived = True
+
+
+def job_removed(event: e.JobRemoved, state: CellState) -> None:
+    """Forget a job that has not started, but for its id."""
+    removed = _queued(state, event.job)
+    del state.jobs[event.job]
+    _forget_initialization(state, removed)
+    _forget_unused(state, removed.digest)
+
+
+def queue_stop_requested(event: e.QueueStopRequested, state: CellState) -> None:
+    """Let the line run empty."""
+    state.stop_after = event.after
+
+
+def queue_stop_over(_: e.QueueStopCancelled | e.QueueStopReached, state: CellState) -> None:
+    """Let the line go on, at once or when the cell is started again."""
+    state.stop_after = None
+
+
+# --- jobs on the line -----------------------------------------------------------------------
+
+
+def job_started(event: e.JobStarted, state: CellState) -> None:
+    """Take a job out of the queue, behind those on the line; held ones in front stay queued."""
+    _queued(state, event.job).started_at = event.time
+    state.jobs = {job.job.id: job for job in (*state.on_the_line, *state.queue)}
+
+
+def job_paused(event: e.JobPaused, state: CellState) -> None:
+    """Let it begin no more items."""
+    state.jobs[event.job].paused = True
+
+
+def job_resumed(event: e.JobResumed, state: CellState) -> None:
+    """Let it begin items again."""
+    state.jobs[event.job].paused = False
+
+
+def job_stopping(event: e.JobStopping, state: CellState) -> None:
+    """Let it end with the items that it has begun."""
+    job = state.jobs[event.job]
+    job.stopping, job.paused, job.end_reason = True, False, event.reason
+
+
+def job_aborting(event: e.JobAborting, state: CellState) -> None:
+    """Let it end; what is on the line drains."""
+    job = state.jobs[event.job]
+    job.aborting, job.paused, job.held, job.end_reason = True, False, False, event.reason
+
+
+# --- ended jobs -----------------------------------------------------------------------------
+
+
+def job_ended(event: e.JobCompleted | e.JobAborted, state: CellState) -> None:
+    """Keep the job among the last that ended."""
+    ended = state.jobs.pop(event.job)
+    ended.ended_at = event.time
+    _forget_initialization(state, ended)
+    state.ended[event.job] = ended
+    if len(state.ended) > ENDED_KEPT:
+        del state.ended[next(iter(state.ended))]
+    _forget_unused(state, ended.digest)
+
+
+def job_cleared(event: e.JobCleared, state: CellState) -> None:
+    """List the ended job no more; its id stays used."""
+    del state.ended[event.job]
+
+
+def _queued(state: CellState, name: str) -> JobState:
+    job = state.jobs[name]
+    assert not job.started, f'{name} is not in the queue'
+    return job
+
+
+def _put(state: CellState, name: str, position: int) -> None:
+    """Give a queued job its place in the queue, from 1."""
+    moved = _queued(state, name)
+    queue = [job for job in state.queue if job is not moved]
+    assert 1 <= position <= len(queue) + 1, f'there is no place {position} in the queue'
+    queue.insert(position - 1, moved)
+    state.jobs = {job.job.id: job for job in (*state.on_the_line, *queue)}
+
+
+def _begin_flags(state: CellState, script: Script, besides: str) -> None:
+    """Set the flags that no other live job names to what a script begins with.
+
+    They are back at their initial count (semantics 4.2), and a script that sees them otherwise
+    than the one before may begin with its own.
+    """
+    others = (live for name, live in state.jobs.items() if name != besides)
+    named = {d.flag for live in others for d in live.job.script.dependencies}
+    for dependency in script.dependencies:
+        if dependency.flag not in named:
+            state.flags[dependency.flag] = FlagState(dependency.initial, dependency.capacity)
+
+
+def _forget_initialization(state: CellState, job: JobState) -> None:
+    for task in job.job.script.initialization:
+        state.tasks.pop(e.TaskKey(job.job.id, None, None, task.id), None)
+
+
+def _forget_unused(state: CellState, digest: str) -> None:
+    if not any(job.digest == digest for job in state.jobs.values()):
+        del state.scripts[digest], state.preparations[digest]

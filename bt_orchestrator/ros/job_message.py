@@ -1,0 +1,55 @@
+"""Jobs as messages (bt_orchestrator_interfaces/msg/JobStatus)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from bt_orchestrator_interfaces.msg import JobStatus
+
+from bt_orchestrator.model.events import TaskKey
+from bt_orchestrator.model.isa95 import job_word
+from bt_orchestrator.model.pace import expected_ends_s
+from bt_orchestrator.model.state import CellState, JobState, Phase
+
+UNKNOWN_S = -1.0
+
+
+def job_messages(state: CellState, jobs: Iterable[JobState]) -> list[JobStatus]:
+    """Build the messages about some jobs, live or ended."""
+    ends = expected_ends_s(state)
+    places = {job.job.id: place for place, job in enumerate(state.queue, 1)}
+    return [
+        _message(state, job, places.get(job.job.id, 0), ends.get(job.job.id, UNKNOWN_S))
+        for job in jobs
+    ]
+
+
+def _message(state: CellState, job: JobState, position: int, end_s: float) -> JobStatus:
+    progress, word, live = job.progress, job_word(state, job), job.ended_at is None
+    return JobStatus(
+        id=job.job.id,
+        script=job.job.script.name,
+        state=word.state,
+        substate=word.substate,
+        position=position,
+        ending=job.ending if live else '',
+        expected_end_s=end_s,
+        quantity=job.job.quantity,
+        started=progress.started,
+        placed=progress.placed,
+        processed=progress.processed,
+        packed=progress.packed,
+        rejected=progress.rejected,
+        nonconforming=progress.nonconforming,
+        missing=progress.missing,
+        initialization=_to_prepare(state, job) if live else [],
+    )
+
+
+def _to_prepare(state: CellState, job: JobState) -> list[str]:
+    """Return the initialization tasks that have not succeeded yet."""
+    return [
+        task.id
+        for task in job.job.script.initialization
+        if state.phase(TaskKey(job.job.id, None, None, task.id)) is not Phase.DONE
+    ]

@@ -1,0 +1,129 @@
+"""`~/submit_order` and `~/queue/...`: what can be asked of the queue and of its jobs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from bt_orchestrator_interfaces.msg import OrderAnswer
+from bt_orchestrator_interfaces.srv import (
+    QueueAdd,
+    QueueCommand,
+    QueueMove,
+    QueueStopAfter,
+    QueueUpdate,
+    SubmitOrder,
+)
+from rclpy.node import Node
+
+from bt_orchestrator.errors import Refused
+from bt_orchestrator.model.commands import Answer
+from bt_orchestrator.model.job_commands import (
+    AddJobs,
+    By,
+    ControlJob,
+    MoveJob,
+    RunNext,
+    StopAfter,
+    UpdateJob,
+)
+from bt_orchestrator.model.order import Job
+from bt_orchestrator.ros.order_reader import OrderReader
+from bt_orchestrator.ros.serving import serve, tell
+from bt_orchestrator.runtime.orchestrator import Orchestrator
+from bt_orchestrator.runtime.orders import FITS
+
+NEXT = 'next'
+"""The one command to a job that is about its place, and not about its state."""
+
+
+class QueueServices:
+    """Requests become commands in the one inbox of the cell; nothing is decided here."""
+
+    def __init__(self, node: Node, orchestrator: Orchestrator, orders: OrderReader) -> None:
+        self._orchestrator = orchestrator
+        self._orders = orders
+        serve(node, SubmitOrder, 'submit_order', self._submit)
+        serve(node, QueueAdd, 'queue/add', self._add)
+        serve(node, QueueMove, 'queue/move', self._move)
+        serve(node, QueueUpdate, 'queue/update', self._update)
+        serve(node, QueueCommand, 'queue/command', self._command)
+        serve(node, QueueStopAfter, 'queue/stop_after', self._stop_after)
+
+    def _submit(self, request: Any, response: Any) -> None:
+        answer, (of_order,) = self._queue([request], None, held=False, by=by(request))
+        tell(response, answer)
+        response.job, response.findings = of_order.job, of_order.findings
+
+    def _add(self, request: Any, response: Any) -> None:
+        if not request.orders:
+            response.message = 'name at least one order'
+            return
+        position = request.position or None
+        answer, response.answers = self._queue(
+            request.orders, position, held=request.held, by=by(request)
+        )
+        tell(response, answer)
+
+    def _queue(
+        self, orders: Sequence[Any], position: int | None, *, held: bool, by: By
+    ) -> tuple[Answer, list[OrderAnswer]]:
+        read = self._orders.jobs(orders)
+        jobs = tuple(job for job in read if isinstance(job, Job))
+        if len(jobs) < len(read):
+            count = sum(len(one.findings) for one in read if isinstance(one, Refused))
+            answer = Answer(accepted=False, message=f'refused with {count} findings')
+            return answer, [
+                _of_reading(order, one) for order, one in zip(orders, read, strict=True)
+            ]
+        answer = self._orchestrator.ask(AddJobs(jobs, by, position, held))
+        if answer.accepted:
+            return answer, [OrderAnswer(job=job.id, message='queued') for job in jobs]
+        each = answer.each or (answer.message,) * len(jobs)
+        return answer, [OrderAnswer(message=message) for message in each]
+
+    def _move(self, request: Any, response: Any) -> None:
+        command = MoveJob(request.job, request.position, by(request))
+        tell(response, self._orchestrator.ask(command))
+
+    def _update(self, request: Any, response: Any) -> None:
+        try:
+            job = self._orders.changed(request.job, request)
+        except Refused as refused:
+            response.message = f'refused with {len(refused.findings)} findings'
+            response.findings = [str(finding) for finding in refused.findings]
+            return
+        if job is None:
+            there = ', '.join(one.job.id for one in self._orchestrator.state.queue) or 'nothing'
+            response.message = f'{request.job} is not there; in the queue: {there}'
+            return
+        tell(response, self._orchestrator.ask(UpdateJob(job, by(request))))
+
+    def _command(self, request: Any, response: Any) -> None:
+        command = (
+            RunNext(request.job, by(request))
+            if request.command == NEXT
+            else ControlJob(request.command, request.job, by(request))
+        )
+        tell(response, self._orchestrator.ask(command))
+
+    def _stop_after(self, request: Any, response: Any) -> None:
+        tell(response, self._orchestrator.ask(StopAfter(request.after, by(request))))
+
+
+def by(request: Any, otherwise: str = 'service') -> By:
+    """Return who asks, from where, and why.
+
+    :param otherwise: where from, if the request does not say it
+    """
+    return By(request.who, request.origin or otherwise, request.reason)
+
+
+def _of_reading(order: Any, read: Job | Refused) -> OrderAnswer:
+    if isinstance(read, Job):
+        return OrderAnswer(message=f'{read.id} {FITS}')
+    name = order.order or order.script
+    return OrderAnswer(
+        message=f'{name} is refused with {len(read.findings)} findings',
+        findings=[str(finding) for finding in read.findings],
+    )

@@ -1,0 +1,198 @@
+"""The action `~/run_job`: one work order, from the queue to its end.
+
+A goal lives as long as its job. Everything happens in the executor's one thread: goal and cancel
+requests are commands in the inbox of the cell, the ends of jobs come as events.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from bt_orchestrator_interfaces.action import RunJob
+from bt_orchestrator_interfaces.msg import FailureReport, JobStatus
+from bt_orchestrator_interfaces.msg import ItemReport as ItemMessage
+from rclpy.action.server import ActionServer, CancelResponse, GoalResponse
+from rclpy.node import Node
+
+from bt_orchestrator.errors import Refused
+from bt_orchestrator.model.commands import Answer
+from bt_orchestrator.model.events import Event, TaskFailed
+from bt_orchestrator.model.job_commands import AddJobs, By, ControlJob
+from bt_orchestrator.model.job_report import ItemReport, JobReport
+from bt_orchestrator.model.order import Job
+from bt_orchestrator.ros.job_message import job_messages
+from bt_orchestrator.ros.order_reader import OrderReader
+from bt_orchestrator.ros.queue_services import by
+from bt_orchestrator.ros.stamps import to_time
+from bt_orchestrator.runtime.orchestrator import Orchestrator
+
+RESULT_TIMEOUT_S = 900
+"""How long a result is kept for a client that comes back for it."""
+
+
+@dataclass
+class _Served:
+    """A goal and its job."""
+
+    handle: Any
+    report: JobReport
+    by: By
+    status: JobStatus
+    """The last one sent as feedback."""
+
+
+class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazzy's rclpy
+    """Serves `~/run_job`. Implements `ports.EventSink`.
+
+    Every goal is accepted: a refusal has no words in ROS 2. That of an order whose mistakes are
+    found ends at once, aborted, with the findings in its result.
+    """
+
+    def __init__(self, node: Node, orchestrator: Orchestrator, orders: OrderReader) -> None:
+        self._orchestrator = orchestrator
+        self._orders = orders
+        self._served: dict[str, _Served] = {}
+        super().__init__(
+            node,
+            RunJob,
+            '~/run_job',
+            execute_callback=_never_called,
+            goal_callback=lambda _: GoalResponse.ACCEPT,
+            handle_accepted_callback=self._begin,
+            cancel_callback=self._cancel,
+            result_timeout=RESULT_TIMEOUT_S,
+        )
+
+    def notify_execute(self, goal_handle: Any, execute_callback: Any) -> None:
+        """Do nothing when a goal starts: rclpy would resume a waiting coroutine at every turn."""
+
+    def publish(self, events: Sequence[Event]) -> None:
+        """Take in durable events: tell how jobs stand, and end the goals of those that ended."""
+        for served in list(self._served.values()):
+            for event in events:
+                served.report.follow(event)
+            if served.report.exit_status:
+                del self._served[served.report.job]
+                self._end(served)
+            else:
+                self._feed_back(served)
+
+    # --- requests ---------------------------------------------------------------------------
+
+    def _begin(self, handle: Any) -> None:
+        """Queue the order of a goal that was accepted."""
+        handle.execute()
+        try:
+            self._queue(handle)
+        except Exception as error:  # noqa: BLE001 - a bad goal never stops the node
+            self._node.get_logger().error(f'run_job failed: {error!r}')
+            self._refuse(handle, f'internal error, see the log of the node: {error!r}')
+
+    def _queue(self, handle: Any) -> None:
+        goal, who = handle.request, by(handle.request, 'run_job')
+        read = self._read(goal)
+        if isinstance(read, Refused):
+            message = f'refused with {len(read.findings)} findings'
+            self._refuse(handle, message, [str(finding) for finding in read.findings])
+            return
+        if read.id in self._served:
+            self._refuse(handle, f'order {read.id} was given before; choose another id')
+            return
+        # From now on its events are its own: it is queued within `ask`, and may even end there.
+        self._served[read.id] = _Served(handle, JobReport(read.id), who, JobStatus())
+        answer = self._add(read, goal.position or None, who)
+        if not answer.accepted:
+            del self._served[read.id]
+            self._refuse(handle, answer.message)
+
+    def _add(self, job: Job, position: int | None, who: By) -> Answer:
+        return self._orchestrator.ask(AddJobs((job,), who, position))
+
+    def _read(self, goal: Any) -> Job | Refused:
+        if not goal.text:
+            return self._orders.jobs([goal.order])[0]
+        try:
+            return self._orders.job_of_text(goal.text)
+        except Refused as refused:
+            return refused
+
+    def _cancel(self, handle: Any) -> CancelResponse:
+        """Abort the job of a goal; the goal ends when the last item has left the line."""
+        served = next((s for s in self._served.values() if s.handle is handle), None)
+        if served is None:
+            return CancelResponse.REJECT
+        who = By(served.by.who, served.by.origin, 'the goal was cancelled')
+        answer = self._orchestrator.ask(ControlJob('abort', served.report.job, who))
+        if not answer.accepted:
+            self._node.get_logger().warning(f'run_job is not cancelled: {answer.message}')
+        return CancelResponse.ACCEPT if answer.accepted else CancelResponse.REJECT
+
+    # --- answers ----------------------------------------------------------------------------
+
+    def _feed_back(self, served: _Served) -> None:
+        status = self._status(served.report.job)
+        if status is not None and status != served.status:
+            served.status = status
+            served.handle.publish_feedback(RunJob.Feedback(status=status))
+
+    def _status(self, job: str) -> JobStatus | None:
+        state = self._orchestrator.state
+        found = state.jobs.get(job) or state.ended.get(job)
+        return None if found is None else job_messages(state, [found])[0]
+
+    def _end(self, served: _Served) -> None:
+        report = served.report
+        result = RunJob.Result(
+            job=report.job,
+            exit_status=report.exit_status,
+            message=report.reason,
+            status=self._status(report.job) or served.status,
+            items=[_item(item) for item in report.items.values()],
+            failures=[_failure(failure) for failure in report.failures],
+        )
+        self._conclude(served.handle, result)
+
+    def _refuse(self, handle: Any, message: str, findings: Sequence[str] = ()) -> None:
+        result = RunJob.Result(exit_status='refused', message=message, findings=list(findings))
+        self._conclude(handle, result)
+
+    def _conclude(self, handle: Any, result: RunJob.Result) -> None:
+        """End a goal soon, in a task of its own: the client may have gone long ago."""
+
+        def conclude(handle: Any) -> Any:
+            if result.exit_status == 'completed':
+                handle.succeed()
+            elif handle.is_cancel_requested:
+                handle.canceled()
+            else:
+                handle.abort()
+            return result
+
+        super().notify_execute(handle, conclude)
+
+
+def _item(item: ItemReport) -> ItemMessage:
+    return ItemMessage(
+        id=item.id,
+        outcome=item.outcome,
+        nonconforming=item.nonconforming,
+        results=json.dumps(item.results, ensure_ascii=False),
+    )
+
+
+def _failure(failure: TaskFailed) -> FailureReport:
+    return FailureReport(
+        stamp=to_time(failure.time),
+        item=failure.item or '',
+        task=failure.task,
+        attempt=failure.attempt,
+        reason=failure.reason,
+        message=failure.message,
+    )
+
+
+def _never_called(handle: Any) -> Any:
+    raise NotImplementedError

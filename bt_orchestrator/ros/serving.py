@@ -1,0 +1,34 @@
+"""Services that answer every request, whatever is wrong with it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.node import Node
+
+from bt_orchestrator.model.commands import Answer
+from bt_orchestrator.ros.patient_service import create_patient_service
+
+
+def serve(node: Node, kind: Any, name: str, handle: Callable[[Any, Any], None]) -> None:
+    """Offer a private service of a node.
+
+    :param handle: fills the response; an exception becomes a refusal, and stops nothing
+    """
+
+    def answer(request: Any, response: Any) -> Any:
+        try:
+            handle(request, response)
+        except Exception as error:  # noqa: BLE001 - a bad request never stops the node
+            node.get_logger().error(f'{name} failed: {error!r}')
+            response.accepted = False
+            response.message = f'internal error, see the log of the node: {error!r}'
+        return response
+
+    create_patient_service(node, kind, f'~/{name}', answer)
+
+
+def tell(response: Any, answer: Answer) -> None:
+    """Put an answer into a response."""
+    response.accepted, response.message = answer.accepted, answer.message

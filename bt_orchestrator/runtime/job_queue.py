@@ -1,0 +1,234 @@
+"""What is done about the queue and its jobs: events, or a refusal (semantics 6.6, 7.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from functools import singledispatch
+
+from bt_orchestrator.errors import CommandRefused
+from bt_orchestrator.model import effects, job_control
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.isa95 import job_word
+from bt_orchestrator.model.job_commands import (
+    AddJobs,
+    By,
+    ControlJob,
+    JobCommand,
+    MoveJob,
+    RunNext,
+    StopAfter,
+    UpdateJob,
+)
+from bt_orchestrator.model.packml import Mode
+from bt_orchestrator.model.state import CellState, JobState
+from bt_orchestrator.runtime import orders
+
+NEVER = 'never'
+AFTER = ('item', 'job')
+"""After what the line may be let run empty."""
+
+Events = Iterator[e.Event]
+
+
+def carry_out(command: JobCommand, state: CellState) -> tuple[str, list[e.Event]]:
+    """Return what is to be answered and recorded.
+
+    :raises CommandRefused: it cannot be carried out now
+    """
+    return _carry_out(command, state)
+
+
+@singledispatch
+def _carry_out(command: JobCommand, state: CellState) -> tuple[str, list[e.Event]]:
+    raise AssertionError(f'{state.cell.name} knows no command {type(command).__name__}')
+
+
+# --- orders ---------------------------------------------------------------------------------
+
+
+@_carry_out.register
+def _add(command: AddJobs, state: CellState) -> tuple[str, list[e.Event]]:
+    if command.position is not None:
+        _check_position(command.position, len(state.queue) + 1)
+    queued = orders.queue(
+        state, command.jobs, position=command.position, held=command.held, by=command.by
+    )
+    how = 'is queued and held' if command.held else 'is queued'
+    return '\n'.join(f'{job.id} {how}' for job in command.jobs), queued
+
+
+@_carry_out.register
+def _update(command: UpdateJob, state: CellState) -> tuple[str, list[e.Event]]:
+    new = command.job
+    _allowed(state, job_control.UPDATE, new.id)
+    events = orders.change(state, new)
+    decided = _decided(command.by, job_control.UPDATE.verb, new.id)
+    return f'{new.id} is updated', [decided, *events]
+
+
+# --- places ---------------------------------------------------------------------------------
+
+
+@_carry_out.register
+def _move(command: MoveJob, state: CellState) -> tuple[str, list[e.Event]]:
+    _check_queued(state, command.job)
+    _check_position(command.position, len(state.queue))
+    decided = _decided(command.by, 'move', command.job)
+    moved = e.JobMoved(job=command.job, position=command.position)
+    return f'{command.job} is at position {command.position}', [decided, moved]
+
+
+@_carry_out.register
+def _run_next(command: RunNext, state: CellState) -> tuple[str, list[e.Event]]:
+    job = _check_queued(state, command.job)
+    name = command.job
+    events: list[e.Event] = [_decided(command.by, 'next', name), e.JobMoved(job=name, position=1)]
+    if job.held:
+        events.append(e.JobReleased(job=name))
+    return f'{name} is next', events
+
+
+# --- methods of a job -----------------------------------------------------------------------
+
+
+@_carry_out.register
+def _control(command: ControlJob, state: CellState) -> tuple[str, list[e.Event]]:
+    method, answer, act = _method(command.verb)
+    job = _allowed(state, method, command.job)
+    decided = _decided(command.by, command.verb, command.job)
+    return f'{command.job} {answer}', [decided, *act(state, job, _in_words(command))]
+
+
+def _method(verb: str) -> _Control:
+    if verb not in CONTROLS:
+        raise CommandRefused(f'unknown command {verb!r}; one of {", ".join(CONTROLS)}')
+    return CONTROLS[verb]
+
+
+def _hold(_: CellState, job: JobState, __: str) -> Events:
+    yield e.JobHeld(job=job.job.id)
+
+
+def _release(_: CellState, job: JobState, __: str) -> Events:
+    yield e.JobReleased(job=job.job.id)
+
+
+def _remove(_: CellState, job: JobState, __: str) -> Events:
+    yield e.JobRemoved(job=job.job.id)
+
+
+def _pause(_: CellState, job: JobState, __: str) -> Events:
+    yield e.JobPaused(job=job.job.id)
+
+
+def _resume(_: CellState, job: JobState, __: str) -> Events:
+    if not job.paused:
+        raise CommandRefused(
+            f'{job.job.id} is not paused, the whole cell is; resume the cell instead'
+        )
+    yield e.JobResumed(job=job.job.id)
+
+
+def _stop(_: CellState, job: JobState, reason: str) -> Events:
+    yield e.JobStopping(job=job.job.id, reason=reason)
+
+
+def _abort(state: CellState, job: JobState, reason: str) -> Events:
+    yield from effects.of_abort(state, job, reason)
+
+
+def _clear(_: CellState, job: JobState, __: str) -> Events:
+    yield e.JobCleared(job=job.job.id)
+
+
+_Control = tuple[job_control.Method, str, Callable[[CellState, JobState, str], Events]]
+
+CONTROLS: Mapping[str, _Control] = {
+    'hold': (job_control.REVOKE_START, 'is held', _hold),
+    'release': (job_control.START, 'is released', _release),
+    'pause': (job_control.PAUSE, 'begins no more items', _pause),
+    'resume': (job_control.RESUME, 'goes on', _resume),
+    'stop': (job_control.STOP, 'ends when its items on the line are finished', _stop),
+    'abort': (job_control.ABORT, 'is being aborted', _abort),
+    'cancel': (job_control.CANCEL, 'is out of the queue', _remove),
+    'remove': (job_control.CANCEL, 'is out of the queue', _remove),
+    'clear': (job_control.CLEAR, 'is listed no more', _clear),
+}
+"""Method, what is answered, and what it does, by the word of the command."""
+
+
+# --- the line runs empty --------------------------------------------------------------------
+
+
+@_carry_out.register
+def _stop_after(command: StopAfter, state: CellState) -> tuple[str, list[e.Event]]:
+    decided = _decided(command.by, f'stop_after_{command.after}')
+    if command.after == NEVER:
+        if state.stop_after is None:
+            raise CommandRefused('there is nothing to take back: no stop was asked for')
+        return 'the line goes on', [decided, e.QueueStopCancelled()]
+    if command.after not in AFTER:
+        known = ', '.join((*AFTER, NEVER))
+        raise CommandRefused(f'a stop is after one of {known}; found {command.after!r}')
+    if not state.on_the_line:
+        raise CommandRefused('no job has started; hold the jobs of the queue instead')
+    message = f'the cell stops after the current {command.after}'
+    return message, [decided, e.QueueStopRequested(after=command.after)]
+
+
+def stop_when_empty(state: CellState) -> Events:
+    """Stop the cell once the line has run empty as it was asked to."""
+    if state.stop_after is None or state.mode is not Mode.EXECUTE or not _is_empty(state):
+        return
+    reason = f'stop after the current {state.stop_after}'
+    yield e.QueueStopReached(after=state.stop_after)
+    yield e.CellStateChanged(state=Mode.STOPPING.value, previous=state.mode.value, reason=reason)
+
+
+def _is_empty(state: CellState) -> bool:
+    if state.running:
+        return False
+    return not (state.on_the_line if state.stop_after == 'job' else state.items)
+
+
+# --- refusals -------------------------------------------------------------------------------
+
+
+def _decided(by: By, verb: str, job: str | None = None) -> e.OperatorDecided:
+    return e.OperatorDecided(answer=verb, who=by.who, origin=by.origin, reason=by.reason, job=job)
+
+
+def _in_words(command: ControlJob) -> str:
+    return f'{command.by.who} decided {command.verb}: {command.by.reason}'
+
+
+def _allowed(state: CellState, method: job_control.Method, name: str) -> JobState:
+    """Return a job of which something may be asked now."""
+    job = state.jobs.get(name) or state.ended.get(name)
+    if job is None:
+        raise CommandRefused(_unknown(state, name))
+    ending = job.ending if job.ended_at is None else ''
+    refused = job_control.refusal(method, name, job_word(state, job), ending)
+    if refused is not None:
+        raise CommandRefused(refused)
+    return job
+
+
+def _unknown(state: CellState, name: str) -> str:
+    if name in state.order_ids:
+        return f'{name} is listed no more; the journal has its history'
+    return f'there is no job {name}; jobs now: {", ".join(state.jobs) or "none"}'
+
+
+def _check_queued(state: CellState, name: str) -> JobState:
+    job = state.jobs.get(name)
+    if job is None or job.started:
+        queue = ', '.join(one.job.id for one in state.queue) or 'nothing'
+        why = 'has started' if job else 'is not there'
+        raise CommandRefused(f'{name} {why}; in the queue: {queue}')
+    return job
+
+
+def _check_position(position: int, last: int) -> None:
+    if not 1 <= position <= last:
+        raise CommandRefused(f'the position must be from 1 to {last}, not {position}')

@@ -1,0 +1,133 @@
+"""What holds of queue and jobs in every run, checked by a fold of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import ClassVar
+
+from bt_orchestrator.model import events as e
+
+PROGRESS = (e.TaskStarted, e.CycleStarted)
+
+
+class QueueInvariants:
+    """Follows the events of one cell and raises AssertionError at the first that cannot be."""
+
+    def __init__(self) -> None:
+        self._ids: set[str] = set()
+        self._queue: list[str] = []
+        self._held: set[str] = set()
+        self._running: list[str] = []
+        self._fed = ''
+        """The job of the last item that was begun."""
+        self._begins_nothing: set[str] = set()
+        """Jobs that are paused, or end."""
+        self._quantity: dict[str, int] = {}
+        self._items: dict[str, list[str]] = {}
+        self._stop_after = ''
+        self._ended: dict[str, dict[str, int]] = {}
+
+    def take(self, event: e.Event) -> None:
+        """Take in the next event."""
+        for kind, take in self._takers.items():
+            if isinstance(event, kind):
+                take(self, event)
+        assert len(self._ids) == len(self._queue) + len(self._running) + len(self._ended), event
+
+    # --- the queue --------------------------------------------------------------------------
+
+    def _queued(self, event: e.JobQueued) -> None:
+        assert event.job not in self._ids, event
+        self._ids.add(event.job)
+        self._queue.insert(len(self._queue) if event.position is None else event.position - 1, '')
+        self._queue[self._queue.index('')] = event.job
+        if event.held:
+            self._held.add(event.job)
+        self._quantity[event.job] = event.quantity
+        self._items[event.job] = []
+
+    def _moved(self, event: e.JobMoved) -> None:
+        self._queue.remove(event.job)
+        self._queue.insert(event.position - 1, event.job)
+        assert self._queue[event.position - 1] == event.job, event
+
+    def _updated(self, event: e.JobUpdated) -> None:
+        assert event.job in self._queue, event
+        self._quantity[event.job] = event.quantity
+
+    def _hold(self, event: e.JobHeld) -> None:
+        assert event.job in set(self._queue) - self._held, event
+        self._held.add(event.job)
+
+    def _release(self, event: e.JobReleased) -> None:
+        self._held.remove(event.job)
+
+    def _removed(self, event: e.JobRemoved) -> None:
+        self._queue.remove(event.job)
+        self._held.discard(event.job)
+        self._ended[event.job] = {}
+
+    def _stop_requested(self, event: e.QueueStopRequested) -> None:
+        self._stop_after = event.after
+
+    def _stop_over(self, event: e.QueueStopReached | e.QueueStopCancelled) -> None:
+        if isinstance(event, e.QueueStopReached):
+            assert not self._running or event.after == 'item', event
+        self._stop_after = ''
+
+    # --- the line ---------------------------------------------------------------------------
+
+    def _started(self, event: e.JobStarted) -> None:
+        first = next(job for job in self._queue if job not in self._held)
+        assert event.job == first, (event, self._queue)
+        assert not self._stop_after, event
+        self._queue.remove(event.job)
+        self._running.append(event.job)
+
+    def _progress(self, event: e.TaskStarted | e.CycleStarted) -> None:
+        assert event.job is None or event.job in self._running, event
+        if isinstance(event, e.CycleStarted) and event.item not in self._items[event.job]:
+            self._begun(event)
+
+    def _begun(self, event: e.CycleStarted) -> None:
+        """Take in an item: items of jobs come in the order in which the jobs started."""
+        assert event.job not in self._begins_nothing, event
+        assert self._stop_after != 'item', event
+        if self._fed in self._running:
+            assert self._running.index(self._fed) <= self._running.index(event.job), event
+        self._fed = event.job
+        self._items[event.job].append(event.item)
+        assert len(self._items[event.job]) <= self._quantity[event.job], event
+
+    def _ending(self, event: e.JobPaused | e.JobStopping | e.JobAborting) -> None:
+        self._begins_nothing.add(event.job)
+
+    def _resumed(self, event: e.JobResumed) -> None:
+        self._begins_nothing.remove(event.job)
+
+    def _end(self, event: e.JobCompleted | e.JobAborted) -> None:
+        jobs = self._running if event.job in self._running else self._queue
+        jobs.remove(event.job)
+        self._held.discard(event.job)
+        begun = len(self._items[event.job])
+        assert event.counts['started'] == begun, event
+        all_done = begun == self._quantity[event.job]
+        status = 'completed' if all_done else 'stopped'
+        assert event.exit_status == ('aborted' if isinstance(event, e.JobAborted) else status)
+        self._ended[event.job] = dict(event.counts)
+
+    _takers: ClassVar[Mapping[type[e.Event] | tuple[type[e.Event], ...], Callable[..., None]]] = {
+        e.JobQueued: _queued,
+        e.JobMoved: _moved,
+        e.JobUpdated: _updated,
+        e.JobHeld: _hold,
+        e.JobReleased: _release,
+        e.JobRemoved: _removed,
+        e.QueueStopRequested: _stop_requested,
+        (e.QueueStopReached, e.QueueStopCancelled): _stop_over,
+        e.JobStarted: _started,
+        PROGRESS: _progress,
+        (e.JobPaused, e.JobStopping, e.JobAborting): _ending,
+        e.JobResumed: _resumed,
+        (e.JobCompleted, e.JobAborted): _end,
+    }

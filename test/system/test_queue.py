@@ -1,0 +1,136 @@
+"""The queue and its jobs on real ROS 2: verbs, services, and the action run_job."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from action_msgs.msg import GoalStatus
+from bt_orchestrator_interfaces.action import RunJob
+from bt_orchestrator_interfaces.msg import WorkOrder
+from cell_processes import CellProcesses, StartCell, run_verb, small_script
+
+WHY = ['--reason', 'rush', '--who', 'Ada']
+
+
+def order_files(cell: CellProcesses, *names: str, quantity: int = 1) -> list[str]:
+    paths = []
+    for name in names:
+        path = cell.folder / f'{name}.order.yaml'
+        path.write_text(f'{{order: {name}, script: small, quantity: {quantity}}}')
+        paths.append(str(path))
+    return paths
+
+
+def queue(cell: CellProcesses) -> list[str]:
+    """Return the queue as the verb lists it."""
+    status, output, _ = run_verb(cell.folder, 'queue', '--json')
+    assert status == 0
+    waiting = [job for job in json.loads(output)['jobs'] if job['position']]
+    assert [job['position'] for job in waiting] == list(range(1, len(waiting) + 1))
+    return [f'{job["id"]} {job["state"]}' for job in waiting]
+
+
+def test_the_queue_is_changed_while_a_job_runs(small_cell: CellProcesses) -> None:
+    watch, folder = small_cell.watch, small_cell.folder
+    small_cell.script(small_script())
+    small_cell.run_small(quantity=500, order='long')
+    watch.until('item.removed')
+
+    orders = order_files(small_cell, 'a', 'b', 'c')
+    broken = [*orders, *order_files(small_cell, 'long')]
+    status, _, errors = run_verb(folder, 'submit', *broken)
+    assert status == 1
+    assert 'order long was given before' in errors
+    assert 'a fits, but was not queued because of the others' in errors
+    assert run_verb(folder, 'submit', *orders)[0] == 0
+    assert queue(small_cell) == [f'{name} AllowedToStart' for name in 'abc']
+
+    for words in (['move', 'c', '1'], ['hold', 'a'], ['update', 'b', '--quantity', '2']):
+        status, _, errors = run_verb(folder, 'queue', *words, *WHY)
+        assert status == 0, errors
+    assert queue(small_cell) == ['c AllowedToStart', 'a NotAllowedToStart', 'b AllowedToStart']
+    moved = watch.until('operator.decided', answer='move')
+    assert (moved['job'], moved['who'], moved['reason']) == ('c', 'Ada', 'rush')
+    assert 'bt-orchestrator at ' in moved['origin']
+
+    refused = run_verb(folder, 'queue', 'hold', 'long', *WHY)
+    assert refused[0] == 1
+    assert 'RevokeStart (hold) is for jobs that are AllowedToStart' in refused[2]
+    assert run_verb(folder, 'queue', 'stop', 'long', *WHY)[0] == 0
+    assert watch.until('job.completed', job='long')['exit_status'] == 'stopped'
+    assert watch.until('job.completed', job='b')['counts']['packed'] == 2
+    assert [e['job'] for e in watch.seen('job.started')] == ['long', 'c', 'b']
+
+    assert run_verb(folder, 'queue', 'release', 'a', *WHY)[0] == 0
+    assert watch.until_ended('a').packed == 1
+    small_cell.stop()
+
+
+def run_job(cell: CellProcesses, feedback: list[Any], **fields: Any) -> Any:
+    """Start a goal of run_job and return its handle."""
+    goal = RunJob.Goal(who='Ada', reason='test', **fields)
+    handle = cell.watch.ros.start(
+        f'{cell.watch.name}/run_job', RunJob, goal, on_feedback=feedback.append
+    )
+    assert handle.accepted
+    return handle
+
+
+def test_a_job_is_run_as_an_action(start_cell: StartCell) -> None:
+    cell = start_cell(fail=['worker.TASK_A#2=abort'])
+    cell.connect()
+    path = str(cell.script(small_script(options=', on_failure: continue')))
+    feedback: list[Any] = []
+    handle = run_job(cell, feedback, order=WorkOrder(order='A', script=path, quantity=3))
+    other = run_job(cell, [], text=f'{{order: B, script: {path}, quantity: 1}}')
+
+    end = cell.watch.ros.result(handle)
+    assert end.status == GoalStatus.STATUS_SUCCEEDED
+    result = end.result
+    assert (result.job, result.exit_status, result.status.packed) == ('A', 'completed', 3)
+    assert [(i.id, i.outcome, list(i.nonconforming)) for i in result.items] == [
+        ('A/1', 'packed', []),
+        ('A/2', 'packed', ['work']),
+        ('A/3', 'packed', []),
+    ]
+    assert 'measurement' in json.loads(result.items[0].results)['work']
+    (failure,) = result.failures
+    assert (failure.item, failure.task, failure.reason) == ('A/2', 'work', 'aborted')
+    packed = [message.feedback.status.packed for message in feedback]
+    assert packed == sorted(packed)
+    assert {'Running'} <= {message.feedback.status.state for message in feedback}
+    assert cell.watch.ros.result(other).result.exit_status == 'completed'
+    cell.stop()
+
+
+def test_cancelling_the_action_aborts_the_job(small_cell: CellProcesses) -> None:
+    watch = small_cell.watch
+    text = small_script().replace('qty_change: -1', 'qty_change: -1, runs_for: all')
+    path = str(small_cell.script(text))
+    running = run_job(small_cell, [], order=WorkOrder(order='A', script=path, quantity=500))
+    waiting = run_job(small_cell, [], order=WorkOrder(order='B', script=path, quantity=500))
+    watch.until('item.removed', job='A')
+
+    for handle, packed in ((waiting, False), (running, True)):
+        watch.ros.wait(handle.cancel_goal_async(), 'the answer to the cancel request')
+        end = watch.ros.result(handle)
+        assert (end.status, end.result.exit_status) == (GoalStatus.STATUS_CANCELED, 'aborted')
+        assert bool(end.result.status.packed) is packed
+    assert watch.seen('job.aborted', job='B')[0]['counts']['started'] == 0
+    small_cell.stop()
+
+
+def test_an_action_whose_order_is_wrong_ends_with_the_findings(small_cell: CellProcesses) -> None:
+    order = WorkOrder(script='smal', quantity=1)
+    end = small_cell.watch.ros.result(run_job(small_cell, [], order=order))
+    assert (end.status, end.result.exit_status) == (GoalStatus.STATUS_ABORTED, 'refused')
+    path = str(small_cell.script(small_script()))
+    twice = WorkOrder(order='A', script=path, quantity=500)
+    first = run_job(small_cell, [], order=twice)
+    again = small_cell.watch.ros.result(run_job(small_cell, [], order=twice)).result
+    assert again.message == 'order A was given before; choose another id'
+    assert end.result.findings
+    small_cell.watch.ros.wait(first.cancel_goal_async(), 'the answer to the cancel request')
+    small_cell.watch.until('job.aborting', job='A')
+    small_cell.stop()

@@ -1,0 +1,404 @@
+"""Semantics 6.6: the queue, and what operators do with its jobs."""
+
+from __future__ import annotations
+
+import pytest
+from fakes.line import THREE, Line, with_section
+from fakes.virtual_run import BY, VirtualRun
+
+from bt_orchestrator.model.job_commands import MoveJob, RunNext, StopAfter, UpdateJob
+from bt_orchestrator.model.job_folds import ENDED_KEPT
+from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.packml import Mode
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.sim.simulation import Simulation
+from bt_orchestrator.store.memory import MemoryStore
+
+LINE = Line()
+SCRIPT = LINE.script(THREE)
+TOLERANT = LINE.script(THREE.replace('qty_change: -1', 'qty_change: -1, runs_for: all'))
+"""Packs rejected items too."""
+
+
+def queued(names: str = 'KLM', script: Script = SCRIPT) -> VirtualRun:
+    """Give a line on which J runs, with jobs of one item behind it."""
+    run = VirtualRun(LINE.cell, LINE.types)
+    run.submit('J', script, 3)
+    assert run.add(*((name, script) for name in names)).accepted
+    return run
+
+
+def queue(run: VirtualRun) -> str:
+    return ''.join(job.job.id for job in run.state.queue)
+
+
+def begun(run: VirtualRun) -> list[str]:
+    """Return the jobs in the order in which they started."""
+    return run.order('job.started', 'job')
+
+
+# --- ids and batches ------------------------------------------------------------------------
+
+
+def test_6_6_an_id_is_used_once_however_long_ago() -> None:
+    store = MemoryStore()
+    sim = Simulation(LINE.cell, LINE.types, store)
+    sim.submit(Job(name, SCRIPT, 1) for name in ('J', *(f'K{n}' for n in range(ENDED_KEPT))))
+    sim.run()
+    assert 'J' not in sim.state.ended, 'it is too long ago to be listed'
+    again = Simulation(LINE.cell, LINE.types, store)
+    for line in (sim, again):
+        (answer,) = line.submit([Job('J', SCRIPT, 1)])
+        assert answer.message == 'order J was given before; choose another id'
+        line.close()
+
+
+def test_6_6_a_removed_order_keeps_its_id() -> None:
+    run = queued('K')
+    run.control('remove', 'K')
+    assert not run.submit('K', SCRIPT).accepted
+
+
+def test_6_6_of_several_orders_all_are_queued_or_none() -> None:
+    run = queued('K')
+    before = len(run.records)
+    answer = run.add(('L', SCRIPT), ('K', SCRIPT), ('M', SCRIPT), ('M', SCRIPT))
+    assert not answer.accepted
+    assert answer.each == (
+        'L fits, but was not queued because of the others',
+        'order K was given before; choose another id',
+        'M fits, but was not queued because of the others',
+        'order M was given before; choose another id',
+    )
+    assert (queue(run), len(run.records)) == ('K', before)
+
+
+def test_6_6_orders_given_together_agree_on_flags() -> None:
+    line = Line(4)
+    scripts = [line.script(text, f's{n}') for n, text in enumerate((flagged(1), flagged(2)))]
+    run = VirtualRun(line.cell, line.types).go()
+    answer = run.add(('K', scripts[0]), ('L', scripts[1]))
+    assert not answer.accepted
+    assert 'share the flag clear but disagree' in answer.each[1]
+
+
+def flagged(capacity: int) -> str:
+    return f"""
+    sections:
+      1: [{{id: place, @a1, qty_change: 1}}]
+      2: [{{id: look, @a2}}]
+      3: [{{id: fix, @a3}}]
+      4: [{{id: pack, @a4, qty_change: -1}}]
+    lateral_dependencies:
+      - {{flag: clear, upstream: look, downstream: fix, capacity: {capacity}}}
+    """
+
+
+# --- order ----------------------------------------------------------------------------------
+
+
+def test_6_6_orders_are_put_at_a_place() -> None:
+    run = queued('KL')
+    answer = run.add(('X', SCRIPT), ('Y', SCRIPT), position=2)
+    assert answer.message == 'X is queued\nY is queued'
+    assert queue(run) == 'KXYL'
+    run.go()
+    assert begun(run) == list('JKXYL')
+
+
+@pytest.mark.parametrize('position', [0, 4])
+def test_6_6_a_place_that_is_not_there_is_refused(position: int) -> None:
+    run = queued('KL')
+    answer = run.add(('X', SCRIPT), position=position)
+    assert answer.message == f'the position must be from 1 to 3, not {position}'
+
+
+def test_6_6_a_job_is_moved() -> None:
+    run = queued('KLM')
+    assert run.ask(MoveJob('M', 1, BY)).message == 'M is at position 1'
+    assert queue(run) == 'MKL'
+    assert run.ask(MoveJob('M', 3, BY)).accepted
+    assert queue(run) == 'KLM'
+    run.ask(MoveJob('L', 1, BY))
+    run.go()
+    assert begun(run) == list('JLKM')
+
+
+def test_6_6_what_has_started_is_not_in_the_queue() -> None:
+    run = queued('KL')
+    for command in (MoveJob('J', 1, BY), MoveJob('X', 1, BY), RunNext('J', BY)):
+        assert run.ask(command).message.endswith('; in the queue: K, L')
+    assert run.ask(MoveJob('K', 3, BY)).message == 'the position must be from 1 to 2, not 3'
+
+
+def test_6_6_run_next_puts_a_job_in_front_and_releases_it() -> None:
+    run = queued('KLM')
+    run.control('hold', 'M')
+    assert run.ask(RunNext('M', BY)).message == 'M is next'
+    run.go()
+    assert begun(run) == list('JMKL')
+
+
+def test_6_6_a_removed_job_never_starts() -> None:
+    run = queued('KL')
+    assert run.control('remove', 'K').message == 'K is out of the queue'
+    run.go()
+    assert begun(run) == list('JL')
+    assert 'K' not in run.state.ended
+
+
+def test_6_6_preparation_follows_the_order_of_the_queue() -> None:
+    prepared = LINE.script(f'initialization: [{{id: ready, @b1}}]{THREE}', 'prepared')
+    run = VirtualRun(LINE.cell, LINE.types)
+    run.submit('J', SCRIPT, 3)
+    run.add(('K', prepared), ('L', prepared))
+    run.ask(MoveJob('L', 1, BY))
+    run.go()
+    assert [r['job'] for r in run.all('task.started', task='ready')] == ['L', 'K']
+
+
+# --- held jobs ------------------------------------------------------------------------------
+
+
+def test_6_6_a_held_job_is_passed_and_keeps_its_place() -> None:
+    run = queued('KLM')
+    run.control('hold', 'K')
+    run.go(until=9.0)
+    assert queue(run) == 'KM'
+    assert begun(run) == list('JL')
+    run.control('release', 'K')
+    run.go()
+    assert begun(run) == list('JLKM')
+
+
+def test_6_6_a_held_job_prepares_nothing() -> None:
+    prepared = LINE.script(f'initialization: [{{id: ready, @lamp}}]{THREE}', 'prepared')
+    run = VirtualRun(LINE.cell, LINE.types)
+    assert run.add(('K', prepared), held=True).message == 'K is queued and held'
+    run.add(('L', SCRIPT))
+    run.go()
+    assert run.starts('ready') == []
+    assert run.state.mode is Mode.COMPLETE, 'there is nothing to be done'
+    run.control('release', 'K')
+    run.go()
+    assert run.ended
+
+
+def test_6_6_held_jobs_alone_do_not_start_the_cell() -> None:
+    run = VirtualRun(LINE.cell, LINE.types)
+    run.add(('K', SCRIPT), held=True)
+    run.go()
+    assert run.state.mode is Mode.STOPPED
+    assert run.waits()['section 1'].startswith('the cell is Stopped')
+    run.control('release', 'K')
+    run.go()
+    assert run.ended
+
+
+# --- changes --------------------------------------------------------------------------------
+
+
+def test_6_6_a_queued_job_is_changed() -> None:
+    run = queued('KL')
+    press = LINE.script(with_section(2, '- {id: press, @b2}'), 'press')
+    assert run.ask(UpdateJob(Job('K', press, 2, {}), BY)).message == 'K is updated'
+    assert queue(run) == 'KL'
+    run.go()
+    assert [r['item'] for r in run.all('task.started', task='press')] == ['K/1', 'K/2']
+
+
+def test_6_6_a_change_is_held_to_the_flags_of_the_others() -> None:
+    line = Line(4)
+    run = VirtualRun(line.cell, line.types)
+    run.submit('J', line.script(flagged(1), 'one'), 3)
+    run.add(('K', line.script(flagged(1), 'one')))
+    answer = run.ask(UpdateJob(Job('K', line.script(flagged(2), 'two'), 1, {}), BY))
+    assert 'share the flag clear but disagree' in answer.message
+    run.go()
+    assert run.ended
+
+
+def test_6_6_a_change_may_contradict_the_flags_it_had_before() -> None:
+    line = Line(4)
+    run = VirtualRun(line.cell, line.types)
+    run.add(('K', line.script(flagged(1), 'one')), held=True)
+    assert run.ask(UpdateJob(Job('K', line.script(flagged(2), 'two'), 1, {}), BY)).accepted
+    assert run.state.flags['clear'].capacity == 2
+    run.control('release', 'K')
+    run.go()
+    assert run.ended
+
+
+def test_6_6_changed_initialization_is_done_in_whole() -> None:
+    once = f'initialization: [{{id: home, @a1.PREPARE, once: true}}]{THREE}'
+    other = f'initialization: [{{id: home, @a1.TASK_B, once: true}}]{THREE}'
+    run = VirtualRun(LINE.cell, LINE.types)
+    run.submit('J', LINE.script(once, 'once'), 3)
+    run.go(until=4.0)
+    run.add(('K', LINE.script(once, 'once')))  # its `home` is skipped at once
+    run.ask(UpdateJob(Job('K', LINE.script(other, 'other'), 1, {}), BY))
+    run.go()
+    done = [(r['job'], r['name']) for r in run.all('task.started', task='home')]
+    assert done == [('J', 'PREPARE'), ('K', 'TASK_B')]
+
+
+# --- jobs on the line -----------------------------------------------------------------------
+
+
+def test_6_6_a_paused_job_begins_no_item_and_keeps_the_line() -> None:
+    run = queued('K')
+    run.go(until=1.5)
+    assert run.control('pause', 'J').message == 'J begins no more items'
+    run.go(until=60.0)
+    assert run.counts()['packed'] == run.counts()['started'] == 2  # one was begun ahead
+    assert run.waits()['section 1'] == 'waiting for J to be resumed'
+    assert begun(run) == ['J']
+    run.control('resume', 'J')
+    run.go()
+    assert run.counts()['packed'] == 3
+    assert run.ended
+
+
+def test_6_6_a_stopped_job_ends_with_the_items_it_began() -> None:
+    run = queued('K')
+    run.go(until=1.5)
+    assert run.control('stop', 'J').accepted
+    run.go()
+    (end,) = run.all('job.completed', job='J')
+    assert end['exit_status'] == 'stopped'
+    assert end['reason'] == 'Ann decided stop: it was time'
+    assert (end['counts']['started'], end['counts']['packed']) == (2, 2)
+    assert begun(run) == ['J', 'K']
+    assert run.ended
+
+
+def test_6_6_a_job_stopped_before_its_first_item_prepares_no_more() -> None:
+    text = 'initialization: [{id: warm, @b1}, {id: light, @b3}]\n'
+    text += 'initialization_dependencies: [{upstream: warm, downstream: light}]\n'
+    run = LINE.begin(text + THREE)
+    run.control('stop', 'J')
+    run.go()
+    assert run.ended
+    assert run.order('task.skipped', 'reason') == ['job stopped']
+
+
+def test_6_6_a_stopped_job_prepares_what_its_items_need() -> None:
+    text = f'initialization: [{{id: light, @b3}}]{THREE}'
+    run = Line(seconds={'b3': 20.0}).begin(text, 3)
+    run.go(until=1.5)
+    run.control('stop', 'J')
+    run.go()
+    assert run.all('task.skipped') == []
+    assert run.starts('pack')[0] == 20.0
+    assert run.ended
+
+
+def test_6_6_a_queued_job_is_aborted_at_once() -> None:
+    run = queued('KL')
+    assert run.control('abort', 'K').accepted
+    assert run.times('job.aborted', job='K') == [0.0]
+    assert run.state.ended['K'].progress.started == 0
+    run.go()
+    assert begun(run) == ['J', 'L']
+
+
+def test_6_6_a_held_job_with_preparation_is_aborted_at_once() -> None:
+    prepared = LINE.script(f'initialization: [{{id: ready, @lamp}}]{THREE}', 'prepared')
+    run = queued('')
+    run.add(('K', prepared), held=True)
+    run.control('abort', 'K')
+    assert run.times('job.aborted', job='K') == [0.0]
+    run.go()
+    assert run.ended
+
+
+def test_6_6_an_aborted_job_drains_and_the_next_follows() -> None:
+    run = queued('K', TOLERANT)
+    run.go(until=4.5)
+    run.control('abort', 'J')
+    run.go()
+    (end,) = run.all('job.aborted', job='J')
+    assert end['counts']['rejected'] == 2
+    assert run.ended
+
+
+def test_6_6_the_end_of_a_job_carries_its_counts() -> None:
+    run = queued('')
+    run.go()
+    (end,) = run.all('job.completed')
+    assert end['exit_status'] == 'completed'
+    assert end['counts'] == {
+        'started': 3,
+        'placed': 3,
+        'processed': 3,
+        'packed': 3,
+        'rejected': 0,
+        'nonconforming': 0,
+        'missing': 0,
+        'removed': 0,
+    }
+
+
+def test_6_6_a_cleared_job_is_listed_no_more() -> None:
+    run = queued('')
+    run.go()
+    assert run.control('clear', 'J').accepted
+    assert run.state.ended == {}
+    assert run.control('clear', 'J').message == 'J is listed no more; the journal has its history'
+
+
+# --- the line runs empty --------------------------------------------------------------------
+
+
+def test_6_6_the_cell_stops_after_the_current_item() -> None:
+    run = queued('K')
+    run.go(until=1.5)
+    assert run.ask(StopAfter('item', BY)).message == 'the cell stops after the current item'
+    assert run.state.stop_after == 'item'
+    run.go(until=60.0)
+    assert run.state.mode is Mode.STOPPED
+    assert len(run.all('queue.stop_reached')) == 1
+    assert (run.counts()['started'], run.counts()['packed']) == (2, 2)
+    assert begun(run) == ['J']
+
+
+def test_6_6_the_cell_stops_after_the_current_job() -> None:
+    run = queued('KL')
+    run.ask(StopAfter('job', BY))
+    run.go(until=60.0)
+    assert run.state.mode is Mode.STOPPED
+    assert begun(run) == ['J', 'K'][: len(begun(run))]
+    assert run.state.ended.keys() == set(begun(run))
+    reasons = [r.get('reason') for r in run.all('cell.state_changed', state='Stopping')]
+    assert reasons == ['stop after the current job']
+
+
+def test_6_6_a_stop_to_come_is_taken_back() -> None:
+    run = queued('K')
+    run.ask(StopAfter('item', BY))
+    run.go(until=3.0)
+    assert run.ask(StopAfter('never', BY)).message == 'the line goes on'
+    run.go()
+    assert run.ended
+    refused = run.ask(StopAfter('never', BY))
+    assert refused.message == 'there is nothing to take back: no stop was asked for'
+
+
+def test_6_6_a_stop_to_come_needs_something_to_stop_after() -> None:
+    run = VirtualRun(LINE.cell, LINE.types)
+    run.add(('K', SCRIPT), held=True)
+    assert not run.ask(StopAfter('job', BY)).accepted
+    run = queued('')
+    assert 'item, job, never' in run.ask(StopAfter('lunch', BY)).message
+
+
+def test_6_6_after_such_a_stop_the_line_goes_on_when_it_is_started() -> None:
+    run = queued('K')
+    run.go(until=1.5)
+    run.ask(StopAfter('item', BY))
+    run.go(until=60.0)
+    run.add(('L', SCRIPT))  # an order lets the cell start by itself
+    run.go()
+    assert begun(run) == ['J', 'K', 'L']
+    assert run.counts()['packed'] == 3
+    assert run.ended
