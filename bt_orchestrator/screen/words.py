@@ -30,6 +30,8 @@ def status_lines(status: Any, node: str) -> Iterator[str]:
     yield f'cell {one_line(status.cell)}: {status.state}, belt {belt(status)}'
     if status.journal_failure:
         yield f'  {failure(status)}'
+    if status.stop_after:
+        yield f'  the cell stops after the current {status.stop_after}'
     for job in status.jobs:
         yield f'  {job_name(job)}: {job.state}, {job_counts(job)}'
     for reason in status.initialization_waiting:

@@ -77,6 +77,7 @@ def status(**about: Any) -> Any:
         'cell': 'small_cell',
         'state': 'Execute',
         'journal_failure': '',
+        'stop_after': '',
         'belt_moving': False,
         'belt_waiting': [],
         'initialization_waiting': [],

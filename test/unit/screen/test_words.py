@@ -33,6 +33,11 @@ def test_a_whole_status() -> None:
     ]
 
 
+def test_a_stop_to_come_is_said() -> None:
+    status = statuses.status(stop_after='job')
+    assert '  the cell stops after the current job' in list(words.status_lines(status, NODE))
+
+
 def test_further_attempts_and_bad_counts_are_said() -> None:
     assert words.task(statuses.task('4.1', attempt=3)) == '4.1 TASK_A, attempt 3 at /4.1/task'
     bad = statuses.job(packed=3, rejected=2, missing=1)
