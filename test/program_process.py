@@ -10,6 +10,8 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+from bt_orchestrator.cli.main import PROGRAM
+
 PATIENCE_S = 30.0
 """Longest time that a program may take to be ready or to end, on a busy machine."""
 
@@ -29,17 +31,21 @@ class ProgramProcess:
         name: str,
         program: Sequence[str] = ('-m', 'bt_orchestrator'),
         within: Sequence[str] = (),
+        cwd: Path | None = None,
     ) -> None:
         """Start it; `words` is a command line from the verb on.
 
+        :param folder: for what it prints
         :param program: what Python runs, if not the program itself
         :param within: a command that becomes the program, such as `ip netns exec NAME`
+        :param cwd: its working directory, if not this one
         """
         self._output = folder / f'{name}.out'
         self._errors = folder / f'{name}.err'
         with self._output.open('w') as output, self._errors.open('w') as errors:
             self._process = subprocess.Popen(
                 [*within, sys.executable, '-u', *program, *words],
+                cwd=cwd,
                 stdin=subprocess.DEVNULL,
                 stdout=output,
                 stderr=errors,
@@ -117,3 +123,12 @@ class ProgramProcess:
             return self._process.wait(_LOOK_S)
         except subprocess.TimeoutExpired:
             return None
+
+
+def program_in(folder: Path) -> Path:
+    """Put the program of this very environment into a new folder for PATH."""
+    folder.mkdir()
+    program = folder / PROGRAM
+    program.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m bt_orchestrator "$@"\n')
+    program.chmod(0o755)
+    return folder

@@ -3,23 +3,14 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
-
-import rclpy
-from rclpy.action.graph import get_action_server_names_and_types_by_node
-from rclpy.executors import SingleThreadedExecutor
-from rclpy.node import Node, NodeNameNonExistentError
-from rclpy.signals import SignalHandlerOptions
+from collections.abc import Iterator, Sequence
 
 from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.ros.diagnosis.graph import SETTLE_S, Graph, names
 from bt_orchestrator.script.starter_plan import FoundServer
 
-STEP_S = 0.1
-
-SETTLE_S = 1.5
-"""How long nothing new may have come before the graph counts as known."""
-
+_FEEDBACK = '/_action/feedback'
+_FEEDBACK_TYPE = '_FeedbackMessage'
 _STATE_TYPE = 'std_msgs/msg/String'
 
 
@@ -33,48 +24,43 @@ def find_action_servers(timeout_s: float) -> Sequence[FoundServer]:
     :param timeout_s: longest time to wait for a first one, and for the last one
     :raises NobodyServes: none was found
     """
-    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-    node = Node('bt_orchestrator_new_cell', start_parameter_services=False, enable_rosout=False)
-    executor = SingleThreadedExecutor()
-    executor.add_node(node)
-    try:
-        return _settled(lambda: [*_servers(node)], executor, timeout_s)
-    finally:
-        executor.shutdown()
-        node.destroy_node()
-        rclpy.try_shutdown()
-
-
-def _settled(
-    look: Callable[[], list[FoundServer]], executor: SingleThreadedExecutor, timeout_s: float
-) -> list[FoundServer]:
-    """Look until nothing new has come for a while."""
-    found: list[FoundServer] = []
-    changed = started = time.monotonic()
-    while time.monotonic() < started + timeout_s:
-        now_found = look()
-        if now_found != found:
-            found, changed = now_found, time.monotonic()
-        if found and time.monotonic() > changed + SETTLE_S:
-            break
-        executor.spin_once(timeout_sec=STEP_S)
-    if not found:
+    with Graph('/') as graph:
+        look = _Look(graph)
+        graph.wait(look.is_settled, timeout_s)
+    if not look.found:
         raise NobodyServes(
             f'no action server was found within {timeout_s:g} s; start the controllers, with this '
             'ROS_DOMAIN_ID, or leave out --from-graph'
         )
-    return found
+    return look.found
 
 
-def _servers(node: Node) -> Iterator[FoundServer]:
-    topics = [name for name, types in node.get_topic_names_and_types() if _STATE_TYPE in types]
-    for name, namespace in sorted(set(node.get_node_names_and_namespaces())):
-        # A node may have left between the two questions.
-        with suppress(NodeNameNonExistentError):
-            served = get_action_server_names_and_types_by_node(node, name, namespace)
-            for action, types in served:
-                full_name = f'{namespace.rstrip("/")}/{name}'
-                yield FoundServer(action, types[0], full_name, _beside(action, topics))
+class _Look:
+    """What is on the graph, and since when."""
+
+    def __init__(self, graph: Graph) -> None:
+        self._graph = graph
+        self._since = time.monotonic()
+        self.found: list[FoundServer] = []
+
+    def is_settled(self) -> bool:
+        """Look again; tell whether there is something, and nothing new for a while."""
+        found = [*_servers(self._graph)]
+        if found != self.found:
+            self.found, self._since = found, time.monotonic()
+        return bool(found) and time.monotonic() > self._since + SETTLE_S
+
+
+def _servers(graph: Graph) -> Iterator[FoundServer]:
+    """Yield who publishes feedback: node names do not tell two nodes of one name apart."""
+    topics = graph.topics()
+    states = [name for name, types in topics.items() if _STATE_TYPE in types]
+    for topic in sorted(topics):
+        action = topic.removesuffix(_FEEDBACK)
+        served = graph.action_servers(action) if action != topic else ()
+        if served:
+            type_name = served[0].topic_type.removesuffix(_FEEDBACK_TYPE)
+            yield FoundServer(action, type_name, names(served), _beside(action, states))
 
 
 def _beside(action: str, topics: Sequence[str]) -> tuple[str, ...]:

@@ -16,12 +16,19 @@ from bt_orchestrator.script.cell_file import read_cell
 
 @pytest.fixture
 def controllers(tmp_path: Path) -> Iterator[None]:
-    """Simulate the shipped cell."""
-    words = ['sim-cell', '--cell', str(REFERENCE_CELL)]
-    process = ProgramProcess(words, tmp_path, 'controllers')
-    process.wait_ready()
+    """Simulate the shipped cell, in processes whose nodes have one name."""
+    words = ['sim-cell', '--cell', str(REFERENCE_CELL), '--only']
+    shares = ('conveyor,unpacking_arm', 'component_1a,component_2a,component_3a')
+    shares += ('component_3b,component_3c,packing_arm',)
+    processes = [
+        ProgramProcess([*words, share], tmp_path, f'controllers_{number}')
+        for number, share in enumerate(shares)
+    ]
+    for process in processes:
+        process.wait_ready()
     yield
-    assert process.stop() == 0, process.errors
+    for process in processes:
+        assert process.stop() == 0, process.errors
 
 
 @pytest.mark.usefixtures('controllers')

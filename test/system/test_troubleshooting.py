@@ -5,12 +5,10 @@ from __future__ import annotations
 import os
 import re
 import subprocess
-import sys
 from pathlib import Path
 
 from cell_processes import ROOT, StartCell, run_verb
-
-from bt_orchestrator.cli.main import PROGRAM
+from program_process import program_in
 
 PAGE = ROOT / 'docs' / 'troubleshooting.md'
 PATIENCE_S = 60.0
@@ -21,15 +19,6 @@ def commands() -> list[str]:
     text = PAGE.read_text(encoding='utf-8')
     blocks = re.findall(r'^```sh\n(.*?)^```$', text, re.MULTILINE | re.DOTALL)
     return list(dict.fromkeys(''.join(blocks).splitlines()))
-
-
-def program_in(folder: Path) -> Path:
-    """Put the program of this very environment into a folder for PATH."""
-    folder.mkdir()
-    program = folder / PROGRAM
-    program.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m bt_orchestrator "$@"\n')
-    program.chmod(0o755)
-    return folder
 
 
 def test_every_entry_has_a_symptom_a_cause_and_a_command() -> None:

@@ -63,6 +63,10 @@ class Graph:
         """Look on until it has looked long enough since it joined the graph."""
         self.wait(lambda: False, self._joined + self._settle_s - time.monotonic())
 
+    def topics(self) -> dict[str, Sequence[str]]:
+        """Return the types of all topics, those of actions too."""
+        return dict(self._node.get_topic_names_and_types())
+
     def publishers(self, name: str) -> Sequence[TopicEndpointInfo]:
         """Return who publishes on a topic, relative names expanded."""
         return self._node.get_publishers_info_by_topic(self.full(name))

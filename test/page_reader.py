@@ -1,0 +1,137 @@
+"""Somebody who follows a page: types what stands behind `$`, and expects what the page shows.
+
+What is typed stands in `console` blocks. `…` in what is shown stands for anything. A program that
+serves stays, in a terminal of its own, once it has said the line shown; `^C` before it means the
+terminal where one like it runs. What only looks is typed again until it shows what the page does.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import subprocess
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+from program_process import PATIENCE_S, ProgramProcess, program_in
+
+from bt_orchestrator.cli.main import PROGRAM
+
+STAYING = ('run', 'sim-cell')
+LOOKING = ('status',)
+INTERRUPT = '^C\n'
+ANYTHING = '…'
+
+_LOOK_S = 0.2
+
+
+class Typed(NamedTuple):
+    """A command of a page, and what is shown below it."""
+
+    place: str
+    command: str
+    shown: str
+    is_after_interrupt: bool
+
+    @property
+    def verb(self) -> str:
+        """The program's verb; empty for another command."""
+        program, *words = shlex.split(self.command)
+        return words[0] if program == PROGRAM and words else ''
+
+    def shows(self, printed: str) -> bool:
+        """Tell whether this was to be expected."""
+        parts = (re.escape(part) for part in self.shown.strip().split(ANYTHING))
+        return re.fullmatch('.*'.join(parts), printed.strip(), re.DOTALL) is not None
+
+
+def typed(page: Path) -> Iterator[Typed]:
+    """Yield the commands of a page in order."""
+    text = page.read_text(encoding='utf-8')
+    for block in re.finditer(r'^```console\n(.*?)^```$', text, re.MULTILINE | re.DOTALL):
+        place = f'{page.name}:{text.count(chr(10), 0, block.start(1)) + 1}'
+        before, *parts = re.split(r'^\$ ', block[1], flags=re.MULTILINE)
+        assert before in ('', INTERRUPT), f'{place}: what is not typed comes first'
+        for number, part in enumerate(parts):
+            command, _, shown = part.partition('\n')
+            is_after_interrupt = before == INTERRUPT and number == 0
+            yield Typed(f'{place} {command}', command, shown, is_after_interrupt)
+
+
+class PageReader:
+    """Follows a page in an empty folder. Ends in `close`, whatever happened."""
+
+    def __init__(self, folder: Path) -> None:
+        self._desk = folder / 'desk'
+        self._desk.mkdir()
+        self._here = self._desk
+        self._prints = folder / 'prints'
+        self._prints.mkdir()
+        path = f'{program_in(folder / "bin")}:{os.environ["PATH"]}'
+        self._environment = {**os.environ, 'PATH': path}
+        self._terminals: list[tuple[str, ProgramProcess]] = []
+
+    def follow(self, one: Typed) -> None:
+        """Do what the page says next, and fail where it shows something else."""
+        words = shlex.split(one.command)
+        if words[0] == 'cd':
+            self._here /= words[1]
+            assert self._here.is_dir(), one.place
+        elif one.verb in STAYING:
+            self._start(one, words[1:])
+        elif one.verb in LOOKING:
+            self._look(one)
+        else:
+            printed = self._type(one)
+            assert one.shows(printed), f'{one.place}\n{printed}'
+
+    def leave(self) -> None:
+        """Press Ctrl-C in every terminal, the last one first, and expect a clean end."""
+        while self._terminals:
+            self._interrupt(len(self._terminals) - 1)
+
+    def close(self) -> None:
+        """Leave nothing behind."""
+        for _, process in self._terminals:
+            process.kill()
+
+    def _start(self, one: Typed, words: list[str]) -> None:
+        if one.is_after_interrupt:
+            verbs = [verb for verb, _ in self._terminals]
+            assert one.verb in verbs, f'{one.place}: nothing like it runs'
+            self._interrupt(len(verbs) - 1 - verbs[::-1].index(one.verb))
+        name = f'{one.verb}_{len([*self._prints.iterdir()])}'
+        process = ProgramProcess(words, self._prints, name, cwd=self._here)
+        self._terminals.append((one.verb, process))
+        for line in one.shown.splitlines():
+            assert process.wait_ready(line) == line, one.place
+
+    def _interrupt(self, terminal: int) -> None:
+        _, process = self._terminals.pop(terminal)
+        assert process.stop() == 0, process.errors
+        process.assert_clean()
+
+    def _look(self, one: Typed) -> None:
+        deadline = time.monotonic() + PATIENCE_S
+        while not one.shows(printed := self._type(one)):
+            assert time.monotonic() < deadline, f'{one.place}\n{printed}'
+            time.sleep(_LOOK_S)
+
+    def _type(self, one: Typed) -> str:
+        done = subprocess.run(
+            ['sh', '-c', one.command],
+            cwd=self._here,
+            env=self._environment,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            timeout=2 * PATIENCE_S,
+            check=False,
+        )
+        # What is refused is shown; nothing shown means that all went well.
+        assert done.returncode == 0 or one.shown, f'{one.place}\n{done.stdout}'
+        return done.stdout

@@ -1,0 +1,44 @@
+"""Somebody who follows README and guide from the first line to the last gets what they show."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from cell_processes import ROOT
+from page_reader import PageReader, Typed, typed
+
+from bt_orchestrator.cli.main import VERBS
+
+PAGES = ('README.md', 'docs/guide.md')
+SHOWN_ELSEWHERE = {'demo', 'pause', 'resume', 'remove-item', 'doctor'}
+"""Verbs that other pages and their tests are about."""
+
+
+@pytest.fixture
+def reader(tmp_path: Path) -> Iterator[PageReader]:
+    reader = PageReader(tmp_path)
+    yield reader
+    reader.close()
+
+
+@pytest.mark.timeout(180)
+@pytest.mark.parametrize('page', PAGES)
+def test_a_page_can_be_followed(page: str, reader: PageReader) -> None:
+    for one in typed(ROOT / page):
+        reader.follow(one)
+    reader.leave()
+
+
+def test_the_pages_show_the_verbs_of_a_first_hour() -> None:
+    shown = {one.verb for page in PAGES for one in typed(ROOT / page)}
+    assert shown - {''} == {*VERBS} - SHOWN_ELSEWHERE
+
+
+def test_a_page_that_shows_something_else_would_be_seen(reader: PageReader) -> None:
+    reader.follow(Typed('', 'echo 3 items, 13.0 s', '3 items, …\n', is_after_interrupt=False))
+    with pytest.raises(AssertionError, match='3 items'):
+        reader.follow(Typed('', 'echo 3 items', '4 items\n', is_after_interrupt=False))
+    with pytest.raises(AssertionError, match='wrong'):
+        reader.follow(Typed('', 'echo wrong; false', '', is_after_interrupt=False))
