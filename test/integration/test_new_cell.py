@@ -18,8 +18,11 @@ from bt_orchestrator.script.cell_file import read_cell
 def controllers(tmp_path: Path) -> Iterator[None]:
     """Simulate the shipped cell, in processes whose nodes have one name."""
     words = ['sim-cell', '--cell', str(REFERENCE_CELL), '--only']
-    shares = ('conveyor,unpacking_arm', 'component_1a,component_2a,component_3a')
-    shares += ('component_3b,component_3c,packing_arm',)
+    shares = (
+        'conveyor,unpacking_arm',
+        'component_1a,component_2a,component_3a',
+        'component_3b,component_3c,packing_arm',
+    )
     processes = [
         ProgramProcess([*words, share], tmp_path, f'controllers_{number}')
         for number, share in enumerate(shares)

@@ -12,7 +12,7 @@ from page_reader import PageReader, Typed, typed
 from bt_orchestrator.cli.main import VERBS
 
 PAGES = ('README.md', 'docs/guide.md')
-SHOWN_ELSEWHERE = {'demo', 'pause', 'resume', 'remove-item', 'doctor'}
+SHOWN_ELSEWHERE = {'demo', 'pause', 'resume', 'remove-item', 'doctor', 'events'}
 """Verbs that other pages and their tests are about."""
 
 

@@ -7,7 +7,6 @@ import ast
 import importlib
 import importlib.util
 import re
-import shlex
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -19,7 +18,7 @@ from fakes.action_types import FakeActionTypes
 from fakes.schemas import refusals
 from fakes.shipped import REFERENCE_CELL, ROOT, TREES
 
-from bt_orchestrator.cli import check, simulate
+from bt_orchestrator.cli import check
 from bt_orchestrator.cli.main import PROGRAM, VERBS, without_ros_arguments
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.cell import Cell
@@ -34,8 +33,6 @@ PAGES = sorted(
     path.relative_to(ROOT).as_posix()
     for path in (ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', *(ROOT / 'docs').rglob('*.md'))
 )
-DRY = {'check': check.check, 'simulate': simulate.simulate}
-"""Verbs that need no node; what the pages show of them is run."""
 
 
 class Block(NamedTuple):
@@ -124,59 +121,6 @@ def test_a_broken_block_would_be_seen() -> None:
     broken = block._replace(text=block.text.replace('conveyor:', 'convoy:'))
     with pytest.raises(Refused):
         PageReader().read(broken)
-
-
-# --- sessions -------------------------------------------------------------------------------
-
-
-class Session(NamedTuple):
-    """A command of a console block, and what it is said to print."""
-
-    place: str
-    command: str
-    output: str
-
-
-def sessions() -> Iterator[Session]:
-    for block in blocks():
-        if block.kind == 'console':
-            for part in re.split(r'^\$ ', block.text, flags=re.MULTILINE)[1:]:
-                command, _, output = part.partition('\n')
-                yield Session(f'{block.place} {command}', command, output)
-
-
-@pytest.mark.parametrize('session', list(sessions()), ids=lambda session: session.place)
-def test_a_session_prints_what_the_page_shows(
-    session: Session,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    _write_files(session.place.partition(':')[0], tmp_path)
-    monkeypatch.chdir(tmp_path)
-    program, verb, *words = shlex.split(session.command)
-    assert program == PROGRAM
-    args = _parser(verb).parse_args(words)
-    try:
-        DRY[verb](args, TYPES)
-        printed = capsys.readouterr().out
-    except Refused as refused:
-        printed = f'{refused}\n'
-    assert printed == session.output
-
-
-def test_sessions_are_shown_of_every_verb_that_needs_no_node() -> None:
-    assert {session.command.split()[1] for session in sessions()} == set(DRY)
-
-
-def _write_files(page: str, folder: Path) -> None:
-    """Write the blocks of a page that begin with the name of a file."""
-    for block in yaml_blocks():
-        name = re.match(r'# (\S+\.yaml)\n', block.text)
-        if block.page == page and name is not None:
-            path = folder / name[1]
-            path.parent.mkdir(exist_ok=True)
-            path.write_text(block.text, encoding='utf-8')
 
 
 # --- commands -------------------------------------------------------------------------------
