@@ -171,6 +171,17 @@ def test_6_6_a_held_job_is_passed_and_keeps_its_place() -> None:
     assert begun(run) == list('JLKM')
 
 
+def test_6_6_a_released_job_comes_behind_those_that_have_started() -> None:
+    run = VirtualRun(LINE.cell, LINE.types)
+    run.add(('K', SCRIPT), held=True)
+    run.submit('J', SCRIPT, 3)
+    run.go(until=1.5)
+    run.control('release', 'K')
+    assert list(run.state.jobs) == ['J', 'K']
+    run.go()
+    assert run.order('item.placed', 'item') == ['J/1', 'J/2', 'J/3', 'K/1']
+
+
 def test_6_6_a_held_job_prepares_nothing() -> None:
     prepared = LINE.script(f'initialization: [{{id: ready, @lamp}}]{THREE}', 'prepared')
     run = VirtualRun(LINE.cell, LINE.types)
@@ -283,13 +294,15 @@ def test_6_6_a_job_stopped_before_its_first_item_prepares_no_more() -> None:
 
 
 def test_6_6_a_stopped_job_prepares_what_its_items_need() -> None:
-    text = f'initialization: [{{id: light, @b3}}]{THREE}'
-    run = Line(seconds={'b3': 20.0}).begin(text, 3)
+    text = 'initialization: [{id: warm, @b3}, {id: light, @b3.TASK_B}]\n'
+    text += 'initialization_dependencies: [{upstream: warm, downstream: light}]\n'
+    run = Line(seconds={'b3': 20.0}).begin(text + THREE, 3)
     run.go(until=1.5)
     run.control('stop', 'J')
     run.go()
     assert run.all('task.skipped') == []
-    assert run.starts('pack')[0] == 20.0
+    assert run.starts('light') == [20.0]
+    assert run.starts('pack')[0] == 40.0
     assert run.ended
 
 
