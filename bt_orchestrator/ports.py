@@ -5,7 +5,7 @@ Every implementation of a port passes the contract tests of that port (test/cont
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import NamedTuple, Protocol
 
 from bt_orchestrator.model.action_type import ActionType
@@ -210,3 +210,21 @@ class EventSink(Protocol):
 
     def publish(self, events: Sequence[Event]) -> None:
         """Hand on events that are durable, oldest first."""
+
+
+class Foresight(Protocol):
+    """Works out when jobs will end, apart from the tick thread."""
+
+    def ask(self, state: str, observed_s: Mapping[str, Mapping[str, float]], now_s: float) -> None:
+        """Ask for a forecast from a state on; returns at once. A later question replaces it.
+
+        :param state: of `model.snapshot`, as JSON
+        :param observed_s: seconds that tasks took, by component and task constant
+        """
+
+    @property
+    def ends_s(self) -> Mapping[str, float]:
+        """When each live job will end, by the last forecast; those unknown are left out."""
+
+    def close(self) -> None:
+        """Stop working."""

@@ -8,11 +8,19 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple, TypeVar
 
+from bt_orchestrator.cli.foresight_process import ForesightProcess
 from bt_orchestrator.errors import Finding, Refused
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.script import Script
-from bt_orchestrator.ports import ActionTypes, AdmissionCheck, EventSink, EventStore, Journal
+from bt_orchestrator.ports import (
+    ActionTypes,
+    AdmissionCheck,
+    EventSink,
+    EventStore,
+    Foresight,
+    Journal,
+)
 from bt_orchestrator.script.admission import admit
 from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.script.lookup import find_script
@@ -121,6 +129,11 @@ def load_script(
 def build_admission_check(cell: Cell, types: ActionTypes) -> AdmissionCheck:
     """Build what decides whether scripts may run on a cell (semantics 8.2)."""
     return DeadlockProof(cell, types, MemoryStore)
+
+
+def build_foresight(cell: Cell) -> Foresight:
+    """Build what forecasts the ends of jobs, in a process that starts with the first question."""
+    return ForesightProcess(cell)
 
 
 def _admitted(path: Path, cell: Cell, types: ActionTypes) -> Script:

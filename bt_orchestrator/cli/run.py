@@ -82,7 +82,12 @@ def run(args: argparse.Namespace) -> int:
 
 def _run(args: argparse.Namespace, stop: StopSignals) -> int:
     # Imported here, so that --help needs no ROS.
-    from bt_orchestrator.cli.bootstrap import build_admission_check, memory_store, open_journal
+    from bt_orchestrator.cli.bootstrap import (
+        build_admission_check,
+        build_foresight,
+        memory_store,
+        open_journal,
+    )
     from bt_orchestrator.model.goal import SERVER_TIMEOUT_S
     from bt_orchestrator.ros.node import Parts, run_node
     from bt_orchestrator.ros.parameters import DEFAULT_TICK_RATE_HZ, NodeParameters
@@ -100,7 +105,7 @@ def _run(args: argparse.Namespace, stop: StopSignals) -> int:
         server_timeout_s=SERVER_TIMEOUT_S,
     )
     ros_args = getattr(args, 'ros_args', ())
-    parts = Parts(open_journal, memory_store, build_admission_check)
+    parts = Parts(open_journal, memory_store, build_admission_check, build_foresight)
     left = run_node(defaults, parts, stop, _say, namespace=args.namespace, ros_args=ros_args)
     for task in left:
         print(f'still running at its server: {task}', file=sys.stderr)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from bt_orchestrator_interfaces.msg import JobStatus
 
@@ -14,9 +14,14 @@ from bt_orchestrator.model.state import CellState, JobState, Phase
 UNKNOWN_S = -1.0
 
 
-def job_messages(state: CellState, jobs: Iterable[JobState]) -> list[JobStatus]:
-    """Build the messages about some jobs, live or ended."""
-    ends = expected_ends_s(state)
+def job_messages(
+    state: CellState, jobs: Iterable[JobState], forecast_s: Mapping[str, float] | None = None
+) -> list[JobStatus]:
+    """Build the messages about some jobs, live or ended.
+
+    :param forecast_s: seconds to the ends of jobs by a virtual run; of others the pace says
+    """
+    ends = {**expected_ends_s(state), **(forecast_s or {})}
     places = {job.job.id: place for place, job in enumerate(state.queue, 1)}
     return [
         _message(state, job, places.get(job.job.id, 0), ends.get(job.job.id, UNKNOWN_S))

@@ -17,11 +17,12 @@ from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.commands import Shutdown
 from bt_orchestrator.model.goal import Reason
-from bt_orchestrator.ports import ActionTypes, AdmissionCheck, EventStore, Journal
+from bt_orchestrator.ports import ActionTypes, AdmissionCheck, EventStore, Foresight, Journal
 from bt_orchestrator.ros.action_types import InstalledActionTypes
 from bt_orchestrator.ros.clock import RosClock
 from bt_orchestrator.ros.events_service import EventsService
 from bt_orchestrator.ros.executors import make_executor, spin_once
+from bt_orchestrator.ros.expected_ends import ExpectedEnds
 from bt_orchestrator.ros.gateway import RosGateway
 from bt_orchestrator.ros.heart import Heart
 from bt_orchestrator.ros.inspection.start import start_inspection
@@ -33,6 +34,7 @@ from bt_orchestrator.ros.queue_services import QueueServices
 from bt_orchestrator.ros.run_job import RunJobServer
 from bt_orchestrator.ros.services import Services
 from bt_orchestrator.runtime.housekeeping import Housekeeping
+from bt_orchestrator.runtime.observed_durations import ObservedDurations
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.stop_signals import StopSignals
@@ -62,6 +64,7 @@ class Parts(NamedTuple):
     make_memory_store: Callable[[], EventStore]
     """Makes one that is gone with the process, where no file is named."""
     make_admission_check: Callable[[Cell, ActionTypes], AdmissionCheck]
+    make_foresight: Callable[[Cell], Foresight]
 
 
 class TreeNode:
@@ -87,6 +90,7 @@ class TreeNode:
         self._gateway = RosGateway(
             node, cell, types, server_timeout_s=self.parameters.server_timeout_s
         )
+        self._durations = ObservedDurations()
         self._journal = _open_journal(self.parameters, parts)
         store = self._journal or parts.make_memory_store()
         self.orchestrator = Orchestrator(
@@ -94,7 +98,7 @@ class TreeNode:
             self._gateway,
             RosClock(node),
             store,
-            [EventsTopic(node)],
+            [EventsTopic(node), self._durations],
             wake=self.heart.wake,
             auto_start=self.parameters.auto_start,
             auto_resume=self.parameters.auto_resume,
@@ -107,11 +111,18 @@ class TreeNode:
         self._run_job = RunJobServer(node, self.orchestrator, orders)
         self.orchestrator.add_sink(self._run_job)
         EventsService(node, self.orchestrator.state, store)
-        self._status = StatusTopic(node, self.orchestrator)
+        self._expected = self._look_ahead(parts)
+        self._status = StatusTopic(node, self.orchestrator, self._expected)
         Diagnostics(node, self.orchestrator, self.heart)
         self._ticks = TickStatistics()
         self._inspected = start_inspection(node, self.orchestrator, self._ticks)
         self.executor.add_node(node)
+
+    def _look_ahead(self, parts: Parts) -> ExpectedEnds | None:
+        if not self.parameters.expected_end:
+            return None
+        foresight = parts.make_foresight(self.orchestrator.state.cell)
+        return ExpectedEnds(self.node, self.orchestrator, self._durations, foresight)
 
     @property
     def ready_line(self) -> str:
@@ -147,6 +158,8 @@ class TreeNode:
 
     def close(self) -> None:
         """Let go of everything."""
+        if self._expected is not None:
+            self._expected.close()
         if self._housekeeping is not None and not self.orchestrator.broken:
             self._housekeeping.finish()
         self.orchestrator.close()

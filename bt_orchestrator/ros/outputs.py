@@ -11,6 +11,7 @@ from rclpy.node import Node
 
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.ros.event_message import event_message
+from bt_orchestrator.ros.expected_ends import ExpectedEnds
 from bt_orchestrator.ros.heart import Heart
 from bt_orchestrator.ros.qos import EVENTS, LATCHED
 from bt_orchestrator.ros.status_message import status_message
@@ -38,9 +39,12 @@ class EventsTopic:
 class StatusTopic:
     """`~/status`, latched: built outside the tick, at most ten times a second."""
 
-    def __init__(self, node: Node, orchestrator: Orchestrator) -> None:
+    def __init__(
+        self, node: Node, orchestrator: Orchestrator, expected: ExpectedEnds | None
+    ) -> None:
         self._node = node
         self._orchestrator = orchestrator
+        self._expected = expected
         self._publisher = node.create_publisher(Status, '~/status', LATCHED)
         self._published: tuple[int, str | None] = (-1, None)
         self._beats = 0
@@ -51,7 +55,8 @@ class StatusTopic:
         now = self._node.get_clock().now().nanoseconds / 1e9
         self._published = self._standing
         self._beats = 0
-        self._publisher.publish(status_message(self._orchestrator, now))
+        ends_s = self._expected.ends_s if self._expected is not None else {}
+        self._publisher.publish(status_message(self._orchestrator, now, ends_s))
 
     @property
     def _standing(self) -> tuple[int, str | None]:

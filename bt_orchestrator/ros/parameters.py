@@ -28,6 +28,8 @@ class NodeParameters:
     journal_keep_jobs: int
     """How many ended jobs keep their events; -1: all."""
     server_timeout_s: float
+    expected_end: bool = True
+    """Forecasts of the ends of jobs are made, in a process of their own."""
 
 
 def declare(node: Node, defaults: NodeParameters) -> NodeParameters:
@@ -86,6 +88,11 @@ def declare(node: Node, defaults: NodeParameters) -> NodeParameters:
             'How many ended jobs keep their events in the journal; of older ones a summary '
             'stays. -1: all.',
             integer_range=[IntegerRange(from_value=-1, to_value=2**31 - 1)],
+        ),
+        expected_end=value(
+            'expected_end',
+            defaults.expected_end,
+            'Forecast the ends of jobs, in a process of low priority.',
         ),
         server_timeout_s=value(
             'server_timeout',

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 
 from bt_orchestrator_interfaces.msg import (
     ComponentStatus,
@@ -25,8 +26,13 @@ ENDED_SHOWN = 10
 """How many ended jobs the status still lists, the last ones."""
 
 
-def status_message(orchestrator: Orchestrator, now: float) -> Status:
-    """Build the whole message."""
+def status_message(
+    orchestrator: Orchestrator, now: float, ends_s: Mapping[str, float] | None = None
+) -> Status:
+    """Build the whole message.
+
+    :param ends_s: when jobs are expected to end, by a virtual run, on the clock of `now`
+    """
     state, tree = orchestrator.state, orchestrator.tree
     jobs = (*state.jobs.values(), *list(state.ended.values())[-ENDED_SHOWN:])
     return Status(
@@ -41,7 +47,7 @@ def status_message(orchestrator: Orchestrator, now: float) -> Status:
         initialization_waiting=waiting(tree.initialization),
         sections=[_section(orchestrator, section) for section in state.sections.values()],
         components=[_component(orchestrator, c) for c in state.cell.components.values()],
-        jobs=job_messages(state, jobs),
+        jobs=job_messages(state, jobs, _from_now(ends_s or {}, now)),
         flags=[
             FlagStatus(name=name, count=flag.count, capacity=flag.capacity)
             for name, flag in state.flags.items()
@@ -126,6 +132,10 @@ def _feedback(orchestrator: Orchestrator, goal: str | None) -> str:
     if flight is None or flight.feedback is None:
         return ''
     return json.dumps(flight.feedback.fields)
+
+
+def _from_now(ends_s: Mapping[str, float], now_s: float) -> dict[str, float]:
+    return {job: max(0.0, end_s - now_s) for job, end_s in ends_s.items()}
 
 
 def _holds(state: CellState) -> list[HoldStatus]:

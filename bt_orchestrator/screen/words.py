@@ -7,6 +7,7 @@ text of one line without control characters, whatever a controller wrote into it
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from datetime import datetime
 from typing import Any
 
 PROGRAM = 'bt-orchestrator'
@@ -33,7 +34,7 @@ def status_lines(status: Any, node: str) -> Iterator[str]:
     if status.stop_after:
         yield f'  the cell stops after the current {status.stop_after}'
     for job in status.jobs:
-        yield f'  {job_name(job)}: {job.state}, {job_counts(job)}'
+        yield f'  {job_name(job)}: {job.state}, {job_counts(job)}{expected_finish(job, status)}'
     for reason in status.initialization_waiting:
         yield f'  initialization  {one_line(reason)}'
     for section in status.sections:
@@ -66,6 +67,23 @@ def job_counts(job: Any) -> str:
     """Return how far a job is, good and bad."""
     bad = [f'{getattr(job, name)} {name}' for name in BAD_COUNTS if getattr(job, name)]
     return ', '.join([f'{job.packed} of {job.quantity} packed', *bad])
+
+
+def expected_finish(job: Any, status: Any) -> str:
+    """Say when a job is expected to end, in the reader's time zone; nothing if it is not known."""
+    if job.expected_end_s < 0.0:
+        return ''
+    end = datetime.fromtimestamp(status.stamp.sec + job.expected_end_s)
+    return f', expected finish {end:%H:%M:%S} ({_from_now(job.expected_end_s)})'
+
+
+def _from_now(seconds: float) -> str:
+    if seconds < 1.0:
+        return 'any moment'
+    if seconds < 100.0:
+        return f'in {seconds:.0f} s'
+    minutes = round(seconds / 60)
+    return f'in {minutes} min' if minutes < 100 else f'in {minutes / 60:.1f} h'
 
 
 def slot(section: Any) -> str:

@@ -10,17 +10,17 @@ NS_PER_S = 1_000_000_000
 
 
 class VirtualClock:
-    """Time as a number. Implements `ports.Clock`; starts at 0.
+    """Time as a number. Implements `ports.Clock`.
 
     Inside it counts integer nanoseconds: 1.5 + 1.0 and 2.5 are one instant, and ties are ties.
     """
 
-    def __init__(self) -> None:
-        self._now_ns = 0
+    def __init__(self, start_s: float = 0.0) -> None:
+        self._now_ns = round(start_s * NS_PER_S)
         self._deadlines = Deadlines()
 
     def now(self) -> float:
-        """Return the virtual seconds since the start."""
+        """Return the virtual seconds; they count from 0 unless the start is another."""
         return self._now_ns / NS_PER_S
 
     def call_at(self, time: float, callback: Callable[[], None]) -> Deadline:

@@ -16,6 +16,13 @@ from bt_orchestrator.model.cell import Cell, OnFailure
 from bt_orchestrator.model.script import Script, SectionList, Step, Task
 
 
+def without_faults(cell: Cell) -> Cell:
+    """Return the cell with no component at fault."""
+    components = {name: replace(one, faults=()) for name, one in cell.components.items()}
+    conveyor = replace(cell.conveyor, component=components[cell.conveyor.component.name])
+    return replace(cell, conveyor=conveyor, components=components)
+
+
 def reduced_cell(cell: Cell) -> Cell:
     """Return the cell with every component always ready and never at fault."""
     components = {

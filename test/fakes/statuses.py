@@ -42,11 +42,23 @@ def section(
     )
 
 
-def job(id: str = 'WO-1', *, state: str = 'Running', quantity: int = 10, **counts: int) -> Any:  # noqa: A002 - as in the message
+def job(
+    id: str = 'WO-1',  # noqa: A002 - as in the message
+    *,
+    state: str = 'Running',
+    quantity: int = 10,
+    expected_end_s: float = -1.0,
+    **counts: int,
+) -> Any:
     names = ('started', 'placed', 'packed', 'rejected', 'nonconforming', 'missing')
     zeros = dict.fromkeys(names, 0)
     return SimpleNamespace(
-        id=id, script='small', state=state, quantity=quantity, **{**zeros, **counts}
+        id=id,
+        script='small',
+        state=state,
+        quantity=quantity,
+        expected_end_s=expected_end_s,
+        **{**zeros, **counts},
     )
 
 

@@ -15,7 +15,12 @@ from cell_processes import SMALL_CELL
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-from bt_orchestrator.cli.bootstrap import build_admission_check, memory_store, open_journal
+from bt_orchestrator.cli.bootstrap import (
+    build_admission_check,
+    build_foresight,
+    memory_store,
+    open_journal,
+)
 from bt_orchestrator.ros.node import NODE_NAME, Parts, TreeNode
 from bt_orchestrator.ros.parameters import NodeParameters
 from bt_orchestrator.stop_signals import StopSignals
@@ -71,7 +76,9 @@ def tree_node(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[TreeNo
         server_timeout_s=1.0,
     )
     node = TreeNode(
-        Node(NODE_NAME), parameters, Parts(open_journal, memory_store, build_admission_check)
+        Node(NODE_NAME),
+        parameters,
+        Parts(open_journal, memory_store, build_admission_check, build_foresight),
     )
     yield node
     node.close()

@@ -68,6 +68,8 @@ def test_the_status_follows_the_events(small_cell: CellProcesses) -> None:
     assert status.sections[1].slot == status.sections[1].item == 'WO-1/1'
     assert [c.name for c in status.components if c.task] == ['worker']
     assert (status.jobs[0].state, status.jobs[0].placed) == ('Running', 1)
+    # The pace by the cell file says 1200 s; what was seen of a cell at SPEED is 60 s.
+    small_cell.watch.until_status(lambda s: 0 < s.jobs[0].expected_end_s < 600, 'a forecast')
     small_cell.stop()
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from datetime import datetime
 from typing import Any
 
 import pytest
@@ -36,6 +37,20 @@ def test_a_whole_status() -> None:
 def test_a_stop_to_come_is_said() -> None:
     status = statuses.status(stop_after='job')
     assert '  the cell stops after the current job' in list(words.status_lines(status, NODE))
+
+
+@pytest.mark.parametrize(
+    ('later_s', 'text'),
+    [(40, 'in 40 s'), (180, 'in 3 min'), (7200, 'in 2.0 h'), (0, 'any moment')],
+)
+def test_the_expected_finish_is_a_time_of_day_and_how_long_that_is(
+    later_s: int, text: str
+) -> None:
+    clock = datetime.fromtimestamp(statuses.NOW_S + later_s).strftime('%H:%M:%S')
+    job = statuses.job(expected_end_s=later_s)
+    lines = list(words.status_lines(statuses.status(jobs=[job]), NODE))
+
+    assert lines[1].endswith(f'0 of 10 packed, expected finish {clock} ({text})')
 
 
 def test_further_attempts_and_bad_counts_are_said() -> None:

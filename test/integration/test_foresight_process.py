@@ -1,0 +1,72 @@
+"""Forecasts from a process of their own."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Iterator
+
+import pytest
+from fakes.shipped import REFERENCE_CELL, REFERENCE_ORDER, TREES
+
+from bt_orchestrator.cli import bootstrap
+from bt_orchestrator.cli.foresight_process import ForesightProcess
+from bt_orchestrator.model.snapshot import state_to_plain
+from bt_orchestrator.sim.simulation import Simulation
+
+LONGEST_S = 40.0
+EPOCH_S = 1.8e9
+
+
+@pytest.fixture
+def begun() -> Iterator[Simulation]:
+    """The shipped order, at the moment it was queued."""
+    types = bootstrap.installed_types()
+    cell, given = bootstrap.load_jobs([REFERENCE_ORDER], REFERENCE_CELL, [TREES], types)
+    simulation = bootstrap.build_simulation(cell, types, [])
+    bootstrap.queue(simulation, given)
+    yield simulation
+    simulation.close()
+
+
+def until(met: Callable[[], object]) -> None:
+    deadline = time.monotonic() + LONGEST_S
+    while not met():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
+def ask(process: ForesightProcess, simulation: Simulation) -> None:
+    process.ask(json.dumps(state_to_plain(simulation.state)), {}, EPOCH_S)
+
+
+def test_questions_are_answered_and_the_process_ends(begun: Simulation) -> None:
+    process = ForesightProcess(begun.state.cell)
+    ask(process, begun)
+    until(lambda: process.ends_s)
+
+    assert process.ends_s == {'WO-1001': pytest.approx(EPOCH_S + 39.0)}
+    child = process._process
+    assert child is not None
+    process.close()
+    assert child.poll() is not None
+    ask(process, begun)  # too late, and harmless
+    assert process.ends_s == {}
+
+
+def test_a_process_that_dies_takes_the_forecasts_with_it_and_nothing_else(
+    begun: Simulation,
+) -> None:
+    process = ForesightProcess(begun.state.cell)
+    ask(process, begun)
+    until(lambda: process.ends_s)
+    child = process._process
+    assert child is not None
+    child.kill()
+    ask(process, begun)
+    until(lambda: not process.ends_s)
+    process.close()
+
+
+def test_what_was_never_asked_needs_no_end(begun: Simulation) -> None:
+    ForesightProcess(begun.state.cell).close()

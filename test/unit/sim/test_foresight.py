@@ -1,0 +1,118 @@
+"""When the jobs of a running cell will end, from the state of now."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+
+import pytest
+from fakes.action_types import FakeActionTypes
+from fakes.line import THREE, Line
+
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.commands import Pause
+from bt_orchestrator.model.goal import GoalRequest
+from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.snapshot import state_to_plain
+from bt_orchestrator.runtime.observed_durations import ObservedDurations
+from bt_orchestrator.sim import foresight
+from bt_orchestrator.sim.foresight import expected_ends
+from bt_orchestrator.sim.simulation import Simulation
+from bt_orchestrator.store.memory import MemoryStore
+
+TYPES = FakeActionTypes()
+LINE = Line(3, seconds={'a2': 5.0})
+FLAGGED = THREE + 'lateral_dependencies: [{flag: clear, upstream: work, downstream: pack}]\n'
+
+
+@contextmanager
+def running(
+    *quantities: int, until_s: float, cell: Cell = LINE.cell, slower: float = 1.0
+) -> Iterator[tuple[Simulation, ObservedDurations]]:
+    """Yield a line in the middle of its work.
+
+    :param slower: how much longer tasks really take than nominal
+    """
+    durations = ObservedDurations()
+
+    def really_s(request: GoalRequest) -> float:
+        return slower * cell.components[request.component].duration_s(request.task)
+
+    simulation = Simulation(cell, TYPES, MemoryStore(), [durations], duration=really_s)
+    script = LINE.script(FLAGGED)
+    simulation.submit(Job(f'J{n}', script, quantity) for n, quantity in enumerate(quantities))
+    while (due := simulation.clock.next_deadline()) is not None and due <= until_s:
+        simulation.clock.advance()
+        simulation.orchestrator.settle()
+    yield simulation, durations
+    simulation.close()
+
+
+def expected(
+    simulation: Simulation, observed_s: Mapping[str, Mapping[str, float]] | None = None
+) -> dict[str, float]:
+    plain = json.loads(json.dumps(state_to_plain(simulation.state)))
+    now_s = simulation.clock.now()
+    return expected_ends(simulation.state.cell, TYPES, plain, observed_s or {}, now_s)
+
+
+def real_ends(simulation: Simulation) -> dict[str, float | None]:
+    simulation.run()
+    return {name: job.ended_at for name, job in simulation.state.ended.items()}
+
+
+@pytest.mark.parametrize('until_s', [0.0, 1.0, 7.9, 13.0, 20.5, 31.0])
+def test_from_any_moment_on_the_forecast_is_what_happens(until_s: float) -> None:
+    with running(3, 2, until_s=until_s) as (simulation, _):
+        live, found = list(simulation.state.jobs), expected(simulation)
+        ends = real_ends(simulation)
+
+        assert live
+        assert found == pytest.approx({name: ends[name] for name in live})
+
+
+def test_long_jobs_are_shortened_and_come_out_right(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(foresight, 'CYCLES_RUN', 12)
+    with running(60, 30, until_s=40.0) as (simulation, _):
+        found = expected(simulation)
+
+        assert found == pytest.approx(real_ends(simulation), rel=0.01)
+
+
+def test_what_was_seen_counts_more_than_what_is_written() -> None:
+    with running(12, until_s=80.0, slower=2.0) as (simulation, durations):
+        nominal, seen = expected(simulation), expected(simulation, durations.seconds())
+        (end_s,) = real_ends(simulation).values()
+
+        assert seen['J0'] == pytest.approx(end_s)
+        assert nominal['J0'] < seen['J0'] - 40.0
+
+
+def test_tasks_not_seen_yet_are_as_slow_as_the_others() -> None:
+    with running(12, until_s=4.0, slower=2.0) as (simulation, durations):
+        assert 'a3' not in durations.seconds()
+        found = expected(simulation, durations.seconds())
+        (end_s,) = real_ends(simulation).values()
+
+        assert found['J0'] == pytest.approx(end_s)
+
+
+def test_faults_of_simulated_controllers_are_not_foreseen() -> None:
+    cell = Line(3, seconds={'a2': 5.0}, faults={'a2': '#3=abort'}).cell
+    with running(4, until_s=3.0, cell=cell) as (simulation, _):
+        assert expected(simulation)
+        assert real_ends(simulation) == {}
+
+
+def test_a_cell_that_somebody_stopped_has_no_forecast() -> None:
+    with running(4, until_s=3.0) as (simulation, _):
+        simulation.orchestrator.ask(Pause('Ann', 'lunch'))
+
+        assert expected(simulation) == {}
+
+
+def test_a_run_that_takes_too_long_leaves_jobs_unknown(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(foresight, 'LONGEST_S', 0.0)
+    with running(4, until_s=3.0) as (simulation, _):
+        assert expected(simulation) == {}
