@@ -97,7 +97,7 @@ def cell_view(status: Any, node: str) -> CellView:
         slots=tuple(map(words.slot, status.sections)),
         rows=tuple(row for section in status.sections for row in _rows(section, status)),
         initialization=tuple(map(words.one_line, status.initialization_waiting)),
-        jobs=tuple(map(_job, status.jobs)),
+        jobs=tuple(_job(job, status) for job in status.jobs),
         holds=tuple(
             HoldRow(words.hold_text(hold), tuple(words.hold_advice(hold, node)))
             for hold in status.holds
@@ -121,7 +121,7 @@ def _rows(section: Any, status: Any) -> Iterator[Row]:
         yield Row(number, slot, reasons, weight, None)
 
 
-def _job(job: Any) -> JobRow:
+def _job(job: Any, status: Any) -> JobRow:
     out = job.packed + job.rejected + job.missing
     on_line = max(job.started - out, 0)
     quantity = max(job.quantity, 1)
@@ -131,7 +131,7 @@ def _job(job: Any) -> JobRow:
         id=words.one_line(job.id),
         script=words.one_line(job.script),
         state=job.state,
-        counts=words.job_counts(job),
+        counts=words.job_counts(job) + words.expected_finish(job, status),
         packed=min(out / quantity, 1.0),
         on_line=min(on_line / quantity, 1.0),
         weight=weight,
