@@ -49,7 +49,11 @@ class ProgramProcess:
                 stdin=subprocess.DEVNULL,
                 stdout=output,
                 stderr=errors,
-                env={**os.environ, 'ROS_LOG_DIR': str(folder / 'ros_log')},
+                env={
+                    **os.environ,
+                    'ROS_LOG_DIR': str(folder / 'ros_log'),
+                    'XDG_STATE_HOME': str(folder),
+                },
                 start_new_session=True,
             )
 

@@ -43,7 +43,7 @@ class Program:
                 text=True,
                 start_new_session=True,
             )
-        self._reader = threading.Thread(target=self._read, name=f'{self.name} output')
+        self._reader = threading.Thread(target=self._read, name=f'{self.name} output', daemon=True)
         self._reader.start()
 
     @property

@@ -27,6 +27,9 @@ BOTH = 'both'
 STUCK_S = 90.0
 """A job that needs longer than that after the last kill is stuck."""
 
+ANSWERED_S = 2.0
+"""An operator who hears nothing for that long answers again."""
+
 _MOST_PASSES = 12
 """A crash point is passed at most so often before it kills: a few items' worth of settles."""
 
@@ -90,6 +93,7 @@ class Campaign:
             folder, cell(self._drawn, items), shares=SHARES, speed=SPEED, run_options=options
         )
         self._asked: Any = _Answered()
+        self._patient_until = 0.0
 
     def run(self) -> Tally:
         """Run the job to its end, and judge."""
@@ -193,8 +197,10 @@ class Campaign:
 
     def _answer(self, hold: Any) -> None:
         """Do what an operator does who has looked at the machine: its own log is the truth."""
-        if not self._asked.done():
-            return  # perhaps of a node that is no more; it is given up at the next restart
+        if not self._asked.done() and time.monotonic() < self._patient_until:
+            return
+        # Of a node that is no more, perhaps, or that had not discovered the operator yet.
+        self._patient_until = time.monotonic() + ANSWERED_S
         done = any(Controllers(self._cell.log).succeeded(goal) for goal in self._goals_of(hold))
         self._asked = self._cell.watch.send_answer(hold.id, 'mark_done' if done else 'retry')
 

@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
+import os
 import re
 import signal
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
 from program_process import PATIENCE_S, ProgramProcess
 
+from bt_orchestrator.cli.demo_folder import stop_process
+
 INTERRUPTED = 130
+
+ALL_PACKED = r'^WO-1001 +reference_process( +3){2}( +0){3} '
+"""Items, packed, rejected, missing, nonconforming."""
+
+
+FIRST_TASK = ' at /unpacking/unpacking_action'
 
 
 @pytest.fixture
@@ -19,20 +28,33 @@ def demo(tmp_path: Path) -> Iterator[ProgramProcess]:
     process = ProgramProcess(['demo', '--speed', '10'], tmp_path, 'demo')
     yield process
     process.kill()
+    for pid in started_pids(process):
+        stop_process(pid)
 
 
 def started_pids(demo: ProgramProcess) -> list[int]:
     return [int(pid) for pid in re.findall(r'^\[(\d+)\] .*ready', demo.output, re.MULTILINE)]
 
 
+def resumed(folder: Path) -> ProgramProcess:
+    return ProgramProcess(['demo', '--resume', '--speed', '10'], folder, 'demo_resumed')
+
+
+def assert_finished(again: ProgramProcess, pids: Sequence[int]) -> None:
+    assert again.wait(2 * PATIENCE_S) == 0, again.errors
+    assert re.search(ALL_PACKED, again.output, re.MULTILINE), again.output
+    assert [pid for pid in [*pids, *started_pids(again)] if is_there(pid)] == []
+
+
 def is_there(pid: int) -> bool:
-    return Path(f'/proc/{pid}').exists()
+    """Tell whether a process runs; one that has ended may wait for its parent to take note."""
+    stat = Path(f'/proc/{pid}/stat')
+    return stat.exists() and stat.read_text().rpartition(')')[2].split()[0] != 'Z'
 
 
 def test_the_demo_packs_its_order_and_leaves_nothing(demo: ProgramProcess) -> None:
     assert demo.wait(2 * PATIENCE_S) == 0, demo.errors
-    # items, packed, rejected, missing, nonconforming
-    assert re.search(r'^WO-1001 +reference_process( +3){2}( +0){3} ', demo.output, re.MULTILINE)
+    assert re.search(ALL_PACKED, demo.output, re.MULTILINE)
     demo.assert_clean()
     pids = started_pids(demo)
     assert len(pids) == 3
@@ -43,7 +65,7 @@ def test_the_demo_packs_its_order_and_leaves_nothing(demo: ProgramProcess) -> No
 def test_an_interrupted_demo_leaves_nothing(
     demo: ProgramProcess, with_signal: signal.Signals
 ) -> None:
-    demo.wait_ready(' at /unpacking/unpacking_action')
+    demo.wait_ready(FIRST_TASK)
     pids = started_pids(demo)
     assert [is_there(pid) for pid in pids] == [True] * 3
     demo.send(with_signal)
@@ -52,3 +74,37 @@ def test_an_interrupted_demo_leaves_nothing(
     assert 'interrupted' in demo.output
     demo.assert_clean()
     assert [pid for pid in pids if is_there(pid)] == []
+
+
+def test_a_killed_demo_is_resumed_and_finishes_its_order(
+    demo: ProgramProcess, tmp_path: Path
+) -> None:
+    demo.wait_ready(FIRST_TASK)
+    pids = started_pids(demo)
+    demo.kill()
+    assert [is_there(pid) for pid in pids] == [True] * 3, 'they go on, as other computers would'
+
+    again = resumed(tmp_path)
+    assert_finished(again, pids)
+    assert again.output.count('still runs') == 3
+
+
+def test_a_demo_whose_tree_node_was_killed_is_resumed(
+    demo: ProgramProcess, tmp_path: Path
+) -> None:
+    demo.wait_ready(FIRST_TASK)
+    *controllers, node = started_pids(demo)
+    os.kill(node, signal.SIGKILL)
+    assert demo.wait() == 1
+    assert 'take over with: bt-orchestrator demo --resume' in demo.errors
+    assert [is_there(pid) for pid in controllers] == [True] * 2
+
+    again = resumed(tmp_path)
+    assert_finished(again, controllers)
+    assert again.output.count('still runs') == 2
+
+
+def test_without_a_killed_demo_there_is_nothing_to_resume(tmp_path: Path) -> None:
+    again = resumed(tmp_path)
+    assert again.wait() == 1
+    assert 'there is no demo to resume' in again.errors

@@ -1,0 +1,144 @@
+"""What a demo keeps in a folder, so that one that was killed can be gone on with."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import select
+import signal
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from types import TracebackType
+from typing import IO
+
+from bt_orchestrator.cli.programs import FAREWELL_S
+from bt_orchestrator.errors import OrchestratorError
+
+
+class DemoUnusable(OrchestratorError):
+    """The folder of the demo cannot be used as it was asked for."""
+
+
+@dataclass(frozen=True)
+class DemoRecord:
+    """What has to be known of a demo to go on with it."""
+
+    domain: str
+    """ROS_DOMAIN_ID of everything in it."""
+    cell: str
+    order: str
+    """Path of the work order."""
+    processes: Mapping[str, int] = field(default_factory=dict)
+    """Process ids by name."""
+
+
+def default_folder() -> Path:
+    """Return where a demo keeps its things unless told otherwise."""
+    state = os.environ.get('XDG_STATE_HOME') or Path.home() / '.local' / 'state'
+    return Path(state, 'bt_orchestrator', 'demo')
+
+
+class DemoFolder:
+    """One demo's journal, logs and record. A context, in which no other demo may use it."""
+
+    def __init__(self, path: Path) -> None:
+        """Take the folder.
+
+        :raises DemoUnusable: it cannot be written, or another demo runs in it
+        """
+        self.path = path
+        self.journal = path / 'journal.sqlite3'
+        self._record = path / 'demo.json'
+        self._lock = _locked(path)
+
+    def __enter__(self) -> DemoFolder:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._lock.close()
+
+    def begin(self) -> None:
+        """Forget the demo before, and end what a killed one has left running."""
+        left = self._read()
+        for pid in left.processes.values() if left else ():
+            stop_process(pid)
+        self.forget()
+        for path in self.path.glob(f'{self.journal.name}*'):
+            path.unlink()
+
+    def left(self) -> DemoRecord:
+        """Return the record of a demo that did not come to its end.
+
+        :raises DemoUnusable: there is none
+        """
+        record = self._read()
+        if record is None:
+            raise DemoUnusable(
+                f'there is no demo to resume: the last one in {self.path} came to its end, or '
+                'there was none; start one without --resume'
+            )
+        return record
+
+    def keep(self, record: DemoRecord) -> None:
+        """Write the record, in one piece."""
+        new = self._record.with_suffix('.new')
+        new.write_text(json.dumps(asdict(record)))
+        new.replace(self._record)
+
+    def forget(self) -> None:
+        """Note that nothing is left to go on with."""
+        self._record.unlink(missing_ok=True)
+
+    def _read(self) -> DemoRecord | None:
+        try:
+            return DemoRecord(**json.loads(self._record.read_text()))
+        except (OSError, TypeError, ValueError):
+            return None
+
+
+def is_ours(pid: int) -> bool:
+    """Tell whether a process runs that is one of a demo's, and not another with its number."""
+    try:
+        words = Path(f'/proc/{pid}/cmdline').read_bytes().split(b'\0')
+    except OSError:
+        return False
+    return b'bt_orchestrator' in words
+
+
+def stop_process(pid: int) -> None:
+    """Ask a process of an earlier demo to end, and kill it if it does not."""
+    if not is_ours(pid):
+        return
+    handle = os.pidfd_open(pid)
+    try:
+        os.kill(pid, signal.SIGINT)
+        if not select.select([handle], [], [], FAREWELL_S)[0]:
+            os.kill(pid, signal.SIGKILL)
+            select.select([handle], [], [], FAREWELL_S)
+    except ProcessLookupError:
+        pass  # it has ended meanwhile
+    finally:
+        os.close(handle)
+
+
+def _locked(path: Path) -> IO[str]:
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        lock = (path / 'demo.lock').open('a')
+    except OSError as error:
+        raise DemoUnusable(f'the folder {path} cannot be used: {error.strerror}') from error
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        lock.close()
+        raise DemoUnusable(
+            f'another demo runs in {path}; wait for its end, or name another --folder'
+        ) from None
+    return lock
