@@ -33,7 +33,7 @@ from bt_orchestrator.script.keys import LARGEST_WHOLE, LONGEST_SECONDS, Key, Kin
 from bt_orchestrator.script.script_keys import ORDER, SCRIPT
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGES = ('README.md', 'docs/formats.md', 'docs/queue.md')
+PAGES = ('README.md', 'docs/semantics.md', 'docs/formats.md', 'docs/queue.md')
 
 _PART = re.compile(r'(<!-- generated: (?P<name>[\w -]+) -->\n).*?(?=<!-- end -->)', re.DOTALL)
 
@@ -292,6 +292,25 @@ def _metavar(action: argparse.Action) -> str:
     return f'{name}...' if action.nargs in ('+', '*') else name
 
 
+# --- rules ------------------------------------------------------------------------------------
+
+_RULE_TEST = re.compile(r'^def test_(\d)_(\d+)_', re.MULTILINE)
+
+
+def tests_of_rules() -> Iterator[str]:
+    """Yield a table of the rules with the files whose tests are named after them."""
+    files: dict[tuple[int, int], set[Path]] = {}
+    for path in (ROOT / 'test').rglob('test_*.py'):
+        for chapter, rule in _RULE_TEST.findall(path.read_text(encoding='utf-8')):
+            files.setdefault((int(chapter), int(rule)), set()).add(path)
+    yield '| rule | tests named after it |'
+    yield '|---|---|'
+    for (chapter, rule), paths in sorted(files.items()):
+        links = (f'[{p.stem}](../{p.relative_to(ROOT).as_posix()})' for p in sorted(paths))
+        yield f'| {chapter}.{rule} | {", ".join(links)} |'
+    yield ''
+
+
 # --- pages ------------------------------------------------------------------------------------
 
 PARTS: Mapping[str, Callable[[], Iterator[str]]] = {
@@ -302,6 +321,7 @@ PARTS: Mapping[str, Callable[[], Iterator[str]]] = {
     'methods of a job': job_methods,
     'states of a job': job_states,
     'events': events_in_groups,
+    'tests of the rules': tests_of_rules,
     'verbs': verbs,
     'options of the verbs': options,
 }

@@ -1,10 +1,13 @@
 """Settings of every test."""
 
+from fakes.profiles import PROFILE
 from hypothesis import settings
 
 pytest_plugins = ['ros_domain']
 
 # The same examples in every run: a red gate means that the change is wrong. No deadline, because
-# a busy machine is no bug.
+# a busy machine is no bug. In the night the examples are new, and a failure is printed with what
+# is needed to see it again.
 settings.register_profile('gate', derandomize=True, deadline=None)
-settings.load_profile('gate')
+settings.register_profile('nightly', deadline=None, print_blob=True)
+settings.load_profile(PROFILE)

@@ -37,6 +37,8 @@ class Invariants:
         self._zones: dict[str, e.TaskKey] = {}
         self._moving = False
         self._queue = QueueInvariants()
+        self._ended: set[tuple[str | None, str]] = set()
+        """Items with the tasks that ended for them, one way or the other."""
 
     def follow(self, events: Sequence[e.Event]) -> None:
         """Take in the events that are new."""
@@ -105,6 +107,8 @@ class Invariants:
             self._free(event)
 
     def _free(self, event: e.TaskEvent) -> None:
+        if not isinstance(event, e.TaskRetrying):
+            self._ended.add((event.item, event.task))
         for owners in (self._busy, self._zones):
             for name in [name for name, key in owners.items() if key == event.key]:
                 del owners[name]
@@ -143,6 +147,10 @@ class Invariants:
         assert event.section not in self._slots, event
         assert self._slots.pop(event.section - 1) == event.item, event
         self._slots[event.section] = event.item
+        owed = self._jobs[event.job].sections.get(event.section - 1)
+        for step in owed.steps[: owed.turn_steps] if owed else ():
+            for task in step.tasks:
+                assert (event.item, task.id) in self._ended, (task.id, event)
 
     def _removed(self, event: e.ItemRemoved) -> None:
         assert event.item in self._there, event

@@ -233,6 +233,18 @@ def test_every_generated_part_has_its_place() -> None:
     assert sorted(named) == sorted(generator().PARTS)
 
 
+def test_every_rule_of_the_line_has_tests_named_after_it() -> None:
+    text = text_of('docs/semantics.md')
+    chapters = re.findall(r'^## ([3-7])\. .*?\n(.*?)(?=^## )', text, re.MULTILINE | re.DOTALL)
+    rules = {
+        f'{chapter}.{rule}'
+        for chapter, body in chapters
+        for rule in re.findall(r'^(\d+)\. ', body, re.MULTILINE)
+    }
+    assert len(rules) > 20
+    assert rules <= set(re.findall(r'^\| (\d\.\d+) \|', text, re.MULTILINE))
+
+
 def test_a_stale_part_would_be_seen(tmp_path: Path) -> None:
     schemas = [f'schemas/{path.name}' for path in (ROOT / 'schemas').iterdir()]
     for name in (*generator().PAGES, *schemas):

@@ -1,0 +1,201 @@
+"""Runs of drawn lines: on the product in virtual time, on the naive cell, and how they compare."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from typing import Protocol
+
+import yaml
+from fakes.action_types import FakeActionTypes
+from fakes.lines import Moment, Plan, Row
+from fakes.naive_cell import NaiveCell
+from fakes.virtual_run import VirtualRun
+
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.goal import GoalRequest
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.script.cell_file import parse_cell
+from bt_orchestrator.script.script_file import parse_script
+
+TYPES = FakeActionTypes()
+PATIENCE = 120
+"""Decisions after which an operator has had enough: no drawn line needs nearly as many."""
+
+
+class Bench(Protocol):
+    """What an operator sees and does, of either cell."""
+
+    @property
+    def live(self) -> bool: ...
+    @property
+    def paused(self) -> bool: ...
+    def wait(self, seconds: float | None) -> None: ...
+    def holds(self) -> list[tuple[str, Sequence[str], str | None]]: ...
+    def standing(self) -> list[str]: ...
+    def answer(self, hold: str, answer: str) -> None: ...
+    def remove(self, item: str) -> None: ...
+    def pause(self, paused: bool) -> None: ...
+
+
+def operate(bench: Bench, moments: Sequence[Moment]) -> bool:
+    """Work until every job ended; return False if the line got stuck."""
+    later = itertools.repeat(None, PATIENCE)
+    for moment in itertools.chain(moments, later):
+        bench.wait(moment.delay_s if moment else None)
+        if not bench.live:
+            return True
+        choice = moment.choice if moment else 1
+        if holds := bench.holds():
+            hold, answers, item = holds[0]
+            if 'remove_item' in answers:
+                assert item is not None
+                bench.remove(item)
+            else:
+                bench.answer(hold, answers[choice % len(answers)])
+        elif bench.paused:
+            bench.pause(False)
+        elif moment is None:
+            return False
+        elif choice == 7 and (standing := bench.standing()):
+            bench.remove(standing[choice % len(standing)])
+        elif choice == 8:
+            bench.pause(True)
+    raise AssertionError('an operator is asked again and again')
+
+
+class NaiveBench:
+    """The naive cell."""
+
+    def __init__(self, plan: Plan) -> None:
+        self.cell = NaiveCell(plan.cell, plan.scripts, plan.duration)
+        for order in plan.orders:
+            self.cell.submit(*order)
+
+    @property
+    def live(self) -> bool:
+        return bool(self.cell.live())
+
+    @property
+    def paused(self) -> bool:
+        return self.cell.paused
+
+    def wait(self, seconds: float | None) -> None:
+        self.cell.advance(self.cell.now + (1e5 if seconds is None else seconds))
+
+    def holds(self) -> list[tuple[str, Sequence[str], str | None]]:
+        holds = self.cell.holds.items()
+        return [(id_, h['answers'], h['key'][2]) for id_, h in holds if not h.get('pause')]
+
+    def standing(self) -> list[str]:
+        items = [i for _, i in sorted(self.cell.slots.items()) if i]
+        return [item['id'] for item in items if not self.cell.empty(item)]
+
+    def answer(self, hold: str, answer: str) -> None:
+        self.cell.answer(hold, answer)
+
+    def remove(self, item: str) -> None:
+        self.cell.remove(item)
+
+    def pause(self, paused: bool) -> None:
+        self.cell.pause(paused)
+
+
+class ProductBench:
+    """The product in virtual time."""
+
+    def __init__(self, plan: Plan, *, rebuild: bool = False) -> None:
+        self.plan = plan
+        self.cell = product_cell(plan)
+        self.run = VirtualRun(self.cell, TYPES, rebuild=rebuild, duration=self._duration)
+        self._counts: dict[str, int] = {}
+        scripts = product_scripts(plan, self.cell)
+        for order, script, quantity in plan.orders:
+            answer = self.run.submit(order, scripts[script], quantity)
+            assert answer.accepted, answer
+
+    def _duration(self, request: GoalRequest) -> float:
+        name = request.component
+        self._counts[name] = self._counts.get(name, 0) + 1
+        drawn = self.plan.duration(name, self._counts[name])
+        component = self.cell.components[name]
+        return component.duration_s(request.task) if drawn is None else drawn
+
+    @property
+    def live(self) -> bool:
+        return not self.run.ended
+
+    @property
+    def paused(self) -> bool:
+        return bool(self.run.state.pauses)
+
+    def wait(self, seconds: float | None) -> None:
+        until = self.run.now + (1e5 if seconds is None else seconds)
+        self.run.sim.clock.call_at(until, lambda: None)
+        self.run.go(until=until + 1e-6)  # the clock counts nanoseconds
+
+    def holds(self) -> list[tuple[str, Sequence[str], str | None]]:
+        holds = self.run.state.holds.values()
+        return [(hold.id, hold.answers, hold.item) for hold in holds if not hold.is_pause]
+
+    def standing(self) -> list[str]:
+        items = [section.slot for section in self.run.state.sections.values()]
+        return [item for item in items if item and self.run.state.items[item].present]
+
+    def answer(self, hold: str, answer: str) -> None:
+        assert self.run.answer(answer, hold).accepted
+
+    def remove(self, item: str) -> None:
+        assert self.run.remove(item).accepted
+
+    def pause(self, paused: bool) -> None:
+        assert (self.run.pause() if paused else self.run.resume()).accepted
+
+
+def text_of(data: Row) -> str:
+    """Return a file of plain data."""
+    return str(yaml.safe_dump(data, sort_keys=False, width=99))
+
+
+def product_cell(plan: Plan) -> Cell:
+    """Read the cell file of a plan."""
+    return parse_cell(text_of(plan.cell), 'cell.yaml', TYPES)
+
+
+def product_scripts(plan: Plan, cell: Cell) -> dict[str, Script]:
+    """Read the scripts of a plan."""
+    return {
+        script['script']: parse_script(text_of(script), f'{script["script"]}.yaml', cell, TYPES)
+        for script in plan.scripts
+    }
+
+
+UNSEEN = {'script.loaded', 'orchestrator.started', 'component.state_changed'}
+"""Events about files and processes, of which the rules of the line say nothing."""
+WORDS = (
+    *('seq', 'goal', 'server', 'digest', 'definition', 'message', 'args', 'params', 'who'),
+    *('exit_status', 'counts'),
+)
+WORDED = {
+    'task.skipped',
+    'item.rejected',
+    'job.aborting',
+    'cell.state_changed',
+    'operator.decided',
+    'job.aborted',
+}
+
+
+def comparable(records: Sequence[Row]) -> list[Row]:
+    """Leave out what is for people only: messages, and reasons that are sentences."""
+    found = []
+    for record in records:
+        if record['event'] not in UNSEEN:
+            kept = {name: value for name, value in record.items() if name not in WORDS}
+            if record['event'] in WORDED:
+                kept.pop('reason', None)
+            for name in ('time', 'not_before'):
+                if name in kept:
+                    kept[name] = round(kept[name], 6)
+            found.append(kept)
+    return found

@@ -1,0 +1,19 @@
+"""How many examples a property is tried on: few for every change, many in the night."""
+
+from __future__ import annotations
+
+import os
+
+from hypothesis import HealthCheck, Phase, settings
+
+PROFILE = os.environ.get('HYPOTHESIS_PROFILE', 'gate')
+"""`gate`: the same few examples in every run; `nightly`: many, and new ones (scripts/nightly)."""
+
+
+def examples(gate: int, nightly: int) -> settings:
+    """Return settings for a property over whole lines, which may take its time."""
+    return settings(
+        max_examples=nightly if PROFILE == 'nightly' else gate,
+        suppress_health_check=list(HealthCheck),
+        phases=(Phase.explicit, Phase.reuse, Phase.generate, Phase.shrink),
+    )
