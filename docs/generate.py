@@ -18,6 +18,7 @@ import json
 import re
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from enum import Enum
 from pathlib import Path
 from typing import Any
 
@@ -27,13 +28,22 @@ from bt_orchestrator.model.codec import event_types
 from bt_orchestrator.model.fault import FaultKind
 from bt_orchestrator.model.isa95 import JobWord
 from bt_orchestrator.model.job_control import METHODS, Method
+from bt_orchestrator.model.packml import MEANINGS, TRANSITIONS, Cause, Mode
+from bt_orchestrator.model.packml import VERBS as CELL_VERBS
+from bt_orchestrator.model.stop_reason import WORDS, StopReason
 from bt_orchestrator.script.cell_keys import CELL
 from bt_orchestrator.script.json_schema import SCHEMA_FILES, json_schema
 from bt_orchestrator.script.keys import LARGEST_WHOLE, LONGEST_SECONDS, Key, Kind, Table
 from bt_orchestrator.script.script_keys import ORDER, SCRIPT
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGES = ('README.md', 'docs/semantics.md', 'docs/formats.md', 'docs/queue.md')
+PAGES = (
+    'README.md',
+    'docs/semantics.md',
+    'docs/formats.md',
+    'docs/operating.md',
+    'docs/queue.md',
+)
 
 _PART = re.compile(r'(<!-- generated: (?P<name>[\w -]+) -->\n).*?(?=<!-- end -->)', re.DOTALL)
 
@@ -65,6 +75,7 @@ FIELDS: Mapping[str, str] = {
     'section': 'section number',
     'state': 'PackML state of the cell',
     'task': 'task id in the script; `index` for the move of the belt',
+    'command': 'what was commanded',
     'who': 'who decided',
 }
 """What a field means wherever the class says nothing of its own."""
@@ -199,11 +210,8 @@ def fault_kinds() -> Iterator[str]:
     """Yield a table of what a simulated controller can do wrong."""
     yield '| kind | what happens |'
     yield '|---|---|'
-    source = ast.parse(inspect.getsource(FaultKind)).body[0]
-    assert isinstance(source, ast.ClassDef)
-    for member, below in zip(source.body, source.body[1:], strict=False):
-        if isinstance(member, ast.Assign) and isinstance(member.value, ast.Constant):
-            yield f'| `{member.value.value!s}` | {_cell(_string(below) or "")} |'
+    for kind, meaning in _member_docstrings(FaultKind).items():
+        yield f'| `{kind}` | {_cell(meaning)} |'
     yield ''
 
 
@@ -311,6 +319,55 @@ def tests_of_rules() -> Iterator[str]:
     yield ''
 
 
+# --- the cell ---------------------------------------------------------------------------------
+
+
+def states() -> Iterator[str]:
+    """Yield what every state means."""
+    yield '| state | means | cycles begin | cycles in hand go on |'
+    yield '|---|---|---|---|'
+    for mode in Mode:
+        marks = ['yes' if answer else 'no' for answer in (mode.begins, mode.works)]
+        yield f'| {mode.value} | {MEANINGS[mode]} | {" | ".join(marks)} |'
+    yield ''
+
+
+def stop_reasons() -> Iterator[str]:
+    """Yield every stop reason in both vocabularies."""
+    yield '| reason | means | to the cell | jobs on the line |'
+    yield '|---|---|---|---|'
+    documented = _member_docstrings(StopReason)
+    for reason, words in WORDS.items():
+        means = _cell(documented[reason.value])
+        job = f'Interrupted / {words.job.value}'
+        yield f'| {reason.value} | {means} | {words.cell.value} | {job} |'
+    yield ''
+
+
+def commands_in_states() -> Iterator[str]:
+    """Yield the table of transitions: commands, and what the cell does by itself."""
+    by_itself = (Cause.SUSPEND, Cause.UNSUSPEND, Cause.DONE)
+    named = [f'`{verb}`' for verb in CELL_VERBS.values()]
+    yield f'| in | {" | ".join(named)} | by itself |'
+    yield '|---' * (len(named) + 2) + '|'
+    for mode, row in TRANSITIONS.items():
+        commands = [row[cause].value if cause in row else '-' for cause in CELL_VERBS]
+        itself = ', '.join(row[cause].value for cause in by_itself if cause in row)
+        yield f'| {mode.value} | {" | ".join(commands)} | {itself} |'
+    yield ''
+
+
+def _member_docstrings(kind: type[Enum]) -> dict[str, str]:
+    """Return the strings that stand below the members of an enumeration."""
+    source = ast.parse(inspect.getsource(kind)).body[0]
+    assert isinstance(source, ast.ClassDef)
+    return {
+        str(member.value.value): _string(below) or ''
+        for member, below in zip(source.body, source.body[1:], strict=False)
+        if isinstance(member, ast.Assign) and isinstance(member.value, ast.Constant)
+    }
+
+
 # --- pages ------------------------------------------------------------------------------------
 
 PARTS: Mapping[str, Callable[[], Iterator[str]]] = {
@@ -324,6 +381,9 @@ PARTS: Mapping[str, Callable[[], Iterator[str]]] = {
     'tests of the rules': tests_of_rules,
     'verbs': verbs,
     'options of the verbs': options,
+    'states of the cell': states,
+    'stop reasons': stop_reasons,
+    'commands and states': commands_in_states,
 }
 
 

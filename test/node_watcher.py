@@ -9,7 +9,7 @@ from typing import Any
 
 from action_caller import ActionCaller
 from bt_orchestrator_interfaces.msg import Event, Status
-from bt_orchestrator_interfaces.srv import AnswerHold, RemoveItem, SubmitOrder
+from bt_orchestrator_interfaces.srv import AnswerHold, Command, RemoveItem, SubmitOrder
 from diagnostic_msgs.msg import KeyValue
 
 from bt_orchestrator.ros.qos import EVENTS, LATCHED
@@ -143,6 +143,15 @@ class NodeWatcher:
         """Take an item off the belt and return the response."""
         request = RemoveItem.Request(item=item, who=WHO, reason='test')
         return self.call(RemoveItem, 'remove_item', request)
+
+    def command(self, command: str, who: str = WHO, **more: Any) -> Any:
+        """Command the cell and return the response."""
+        request = Command.Request(command=command, who=who, reason='test', **more)
+        return self.call(Command, 'command', request)
+
+    def until_state(self, state: str) -> Any:
+        """Wait for a state of the cell, and return the status that says it."""
+        return self.until_status(lambda s: s.state == state, f'the cell to be {state}')
 
     def call(self, kind: Any, service: str, request: Any) -> Any:
         """Call a service of the node and return its response."""

@@ -30,11 +30,13 @@ VERBS: Mapping[str, tuple[str, str]] = {
     'events': ('events', 'what happens at a running node, or what a journal says happened'),
     'history': ('history', 'the jobs of a journal and what became of them'),
     'answer': ('answer', 'decide about something that is held'),
-    'pause': (
-        'cell_command',
-        'let a running cell start nothing more; what runs goes on to its end',
-    ),
-    'resume': ('cell_command', 'let a cell go on after a pause, or after a restart'),
+    'reset': ('cell_command', 'get a cell that is Stopped or Complete ready to start'),
+    'start': ('cell_command', 'let a cell that is Idle begin to work'),
+    'pause': ('cell_command', 'let a cell start nothing more; what runs goes on to its end'),
+    'resume': ('resume', 'let a cell go on after a pause, or after a restart'),
+    'stop': ('cell_command', 'let a cell finish the cycles in hand and stop'),
+    'abort': ('cell_command', 'cancel every goal of a cell now; items and queue are kept'),
+    'clear': ('clear', 'say what stands on the belt of a cell that was aborted'),
     'doctor': ('doctor', 'what this machine and a cell on it lack, and what to do about it'),
     'remove-item': ('remove_item', 'record that an item was taken off the belt by hand'),
 }

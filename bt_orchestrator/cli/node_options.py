@@ -9,9 +9,7 @@ import socket
 import sys
 from typing import Any
 
-from bt_orchestrator.screen.words import DEFAULT_NODE
-
-PROGRAM = 'bt-orchestrator'
+from bt_orchestrator.screen.words import DEFAULT_NODE, PROGRAM
 
 
 def add_node_options(parser: argparse.ArgumentParser) -> None:
@@ -49,6 +47,7 @@ def call_and_print(args: argparse.Namespace, kind: Any, service: str, request: A
     """Call a service that accepts or refuses, and print its answer; returns 1 if it refused."""
     from bt_orchestrator.ros.client import NodeClient
 
+    request.origin = origin()
     with NodeClient(args.node, args.timeout) as client:
         response = client.call(kind, service, request)
     print(response.message, file=sys.stdout if response.accepted else sys.stderr)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from bt_orchestrator.model.cell_commands import CellCommand
 from bt_orchestrator.model.job_commands import JobCommand
 from bt_orchestrator.model.order import Job
 
@@ -24,6 +25,8 @@ class AnswerHold:
     """One of the answers that the hold offers."""
     who: str
     reason: str
+    origin: str = ''
+    """Program, interface or computer that the command came from."""
 
 
 @dataclass(frozen=True)
@@ -33,22 +36,8 @@ class RemoveItem:
     item: str
     who: str
     reason: str
-
-
-@dataclass(frozen=True)
-class Pause:
-    """Start nothing more; what runs goes on to its end (semantics 7.2)."""
-
-    who: str
-    reason: str
-
-
-@dataclass(frozen=True)
-class Resume:
-    """Go on after a pause, or after a restart with unfinished work."""
-
-    who: str
-    reason: str
+    origin: str = ''
+    """Program, interface or computer that the command came from."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +45,7 @@ class Shutdown:
     """Cancel every goal and start nothing more (semantics 2.6)."""
 
 
-Command = SubmitJob | AnswerHold | RemoveItem | Pause | Resume | Shutdown | JobCommand
+Command = SubmitJob | AnswerHold | RemoveItem | CellCommand | Shutdown | JobCommand
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ Every function returns the events that follow, in order; nothing is changed here
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.script import Task
@@ -52,10 +52,20 @@ def of_abort(state: CellState, job: JobState, reason: str) -> Iterator[e.Event]:
     for item in job.items.values():
         if item.present and not item.rejected and not item.gone:
             yield e.ItemRejected(job=name, item=item.id, reason=reason)
-    for key, task in state.running.items():
-        if key.job == name and task.cancel_cause is None:
-            assert task.goal is not None
-            yield e.TaskCancelRequested(**key._asdict(), goal=task.goal, cause='abort_job')
+    running = [
+        key for key, task in state.running.items() if key.job == name and task.cancel_cause is None
+    ]
+    yield from cancelled(state, running, 'abort_job')
+
+
+def cancelled(
+    state: CellState, keys: Iterable[e.TaskKey], cause: str
+) -> Iterator[e.TaskCancelRequested]:
+    """Cancel the goals of tasks that run."""
+    for key in keys:
+        goal = state.running[key].goal
+        assert goal is not None
+        yield e.TaskCancelRequested(**key._asdict(), goal=goal, cause=cause)
 
 
 def why_skipped(state: CellState, key: e.TaskKey, task: Task) -> str | None:

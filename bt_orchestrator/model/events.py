@@ -287,7 +287,7 @@ class TaskCancelRequested(TaskEvent):
     event: ClassVar[str] = 'task.cancel_requested'
     goal: str
     cause: str
-    """timeout, abort_job or shutdown."""
+    """timeout, abort_job, abort or shutdown."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -520,6 +520,8 @@ class HoldRaised(Event):
     reason: str
     message: str = ''
     answers: tuple[str, ...] = ()
+    owner: str = ''
+    """Who paused the cell; empty: it is nobody's, anyone may end it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -546,6 +548,20 @@ class OperatorDecided(Event):
 
 
 @dataclass(frozen=True, kw_only=True)
+class OperatorRefused(Event):
+    """A command to the cell was refused; nothing was changed."""
+
+    event: ClassVar[str] = 'operator.refused'
+    command: str
+    who: str
+    reason: str
+    origin: str = ''
+    """Where the command came from."""
+    message: str
+    """Why it was refused."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class OrchestratorStarted(Event):
     """An orchestrator took the cell over, with whatever the journal says of it."""
 
@@ -556,10 +572,29 @@ class OrchestratorStarted(Event):
 
 
 @dataclass(frozen=True, kw_only=True)
+class OrchestratorStopping(Event):
+    """The node ends: goals are cancelled, and nothing starts before another one takes over."""
+
+    event: ClassVar[str] = 'orchestrator.stopping'
+
+
+@dataclass(frozen=True, kw_only=True)
+class StopReasonChanged(Event):
+    """Why the line stands still has changed; PackML and ISA-95 states follow from it (7.2)."""
+
+    event: ClassVar[str] = 'cell.stop_reason_changed'
+    stop_reason: str
+    """operator, own_fault, starved, blocked or emergency; empty: it does not stand still."""
+    reason: str = ''
+
+
+@dataclass(frozen=True, kw_only=True)
 class CellStateChanged(Event):
     """The cell entered another PackML state (semantics 7.2)."""
 
     event: ClassVar[str] = 'cell.state_changed'
     state: str
     previous: str
+    cause: str = ''
+    """PackML command, given or due by itself, or done: what the state was there for is done."""
     reason: str = ''

@@ -14,6 +14,9 @@ from bt_orchestrator.model.state import CellState, TaskState
 SHUTDOWN = 'shutdown'
 """Cancel cause after which a task is held whatever its policy (semantics 2.6)."""
 
+ABORT = 'abort'
+"""Cancel cause after which a task is in doubt: the cell was aborted (semantics 7.2)."""
+
 ABORT_JOB = 'abort_job'
 """Cancel cause after which a task counts as failed and continued (semantics 2.6)."""
 
@@ -77,7 +80,7 @@ def answers(key: e.TaskKey, task: Task) -> tuple[str, ...]:
 
 def _policy(state: CellState, key: e.TaskKey, task: Task) -> OnFailure:
     failed = state.tasks[key]
-    if not _is_settled(failed, task) or failed.cancel_cause == SHUTDOWN:
+    if not _is_settled(failed, task) or failed.cancel_cause in (SHUTDOWN, ABORT):
         return OnFailure.HOLD
     if _is_own_cancel(failed):
         return OnFailure.ABORT_JOB
@@ -96,7 +99,7 @@ def _is_own_cancel(failed: TaskState) -> bool:
 
     What fails while an aborted job drains is a failure like any other.
     """
-    return failed.cancel_cause in (SHUTDOWN, ABORT_JOB)
+    return failed.cancel_cause in (SHUTDOWN, ABORT, ABORT_JOB)
 
 
 def _failure(state: CellState, key: e.TaskKey) -> str:

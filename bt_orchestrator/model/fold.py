@@ -7,11 +7,11 @@ from dataclasses import replace
 from functools import singledispatch
 from typing import TypeVar
 
+from bt_orchestrator.model import cell_folds as cell
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model import job_folds as jobs
 from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.goal import Reason
-from bt_orchestrator.model.packml import Mode
 from bt_orchestrator.model.state import (
     CellState,
     Cycle,
@@ -26,6 +26,17 @@ from bt_orchestrator.model.state import (
 STILL_RESERVED = (Reason.IN_DOUBT, Reason.SERVER_LOST)
 """Ends after which the component may still be moving (semantics 2.6)."""
 
+ON_THE_BELT = (
+    e.ItemPlaced,
+    e.ItemMissing,
+    e.ItemMoved,
+    e.ItemRemoved,
+    e.PositionEnded,
+    e.BeltIndexStarted,
+    e.BeltIndexed,
+)
+"""Events after which another picture of the belt is true."""
+
 
 def apply(state: CellState, event: e.Event) -> None:
     """Change the state by one event.
@@ -34,7 +45,9 @@ def apply(state: CellState, event: e.Event) -> None:
     """
     assert event.seq == state.seq + 1, f'event {event.seq} after {state.seq}'
     _apply(event, state)
-    state.seq = event.seq
+    state.seq, state.time = event.seq, event.time
+    if isinstance(event, ON_THE_BELT):
+        state.belt_seq = event.seq
 
 
 @singledispatch
@@ -348,6 +361,7 @@ def _hold_raised(event: e.HoldRaised, state: CellState) -> None:
         message=event.message,
         answers=event.answers,
         since=event.time,
+        owner=event.owner,
     )
     state.holds[hold.id] = hold
     state.holds_raised += 1
@@ -361,21 +375,12 @@ def _hold_released(event: e.HoldReleased, state: CellState) -> None:
     del state.holds[event.hold]
 
 
-@_on(e.OperatorDecided)
-def _operator_decided(_: e.OperatorDecided, state: CellState) -> None:
-    """Change nothing: what the decision means follows as events of its own."""
+@_on(e.OperatorDecided, e.OperatorRefused)
+def _operator_spoke(_: e.OperatorDecided | e.OperatorRefused, state: CellState) -> None:
+    """Change nothing: what a decision means follows as events of its own."""
 
 
-@_on(e.OrchestratorStarted)
-def _orchestrator_started(event: e.OrchestratorStarted, state: CellState) -> None:
-    state.cell_digest = event.digest
-    state.order_arrived = state.has_work
-
-
-@_on(e.CellStateChanged)
-def _cell_state_changed(event: e.CellStateChanged, state: CellState) -> None:
-    state.mode = Mode(event.state)
-    # Not when it is left: an order that arrives in Stopped must not see what was before.
-    if state.mode is Mode.STOPPED:
-        state.done_once.clear()
-        state.order_arrived = False
+_on(e.OrchestratorStarted)(cell.orchestrator_started)
+_on(e.OrchestratorStopping)(cell.orchestrator_stopping)
+_on(e.StopReasonChanged)(cell.stop_reason_changed)
+_on(e.CellStateChanged)(cell.cell_state_changed)

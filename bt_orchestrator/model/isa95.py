@@ -5,6 +5,7 @@ from __future__ import annotations
 from enum import Enum
 
 from bt_orchestrator.model.state import CellState, JobState
+from bt_orchestrator.model.stop_reason import WORDS, Interruption
 
 
 class JobWord(Enum):
@@ -33,12 +34,20 @@ class JobWord(Enum):
         return self.value.partition('/')[2]
 
 
+_OF_INTERRUPTION = {
+    Interruption.HELD: JobWord.HELD,
+    Interruption.SUSPENDED: JobWord.SUSPENDED,
+}
+
+
 def job_word(state: CellState, job: JobState) -> JobWord:
-    """Derive the state of a job: a hold anywhere interrupts every job on the line."""
+    """Derive the state of a job: what stops the line interrupts every job on it."""
     if job.ended_at is not None:
         return JobWord.ABORTED if job.aborting else JobWord.ENDED
     if not job.started:
         return JobWord.NOT_ALLOWED_TO_START if job.held else JobWord.ALLOWED_TO_START
-    if job.paused or state.pauses:
+    if job.paused:
         return JobWord.SUSPENDED
-    return JobWord.HELD if state.holds else JobWord.RUNNING
+    if state.stop_reason is None:
+        return JobWord.RUNNING
+    return _OF_INTERRUPTION[WORDS[state.stop_reason].job]

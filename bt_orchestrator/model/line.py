@@ -33,6 +33,8 @@ def stopped_because(state: CellState) -> Wait | None:
         return Wait(f'waiting for an answer to {holds}', kind, next(iter(state.holds)))
     if not state.mode.begins:
         return Wait(f'the cell is {state.mode.value}', WaitKind.CELL_STATE, state.mode.value)
+    if state.shutting_down:
+        return Wait('the node ends', WaitKind.CELL_STATE, state.mode.value)
     return None
 
 

@@ -16,6 +16,7 @@ from bt_orchestrator.model.order_ids import OrderIds
 from bt_orchestrator.model.packml import Mode
 from bt_orchestrator.model.reference import Scope
 from bt_orchestrator.model.script import Script, Task
+from bt_orchestrator.model.stop_reason import StopReason
 
 DERIVED: Mapping[str, bool] = {'derived': True}
 """Marks a field of the state that follows from the others, or from the cell file."""
@@ -189,6 +190,8 @@ class Hold:
     message: str
     answers: tuple[str, ...]
     since: float
+    owner: str = ''
+    """Who paused the cell; empty: nobody in particular."""
 
     @property
     def is_pause(self) -> bool:
@@ -225,8 +228,21 @@ class CellState:
     """Last event applied."""
     mode: Mode = Mode.STOPPED
     order_arrived: bool = False
-    """There is work that nobody stopped: since the cell was last Stopped a job was queued, or an
-    orchestrator started with jobs. So a shutdown is no reason to start again."""
+    """There is work that nobody stopped: since an operator last stopped or aborted the cell a job
+    was queued, or an operator started it. Then it may start by itself."""
+    mode_since: float = 0.0
+    """When the mode was entered, or the orchestrator started in it; seconds."""
+    mode_times: dict[Mode, float] = field(default_factory=dict)
+    """Seconds spent in each mode before the present stay."""
+    time: float = 0.0
+    """Of the last event, seconds."""
+    stop_reason: StopReason | None = None
+    stop_message: str = ''
+    """The stop reason in words."""
+    shutting_down: bool = False
+    """The orchestrator ends; another one will go on."""
+    belt_seq: int = 0
+    """Last event that changed what stands on the belt, or where."""
     beat: int = 1
     indexing: bool = False
     """True from `belt.index_started` to `belt.indexed`."""
@@ -302,6 +318,16 @@ class CellState:
     def pauses(self) -> list[Hold]:
         """The holds under which nothing starts anywhere, not even in a cycle in hand."""
         return [hold for hold in self.holds.values() if hold.is_pause]
+
+    @property
+    def works(self) -> bool:
+        """Tell whether cycles in hand go on."""
+        return self.mode.works and not self.shutting_down
+
+    def times(self, now: float) -> dict[Mode, float]:
+        """Return the seconds spent in each state, the present stay included."""
+        stay = self.mode_times.get(self.mode, 0.0) + max(0.0, now - self.mode_since)
+        return {**self.mode_times, self.mode: stay}
 
     @property
     def next_hold(self) -> str:

@@ -10,6 +10,8 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 
 from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.state import CellState
+from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.ros.event_message import event_message
 from bt_orchestrator.ros.expected_ends import ExpectedEnds
 from bt_orchestrator.ros.heart import Heart
@@ -86,15 +88,29 @@ class Diagnostics:
     def _cell(self) -> DiagnosticStatus:
         state = self._orchestrator.state
         level, text = DiagnosticStatus.OK, state.mode.value
-        if state.holds:
-            level, text = DiagnosticStatus.WARN, f'{len(state.holds)} holds wait for an answer'
+        if state.stop_reason is not None:
+            text = f'{state.mode.value}, {state.stop_reason.value}: {state.stop_message}'
+            emergency = state.stop_reason is StopReason.EMERGENCY
+            level = DiagnosticStatus.ERROR if emergency else DiagnosticStatus.WARN
         if self._orchestrator.broken:
             level, text = DiagnosticStatus.ERROR, self._orchestrator.broken
         elif self._heart.failures:
             level, text = DiagnosticStatus.ERROR, f'{self._heart.failures} settles failed'
-        values = {'state': state.mode.value, 'seq': str(state.seq), 'jobs': str(len(state.jobs))}
-        values |= {f'hold {h.id}': f'{h.task or h.item}: {h.reason}' for h in state.holds.values()}
-        return self._status('cell', level, text, values)
+        return self._status('cell', level, text, self._values(state))
+
+    def _values(self, state: CellState) -> dict[str, str]:
+        now = self._node.get_clock().now().nanoseconds / 1e9
+        values = {
+            'state': state.mode.value,
+            'in this state for (s)': f'{max(0.0, now - state.mode_since):.1f}',
+            'stop reason': state.stop_reason.value if state.stop_reason else '',
+            'seq': str(state.seq),
+            'jobs': str(len(state.jobs)),
+        }
+        values |= {f'time in {m.value} (s)': f'{s:.1f}' for m, s in state.times(now).items()}
+        for hold in state.holds.values():
+            values[f'hold {hold.id}'] = f'{hold.task or hold.item or hold.message}: {hold.reason}'
+        return values
 
     def _servers(self) -> DiagnosticStatus:
         components = self._orchestrator.state.cell.components

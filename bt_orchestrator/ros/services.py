@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 from bt_orchestrator_interfaces.srv import AnswerHold, Command, RemoveItem
 from rclpy.node import Node
 
+from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model import commands
+from bt_orchestrator.ros.cell_command import SERVICE, command_of
 from bt_orchestrator.ros.serving import serve
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 
@@ -23,26 +24,23 @@ class Services:
         serve(node, Command, 'command', self._command)
 
     def _answer(self, request: Any, response: Any) -> None:
-        command = commands.AnswerHold(request.hold, request.answer, request.who, request.reason)
+        origin = request.origin or SERVICE
+        command = commands.AnswerHold(
+            request.hold, request.answer, request.who, request.reason, origin
+        )
         answer = self._orchestrator.ask(command)
         response.accepted, response.message = answer.accepted, answer.message
 
     def _remove(self, request: Any, response: Any) -> None:
-        command = commands.RemoveItem(request.item, request.who, request.reason)
+        origin = request.origin or SERVICE
+        command = commands.RemoveItem(request.item, request.who, request.reason, origin)
         answer = self._orchestrator.ask(command)
         response.accepted, response.message = answer.accepted, answer.message
 
     def _command(self, request: Any, response: Any) -> None:
-        kind = _COMMANDS.get(request.command)
-        if kind is None:
-            known = ', '.join(_COMMANDS)
-            response.message = f'unknown command {request.command!r}; one of {known}'
-            return
-        answer = self._orchestrator.ask(kind(request.who, request.reason))
+        try:
+            answer = self._orchestrator.ask(command_of(request))
+        except CommandRefused as refused:
+            answer = commands.Answer(accepted=False, message=str(refused))
         response.accepted, response.message = answer.accepted, answer.message
-
-
-_COMMANDS: Mapping[str, type[commands.Pause] | type[commands.Resume]] = {
-    'pause': commands.Pause,
-    'resume': commands.Resume,
-}
+        response.state = self._orchestrator.state.mode.value

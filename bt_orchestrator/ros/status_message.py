@@ -10,12 +10,14 @@ from bt_orchestrator_interfaces.msg import (
     FlagStatus,
     HoldStatus,
     SectionStatus,
+    StateTime,
     Status,
     TaskStatus,
 )
 
 from bt_orchestrator.model.cell import Component
 from bt_orchestrator.model.events import TaskKey
+from bt_orchestrator.model.packml import VERBS, possible_in
 from bt_orchestrator.model.state import CellState, Cycle, Phase, SectionState, TaskState
 from bt_orchestrator.ros.job_message import job_messages
 from bt_orchestrator.ros.stamps import to_time
@@ -42,6 +44,11 @@ def status_message(
         state=state.mode.value,
         stop_after=state.stop_after or '',
         journal_failure=orchestrator.broken or '',
+        state_since=to_time(state.mode_since),
+        state_times=[StateTime(state=m.value, seconds=s) for m, s in state.times(now).items()],
+        stop_reason=state.stop_reason.value if state.stop_reason else '',
+        stop_message=state.stop_message,
+        commands=[VERBS[cause] for cause in possible_in(state.mode)],
         belt_moving=state.indexing,
         belt_waiting=waiting(tree.belt),
         initialization_waiting=waiting(tree.initialization),
@@ -149,6 +156,8 @@ def _holds(state: CellState) -> list[HoldStatus]:
             reason=hold.reason,
             message=hold.message,
             answers=list(hold.answers),
+            owner=hold.owner,
+            since=to_time(hold.since),
         )
         for hold in state.holds.values()
     ]

@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
+from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.commands import (
-    AnswerHold,
-    Command,
-    Pause,
-    RemoveItem,
-    Resume,
-    Shutdown,
-    SubmitJob,
-)
-from bt_orchestrator.model.failures import SHUTDOWN
-from bt_orchestrator.model.packml import Mode
-from bt_orchestrator.runtime import job_queue, operators, orders
+from bt_orchestrator.model.cell_commands import CellCommand
+from bt_orchestrator.model.commands import AnswerHold, Command, RemoveItem, Shutdown, SubmitJob
+from bt_orchestrator.model.failures import ABORT, SHUTDOWN
+from bt_orchestrator.model.packml import TRANSITIONS, Cause
+from bt_orchestrator.runtime import cell_commands, job_queue, operators, orders
 from bt_orchestrator.runtime.ledger import Ledger
+from bt_orchestrator.runtime.lifecycle import transition
 
 
 def answer_to(command: Command, ledger: Ledger) -> str:
@@ -32,12 +27,8 @@ def answer_to(command: Command, ledger: Ledger) -> str:
     if isinstance(command, RemoveItem):
         ledger.record(operators.remove(ledger.state, command))
         return f'{command.item} is off the belt'
-    if isinstance(command, Pause):
-        ledger.record(operators.pause(ledger.state, command))
-        return 'the cell starts nothing more'
-    if isinstance(command, Resume):
-        ledger.record(list(operators.resume(ledger.state, command)))
-        return 'the cell goes on'
+    if isinstance(command, CellCommand):
+        return cell_commands.carry_out(command, ledger)
     if isinstance(command, Shutdown):
         return _shut_down(ledger)
     message, events = job_queue.carry_out(command, ledger.state)
@@ -46,15 +37,12 @@ def answer_to(command: Command, ledger: Ledger) -> str:
 
 
 def _shut_down(ledger: Ledger) -> str:
-    mode = ledger.state.mode
-    if mode not in (Mode.STOPPED, Mode.STOPPING):
-        stopping = e.CellStateChanged(
-            state=Mode.STOPPING.value, previous=mode.value, reason='shutdown'
-        )
-        ledger.record([stopping])
-    running = list(ledger.state.running.items())
-    for key, task in running:
-        assert task.goal is not None
-        cancel = e.TaskCancelRequested(**key._asdict(), goal=task.goal, cause=SHUTDOWN)
-        ledger.record([cancel])
+    """Cancel every goal and start nothing more: the node ends (semantics 2.6)."""
+    state = ledger.state
+    ledger.record([e.OrchestratorStopping()])
+    if Cause.STOP in TRANSITIONS[state.mode]:
+        ledger.record([transition(state.mode, Cause.STOP, SHUTDOWN)])
+    # What `abort` has cancelled stays in doubt.
+    running = [key for key, task in state.running.items() if task.cancel_cause != ABORT]
+    ledger.record(effects.cancelled(state, running, SHUTDOWN))
     return f'{len(running)} goals are being cancelled'

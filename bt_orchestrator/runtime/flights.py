@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.action_type import TASK_RESULT
+from bt_orchestrator.model.failures import ABORT
 from bt_orchestrator.model.goal import GoalEnd, GoalRequest, GoalStatus, Reason, StateReading
 from bt_orchestrator.model.script import Task
 from bt_orchestrator.model.state import CellState, TaskState
@@ -26,6 +27,9 @@ _REASONS = {
     GoalStatus.UNAVAILABLE: Reason.SERVER_UNAVAILABLE,
     GoalStatus.LOST: Reason.SERVER_LOST,
 }
+
+_OF_CANCEL = {TIMEOUT: Reason.TIMEOUT, ABORT: Reason.IN_DOUBT}
+"""What the end of a cancelled goal means, by the cause of the cancel."""
 
 
 class Flights:
@@ -226,6 +230,6 @@ def _of_end(state: CellState, key: e.TaskKey, end: GoalEnd) -> e.TaskEvent:
 def _reason(task: TaskState, end: GoalEnd) -> Reason:
     if end.status is GoalStatus.SUCCEEDED:
         return Reason.TASK_RESULT_FALSE
-    if task.cancel_cause == TIMEOUT and end.status in (GoalStatus.CANCELED, GoalStatus.ABORTED):
-        return Reason.TIMEOUT
+    if end.status in (GoalStatus.CANCELED, GoalStatus.ABORTED):
+        return _OF_CANCEL.get(task.cancel_cause or '', _REASONS[end.status])
     return _REASONS[end.status]

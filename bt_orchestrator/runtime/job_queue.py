@@ -19,9 +19,10 @@ from bt_orchestrator.model.job_commands import (
     StopAfter,
     UpdateJob,
 )
-from bt_orchestrator.model.packml import Mode
+from bt_orchestrator.model.packml import Cause, Mode
 from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.runtime import orders
+from bt_orchestrator.runtime.lifecycle import transition
 
 NEVER = 'never'
 AFTER = ('item', 'job')
@@ -182,7 +183,7 @@ def stop_when_empty(state: CellState) -> Events:
         return
     reason = f'stop after the current {state.stop_after}'
     yield e.QueueStopReached(after=state.stop_after)
-    yield e.CellStateChanged(state=Mode.STOPPING.value, previous=state.mode.value, reason=reason)
+    yield transition(state.mode, Cause.STOP, reason)
 
 
 def _is_empty(state: CellState) -> bool:

@@ -1,14 +1,41 @@
-"""What becomes of the cell and its jobs by itself: ends, PackML states (semantics 6.1, 7.2)."""
+"""What becomes of the cell and its jobs by itself: ends, stop reasons, PackML states.
+
+Semantics 6.1 and 7.2. The stop reason is recorded first; the state of the cell follows from it.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import asdict
+from typing import NamedTuple
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.line import is_complete
-from bt_orchestrator.model.packml import Mode
+from bt_orchestrator.model.packml import TRANSITIONS, Cause, Mode
 from bt_orchestrator.model.state import CellState, Phase
+from bt_orchestrator.model.stop_reason import WORDS, StopReason
+from bt_orchestrator.runtime.starvation import Starved
+
+AUTOMATIC = 'an order arrived'
+
+
+class Outlook(NamedTuple):
+    """What the last tick showed, beyond the state."""
+
+    still: bool
+    """Nothing runs, and nothing can start before something changes."""
+    unready: bool
+    """A cycle in hand could go on but for the readiness of a component."""
+    starved: Starved | None
+    """The line waits for its source or sink, and has done so for a while."""
+
+
+def is_still(state: CellState, now: float, *, quiet: bool) -> bool:
+    """Tell whether no goal runs and none can start.
+
+    :param quiet: the tree decided nothing in its last tick
+    """
+    return quiet and not state.running and not _will_retry(state, now)
 
 
 def jobs_ended(state: CellState) -> Iterator[e.JobCompleted | e.JobAborted]:
@@ -24,57 +51,127 @@ def jobs_ended(state: CellState) -> Iterator[e.JobCompleted | e.JobAborted]:
             )
 
 
+# --- the stop reason --------------------------------------------------------------------------
+
+
+def stop_reason_change(state: CellState, outlook: Outlook) -> e.StopReasonChanged | None:
+    """Return the stop reason that is due, unless it is recorded already (semantics 7.2)."""
+    due, words = _due_reason(state, outlook)
+    if due is state.stop_reason and words == state.stop_message:
+        return None
+    return e.StopReasonChanged(stop_reason=due.value if due else '', reason=words)
+
+
+def _due_reason(state: CellState, outlook: Outlook) -> tuple[StopReason | None, str]:
+    if state.stop_reason is StopReason.EMERGENCY:
+        return StopReason.EMERGENCY, state.stop_message  # until somebody clears the cell
+    if state.holds:
+        first = next(iter(state.holds.values()))
+        words = f'hold {first.id}: {first.task or first.item or first.message}, {first.reason}'
+        return (StopReason.OPERATOR if first.owner else StopReason.OWN_FAULT), words
+    if state.mode in _STANDING and _is_interrupted(state):
+        return StopReason.OPERATOR, 'the cell was stopped'
+    if outlook.starved is not None and state.mode.begins:
+        return outlook.starved.reason, outlook.starved.words
+    return None, ''
+
+
+_STANDING = (Mode.STOPPING, Mode.STOPPED, Mode.CLEARING, Mode.RESETTING, Mode.IDLE)
+"""States from an operator's stop to the next start."""
+
+
+def _is_interrupted(state: CellState) -> bool:
+    return any(job.started for job in state.jobs.values())
+
+
+# --- the state of the cell --------------------------------------------------------------------
+
+
 def next_mode(
-    state: CellState, now: float, *, quiet: bool, auto_start: bool
+    state: CellState, outlook: Outlook, *, auto_start: bool
 ) -> e.CellStateChanged | None:
     """Return the transition that is due.
 
-    :param quiet: the tree decided nothing in its last tick
-    :param auto_start: the cell resets and starts by itself when there is a job
+    :param auto_start: the cell resets and starts by itself when an order arrives
     """
-    due = _due(state, now, quiet=quiet, auto_start=auto_start)
+    due = _by_stop_reason(state) or _by_itself(state, outlook, auto_start=auto_start)
     if due is None:
         return None
-    mode, reason = due
-    return e.CellStateChanged(state=mode.value, previous=state.mode.value, reason=reason)
+    cause, reason = due
+    return transition(state.mode, cause, reason)
 
 
-def _due(
-    state: CellState, now: float, *, quiet: bool, auto_start: bool
-) -> tuple[Mode, str] | None:
-    mode = state.mode
-    if mode is Mode.STOPPED:
-        return (Mode.RESETTING, 'an order arrived') if auto_start and state.order_arrived else None
-    if mode is Mode.COMPLETE:
-        return (Mode.RESETTING, 'an order arrived') if auto_start and state.has_work else None
-    if mode is Mode.IDLE:
-        return (Mode.STARTING, 'an order arrived') if auto_start and state.has_work else None
-    if mode is Mode.EXECUTE:
-        return _out_of_execute(state)
-    if mode in (Mode.HOLDING, Mode.HELD) and not state.holds:
-        return Mode.UNHOLDING, 'every hold is answered'
-    if mode is Mode.HOLDING:
-        still = quiet and not state.running and not _will_retry(state, now)
-        return (Mode.HELD, 'nothing runs and nothing can start') if still else None
-    if mode is Mode.STOPPING:
-        return (Mode.STOPPED, 'every goal ended') if not state.running else None
-    return _PASSING.get(mode)
+def transition(mode: Mode, cause: Cause, reason: str) -> e.CellStateChanged:
+    """Return the event of a transition that the table has."""
+    after = TRANSITIONS[mode][cause]
+    return e.CellStateChanged(
+        state=after.value, previous=mode.value, cause=cause.value, reason=reason
+    )
 
 
-_PASSING = {
-    Mode.RESETTING: (Mode.IDLE, ''),
-    Mode.STARTING: (Mode.EXECUTE, ''),
-    Mode.UNHOLDING: (Mode.EXECUTE, ''),
-    Mode.COMPLETING: (Mode.COMPLETE, ''),
+class _Standstill(NamedTuple):
+    """A state in which the line stands, until what it stands for is over."""
+
+    stands_for: Cause
+    ended_by: Cause
+
+
+_LEFT_BY = {
+    Mode.HELD: _Standstill(Cause.HOLD, Cause.UNHOLD),
+    Mode.SUSPENDED: _Standstill(Cause.SUSPEND, Cause.UNSUSPEND),
 }
-"""States with nothing to do in them yet."""
 
 
-def _out_of_execute(state: CellState) -> tuple[Mode, str] | None:
-    if state.holds:
-        hold = next(iter(state.holds.values()))
-        return Mode.HOLDING, f'hold {hold.id}: {hold.task or hold.item}, {hold.reason}'
-    return None if state.has_work else (Mode.COMPLETING, 'every job ended')
+def _by_stop_reason(state: CellState) -> tuple[Cause, str] | None:
+    wanted = _wanted(state)
+    if wanted is not None and wanted in TRANSITIONS[state.mode]:
+        return wanted, state.stop_message
+    if state.mode not in _LEFT_BY or _LEFT_BY[state.mode].stands_for is wanted:
+        return None
+    return _LEFT_BY[state.mode].ended_by, 'what stopped the line is over'
+
+
+def _wanted(state: CellState) -> Cause | None:
+    return WORDS[state.stop_reason].cell if state.stop_reason is not None else None
+
+
+def _by_itself(
+    state: CellState, outlook: Outlook, *, auto_start: bool
+) -> tuple[Cause, str] | None:
+    cause = _AUTOMATIC.get(state.mode)
+    if cause is not None:
+        wished = auto_start and state.order_arrived and not state.shutting_down
+        return (cause, AUTOMATIC) if wished and state.has_work else None
+    done = _why_done(state, outlook)
+    return (Cause.DONE, done) if done is not None else None
+
+
+_AUTOMATIC = {Mode.STOPPED: Cause.RESET, Mode.COMPLETE: Cause.RESET, Mode.IDLE: Cause.START}
+
+
+def _why_done(state: CellState, outlook: Outlook) -> str | None:
+    """Say why a state that ends by itself is through; None: it is not."""
+    mode, wanted = state.mode, _wanted(state)
+    if Cause.DONE not in TRANSITIONS[mode]:
+        return None
+    if mode is Mode.EXECUTE:
+        # Started before an order came, the cell waits for one.
+        return 'every job ended' if state.order_arrived and not state.has_work else None
+    if mode is Mode.ABORTING:
+        return 'every goal ended' if outlook.still else None
+    if mode is Mode.STOPPING:
+        return _why_stopped(state, outlook)
+    if mode is Mode.HOLDING and wanted is Cause.HOLD:
+        return 'nothing runs and nothing can start' if outlook.still else None
+    return ''
+
+
+def _why_stopped(state: CellState, outlook: Outlook) -> str | None:
+    if state.shutting_down:
+        return None if state.running else 'every goal ended'
+    # A component that says it is busy for another moment must not leave a cycle unfinished.
+    finished = outlook.still and not outlook.unready
+    return 'the cycles in hand are finished' if finished else None
 
 
 def _will_retry(state: CellState, now: float) -> bool:

@@ -8,12 +8,9 @@ from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import OnFailure
-from bt_orchestrator.model.commands import AnswerHold, Pause, RemoveItem, Resume
+from bt_orchestrator.model.commands import AnswerHold, RemoveItem
 from bt_orchestrator.model.failures import abort_all_on_the_belt, pass_over
 from bt_orchestrator.model.state import CellState, Hold
-
-RESUME = 'resume'
-"""What ends a pause."""
 
 
 def answer(state: CellState, command: AnswerHold, now: float) -> Iterator[e.Event]:
@@ -23,7 +20,11 @@ def answer(state: CellState, command: AnswerHold, now: float) -> Iterator[e.Even
     """
     hold = _offering(state, command)
     yield e.OperatorDecided(
-        hold=hold.id, answer=command.answer, who=command.who, reason=command.reason
+        hold=hold.id,
+        answer=command.answer,
+        who=command.who,
+        reason=command.reason,
+        origin=command.origin,
     )
     if hold.key == e.INDEX_KEY and command.answer == OnFailure.ABORT_JOB.value:
         yield from abort_all_on_the_belt(state, _in_words(command))  # the move stays held (3.5)
@@ -44,36 +45,20 @@ def remove(state: CellState, command: RemoveItem) -> Iterator[e.Event]:
         present = ', '.join(name for name in standing if state.items[name].present)
         raise CommandRefused(f'{command.item} is not on the belt; on it: {present or "nothing"}')
     yield e.OperatorDecided(
-        item=item.id, answer='remove_item', who=command.who, reason=command.reason
+        item=item.id,
+        answer='remove_item',
+        who=command.who,
+        reason=command.reason,
+        origin=command.origin,
     )
     section = item.section
     yield e.ItemRemoved(job=item.job, item=item.id, section=section, how='by_hand')
-    for hold in [h for h in state.holds.values() if h.item == item.id and h.task is None]:
-        yield e.HoldReleased(hold=hold.id)
+    yield from released_with(state, item.id)
 
 
-def pause(state: CellState, command: Pause) -> Iterator[e.Event]:
-    """Keep the cell from starting anything (semantics 7.2)."""
-    yield e.OperatorDecided(answer='pause', who=command.who, reason=command.reason)
-    yield e.HoldRaised(
-        hold=state.next_hold,
-        reason='paused',
-        message=f'{command.who}: {command.reason}',
-        answers=(RESUME,),
-    )
-
-
-def resume(state: CellState, command: Resume) -> Iterator[e.Event]:
-    """Go on after pauses and restarts.
-
-    :raises CommandRefused: the cell does not wait for that
-    """
-    if not state.pauses:
-        waiting = ', '.join(f'hold {hold}' for hold in state.holds)
-        why = f'it waits for answers to {waiting}' if waiting else f'it is {state.mode.value}'
-        raise CommandRefused(f'the cell is not paused; {why}')
-    yield e.OperatorDecided(answer=RESUME, who=command.who, reason=command.reason)
-    for hold in state.pauses:
+def released_with(state: CellState, item: str) -> Iterator[e.HoldReleased]:
+    """Release what held only because an item stood where it is not any more (semantics 3.6)."""
+    for hold in [h for h in state.holds.values() if h.item == item and h.task is None]:
         yield e.HoldReleased(hold=hold.id)
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import itertools
 import logging
 import uuid
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 from bt_orchestrator.errors import CommandRefused, JournalFailed, OrchestratorError
 from bt_orchestrator.model import events as e
@@ -22,8 +22,11 @@ from bt_orchestrator.runtime.commands import answer_to
 from bt_orchestrator.runtime.flights import Flights
 from bt_orchestrator.runtime.ledger import Ledger
 from bt_orchestrator.runtime.recovery import restore, take_over
+from bt_orchestrator.runtime.starvation import Starvation
 from bt_orchestrator.tree.blackboard import BlackboardProjection
 from bt_orchestrator.tree.compile import CellTree
+from bt_orchestrator.tree.readiness import unready
+from bt_orchestrator.tree.subject import Subject
 
 log = logging.getLogger(__name__)
 
@@ -65,6 +68,7 @@ class Orchestrator:
         self._ledger = Ledger(
             self.state, clock, self._follow, new_goal_id, gateway.server, self._on_time
         )
+        self._starvation = Starvation(self._ledger)
         self.flights = Flights(self._ledger, gateway, clock, wake)
         self.gateway = gateway
         self.tree = CellTree(self._ledger, self._projection.space)
@@ -79,6 +83,7 @@ class Orchestrator:
         try:
             message = '' if self.broken else answer_to(command, self._ledger)
         except CommandRefused as refused:
+            self.settle()  # a refusal is on record before its sender hears of it
             return Answer(accepted=False, message=str(refused), each=refused.each)
         self.settle()
         return Answer(accepted=not self.broken, message=self.broken or message)
@@ -135,11 +140,24 @@ class Orchestrator:
             self._ledger.record([ended])
             self.tree.prune(ended.job)
         self._ledger.record(list(job_queue.stop_when_empty(self.state)))
-        due = lifecycle.next_mode(
-            self.state, self._ledger.now, quiet=quiet, auto_start=self._auto_start
-        )
+        outlook = self._outlook(quiet=quiet)
+        reason = lifecycle.stop_reason_change(self.state, outlook)
+        if reason is not None:
+            self._ledger.record([reason])
+        due = lifecycle.next_mode(self.state, outlook, auto_start=self._auto_start)
         if due is not None:
             self._ledger.record([due])
+
+    def _outlook(self, *, quiet: bool) -> lifecycle.Outlook:
+        still = lifecycle.is_still(self.state, self._ledger.now, quiet=quiet)
+        waits = list(self._waits_for_readiness()) if still else []
+        waited_for = () if self.state.holds else waits
+        return lifecycle.Outlook(still, bool(waits), self._starvation.look(waited_for))
+
+    def _waits_for_readiness(self) -> Iterator[Subject]:
+        if all(reading.ready for reading in self.state.readings.values()):
+            return  # at rest this is asked at every heartbeat
+        yield from (one for one in unready(self.tree.root) if one.could_go_on)
 
     def _commit(self) -> bool:
         events = self._ledger.take_pending()

@@ -15,10 +15,11 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.fold import apply
+from bt_orchestrator.model.packml import Mode
 from bt_orchestrator.model.snapshot import state_from_plain
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import EventStore, Snapshot
-from bt_orchestrator.runtime.operators import RESUME
+from bt_orchestrator.runtime.cell_commands import RESUME
 
 log = logging.getLogger(__name__)
 
@@ -119,7 +120,7 @@ def take_over(state: CellState, *, auto_resume: bool) -> Iterator[e.Event]:
     for key, task in adopted:
         assert task.goal is not None
         yield e.TaskAdopted(**key._asdict(), attempt=task.attempt, goal=task.goal)
-    if state.jobs and not auto_resume and not state.pauses:
+    if state.jobs and not auto_resume and not state.pauses and _would_go_on(state):
         jobs = f'{len(state.jobs)} unfinished job{"s" if len(state.jobs) > 1 else ""}'
         goals = f'{len(adopted)} goal{"s" if len(adopted) != 1 else ""} in flight'
         yield e.HoldRaised(
@@ -128,3 +129,11 @@ def take_over(state: CellState, *, auto_resume: bool) -> Iterator[e.Event]:
             message=f'{jobs}, {goals}',
             answers=(RESUME,),
         )
+
+
+_STANDS = (Mode.STOPPED, Mode.ABORTING, Mode.ABORTED, Mode.CLEARING)
+
+
+def _would_go_on(state: CellState) -> bool:
+    """Tell whether the cell starts anything without a command."""
+    return state.mode not in _STANDS or state.order_arrived

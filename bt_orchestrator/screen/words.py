@@ -14,7 +14,7 @@ PROGRAM = 'bt-orchestrator'
 
 DEFAULT_NODE = '/bt_orchestrator'
 
-OTHER_VERBS = {'remove_item': 'remove-item {item}', 'resume': 'resume'}
+OTHER_VERBS = {'remove_item': 'remove-item {hold.item}', 'resume': 'resume --hold {hold.id}'}
 """Answers that are given by a verb of their own; all others by `answer`."""
 
 BAD_COUNTS = ('rejected', 'missing', 'nonconforming')
@@ -28,11 +28,14 @@ def one_line(text: str) -> str:
 
 def status_lines(status: Any, node: str) -> Iterator[str]:
     """Yield a whole status as text."""
-    yield f'cell {one_line(status.cell)}: {status.state}, belt {belt(status)}'
+    since = f'{status.state} for {duration(state_s(status))}'
+    yield f'cell {one_line(status.cell)}: {since}, belt {belt(status)}, seq {status.seq}'
     if status.journal_failure:
         yield f'  {failure(status)}'
     if status.stop_after:
         yield f'  the cell stops after the current {status.stop_after}'
+    if status.stop_reason:
+        yield f'  stands still: {status.stop_reason}, {one_line(status.stop_message)}'
     for job in status.jobs:
         yield f'  {job_name(job)}: {job.state}, {job_counts(job)}{expected_finish(job, status)}'
     for reason in status.initialization_waiting:
@@ -51,6 +54,13 @@ def failure(status: Any) -> str:
     """Say that the cell does nothing any more, and why; nothing if all is well."""
     why = one_line(status.journal_failure)
     return f'NOTHING IS DONE ANY MORE: {why}' if why else ''
+
+
+def state_s(status: Any) -> float:
+    """Return for how many seconds the cell has been in its state."""
+    since, now = status.state_since, status.stamp
+    passed: float = now.sec - since.sec + (now.nanosec - since.nanosec) * 1e-9
+    return max(0.0, passed)
 
 
 def belt(status: Any) -> str:
@@ -149,7 +159,7 @@ def hold_advice(hold: Any, node: str) -> list[str]:
 
 def command(hold: Any, answer: str, node: str) -> str:
     """Return the command line that gives an answer to a hold."""
-    verb = OTHER_VERBS.get(answer, f'answer {hold.id} {answer}').format(item=hold.item)
+    verb = OTHER_VERBS.get(answer, f'answer {hold.id} {answer}').format(hold=hold)
     to_node = '' if node == DEFAULT_NODE else f' --node {node}'
     return f'{PROGRAM} {verb} --reason "WHY"{to_node}'
 

@@ -44,10 +44,12 @@ class Simulation:
         sinks: Sequence[EventSink] = (),
         *,
         duration: Callable[[GoalRequest], float] | None = None,
+        auto_start: bool = True,
     ) -> None:
         """Switch the cell on at time 0.
 
         :param duration: seconds that a goal takes; without it the cell file's nominal ones
+        :param auto_start: it resets and starts by itself when an order arrives
         """
         self.clock = VirtualClock()
         numbers = itertools.count(1)
@@ -57,6 +59,7 @@ class Simulation:
             self.clock,
             store,
             sinks,
+            auto_start=auto_start,
             new_goal_id=lambda: str(uuid.uuid5(_GOALS, str(next(numbers)))),
         )
 

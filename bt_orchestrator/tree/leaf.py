@@ -88,8 +88,10 @@ class ActionLeaf(TaskWaiter, Behaviour):
     def _stopped(self) -> Wait | None:
         """Say why nothing goes on here; a skip would, for it counts as if the task had run."""
         state = self.subject.state
-        if not state.mode.works:
-            return Wait(f'the cell is {state.mode.value}', WaitKind.CELL_STATE, state.mode.value)
+        if not state.works:
+            mode = state.mode.value
+            what = 'the node ends' if state.shutting_down else f'the cell is {mode}'
+            return Wait(what, WaitKind.CELL_STATE, mode)
         if state.pauses:
             what = f'paused: {state.pauses[0].reason}, {state.pauses[0].message}'
             return Wait(what, WaitKind.PAUSE, state.pauses[0].id)

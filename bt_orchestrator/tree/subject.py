@@ -73,6 +73,11 @@ class Subject:
         """Tell whether the next thing is to start an attempt: it is neither begun nor skipped."""
         return effects.is_startable(self.state, self.key) and self.why_skipped() is None
 
+    @property
+    def could_go_on(self) -> bool:
+        """Tell whether no pause and no hold of its section keeps the task from starting."""
+        return not self.state.pauses and self.waits_in_hold() is None
+
     def why_skipped(self) -> str | None:
         """Say why a task that may start is not needed (semantics 4.2, 5.1, 6.4, 6.5)."""
         if self.job is None:

@@ -10,10 +10,25 @@ from fakes.queue_invariants import QueueInvariants
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.packml import TRANSITIONS, Cause, Mode
 from bt_orchestrator.model.script import Script
 
-FREEING = (e.TaskSucceeded, e.TaskSkipped, e.TaskContinued, e.TaskMarkedDone, e.TaskRetrying)
+FREEING = (e.TaskSkipped, e.TaskContinued, e.TaskMarkedDone, e.TaskRetrying)
 """Events after which a task has no component any more, whatever was in doubt."""
+
+AT_REST = (
+    Mode.STOPPED,
+    Mode.RESETTING,
+    Mode.IDLE,
+    Mode.COMPLETE,
+    Mode.ABORTING,
+    Mode.ABORTED,
+    Mode.CLEARING,
+)
+"""States in which no task starts."""
+
+EMPTY_HANDED = (Mode.STOPPED, Mode.SUSPENDED, Mode.ABORTED, Mode.IDLE, Mode.COMPLETE)
+"""States that are entered only when no goal is in flight."""
 
 
 class Invariants:
@@ -34,11 +49,15 @@ class Invariants:
         self._flags: dict[str, tuple[int, int, int]] = {}
         """Count, capacity and initial count."""
         self._busy: dict[str, e.TaskKey] = {}
+        self._in_flight: set[str] = set()
+        """Goals that were sent and have not ended."""
         self._zones: dict[str, e.TaskKey] = {}
         self._moving = False
         self._queue = QueueInvariants()
         self._ended: set[tuple[str | None, str]] = set()
         """Items with the tasks that ended for them, one way or the other."""
+        self._mode = Mode.STOPPED
+        self._pauses: set[str] = set()
 
     def follow(self, events: Sequence[e.Event]) -> None:
         """Take in the events that are new."""
@@ -96,13 +115,21 @@ class Invariants:
     # --- components and zones ---------------------------------------------------------------
 
     def _started(self, event: e.TaskStarted) -> None:
+        assert self._mode not in AT_REST, (event, self._mode)
+        assert not self._pauses, (event, self._pauses)
         assert event.component not in self._busy, (event, self._busy)
         self._busy[event.component] = event.key
+        self._in_flight.add(event.goal)
         for zone in self._zones_of(event.key):
             assert zone not in self._zones, (event, self._zones)
             self._zones[zone] = event.key
 
+    def _succeeded(self, event: e.TaskSucceeded) -> None:
+        self._in_flight.remove(event.goal)
+        self._free(event)
+
     def _failed(self, event: e.TaskFailed) -> None:
+        self._in_flight.discard(event.goal or '')
         if event.reason not in ('in_doubt', 'server_lost'):
             self._free(event)
 
@@ -166,6 +193,21 @@ class Invariants:
         assert event.item not in self._there, event
         assert self._slots.pop(event.section) == event.item, event
 
+    # --- the cell as a whole ----------------------------------------------------------------
+
+    def _state_changed(self, event: e.CellStateChanged) -> None:
+        assert event.previous == self._mode.value, event
+        assert TRANSITIONS[self._mode][Cause(event.cause)] is Mode(event.state), event
+        self._mode = Mode(event.state)
+        assert self._mode not in EMPTY_HANDED or not self._in_flight, (event, self._in_flight)
+
+    def _hold_raised(self, event: e.HoldRaised) -> None:
+        if event.task is None and event.item is None:
+            self._pauses.add(event.hold)
+
+    def _hold_released(self, event: e.HoldReleased) -> None:
+        self._pauses.discard(event.hold)
+
     _takers: ClassVar[Mapping[type[e.Event], Callable[..., None]]] = {
         e.ScriptLoaded: _script_loaded,
         e.JobQueued: _job_queued,
@@ -175,6 +217,7 @@ class Invariants:
         e.JobAborted: _job_ended,
         e.FlagEvent: _flag,
         e.TaskStarted: _started,
+        e.TaskSucceeded: _succeeded,
         e.TaskFailed: _failed,
         e.BeltIndexStarted: _index_started,
         e.BeltIndexed: _indexed,
@@ -183,5 +226,8 @@ class Invariants:
         e.ItemMoved: _moved,
         e.ItemRemoved: _removed,
         e.PositionEnded: _position_ended,
+        e.CellStateChanged: _state_changed,
+        e.HoldRaised: _hold_raised,
+        e.HoldReleased: _hold_released,
         **dict.fromkeys(FREEING, _free),
     }

@@ -724,11 +724,11 @@ class NaiveCell:
         else:
             passing['Execute'] = 'Completing'
         if self.holds:
-            passing['Execute'] = 'Holding'
+            passing |= dict.fromkeys(('Execute', 'Starting', 'Unholding'), 'Holding')
             if seen == len(self.records) and not any(map(self.goes_on, self.work.values())):
                 passing['Holding'] = 'Held'
         else:
-            passing |= {'Holding': 'Unholding', 'Held': 'Unholding'}
+            passing |= {'Holding': 'Held', 'Held': 'Unholding'}
         if self.state in passing:
             state, self.state = self.state, passing[self.state]
             self.say('cell.state_changed', (), state=self.state, previous=state)

@@ -170,11 +170,17 @@ def product_scripts(plan: Plan, cell: Cell) -> dict[str, Script]:
     }
 
 
-UNSEEN = {'script.loaded', 'orchestrator.started', 'component.state_changed'}
-"""Events about files and processes, of which the rules of the line say nothing."""
+UNSEEN = {
+    'script.loaded',
+    'orchestrator.started',
+    'component.state_changed',
+    'cell.stop_reason_changed',
+}
+"""Events about files and processes, of which the rules of the line say nothing, and the reason why
+it stands, which test_7_stop_reasons is about."""
 WORDS = (
     *('seq', 'goal', 'server', 'digest', 'definition', 'message', 'args', 'params', 'who'),
-    *('exit_status', 'counts'),
+    *('exit_status', 'counts', 'owner', 'origin'),
 )
 WORDED = {
     'task.skipped',
@@ -194,6 +200,8 @@ def comparable(records: Sequence[Row]) -> list[Row]:
             kept = {name: value for name, value in record.items() if name not in WORDS}
             if record['event'] in WORDED:
                 kept.pop('reason', None)
+            if record['event'] == 'cell.state_changed':
+                del kept['cause']
             for name in ('time', 'not_before'):
                 if name in kept:
                     kept[name] = round(kept[name], 6)

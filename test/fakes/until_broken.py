@@ -17,7 +17,8 @@ from pathlib import Path
 from fakes.line import THREE, Line
 from fakes.long_journal import LongRun
 
-from bt_orchestrator.model.commands import Pause, SubmitJob
+from bt_orchestrator.model.cell_commands import Pause
+from bt_orchestrator.model.commands import SubmitJob
 from bt_orchestrator.model.order import Job
 
 

@@ -9,14 +9,13 @@ from typing import Any
 from fakes.invariants import Invariants
 
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.cell_commands import CellCommand, Pause, Resume
 from bt_orchestrator.model.codec import from_record, to_record
 from bt_orchestrator.model.commands import (
     Answer,
     AnswerHold,
     Command,
-    Pause,
     RemoveItem,
-    Resume,
     SubmitJob,
 )
 from bt_orchestrator.model.fold import apply
@@ -44,6 +43,7 @@ class VirtualRun:
         rebuild: bool = False,
         duration: Callable[[GoalRequest], float] | None = None,
         replays: bool = True,
+        auto_start: bool = True,
     ) -> None:
         """Switch the line on.
 
@@ -53,7 +53,7 @@ class VirtualRun:
         """
         self._replays = replays
         self.store = MemoryStore()
-        self.sim = Simulation(cell, types, self.store, duration=duration)
+        self.sim = Simulation(cell, types, self.store, duration=duration, auto_start=auto_start)
         self._invariants = Invariants(cell)
         self._rebuild = rebuild
 
@@ -102,6 +102,15 @@ class VirtualRun:
         if hold is None:
             (hold,) = self.state.holds
         return self.ask(AnswerHold(hold, answer, 'Ann', 'it looked so'))
+
+    def command(self, kind: type[CellCommand], who: str = 'Ann', **more: Any) -> Answer:
+        """Give a command to the cell."""
+        return self.ask(kind(who, 'it is so', 'a test', **more))
+
+    @property
+    def states(self) -> list[str]:
+        """The states that the cell went through."""
+        return self.order('cell.state_changed', 'state')
 
     def remove(self, item: str) -> Answer:
         """Take an item off the belt by hand."""

@@ -58,6 +58,10 @@ SAMPLES: dict[str, Any] = {
     'goal': 'b04965e6-a9bb-591f-8f8a-1adcb2c8dc39',
     'args': {'pose': {'frame': 'belt', 'position': {'x': 1.5}}, 'names': ['a', 'b']},
     'cause': 'timeout',
+    'stop_reason': 'own_fault',
+    'owner': 'Ann',
+    'origin': 'bt-orchestrator at line7',
+    'command': 'abort',
     'results': {'measurement': 4.0, 'item_present': False},
     'reason': 'aborted',
     'message': 'the gripper is empty',
@@ -80,7 +84,6 @@ SAMPLES: dict[str, Any] = {
     'exit_status': 'stopped',
     'counts': {'started': 3, 'packed': 2},
     'after': 'item',
-    'origin': 'cli at line-pc',
 }
 """A value for every field of every event."""
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from fakes.line import THREE, Line, with_section
 
-from bt_orchestrator.model.commands import Resume, Shutdown
-from bt_orchestrator.model.packml import Mode
+from bt_orchestrator.model.cell_commands import Resume
+from bt_orchestrator.model.commands import Shutdown
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.gateway import VirtualGateway
@@ -46,7 +46,7 @@ def test_without_auto_start_an_order_waits() -> None:
     gateway = VirtualGateway(line.cell, line.types, clock)
     orchestrator = Orchestrator(line.cell, gateway, clock, store, auto_start=False)
     orchestrator.settle()
-    assert orchestrator.state.mode is Mode.STOPPED
+    assert orchestrator.state.mode.value == 'Stopped'
     orchestrator.close()
 
 
@@ -61,7 +61,7 @@ def test_shutdown_cancels_every_goal_and_holds_its_task() -> None:
     assert run.reasons() == ['canceled', 'canceled']
     assert run.all('task.retrying') == []
     assert sorted(run.order('hold.raised')) == ['place', 'work']
-    assert run.state.mode is Mode.STOPPED
+    assert run.state.mode.value == 'Stopped'
     assert run.state.items.keys() == {'J/1', 'J/2'}
 
 
@@ -73,18 +73,18 @@ def test_shutdown_starts_nothing_more() -> None:
     assert len(run.all('task.started')) == started
 
 
-def test_after_a_shutdown_in_a_pause_the_cell_stays_stopped_until_an_order_arrives() -> None:
+def test_after_a_shutdown_in_a_retry_delay_nothing_starts_whatever_arrives() -> None:
     line = Line(faults={'a2': '#1=abort'})
     run = line.begin(with_section(2, '- {id: work, @a2, retries: 1, retry_delay: 5}'))
     run.go(until=4.0)
     run.ask(Shutdown())
     run.go()
-    assert run.state.mode is Mode.STOPPED
+    assert run.state.mode.value == 'Stopped'
     assert run.starts('work') == [3.0]
     run.submit('K', line.script(THREE))
     run.go()
-    assert run.ended
-    assert run.counts('J')['packed'] == 1
+    assert run.state.mode.value == 'Stopped'
+    assert run.starts('work') == [3.0]
 
 
 def test_work_that_was_shut_down_goes_on_when_a_new_orchestrator_is_told_to() -> None:

@@ -8,7 +8,8 @@ import pytest
 from fakes.line import THREE, Line
 from fakes.virtual_run import BY, VirtualRun
 
-from bt_orchestrator.model.commands import Answer, Pause
+from bt_orchestrator.model.cell_commands import Pause
+from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.isa95 import JobWord, job_word
 from bt_orchestrator.model.job_commands import UpdateJob
 from bt_orchestrator.model.job_control import (

@@ -13,7 +13,8 @@ from fakes.line import THREE, Line, with_section
 from bt_orchestrator.errors import JournalFailed, JournalMismatch
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.commands import AnswerHold, Pause, Resume, SubmitJob
+from bt_orchestrator.model.cell_commands import Pause, Resume
+from bt_orchestrator.model.commands import AnswerHold, SubmitJob
 from bt_orchestrator.model.fault import parse_fault
 from bt_orchestrator.model.goal import RESULT_TIMEOUT_S, GoalRequest
 from bt_orchestrator.model.order import Job

@@ -60,7 +60,7 @@ def test_the_first_status_is_told_and_then_only_what_changes() -> None:
     said: list[str] = []
     view = PlainView(NODE, said.append)
     view.on_status(statuses.status())
-    assert said[0] == 'cell small_cell: Execute, belt at rest'
+    assert said[0] == 'cell small_cell: Execute for 12.0 s, belt at rest, seq 7'
     said.clear()
 
     view.on_status(statuses.status())
@@ -106,7 +106,7 @@ def test_a_node_that_goes_away_and_comes_back(clock: Time) -> None:
         view.refresh()
     assert said == ['no news from /bt_orchestrator for 3.1 s']
     view.on_status(statuses.status())
-    assert said[1] == 'cell small_cell: Execute, belt at rest'
+    assert said[1] == 'cell small_cell: Execute for 12.0 s, belt at rest, seq 7'
 
 
 def test_changes_of_tree_and_blackboard() -> None:

@@ -16,12 +16,15 @@ NODE = words.DEFAULT_NODE
 def test_a_whole_status() -> None:
     status = statuses.status(
         state='Held',
+        stop_reason='own_fault',
+        stop_message='hold 1: work, aborted',
         holds=[statuses.hold(message='gripper open')],
         components=[statuses.component('worker', available=False)],
         initialization_waiting=['waiting for initialization home'],
     )
     assert list(words.status_lines(status, NODE)) == [
-        'cell small_cell: Held, belt at rest',
+        'cell small_cell: Held for 12.0 s, belt at rest, seq 7',
+        '  stands still: own_fault, hold 1: work, aborted',
         '  WO-1 (small): Running, 0 of 10 packed',
         '  initialization  waiting for initialization home',
         '  section 1   -              waiting for the belt to move',
@@ -93,7 +96,7 @@ def test_why_a_component_can_be_sent_nothing(component: object, said: str) -> No
         ),
         (
             {'answers': ['resume'], 'task': '', 'item': '', 'section': 0},
-            ['bt-orchestrator resume --reason "WHY"'],
+            ['bt-orchestrator resume --hold 1 --reason "WHY"'],
         ),
         ({'answers': ['retry']}, ['bt-orchestrator answer 1 retry --reason "WHY"']),
         ({'answers': []}, []),

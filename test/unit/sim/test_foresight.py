@@ -11,7 +11,7 @@ from fakes.action_types import FakeActionTypes
 from fakes.line import THREE, Line
 
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.commands import Pause
+from bt_orchestrator.model.cell_commands import Pause
 from bt_orchestrator.model.goal import GoalRequest
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.snapshot import state_to_plain

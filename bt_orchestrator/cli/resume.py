@@ -1,0 +1,28 @@
+"""The verb `resume`: release pauses."""
+
+from __future__ import annotations
+
+import argparse
+
+from bt_orchestrator.cli.cell_command import command_cell
+from bt_orchestrator.cli.node_options import add_node_options, add_who_options
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of the verb."""
+    parser.description = (
+        'Release your own pauses, and the wait after a restart of the node. The cell goes on when '
+        'no pause and no other hold is left.'
+    )
+    which = parser.add_mutually_exclusive_group()
+    which.add_argument(
+        '--hold', default='', metavar='N', help='release this pause, whoever paused'
+    )
+    which.add_argument('--all', action='store_true', help='release every pause, whoever paused')
+    add_who_options(parser)
+    add_node_options(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Carry out the verb; returns 1 when it was refused."""
+    return command_cell(args, hold=args.hold, everyones=args.all)

@@ -1,0 +1,138 @@
+"""What an operator says of the belt after an abort, against what the state believes.
+
+A statement is about every slot, so that nobody clears a cell without having looked. Either it
+names them all, or it names the picture of the belt that the operator saw and found right; a
+picture that is older than the last change of the belt says nothing about it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from bt_orchestrator.errors import CommandRefused
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.state import CellState, Hold, ItemState, Phase
+
+EMPTY = 'empty'
+"""What is said of a slot without an item; whether its position is counted does not matter."""
+
+
+@dataclass(frozen=True)
+class AsShown:
+    """The belt is as a status showed it."""
+
+    seq: int
+    """Of that status."""
+
+
+@dataclass(frozen=True)
+class Slots:
+    """What stands in each slot: an item, or `empty`."""
+
+    by_section: Mapping[int, str]
+
+
+Statement = AsShown | Slots
+
+
+def parse_slots(words: Sequence[str]) -> Slots:
+    """Read `1=WO-1/3`, `2=empty`, ... one slot a word.
+
+    :raises CommandRefused: says what was expected
+    """
+    found: dict[int, str] = {}
+    for word in words:
+        match = re.fullmatch(r'\s*(\d+)\s*=\s*(\S.*?)\s*', word)
+        if match is None:
+            raise CommandRefused(f'a slot is stated as N=ITEM or N={EMPTY}, found {word!r}')
+        if int(match[1]) in found:
+            raise CommandRefused(f'slot {match[1]} is stated twice')
+        found[int(match[1])] = match[2]
+    return Slots(found)
+
+
+def corrections(state: CellState, statement: Statement) -> Iterator[e.ItemRemoved]:
+    """Yield what the statement changes: items that are not there any more.
+
+    :raises CommandRefused: it is not about the belt as it is now, or names another item
+    """
+    _refuse_while_the_move_is_open(state)
+    if isinstance(statement, AsShown):
+        _check_seq(state, statement.seq)
+        return
+    _check_complete(state, statement)
+    gone = [_gone(state, number, said) for number, said in statement.by_section.items()]
+    for item in gone:
+        if item is not None:
+            yield e.ItemRemoved(job=item.job, item=item.id, section=item.section, how='by_hand')
+
+
+def believed(state: CellState) -> str:
+    """Return what the state believes, as a statement: `1=WO-1/3,2=empty`."""
+    return ','.join(f'{n}={_standing(state, n) or EMPTY}' for n in state.sections)
+
+
+def _standing(state: CellState, section: int) -> str | None:
+    item = state.slot(section)
+    return item.id if item is not None and item.present else None
+
+
+def _refuse_while_the_move_is_open(state: CellState) -> None:
+    if state.indexing and state.move is not None and state.move.phase is Phase.HELD:
+        raise CommandRefused(
+            'it is open whether the belt has moved; answer hold '
+            f'{state.move.hold} first: mark_done if it has, retry if it has not'
+        )
+
+
+def _check_seq(state: CellState, seq: int) -> None:
+    if not state.belt_seq <= seq <= state.seq:
+        raise CommandRefused(
+            f'the belt has changed since the status with seq {seq}, at event {state.belt_seq} of '
+            f'{state.seq}; the cell believes {believed(state)}; look again'
+        )
+
+
+def _check_complete(state: CellState, statement: Slots) -> None:
+    said, there = set(statement.by_section), set(state.sections)
+    for words, numbers in (('is not stated', there - said), ('does not exist', said - there)):
+        if numbers:
+            slots = ', '.join(map(str, sorted(numbers)))
+            raise CommandRefused(
+                f'slot {slots} {words}; say of every slot from 1 to {len(there)} what stands '
+                f'there; the cell believes {believed(state)}'
+            )
+
+
+def _gone(state: CellState, section: int, said: str) -> ItemState | None:
+    """Return the item that is believed to stand in a slot and does not.
+
+    :raises CommandRefused: another item stands there than the cell can take over
+    """
+    standing = _standing(state, section)
+    if said == standing or (said == EMPTY and standing is None):
+        return None
+    if said == EMPTY:
+        return state.slot(section)
+    found = f'slot {section}: the cell believes {standing or EMPTY}, not {said}'
+    raise CommandRefused(f'{found}; {_remedy(state, said)}')
+
+
+def _remedy(state: CellState, said: str) -> str:
+    item = state.items.get(said)
+    if item is None:
+        return 'no such item is on the line; take it off and say empty'
+    if item.section and item.present:
+        return f'{said} belongs into slot {item.section}: put it there, or take it off'
+    held = next((hold for hold in state.holds.values() if _places(state, hold, said)), None)
+    if held is not None:
+        return f'if {held.task} did place it, answer hold {held.id} with mark_done first'
+    return 'it is not on the belt for the cell; take it off and say empty'
+
+
+def _places(state: CellState, hold: Hold, item: str) -> bool:
+    """Tell whether a hold is about the task that puts an item onto the belt."""
+    task = state.task(hold.key) if hold.item == item and hold.key is not None else None
+    return task is not None and task.qty_change == 1

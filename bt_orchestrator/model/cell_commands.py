@@ -1,0 +1,76 @@
+"""What people ask of the cell as a whole (semantics 7.2, 7.3).
+
+Each names who commands, why, and the origin: the program, interface or computer it came from.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from bt_orchestrator.model.belt_statement import Statement
+from bt_orchestrator.model.packml import Cause
+
+
+@dataclass(frozen=True)
+class CellCommand:
+    """Base of the commands."""
+
+    cause: ClassVar[Cause]
+    who: str
+    reason: str
+    origin: str = ''
+
+
+@dataclass(frozen=True)
+class Reset(CellCommand):
+    """Get ready to start."""
+
+    cause = Cause.RESET
+
+
+@dataclass(frozen=True)
+class Start(CellCommand):
+    """Begin to work."""
+
+    cause = Cause.START
+
+
+@dataclass(frozen=True)
+class Pause(CellCommand):
+    """Start nothing more, in whatever state; what runs goes on to its end."""
+
+    cause = Cause.HOLD
+
+
+@dataclass(frozen=True)
+class Resume(CellCommand):
+    """Release pauses: one's own and those of nobody, unless it says which."""
+
+    cause = Cause.UNHOLD
+    hold: str | None = None
+    """Id of the one to release, whoever owns it."""
+    everyones: bool = False
+    """Release every pause, whoever owns it."""
+
+
+@dataclass(frozen=True)
+class Stop(CellCommand):
+    """Finish the cycles in hand, then be Stopped."""
+
+    cause = Cause.STOP
+
+
+@dataclass(frozen=True)
+class Abort(CellCommand):
+    """Cancel every goal now; keep items, flags, steps and queue."""
+
+    cause = Cause.ABORT
+
+
+@dataclass(frozen=True, kw_only=True)
+class Clear(CellCommand):
+    """Say what stands on the belt after an abort; then be Stopped."""
+
+    cause = Cause.CLEAR
+    belt: Statement

@@ -1,0 +1,190 @@
+"""What the commands to the cell do, or why they are refused (semantics 7.2, 7.3)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+from bt_orchestrator.errors import CommandRefused
+from bt_orchestrator.model import effects
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.belt_statement import corrections
+from bt_orchestrator.model.cell_commands import (
+    Abort,
+    CellCommand,
+    Clear,
+    Pause,
+    Reset,
+    Resume,
+    Start,
+    Stop,
+)
+from bt_orchestrator.model.failures import ABORT
+from bt_orchestrator.model.packml import VERBS, Cause, refusal
+from bt_orchestrator.model.state import CellState, Hold
+from bt_orchestrator.model.stop_reason import StopReason
+from bt_orchestrator.runtime.ledger import Ledger
+from bt_orchestrator.runtime.lifecycle import transition
+from bt_orchestrator.runtime.operators import released_with
+
+RESUME = VERBS[Cause.UNHOLD]
+"""What ends a pause."""
+
+PAUSED = 'paused'
+"""Reason of the hold that a pause is."""
+
+
+def carry_out(command: CellCommand, ledger: Ledger) -> str:
+    """Carry out a command and return the answer's words.
+
+    :raises CommandRefused: it is not possible now; nothing but the refusal was recorded
+    """
+    state = ledger.state
+    try:
+        why = refusal(state.mode, command.cause)
+        if why is not None:
+            raise CommandRefused(why)
+        follows = list(_FOLLOWS[type(command)](state, command))
+    except CommandRefused as refused:
+        ledger.record([_refused(command, str(refused))])
+        raise
+    ledger.record([_decided(command), *follows])
+    return _ANSWERS[type(command)](state)
+
+
+def _decided(command: CellCommand) -> e.OperatorDecided:
+    verb, origin = VERBS[command.cause], command.origin
+    return e.OperatorDecided(answer=verb, who=command.who, origin=origin, reason=command.reason)
+
+
+def _refused(command: CellCommand, message: str) -> e.OperatorRefused:
+    return e.OperatorRefused(
+        command=VERBS[command.cause],
+        who=command.who,
+        origin=command.origin,
+        reason=command.reason,
+        message=message,
+    )
+
+
+# --- what follows from each; nothing is changed while these look ------------------------------
+
+
+def _reset(state: CellState, command: Reset) -> Iterator[e.Event]:
+    yield transition(state.mode, command.cause, _in_words(command))
+
+
+def _start(state: CellState, command: Start) -> Iterator[e.Event]:
+    yield transition(state.mode, command.cause, _in_words(command))
+
+
+def _stop(state: CellState, command: Stop) -> Iterator[e.Event]:
+    yield transition(state.mode, command.cause, _in_words(command))
+
+
+def _pause(state: CellState, command: Pause) -> Iterator[e.Event]:
+    """Raise a hold of its own; whether the cell becomes Held follows from the stop reason."""
+    yield e.HoldRaised(
+        hold=state.next_hold,
+        reason=PAUSED,
+        message=_in_words(command),
+        answers=(RESUME,),
+        owner=command.who or 'unknown',
+    )
+
+
+def _resume(state: CellState, command: Resume) -> Iterator[e.Event]:
+    for hold in _to_release(state, command):
+        yield e.HoldReleased(hold=hold.id)
+
+
+def _abort(state: CellState, command: Abort) -> Iterator[e.Event]:
+    emergency, words = StopReason.EMERGENCY, _in_words(command)
+    yield e.StopReasonChanged(stop_reason=emergency.value, reason=words)
+    yield transition(state.mode, command.cause, words)
+    yield from effects.cancelled(state, state.running, ABORT)
+
+
+def _clear(state: CellState, command: Clear) -> Iterator[e.Event]:
+    for gone in corrections(state, command.belt):
+        yield gone
+        yield from released_with(state, gone.item)
+    yield e.StopReasonChanged(stop_reason='', reason=_in_words(command))
+    yield transition(state.mode, command.cause, _in_words(command))
+
+
+_FOLLOWS: Mapping[type[CellCommand], Callable[[CellState, Any], Iterator[e.Event]]] = {
+    Reset: _reset,
+    Start: _start,
+    Stop: _stop,
+    Pause: _pause,
+    Resume: _resume,
+    Abort: _abort,
+    Clear: _clear,
+}
+
+
+# --- whose pauses -----------------------------------------------------------------------------
+
+
+def _to_release(state: CellState, command: Resume) -> list[Hold]:
+    """Return the pauses that a command releases.
+
+    :raises CommandRefused: there are none, or they are somebody else's
+    """
+    if not state.pauses:
+        raise CommandRefused(f'the cell is not paused; {_instead(state)}')
+    if command.hold is not None:
+        chosen = [hold for hold in state.pauses if hold.id == command.hold]
+    else:
+        ours = ('', command.who or 'unknown')
+        chosen = [h for h in state.pauses if command.everyones or h.owner in ours]
+    if chosen:
+        return chosen
+    there = '; '.join(_pause_in_words(hold) for hold in state.pauses)
+    whose = 'there is no such pause' if command.hold else 'no pause is yours'
+    raise CommandRefused(
+        f'{whose}; {there}; whoever paused resumes, or name the hold to release it for them'
+    )
+
+
+def _instead(state: CellState) -> str:
+    waiting = ', '.join(f'hold {hold}' for hold in state.holds)
+    return f'it waits for answers to {waiting}' if waiting else f'it is {state.mode.value}'
+
+
+def _pause_in_words(hold: Hold) -> str:
+    return f'hold {hold.id} ({hold.reason}{f", {hold.message}" if hold.message else ""})'
+
+
+# --- answers ----------------------------------------------------------------------------------
+
+
+def _after_resume(state: CellState) -> str:
+    if state.pauses:
+        return 'still paused: ' + '; '.join(_pause_in_words(hold) for hold in state.pauses)
+    if state.holds:
+        return f'no longer paused; {_instead(state)}'
+    return 'the cell goes on'
+
+
+def _after_abort(state: CellState) -> str:
+    number = len(state.running)
+    return f'{number} goal{"s are" if number != 1 else " is"} being cancelled'
+
+
+_ANSWERS: Mapping[type[CellCommand], Callable[[CellState], str]] = {
+    Reset: lambda _: 'the cell gets ready',
+    Start: lambda _: 'the cell starts',
+    Stop: lambda _: 'the cell finishes the cycles in hand and stops',
+    Pause: lambda state: (
+        f'the cell starts nothing more until hold {list(state.holds)[-1]} is over'
+    ),
+    Resume: _after_resume,
+    Abort: _after_abort,
+    Clear: lambda _: 'the belt is confirmed; the cell stops, reset and start let it go on',
+}
+
+
+def _in_words(command: CellCommand) -> str:
+    return f'{command.who}: {command.reason}'

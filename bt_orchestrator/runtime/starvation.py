@@ -1,0 +1,69 @@
+"""Whether the line waits for nothing but its source or its sink (semantics 7.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from bt_orchestrator.model.state import CellState
+from bt_orchestrator.model.stop_reason import StopReason
+from bt_orchestrator.runtime.ledger import Ledger
+from bt_orchestrator.tree.subject import Subject
+
+SUSPEND_AFTER_S = 1.0
+"""How long the line has to wait before it counts: a component that is busy for a moment after its
+task, as most say they are, is no reason to note anything."""
+
+
+class Starved(NamedTuple):
+    """For what the line waits."""
+
+    reason: StopReason
+    words: str
+
+
+class Starvation:
+    """Remembers since when the line waits for its source or sink."""
+
+    def __init__(self, ledger: Ledger) -> None:
+        self._ledger = ledger
+        self._waited_for: Starved | None = None
+        self._since = 0.0
+
+    def look(self, unready: Iterable[Subject]) -> Starved | None:
+        """Say for what the line has been waiting long enough; None: it has not.
+
+        :param unready: tasks that wait for their component, of a line in which all else waits
+        """
+        now, found = self._ledger.now, find(self._ledger.state, unready)
+        if found != self._waited_for:
+            self._waited_for, self._since = found, now
+        if found is None:
+            return None
+        due = self._since + SUSPEND_AFTER_S
+        if now >= due:
+            return found
+        self._ledger.wake_at(due)
+        return None
+
+
+def find(state: CellState, unready: Iterable[Subject]) -> Starved | None:
+    """Say which end of the line is waited for; the sink, if both are (downstream first, 4.4)."""
+    found = [one for one in (_at_an_end(state, subject) for subject in unready) if one is not None]
+    blocked = [one for one in found if one.reason is StopReason.BLOCKED]
+    return next(iter([*blocked, *found]), None)
+
+
+def _at_an_end(state: CellState, subject: Subject) -> Starved | None:
+    """Say at which end of the line a task waits; None: between them, or in initialization."""
+    if subject.job is None or subject.section is None:
+        return None
+    script = state.script(subject.job)
+    at_source, at_sink = (subject.section == end for end in (script.source, script.sink))
+    if at_source and at_sink:
+        at_source = state.slot(subject.section) is None  # nothing is placed yet
+    if not at_source and not at_sink:
+        return None
+    reason = StopReason.STARVED if at_source else StopReason.BLOCKED
+    topic = state.cell.components[subject.task.component].state
+    return Starved(reason, f'{subject.key} waits for {topic}')
