@@ -13,6 +13,9 @@ _FEEDBACK = '/_action/feedback'
 _FEEDBACK_TYPE = '_FeedbackMessage'
 _STATE_TYPE = 'std_msgs/msg/String'
 
+_NO_DEVICE = 'bt_orchestrator_interfaces/action/RunJob'
+"""What a tree node that runs beside the controllers serves itself."""
+
 
 class NobodyServes(OrchestratorError):
     """There is no action server on the graph."""
@@ -58,8 +61,8 @@ def _servers(graph: Graph) -> Iterator[FoundServer]:
     for topic in sorted(topics):
         action = topic.removesuffix(_FEEDBACK)
         served = graph.action_servers(action) if action != topic else ()
-        if served:
-            type_name = served[0].topic_type.removesuffix(_FEEDBACK_TYPE)
+        type_name = served[0].topic_type.removesuffix(_FEEDBACK_TYPE) if served else _NO_DEVICE
+        if type_name != _NO_DEVICE:
             yield FoundServer(action, type_name, names(served), _beside(action, states))
 
 

@@ -38,7 +38,7 @@ def _message(state: CellState, job: JobState, position: int, end_s: float) -> Jo
         substate=word.substate,
         position=position,
         ending=job.ending if live else '',
-        expected_end_s=end_s,
+        expected_end_s=end_s if live else UNKNOWN_S,  # a forecast may outlive its job
         quantity=job.job.quantity,
         started=progress.started,
         placed=progress.placed,

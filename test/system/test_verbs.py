@@ -101,7 +101,7 @@ def test_a_hold_is_shown_and_answered(held_cell: CellProcesses) -> None:
         folder, 'answer', hold.id, 'retry', '--reason', 'gripper cleaned', '--who', 'Ada'
     )
     assert status == 0
-    decided = held_cell.watch.until('operator.decided')
+    decided = held_cell.watch.until('operator.decided', hold=hold.id)
     assert (decided['answer'], decided['who']) == ('retry', 'Ada')
     assert decided['reason'] == 'gripper cleaned'
     assert held_cell.watch.until_ended('WO-1').packed == 1
