@@ -117,8 +117,16 @@ def answer(cell: Cell, types: Any, question: Mapping[str, Any]) -> dict[str, flo
 
 
 def main() -> None:
-    """Answer questions until there are no more."""
+    """Answer questions until there are no more, or nobody is left to hear the answers."""
     os.nice(NICE)
+    try:
+        _serve()
+    except BrokenPipeError:
+        # What is left in the buffer has nowhere to go, and Python would complain at its end.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _serve() -> None:
     from bt_orchestrator.ros.action_types import InstalledActionTypes
 
     types = InstalledActionTypes()

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 import time
 from collections.abc import Callable, Iterator
 
@@ -11,6 +13,7 @@ from fakes.shipped import REFERENCE_CELL, REFERENCE_ORDER, TREES
 
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.foresight_process import ForesightProcess
+from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.snapshot import state_to_plain
 from bt_orchestrator.sim.simulation import Simulation
 
@@ -70,3 +73,19 @@ def test_a_process_that_dies_takes_the_forecasts_with_it_and_nothing_else(
 
 def test_what_was_never_asked_needs_no_end(begun: Simulation) -> None:
     ForesightProcess(begun.state.cell).close()
+
+
+def test_nobody_left_to_hear_the_answer_is_no_error(begun: Simulation) -> None:
+    words = [sys.executable, '-m', 'bt_orchestrator.cli.foresight_process']
+    pipe = subprocess.PIPE
+    child = subprocess.Popen(words, stdin=pipe, stdout=pipe, stderr=pipe, text=True)
+    assert child.stdin is not None
+    assert child.stdout is not None
+    child.stdout.close()
+    question = {
+        'state': state_to_plain(begun.state),
+        'known': {'observed_s': {}, 'now_s': EPOCH_S},
+    }
+    child.stdin.write(f'{json.dumps(to_plain(begun.state.cell))}\n{json.dumps(question)}\n')
+    _, errors = child.communicate(timeout=LONGEST_S)
+    assert (child.returncode, errors) == (0, '')
