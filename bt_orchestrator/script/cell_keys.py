@@ -29,6 +29,7 @@ STATE = Table(
             '/unpacking/state',
             required=True,
             form=NAME_FORM,
+            rule='2.5',
         ),
         Key(
             'type',
@@ -37,8 +38,16 @@ STATE = Table(
             'std_msgs/msg/String',
             required=True,
             form=MESSAGE_TYPE_FORM,
+            rule='2.5',
         ),
-        Key('field', Kind.TEXT, 'field that is compared, or a path to it', 'data', required=True),
+        Key(
+            'field',
+            Kind.TEXT,
+            'field that is compared, or a path to it',
+            'data',
+            required=True,
+            rule='2.5',
+        ),
         Key(
             'ready',
             Kind.LIST,
@@ -47,6 +56,7 @@ STATE = Table(
             required=True,
             members=Kind.VALUE,
             fewest=1,
+            rule='2.5',
         ),
     ),
 )
@@ -57,6 +67,7 @@ _STATE = Key(
     'topic that says whether a goal may be sent; without it always',
     '{topic: /unpacking/state, type: std_msgs/msg/String, field: data, ready: [READY]}',
     of=(STATE,),
+    rule='2.5',
 )
 _TIMEOUT = Key(
     'timeout',
@@ -66,6 +77,7 @@ _TIMEOUT = Key(
     default=DEFAULT_TIMEOUT_S,
     minimum=0,
     maximum=LONGEST_SECONDS,
+    rule='2.4',
 )
 _RESULT_TIMEOUT = Key(
     'result_timeout',
@@ -76,6 +88,7 @@ _RESULT_TIMEOUT = Key(
     default=RESULT_TIMEOUT_S,
     minimum=0,
     maximum=LONGEST_SECONDS,
+    rule='9.2',
 )
 _RESULTS = Key(
     'results',
@@ -83,6 +96,7 @@ _RESULTS = Key(
     'result fields of each task, for simulation; else true, 0 and empty',
     '{TASK_A: {measurement: 1.5}}',
     members=Kind.MAPPING,
+    rule='8.3',
 )
 _FAULTS = Key(
     'faults',
@@ -90,6 +104,7 @@ _FAULTS = Key(
     'faults of the simulated controller, each `[TASK][#NTH]=KIND[:SECONDS]` as for `sim-cell`',
     '["TASK_A#2=abort"]',
     members=Kind.TEXT,
+    rule='8.3',
 )
 
 COMPONENT = Table(
@@ -101,6 +116,7 @@ COMPONENT = Table(
             'section it belongs to, or a list of them; absent: none',
             '2',
             minimum=1,
+            rule='5',
         ),
         action(),
         action_type(),
@@ -115,6 +131,7 @@ COMPONENT = Table(
             minimum=0,
             maximum=LONGEST_SECONDS,
             members=Kind.SECONDS,
+            rule='8.3',
         ),
         _RESULTS,
         _FAULTS,
@@ -138,6 +155,7 @@ CONVEYOR = Table(
             required=True,
             minimum=1,
             maximum=MOST_SECTIONS,
+            rule='3.5',
         ),
         action(),
         action_type(),
@@ -146,6 +164,7 @@ CONVEYOR = Table(
             Kind.TEXT,
             'task constant of one index move; only types with a task field need it',
             'MOVE_ONE_INDEX',
+            rule='3.5',
         ),
         _STATE,
         _TIMEOUT,
@@ -158,8 +177,11 @@ CONVEYOR = Table(
             default=DEFAULT_DURATION_S,
             minimum=0,
             maximum=LONGEST_SECONDS,
+            rule='8.3',
         ),
-        whole('retries', 'further attempts after a failed index move', '1', 0, default=0),
+        whole(
+            'retries', 'further attempts after a failed index move', '1', 0, default=0, rule='3.5'
+        ),
         Key(
             'on_failure',
             Kind.CHOICE,
@@ -167,6 +189,7 @@ CONVEYOR = Table(
             'hold',
             default=OnFailure.HOLD.value,
             choices=words(OnFailure, OnFailure.CONTINUE, OnFailure.REJECT),
+            rule='3.5',
         ),
         _RESULTS,
         _FAULTS,
@@ -190,6 +213,7 @@ CELL = Table(
             'my_cell',
             required=True,
             form=TOKEN_FORM,
+            rule='1',
         ),
         Key(
             'conveyor',
@@ -198,6 +222,7 @@ CELL = Table(
             '{sections: 5, action: /conveyor/index, type: ...}',
             required=True,
             of=(CONVEYOR,),
+            rule='3.5',
         ),
         Key(
             'components',
@@ -208,6 +233,7 @@ CELL = Table(
             of=(COMPONENT,),
             fewest=1,
             name_form=NAME_WITHOUT_DOTS,
+            rule='1',
         ),
     ),
 )

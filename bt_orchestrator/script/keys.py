@@ -74,6 +74,8 @@ class Key:
     """Pattern of a text, as far as an editor can know what the reader takes."""
     name_form: str = ''
     """Pattern of the names in a MAPPING."""
+    rule: str = ''
+    """Rule or chapter of docs/semantics.md that says what it does."""
 
     @property
     def hint(self) -> str:
@@ -114,10 +116,19 @@ def words(enum: type[Enum], *leave_out: Enum) -> tuple[str, ...]:
     return tuple(str(member.value) for member in enum if member not in leave_out)
 
 
-def whole(name: str, meaning: str, example: str, minimum: int, default: int | None = None) -> Key:
+def whole(
+    name: str, meaning: str, example: str, minimum: int, default: int | None = None, rule: str = ''
+) -> Key:
     """Return the key of a count."""
     return Key(
-        name, Kind.WHOLE, meaning, example, default=default, minimum=minimum, maximum=LARGEST_WHOLE
+        name,
+        Kind.WHOLE,
+        meaning,
+        example,
+        default=default,
+        minimum=minimum,
+        maximum=LARGEST_WHOLE,
+        rule=rule,
     )
 
 
@@ -130,6 +141,7 @@ def action() -> Key:
         '/unpacking/unpacking_action',
         required=True,
         form=NAME_FORM,
+        rule='2.1',
     )
 
 
@@ -142,4 +154,5 @@ def action_type() -> Key:
         'my_interfaces/action/PackingArm',
         required=True,
         form=ACTION_TYPE_FORM,
+        rule='2.1',
     )

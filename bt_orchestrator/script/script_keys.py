@@ -19,6 +19,7 @@ PARALLEL = Table(
             of=(TASK,),
             fewest=2,
             is_nested=True,
+            rule='3.1',
         ),
     ),
 )
@@ -33,6 +34,7 @@ SECTION = Table(
             'after_last_conveyor_task',
             default=Release.END_OF_CYCLE.value,
             choices=words(Release),
+            rule='3.8',
         ),
         Key(
             'tasks',
@@ -42,6 +44,7 @@ SECTION = Table(
             required=True,
             of=(TASK, PARALLEL),
             fewest=1,
+            rule='3.1',
         ),
     ),
     short='tasks',
@@ -57,16 +60,30 @@ PARAMETER = Table(
             'str',
             required=True,
             choices=('str', 'int', 'float', 'bool'),
+            rule='8.1',
         ),
-        Key('default', Kind.VALUE, 'used where an order names none; absent: required', '"none"'),
+        Key(
+            'default',
+            Kind.VALUE,
+            'used where an order names none; absent: required',
+            '"none"',
+            rule='8.1',
+        ),
     ),
 )
 
 INITIALIZATION_DEPENDENCY = Table(
     'an initialization dependency',
     (
-        Key('upstream', Kind.TEXT, 'task that is first', 'home_belt', required=True),
-        Key('downstream', Kind.TEXT, 'task that waits for it', 'ready_arm', required=True),
+        Key('upstream', Kind.TEXT, 'task that is first', 'home_belt', required=True, rule='5.1'),
+        Key(
+            'downstream',
+            Kind.TEXT,
+            'task that waits for it',
+            'ready_arm',
+            required=True,
+            rule='5.1',
+        ),
     ),
 )
 
@@ -80,19 +97,28 @@ LATERAL_DEPENDENCY = Table(
             'camera_clear',
             required=True,
             form=NAME_WITHOUT_DOTS,
+            rule='4.1',
         ),
-        Key('upstream', Kind.TEXT, 'task that adds one', 'inspect', required=True),
-        Key('downstream', Kind.TEXT, 'task that takes one', 'assemble', required=True),
-        whole('capacity', 'upstream starts only below this count', '2', 1, default=1),
-        whole('initial', 'count at the start, up to the capacity', '1', 0, default=0),
+        Key('upstream', Kind.TEXT, 'task that adds one', 'inspect', required=True, rule='4.1'),
+        Key('downstream', Kind.TEXT, 'task that takes one', 'assemble', required=True, rule='4.1'),
+        whole('capacity', 'upstream starts only below this count', '2', 1, default=1, rule='4.1'),
+        whole('initial', 'count at the start, up to the capacity', '1', 0, default=0, rule='4.1'),
     ),
 )
 
 SCRIPT = Table(
     'a script',
     (
-        Key('script', Kind.TEXT, 'name of the script', 'my_process', required=True, form=ID_FORM),
-        whole('quantity', 'items of an order that names no quantity', '12', 1),
+        Key(
+            'script',
+            Kind.TEXT,
+            'name of the script',
+            'my_process',
+            required=True,
+            form=ID_FORM,
+            rule='1',
+        ),
+        whole('quantity', 'items of an order that names no quantity', '12', 1, rule='6.2'),
         Key(
             'params',
             Kind.MAPPING,
@@ -100,6 +126,7 @@ SCRIPT = Table(
             '{lot: {type: str, default: "none"}}',
             of=(PARAMETER,),
             name_form=NAME_WITHOUT_DOTS,
+            rule='8.1',
         ),
         Key(
             'initialization',
@@ -107,6 +134,7 @@ SCRIPT = Table(
             'tasks before the first cycle of a job',
             '[{id: home_belt, task: HOME, action: /conveyor/index}]',
             of=(INITIALIZATION_TASK,),
+            rule='5.2',
         ),
         Key(
             'initialization_dependencies',
@@ -114,6 +142,7 @@ SCRIPT = Table(
             'order among initialization tasks; all others run side by side',
             '[{upstream: home_belt, downstream: ready_arm}]',
             of=(INITIALIZATION_DEPENDENCY,),
+            rule='5.1',
         ),
         Key(
             'sections',
@@ -124,6 +153,7 @@ SCRIPT = Table(
             of=(SECTION,),
             fewest=1,
             name_form='[1-9][0-9]*',
+            rule='3.1',
         ),
         Key(
             'lateral_dependencies',
@@ -131,6 +161,7 @@ SCRIPT = Table(
             'counters that order tasks of different sections',
             '[{flag: camera_clear, upstream: inspect, downstream: assemble}]',
             of=(LATERAL_DEPENDENCY,),
+            rule='4.1',
         ),
         Key(
             'zones',
@@ -139,6 +170,7 @@ SCRIPT = Table(
             '{shared_table: [inspect, assemble]}',
             members=Kind.LIST,
             name_form=NAME_WITHOUT_DOTS,
+            rule='4.4',
         ),
     ),
 )
@@ -146,15 +178,23 @@ SCRIPT = Table(
 ORDER = Table(
     'a work order',
     (
-        Key('order', Kind.TEXT, 'order id; assigned when absent', 'WO-1001'),
-        Key('script', Kind.TEXT, 'name of a script, or a path', 'my_process', required=True),
-        whole('quantity', "number of items; absent: the script's", '12', 1),
+        Key('order', Kind.TEXT, 'order id; assigned when absent', 'WO-1001', rule='6.6'),
+        Key(
+            'script',
+            Kind.TEXT,
+            'name of a script, or a path',
+            'my_process',
+            required=True,
+            rule='8.1',
+        ),
+        whole('quantity', "number of items; absent: the script's", '12', 1, rule='6.2'),
         Key(
             'params',
             Kind.MAPPING,
             'values for the parameters of the script',
             '{lot: A7}',
             members=Kind.VALUE,
+            rule='8.1',
         ),
     ),
 )

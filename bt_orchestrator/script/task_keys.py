@@ -16,8 +16,16 @@ CONDITION = Table(
             'what is compared',
             '"${results.inspect.size}"',
             required=True,
+            rule='6.5',
         ),
-        Key('equals', Kind.VALUE, 'the value that it is compared with', '3', required=True),
+        Key(
+            'equals',
+            Kind.VALUE,
+            'the value that it is compared with',
+            '3',
+            required=True,
+            rule='6.5',
+        ),
     ),
 )
 
@@ -28,15 +36,23 @@ _FIRST_TASK_KEYS = (
         'name of the task in the script; else section and number',
         'inspect',
         form=ID_FORM,
+        rule='1',
     ),
     Key(
         'task',
         Kind.TEXT,
         'task constant of the action type; a label where the type has no task field',
         'TASK_A',
+        rule='2.1',
     ),
     action(),
-    Key('args', Kind.MAPPING, 'goal fields; references are allowed', '{label: "${params.lot}"}'),
+    Key(
+        'args',
+        Kind.MAPPING,
+        'goal fields; references are allowed',
+        '{label: "${params.lot}"}',
+        rule='6.3',
+    ),
 )
 _LAST_TASK_KEYS = (
     Key(
@@ -45,8 +61,9 @@ _LAST_TASK_KEYS = (
         'true means `on_failure: continue`',
         'true',
         default=False,
+        rule='2.7',
     ),
-    whole('retries', 'further attempts after a failed one', '2', 0, default=0),
+    whole('retries', 'further attempts after a failed one', '2', 0, default=0, rule='2.6'),
     Key(
         'retry_delay',
         Kind.SECONDS,
@@ -55,6 +72,7 @@ _LAST_TASK_KEYS = (
         default=0.0,
         minimum=0,
         maximum=LONGEST_SECONDS,
+        rule='2.6',
     ),
     Key(
         'timeout',
@@ -63,6 +81,7 @@ _LAST_TASK_KEYS = (
         '10.0',
         minimum=0,
         maximum=LONGEST_SECONDS,
+        rule='2.4',
     ),
     Key(
         'repeatable',
@@ -70,13 +89,14 @@ _LAST_TASK_KEYS = (
         'doing it twice does no harm, so it may be sent again after a crash',
         'true',
         default=False,
+        rule='9.2',
     ),
 )
 
 
 def _on_failure(choices: tuple[str, ...]) -> Key:
-    meaning = 'what happens after the last failed attempt'
-    return Key('on_failure', Kind.CHOICE, meaning, 'hold', choices=choices)
+    meaning = 'what happens after the last failed attempt; absent: hold'
+    return Key('on_failure', Kind.CHOICE, meaning, 'hold', choices=choices, rule='2.7')
 
 
 TASK = Table(
@@ -89,6 +109,7 @@ TASK = Table(
             'the belt must be at rest for it',
             'false',
             default=True,
+            rule='3.3',
         ),
         Key(
             'qty_change',
@@ -98,6 +119,7 @@ TASK = Table(
             default=0,
             minimum=-1,
             maximum=1,
+            rule='3.2',
         ),
         _on_failure(words(OnFailure)),
         *_LAST_TASK_KEYS,
@@ -107,6 +129,7 @@ TASK = Table(
             'run only if this holds; else the task is skipped',
             '"${results.weigh.item_present}"',
             of=(CONDITION,),
+            rule='6.5',
         ),
         Key(
             'unless',
@@ -114,6 +137,7 @@ TASK = Table(
             'skip the task if this holds',
             '"${results.weigh.item_present}"',
             of=(CONDITION,),
+            rule='6.5',
         ),
         Key(
             'runs_for',
@@ -122,6 +146,7 @@ TASK = Table(
             'all',
             default=RunsFor.GOOD.value,
             choices=words(RunsFor),
+            rule='6.4',
         ),
     ),
     misplaced={'once': ('only initialization tasks can run once', 'remove `once`')},
@@ -142,6 +167,7 @@ INITIALIZATION_TASK = Table(
             'skip it if it succeeded since the cell last left Stopped or Aborted',
             'true',
             default=False,
+            rule='5.1',
         ),
     ),
     misplaced={
