@@ -19,6 +19,7 @@ import re
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from enum import Enum
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -41,6 +42,7 @@ PAGES = (
     'README.md',
     'docs/semantics.md',
     'docs/formats.md',
+    'docs/script_reference.md',
     'docs/operating.md',
     'docs/queue.md',
 )
@@ -92,11 +94,32 @@ def keys_of(root: Table) -> Iterator[str]:
     for table in {table.name: table for table in root.tree()}.values():
         yield f'**{table.name[0].upper()}{table.name[1:]}**'
         yield ''
-        yield '| key | value | meaning | example |'
-        yield '|---|---|---|---|'
-        for key in table.keys:
-            yield f'| `{key.name}` | {_value(key)} | {_meaning(key)} | {_code(key.example)} |'
-        yield ''
+        yield from keys_in(table)
+
+
+def keys_in(table: Table) -> Iterator[str]:
+    """Yield the keys of one kind of mapping."""
+    yield '| key | value | meaning | example | rule |'
+    yield '|---|---|---|---|---|'
+    for key in table.keys:
+        words = [f'`{key.name}`', _value(key), _meaning(key), _code(key.example), _rule(key)]
+        yield f'| {" | ".join(words)} |'
+    yield ''
+
+
+def _rule(key: Key) -> str:
+    return f'[{key.rule}](semantics.md#{_chapters()[key.rule.partition(".")[0]]})'
+
+
+@cache
+def _chapters() -> Mapping[str, str]:
+    """Return what links call the chapters of the rules, by their numbers."""
+    text = (ROOT / 'docs' / 'semantics.md').read_text(encoding='utf-8')
+    headings = re.findall(r'^## ((\d)\. .*)$', text, re.MULTILINE)
+    return {
+        number: re.sub(r'[^\w -]', '', heading.lower()).replace(' ', '-')
+        for heading, number in headings
+    }
 
 
 def _value(key: Key) -> str:
@@ -372,7 +395,7 @@ def _member_docstrings(kind: type[Enum]) -> dict[str, str]:
 
 PARTS: Mapping[str, Callable[[], Iterator[str]]] = {
     'keys of a cell file': lambda: keys_of(CELL),
-    'keys of a script': lambda: keys_of(SCRIPT),
+    **{f'keys of {table.name}': partial(keys_in, table) for table in SCRIPT.tree()},
     'keys of a work order': lambda: keys_of(ORDER),
     'kinds of faults': fault_kinds,
     'methods of a job': job_methods,

@@ -17,6 +17,7 @@ import pytest
 from fakes.action_types import FakeActionTypes
 from fakes.schemas import refusals
 from fakes.shipped import REFERENCE_CELL, ROOT, TREES
+from fakes.yaml_parts import laid_over
 
 from bt_orchestrator.cli import check
 from bt_orchestrator.cli.main import PROGRAM, VERBS, without_ros_arguments
@@ -25,10 +26,15 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import event_types
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.script.cell_file import parse_cell, read_cell
+from bt_orchestrator.script.cell_keys import CELL
 from bt_orchestrator.script.order_file import bind_order, parse_order
 from bt_orchestrator.script.script_file import parse_script, read_script
+from bt_orchestrator.script.script_keys import ORDER, SCRIPT
+from bt_orchestrator.sim.proof import DeadlockProof
+from bt_orchestrator.store.memory import MemoryStore
 
 TYPES = FakeActionTypes()
+SCRIPT_REFERENCE = 'docs/script_reference.md'
 PAGES = sorted(
     path.relative_to(ROOT).as_posix()
     for path in (ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', *(ROOT / 'docs').rglob('*.md'))
@@ -80,21 +86,32 @@ class PageReader:
     def __init__(self) -> None:
         self.cell: Cell = read_cell(REFERENCE_CELL, TYPES)
         self.scripts: dict[str, Script] = {}
+        self.whole = ''
+        """The first script that was shown; parts are shown of it."""
 
     def read(self, block: Block) -> str:
         """Read one block as what it is, and return the word for it."""
         if block.starts('cell'):
             self.cell = parse_cell(block.text, block.place, TYPES)
             return 'cell'
+        if not block.starts('script'):
+            self._read_script(laid_over(self.whole, block.text), block.place)
+            return 'part'
         if block.starts('sections'):
-            script = parse_script(block.text, block.place, self.cell, TYPES)
-            self.scripts[script.name] = script
+            self.whole = self.whole or block.text
+            self._read_script(block.text, block.place)
             return 'script'
         file = parse_order(block.text, block.place)
         name = file.order.script
         script = self.scripts.get(name) or read_script(TREES / f'{name}.yaml', self.cell, TYPES)
         bind_order(file.order, script, file.order.order or 'WO-1', file.places)
         return 'work_order'
+
+    def _read_script(self, text: str, place: str) -> None:
+        script = parse_script(text, place, self.cell, TYPES)
+        assert refusals('script.schema.json', text) == [], place
+        assert DeadlockProof(self.cell, TYPES, MemoryStore).objection(script) is None, place
+        self.scripts[script.name] = script
 
 
 @pytest.mark.parametrize('page', sorted({block.page for block in yaml_blocks()}))
@@ -107,8 +124,31 @@ def test_yaml_on_a_page_is_accepted_by_the_real_readers(page: str) -> None:
                 kinds.append(reader.read(block))
             except Refused as refused:
                 pytest.fail(f'{block.place}:\n{refused}')
-            assert refusals(f'{kinds[-1]}.schema.json', block.text) == [], block.place
+            if kinds[-1] in ('cell', 'work_order'):
+                assert refusals(f'{kinds[-1]}.schema.json', block.text) == [], block.place
     assert kinds
+
+
+def test_every_option_of_a_script_is_shown_in_an_example() -> None:
+    chapters = re.split(r'^## ', text_of(SCRIPT_REFERENCE), flags=re.MULTILINE)
+    for table in SCRIPT.tree():
+        (chapter,) = (c for c in chapters if f'generated: keys of {table.name} -->' in c)
+        elsewhere = 'own below' in chapter
+        examples = ''.join(re.findall(r'^```yaml\n(.*?)^```$', chapter, re.DOTALL | re.MULTILINE))
+        shown = set(re.findall(r'\b(\w+):', examples))
+        missing = {key.name for key in table.keys if not (elsewhere and key.of)} - shown
+        assert missing == set(), table.name
+
+
+def test_an_option_names_a_rule_that_exists() -> None:
+    text = text_of('docs/semantics.md')
+    for root in (CELL, SCRIPT, ORDER):
+        for key in (key for table in root.tree() for key in table.keys):
+            chapter, _, rule = key.rule.partition('.')
+            body = re.search(rf'^## {chapter}\. .*?(?=^## )', text, re.MULTILINE | re.DOTALL)
+            assert chapter
+            assert body, key.name
+            assert f'\n{rule}. ' in body[0] or not rule, key.name
 
 
 def test_every_kind_of_file_is_shown() -> None:
