@@ -211,9 +211,9 @@ def _has_default(field: dataclasses.Field[Any]) -> bool:
 def _attribute_docstrings() -> dict[tuple[str, str], str]:
     """Return the strings that stand below the fields of the event classes."""
     found = {}
-    for node in ast.parse(inspect.getsource(events)).body:
-        if not isinstance(node, ast.ClassDef):
-            continue
+    for kind in (kind for kind in vars(events).values() if isinstance(kind, type)):
+        node = ast.parse(inspect.getsource(kind)).body[0]
+        assert isinstance(node, ast.ClassDef)
         for field, below in zip(node.body, node.body[1:], strict=False):
             if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name):
                 text = _string(below)

@@ -46,7 +46,8 @@ def from_record(record: Mapping[str, Any]) -> e.Event:
 @lru_cache(maxsize=1)
 def event_types() -> Mapping[str, type[e.Event]]:
     """Return every event class by its name in the record."""
-    classes = (c for c in vars(e).values() if isinstance(c, type) and issubclass(c, e.Event))
+    public = (getattr(e, name) for name in e.__all__)
+    classes = (c for c in public if isinstance(c, type) and issubclass(c, e.Event))
     return {c.event: c for c in classes if hasattr(c, 'event')}
 
 

@@ -156,7 +156,7 @@ def test_plain_lines_and_json(held_cell: CellProcesses) -> None:
     plain = start_watching(held_cell)
     machine = ProgramProcess(['watch', '--json', '--tree'], held_cell.folder, 'machine')
     try:
-        wait_for(held_cell, plain, 'cell small_cell: Held, belt at rest\n')
+        wait_for(held_cell, plain, 'cell small_cell: Held for ')
         wait_for(held_cell, machine, '"kind": "tree"')
         assert held_cell.watch.answer('1', 'retry').accepted
         wait_for(held_cell, plain, 'WO-1 completed\n')

@@ -1,0 +1,40 @@
+"""What all events have, and how they name a task."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, NamedTuple
+
+from bt_orchestrator.model.script import INDEX
+
+
+class TaskKey(NamedTuple):
+    """Which task of which item; unique among the tasks that can exist at one time."""
+
+    job: str | None
+    """None for the belt's own move."""
+    section: int | None
+    """None for initialization and for the belt's own move."""
+    item: str | None
+    task: str
+
+    def __str__(self) -> str:
+        if self.job is None:
+            return self.task
+        return f'{self.task} of {self.item or self.job}'
+
+
+INDEX_KEY = TaskKey(None, None, None, INDEX)
+"""The belt's own move (formats: events)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Event:
+    """Base of all events. `seq` and `time` are stamped when the event is recorded."""
+
+    event: ClassVar[str]
+    """Name in the record, for instance task.started."""
+
+    seq: int = 0
+    time: float = 0.0
+    """Seconds since the epoch in a real run, from 0 in a virtual one."""

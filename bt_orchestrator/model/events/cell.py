@@ -1,0 +1,112 @@
+"""What happens to components, holds and the cell, and what people decide."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from bt_orchestrator.model.events.base import Event
+
+
+@dataclass(frozen=True, kw_only=True)
+class ComponentStateChanged(Event):
+    """A state topic says something new (semantics 2.5)."""
+
+    event: ClassVar[str] = 'component.state_changed'
+    component: str
+    ready: bool
+    value: Any = None
+    """None: nothing is published any more."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class HoldRaised(Event):
+    """Something waits for an operator (semantics 7.1)."""
+
+    event: ClassVar[str] = 'hold.raised'
+    hold: str
+    job: str | None = None
+    section: int | None = None
+    item: str | None = None
+    task: str | None = None
+    reason: str
+    message: str = ''
+    answers: tuple[str, ...] = ()
+    owner: str = ''
+    """Who paused the cell; empty: it is nobody's, anyone may end it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class HoldReleased(Event):
+    """The hold is over."""
+
+    event: ClassVar[str] = 'hold.released'
+    hold: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class OperatorDecided(Event):
+    """An operator answered or commanded something."""
+
+    event: ClassVar[str] = 'operator.decided'
+    answer: str
+    who: str
+    reason: str
+    origin: str = ''
+    """Where the command came from, for instance the program and the computer."""
+    hold: str | None = None
+    job: str | None = None
+    item: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class OperatorRefused(Event):
+    """A command to the cell was refused; nothing was changed."""
+
+    event: ClassVar[str] = 'operator.refused'
+    command: str
+    who: str
+    reason: str
+    origin: str = ''
+    """Where the command came from."""
+    message: str
+    """Why it was refused."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class OrchestratorStarted(Event):
+    """An orchestrator took the cell over, with whatever the journal says of it."""
+
+    event: ClassVar[str] = 'orchestrator.started'
+    cell: str
+    digest: str
+    """Of the cell's definition."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class OrchestratorStopping(Event):
+    """The node ends: goals are cancelled, and nothing starts before another one takes over."""
+
+    event: ClassVar[str] = 'orchestrator.stopping'
+
+
+@dataclass(frozen=True, kw_only=True)
+class StopReasonChanged(Event):
+    """Why the line stands still has changed; PackML and ISA-95 states follow from it (7.2)."""
+
+    event: ClassVar[str] = 'cell.stop_reason_changed'
+    stop_reason: str
+    """operator, own_fault, starved, blocked or emergency; empty: it does not stand still."""
+    reason: str = ''
+
+
+@dataclass(frozen=True, kw_only=True)
+class CellStateChanged(Event):
+    """The cell entered another PackML state (semantics 7.2)."""
+
+    event: ClassVar[str] = 'cell.state_changed'
+    state: str
+    previous: str
+    cause: str = ''
+    """PackML command, given or due by itself, or done: what the state was there for is done."""
+    reason: str = ''

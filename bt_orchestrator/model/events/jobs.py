@@ -1,0 +1,181 @@
+"""What happens to scripts, jobs and the queue."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from bt_orchestrator.model.events.base import Event
+from bt_orchestrator.model.script import Script
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScriptLoaded(Event):
+    """A script is known from here on; jobs name it by its digest, whatever becomes of the file."""
+
+    event: ClassVar[str] = 'script.loaded'
+    script: str
+    digest: str
+    definition: Script
+
+
+@dataclass(frozen=True, kw_only=True)
+class JobQueued(Event):
+    """A work order was accepted."""
+
+    event: ClassVar[str] = 'job.queued'
+    job: str
+    script: str
+    digest: str
+    quantity: int
+    params: Mapping[str, Any] = field(default_factory=dict)
+    position: int | None = None
+    """Place in the queue, from 1; None: the end."""
+    held: bool = False
+    """It may not start before it is released."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class JobMoved(Event):
+    """A queued job has another place in the queue."""
+
+    event: ClassVar[str] = 'job.moved'
+    job: str
+    position: int
+    """Place in the queue, from 1; jobs that have started are not in it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class JobUpdated(Event):
+    """A queued job was changed; the fields say all of what it is now."""
+
+    event: ClassVar[str] = 'job.updated'
+    job: str
+    script: str
+    digest: str
+    quantity: int
+    params: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True)
+class JobHeld(Event):
+    """A queued job may not start; it keeps its place and later jobs pass it."""
+
+    event: ClassVar[str] = 'job.held'
+    job: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class JobReleased(Event):
+    """A queued job may start when its turn comes."""
+
+    event: ClassVar[str] = 'job.released'
+    job: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class JobRemoved(Event):
+    """A job left the queue without having started."""
+
+    event: ClassVar[str] = 'job.removed'
+    job: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class JobStarted(Event):
+    """The job left the queue: its first initialization task or cycle begins."""
+
+    event: ClassVar[str] = 'job.started'
+    job: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class JobCompleted(Event):
+    """Nothing of the job is on the line any more; it did its cycles, or it was stopped."""
+
+    event: ClassVar[str] = 'job.completed'
+    job: str
+    exit_status: str = ''
+    """completed, or stopped: it began fewer items than were ordered; None in old journals."""
+    reason: str = ''
+    counts: Mapping[str, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True)
+class JobPaused(Event):
+    """The job begins no more items; those on the line go on."""
+
+    event: ClassVar[str] = 'job.paused'
+    job: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class JobResumed(Event):
+    """The job begins items again."""
+
+    event: ClassVar[str] = 'job.resumed'
+    job: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class JobStopping(Event):
+    """The job begins no more items, and ends when those on the line have left it."""
+
+    event: ClassVar[str] = 'job.stopping'
+    job: str
+    reason: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class JobAborting(Event):
+    """The job will end early: no new source cycle, its items are rejected and drain."""
+
+    event: ClassVar[str] = 'job.aborting'
+    job: str
+    reason: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class JobAborted(Event):
+    """Nothing of an aborting job is on the line any more."""
+
+    event: ClassVar[str] = 'job.aborted'
+    job: str
+    exit_status: str = ''
+    """aborted; None in old journals."""
+    reason: str = ''
+    counts: Mapping[str, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True)
+class JobCleared(Event):
+    """An ended job is not listed any more."""
+
+    event: ClassVar[str] = 'job.cleared'
+    job: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class QueueStopRequested(Event):
+    """The line is to run empty; then the cell stops."""
+
+    event: ClassVar[str] = 'queue.stop_requested'
+    after: str
+    """item: no item is begun any more; job: no job."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class QueueStopCancelled(Event):
+    """The line is not to run empty any more."""
+
+    event: ClassVar[str] = 'queue.stop_cancelled'
+
+
+@dataclass(frozen=True, kw_only=True)
+class QueueStopReached(Event):
+    """The line is empty, as was asked for; the cell stops."""
+
+    event: ClassVar[str] = 'queue.stop_reached'
+    after: str
+    """item or job, as it was asked for."""

@@ -1,0 +1,130 @@
+"""What happens to tasks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from bt_orchestrator.model.events.base import Event, TaskKey
+
+
+@dataclass(frozen=True, kw_only=True)
+class TaskEvent(Event):
+    """Something about one task."""
+
+    job: str | None = None
+    section: int | None = None
+    item: str | None = None
+    task: str
+
+    @property
+    def key(self) -> TaskKey:
+        """Which task of which item."""
+        return TaskKey(self.job, self.section, self.item, self.task)
+
+
+@dataclass(frozen=True, kw_only=True)
+class TaskStarted(TaskEvent):
+    """An attempt begins: its goal is sent once this event is durable (semantics 9.1)."""
+
+    event: ClassVar[str] = 'task.started'
+    name: str
+    """Task constant."""
+    action: str
+    component: str
+    attempt: int
+    goal: str
+    args: Mapping[str, Any] = field(default_factory=dict)
+    server: str | None = None
+    """Instance of the action server when it was sent, as its status publisher's id tells."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class TaskAdopted(TaskEvent):
+    """After a restart the goal in flight is asked for by its UUID (semantics 9.2)."""
+
+    event: ClassVar[str] = 'task.adopted'
+    attempt: int
+    goal: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class TaskResent(TaskEvent):
+    """The server does not know an adopted goal, and it is sent again, with the same UUID.
+
+    The task is repeatable, or the goal is proven never to have arrived (semantics 9.2).
+    """
+
+    event: ClassVar[str] = 'task.resent'
+    attempt: int
+    goal: str
+    server: str | None = None
+    """As in `task.started`."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class TaskCancelRequested(TaskEvent):
+    """The orchestrator asks the server to cancel a goal in flight."""
+
+    event: ClassVar[str] = 'task.cancel_requested'
+    goal: str
+    cause: str
+    """timeout, abort_job, abort or shutdown."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class TaskSucceeded(TaskEvent):
+    """The task was done (semantics 2.2)."""
+
+    event: ClassVar[str] = 'task.succeeded'
+    attempt: int
+    goal: str
+    results: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True)
+class TaskFailed(TaskEvent):
+    """One attempt failed; what follows is decided by retries and policy (semantics 2.6, 2.7)."""
+
+    event: ClassVar[str] = 'task.failed'
+    attempt: int
+    goal: str | None = None
+    """None where nothing was sent (missing_result)."""
+    reason: str
+    message: str = ''
+
+
+@dataclass(frozen=True, kw_only=True)
+class TaskRetrying(TaskEvent):
+    """Another attempt will be made, not before `not_before`."""
+
+    event: ClassVar[str] = 'task.retrying'
+    attempt: int
+    """The attempt to come."""
+    not_before: float
+    """Seconds, on the clock of `time`."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class TaskSkipped(TaskEvent):
+    """The task was not needed; its flag operations are done (semantics 4.2)."""
+
+    event: ClassVar[str] = 'task.skipped'
+    reason: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class TaskContinued(TaskEvent):
+    """The task failed for good and the cycle goes on without it."""
+
+    event: ClassVar[str] = 'task.continued'
+    policy: str
+    """continue, reject or abort_job."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class TaskMarkedDone(TaskEvent):
+    """An operator answered that the task is done, whatever the controller said."""
+
+    event: ClassVar[str] = 'task.marked_done'
