@@ -68,12 +68,9 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _carry_out(words: Sequence[str]) -> int:
-    verb = next((word for word in words if not word.startswith('-')), None)
+    verb = _verb(words)
     try:
-        module = _module(verb) if verb is not None and verb in VERBS else None
-        own_words = without_ros_arguments(words) if verb in TAKE_ROS_ARGUMENTS else words
-        args = _parser(verb, module).parse_args(own_words)
-        args.ros_args = words
+        args = parsed(words)
         return int(_module(args.verb).run(args))
     except Refused as refused:
         print(refused, file=sys.stderr)
@@ -85,6 +82,23 @@ def _carry_out(words: Sequence[str]) -> int:
             raise  # a defect, nothing that a user can install
         what = f'the Python package {error.name} is not installed'
         return _complain(verb, f'{what}; install it, or source the ROS 2 workspace it is in', 1)
+
+
+def parsed(words: Sequence[str]) -> argparse.Namespace:
+    """Read a command line.
+
+    :raises SystemExit: it is wrong, which has been said, or it only asked for help
+    """
+    verb = _verb(words)
+    module = _module(verb) if verb is not None and verb in VERBS else None
+    own_words = without_ros_arguments(words) if verb in TAKE_ROS_ARGUMENTS else words
+    args = _parser(verb, module).parse_args(own_words)
+    args.ros_args = words
+    return args
+
+
+def _verb(words: Sequence[str]) -> str | None:
+    return next((word for word in words if not word.startswith('-')), None)
 
 
 def without_ros_arguments(words: Sequence[str]) -> list[str]:

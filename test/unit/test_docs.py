@@ -7,6 +7,7 @@ import ast
 import importlib
 import importlib.util
 import re
+import shlex
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -20,7 +21,7 @@ from fakes.shipped import REFERENCE_CELL, ROOT, TREES
 from fakes.yaml_parts import laid_over
 
 from bt_orchestrator.cli import check
-from bt_orchestrator.cli.main import PROGRAM, VERBS, without_ros_arguments
+from bt_orchestrator.cli.main import PROGRAM, VERBS, parsed, without_ros_arguments
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import event_types
@@ -34,6 +35,7 @@ from bt_orchestrator.sim.proof import DeadlockProof
 from bt_orchestrator.store.memory import MemoryStore
 
 TYPES = FakeActionTypes()
+_LINES = re.MULTILINE | re.DOTALL
 SCRIPT_REFERENCE = 'docs/script_reference.md'
 PAGES = sorted(
     path.relative_to(ROOT).as_posix()
@@ -189,6 +191,31 @@ def test_a_command_on_a_page_exists(mention: Mention) -> None:
     words = without_ros_arguments(mention.words.split())
     used = {word.partition('=')[0] for word in words if word.startswith('--')}
     assert used <= known, mention.place
+
+
+def shown_commands() -> Iterator[tuple[str, str]]:
+    """Yield what a reader is to type, with its place; `…` after a command is none of it."""
+    for page in PAGES:
+        text = text_of(page)
+        for block in re.finditer(r'^( *)```(?:sh|console)\n(.*?)^\1```$', text, _LINES):
+            first = text.count('\n', 0, block.start(2)) + 1
+            for number, line in enumerate(block[2].splitlines(), first):
+                command = re.match(rf' *(?:\$ )?(?:ros2 run \w+ )?{PROGRAM} (.*)', line)
+                if command is not None:
+                    yield f'{page}:{number}', re.split(r'\s[#|>&]', command[1])[0]
+
+
+@pytest.mark.parametrize(('place', 'command'), list(shown_commands()))
+def test_a_command_shown_is_accepted_by_the_real_parser(place: str, command: str) -> None:
+    assert parsed(shlex.split(command)).verb in VERBS, place
+
+
+def test_a_wrong_command_would_be_seen() -> None:
+    with pytest.raises(SystemExit):
+        parsed(['queue', 'mvoe', 'WO-7', '2'])
+    pages = {place.partition(':')[0] for place, _ in shown_commands()}
+    operator = ('guide', 'journal', 'operating', 'queue', 'simulate', 'troubleshooting')
+    assert pages >= {'README.md', *(f'docs/{name}.md' for name in operator)}
 
 
 def test_commands_are_mentioned() -> None:
