@@ -77,7 +77,7 @@ def test_the_terminal_is_pulled_to_other_sizes(
     for columns, lines in ((60, 12), (40, 10), (100, 40)):
         terminal.resize(columns, lines)
         terminal.until(_is_one_picture(columns), f'a picture of {columns} columns')
-    assert re.search(r'^holds ─{94}$', terminal.text, re.MULTILINE), terminal.text
+    terminal.until(lambda text: re.search(r'^holds ─{94}$', text, re.MULTILINE), 'a wide rule')
     terminal.send(signal.SIGTERM)
     assert terminal.wait() == 0
     terminal.assert_left_clean()
