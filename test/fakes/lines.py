@@ -353,10 +353,11 @@ class _Script:
 
     def _flags(self) -> list[Row]:
         draw = self.draw
-        count = draw(st.integers(0, 3)) if len(self.tasks) > 1 else 0
+        pairs = self._pairs()
+        count = draw(st.integers(0, 3)) if pairs else 0
         found = []
         for number in range(count):
-            first, second = draw(st.sampled_from(self._pairs()))
+            first, second = draw(st.sampled_from(pairs))
             capacity = draw(st.integers(1, 3))
             initial = draw(st.integers(0, capacity))
             if _chance(draw, 75):

@@ -59,7 +59,7 @@ class NaiveCell:
         self.unsent: list[Row] = []
         self.hold_count = 0
 
-    RANKS: ClassVar[dict[Any, int]] = {'goal_rejected': -1, 'server_lost': 1}
+    RANKS: ClassVar[dict[Any, int]] = {'canceled by us': -2, 'goal_rejected': -1, 'late': 1}
 
     # --- time -------------------------------------------------------------------------------
 
@@ -87,7 +87,7 @@ class NaiveCell:
     def at(self, time: float, what: Row) -> None:
         """Note what happens at a time; of one time a refusal is told first."""
         self.counts['agenda'] += 1
-        rank = self.counts['agenda'] + 1e9 * self.RANKS.get(what.get('end'), 0)
+        rank = self.counts['agenda'] + 1e9 * self.RANKS.get(what.get('rank', what.get('end')), 0)
         heapq.heappush(self.agenda, (round(time, 6), rank, what))
 
     def settle(self) -> None:
@@ -199,7 +199,7 @@ class NaiveCell:
         if work['state'] == 'new':
             before = [self.of((*key[:3], upstream))['state'] for upstream in task['after']]
             earlier = all(self.done_with_earlier(n, job) for n in self.places(task))
-            if not earlier or set(before) - {'done'} or self.state != 'Execute':
+            if not earlier or set(before) - {'done'} or self.state != 'Execute' or self.holds:
                 return
         self.visit(key, task, job, None)
 
@@ -271,7 +271,7 @@ class NaiveCell:
         return ended
 
     def begin(self, number: int) -> None:
-        if self.state != 'Execute':
+        if self.state != 'Execute' or self.holds:
             return
         job, item, beat = self.next_of(number)
         if job is None or not self.prepared(number, job):
@@ -453,7 +453,9 @@ class NaiveCell:
             self.dead.add(name)
         elif kind == 'die':
             checks = -(-(seconds / 2 + (extra or 0.0)) // CHECK_S)
-            self.at(self.now + CHECK_S * max(checks, 1), {'end': 'server_lost', **goal})
+            self.at(
+                self.now + CHECK_S * max(checks, 1), {'end': 'server_lost', 'rank': 'late', **goal}
+            )
         elif kind != 'hang':
             late_s = extra or 0.0 if kind == 'late' else 0.0
             self.at(self.now + seconds + late_s, {'end': ends.get(kind), **goal})
@@ -464,7 +466,7 @@ class NaiveCell:
             self.say('task.cancel_requested', work['key'], cause=cause)
             self.at(self.now + GRACE_S, {'limit': 'grace', **work['goal']})
             if not work['deaf']:
-                self.at(self.now, {'end': 'canceled', **work['goal']})
+                self.at(self.now, {'end': 'canceled', 'rank': 'canceled by us', **work['goal']})
 
     def limit_reached(self, limit: Row) -> None:
         work = limit['work']
@@ -650,7 +652,7 @@ class NaiveCell:
         if last is not None and not self.empty(last):
             self.overrun(last)
             return
-        if self.state != 'Execute':
+        if self.state != 'Execute' or self.holds:
             return
         if not any(self.slots.values()):
             if self.source_goes_on():
