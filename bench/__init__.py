@@ -1,0 +1,1 @@
+"""Benchmarks: what the orchestrator costs, and how that grows."""

@@ -1,0 +1,76 @@
+"""Measure what the orchestrator costs, against the targets of docs/performance.md."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from bench import ros_rows, virtual_rows
+from bench.plot import draw
+from bench.rows import TARGETS, Row
+
+Bench = Callable[[], Iterator[Row]]
+
+
+def benches(args: argparse.Namespace) -> dict[tuple[str, ...], Bench]:
+    """Return what measures which rows."""
+    quick, rounds = args.quick, args.rounds or (1 if args.quick else 5)
+    tasks = args.tasks or (60 if quick else 10_000)
+    events = args.events or (2_000 if quick else 1_000_000)
+    return {
+        ('simulator',): lambda: virtual_rows.simulator(rounds, 20 if quick else 500),
+        ('sections',): lambda: virtual_rows.sections(rounds, 3 if quick else 60),
+        ('check',): lambda: virtual_rows.check(*((1, 8, 4) if quick else (3, 200, 10))),
+        ('restart',): lambda: virtual_rows.restart(rounds, events),
+        ('dispatch', 'polling', 'wrap', 'cpu', 'watcher'): lambda: ros_rows.dispatch(
+            rounds, 3 if quick else 30
+        ),
+        ('setup_time', 'setup_memory'): lambda: ros_rows.setup(rounds),
+        ('idle',): lambda: ros_rows.idle(rounds, 2.0 if quick else 20.0),
+        ('drift_cpu', 'drift_memory'): lambda: ros_rows.drift(tasks),
+    }
+
+
+def main() -> int:
+    """Run the benchmarks; 0 when every row holds its must."""
+    args = _arguments()
+    rows: list[Row] = []
+    print(f'{os.cpu_count()} cores, load {os.getloadavg()[0]:.2f}', flush=True)
+    for keys, measure in benches(args).items():
+        if args.only and not set(keys) & set(args.only):
+            continue
+        for row in measure():
+            print(row, flush=True)
+            rows.append(row)
+            for name, value in row.notes.items():
+                if isinstance(value, (int, float)):
+                    print(f'    {name}: {value:.4g}', flush=True)
+    print(f'load {os.getloadavg()[0]:.2f}')
+    if args.json:
+        args.json.write_text(json.dumps({'rows': [row.to_plain() for row in rows]}, indent=1))
+    if args.svg:
+        args.svg.write_text(draw(rows))
+    missed = [row for row in rows if not row.target.holds(row.value, row.target.must)]
+    return 1 if missed and not args.quick else 0
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog='scripts/bench', description=__doc__)
+    parser.add_argument('--quick', action='store_true', help='seconds a row, to see it work')
+    parser.add_argument(
+        '--only', action='append', choices=sorted(TARGETS), help='with what is measured beside it'
+    )
+    parser.add_argument('--rounds', type=int, help='default 5')
+    parser.add_argument('--tasks', type=int, help='of the drift (default 10000)')
+    parser.add_argument('--events', type=int, help='of the journal (default 1000000)')
+    parser.add_argument('--json', type=Path, metavar='FILE')
+    parser.add_argument('--svg', type=Path, metavar='FILE', help='plot of the latencies')
+    return parser.parse_args()
+
+
+if __name__ == '__main__':
+    sys.exit(main())

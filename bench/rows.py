@@ -1,0 +1,93 @@
+"""What a benchmark row says: the median of the rounds, and whether it holds its target."""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Target:
+    """One line of the table of targets."""
+
+    name: str
+    must: float
+    goal: float
+    at_least: bool = False
+    """The figure has to be as large as the target, or larger."""
+
+    def holds(self, value: float, bound: float) -> bool:
+        """Tell whether a figure is within a bound."""
+        return value >= bound if self.at_least else value <= bound
+
+
+TARGETS = {
+    'dispatch': Target('dispatch p50, ours / rclpy chain, journal FULL', 1.5, 1.15),
+    'polling': Target('dispatch p50, 100 ms polling tree / ours', 15, 30, at_least=True),
+    'wrap': Target('cycle wrap p50, 100 ms polling tree / ours', 30, 60, at_least=True),
+    'cpu': Target('CPU per task, ours / rclpy chain', 1.3, 1.1),
+    'watcher': Target('dispatch p50, tree watcher attached / without', 1.2, 1.05),
+    'setup_time': Target('set-up time, 300 leaves / 10 leaves on 10 actions', 2, 1.2),
+    'setup_memory': Target('memory of the node, 300 leaves / 10 leaves on 10 actions', 2, 1.2),
+    'sections': Target('tick time, 200 sections / 5 sections, 5 working', 10, 2),
+    'drift_cpu': Target('CPU per task, last tenth / first tenth', 1.2, 1.05),
+    'drift_memory': Target('memory, last tenth / first tenth', 1.2, 1.05),
+    'idle': Target('idle CPU, ours / empty rclpy node', 1.5, 1.1),
+    'simulator': Target('simulator, virtual s / wall s', 1_000, 10_000, at_least=True),
+    'check': Target('check of 200 sections and 2,000 tasks, s', 10, 2),
+    'restart': Target('restart, journal of many events / empty one', 5, 1.5),
+}
+
+
+@dataclass
+class Row:
+    """A target, and what each round measured."""
+
+    key: str
+    rounds: list[float]
+    notes: dict[str, Any] = field(default_factory=dict)
+    """Figures that stand behind the ratios."""
+
+    @property
+    def target(self) -> Target:
+        """What it is held against."""
+        return TARGETS[self.key]
+
+    @property
+    def value(self) -> float:
+        """Median of the rounds."""
+        return statistics.median(self.rounds)
+
+    def to_plain(self) -> dict[str, Any]:
+        """Return the row as it stands in the JSON file."""
+        target, value = self.target, self.value
+        return {
+            'name': target.name,
+            'value': value,
+            'must': target.must,
+            'goal': target.goal,
+            'holds_must': target.holds(value, target.must),
+            'holds_goal': target.holds(value, target.goal),
+            'rounds': self.rounds,
+            'notes': self.notes,
+        }
+
+    def __str__(self) -> str:
+        target, value = self.target, self.value
+        bound = '>=' if target.at_least else '<='
+        verdict = 'MISSED'
+        if target.holds(value, target.must):
+            verdict = 'goal' if target.holds(value, target.goal) else 'must'
+        spread = f'{min(self.rounds):.3g} .. {max(self.rounds):.3g}'
+        return (
+            f'{target.name:55} {value:10.3g}  {spread:20} '
+            f'must {bound} {target.must:g}, goal {bound} {target.goal:g}: {verdict}'
+        )
+
+
+def percentile(values: Sequence[float], share: float) -> float:
+    """Return the value below which a share of the values lies."""
+    ordered = sorted(values)
+    return ordered[min(int(len(ordered) * share), len(ordered) - 1)]

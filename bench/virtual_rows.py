@@ -1,0 +1,130 @@
+"""Rows in virtual time: the real engine without robots, so only its own work is measured."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from fakes.line import Line
+from fakes.long_journal import make_long_journal
+
+from bench.line_files import cell_text, few_working_text, script_text
+from bench.rows import Row
+from bt_orchestrator.cli.bootstrap import installed_types
+from bt_orchestrator.model.order import Job
+from bt_orchestrator.runtime.orchestrator import Orchestrator
+from bt_orchestrator.script.cell_file import parse_cell, read_cell
+from bt_orchestrator.script.script_file import parse_script, read_script
+from bt_orchestrator.sim.clock import VirtualClock
+from bt_orchestrator.sim.gateway import VirtualGateway
+from bt_orchestrator.sim.proof import DeadlockProof
+from bt_orchestrator.sim.simulation import Outcome, Simulation
+from bt_orchestrator.store.memory import MemoryStore
+from bt_orchestrator.store.sqlite import SqliteStore
+
+ROOT = Path(__file__).parents[1]
+
+
+def seconds(work: Callable[[], object]) -> float:
+    """Return the wall seconds of some work."""
+    began = time.perf_counter()
+    work()
+    return time.perf_counter() - began
+
+
+def simulator(rounds: int, items: int) -> Iterator[Row]:
+    """Run the reference cell in virtual time."""
+    types = installed_types()
+    cell = read_cell(ROOT / 'config' / 'reference_cell.yaml', types)
+    script = read_script(ROOT / 'trees' / 'reference_process.yaml', cell, types)
+
+    def speed() -> float:
+        simulation = Simulation(cell, types, MemoryStore())
+        simulation.submit([Job('WO-1', script, items, {'label': 'A7'})])
+        wall_s = seconds(lambda: _finish(simulation))
+        virtual_s = simulation.clock.now()
+        simulation.close()
+        return virtual_s / wall_s
+
+    yield Row('simulator', [speed() for _ in range(rounds)], {'items': items})
+
+
+def sections(rounds: int, items: int) -> Iterator[Row]:
+    """Compare a settle of a long and of a short line in which the same number works."""
+    paired = [(_settle_s(200, items), _settle_s(5, items)) for _ in range(rounds)]
+    notes = {
+        'ms per settle, 200': min(long for long, _ in paired) * 1e3,
+        'ms per settle, 5': min(short for _, short in paired) * 1e3,
+    }
+    yield Row('sections', [long / short for long, short in paired], notes)
+
+
+def _settle_s(length: int, items: int) -> float:
+    """Return the mean seconds of a settle while the cell runs."""
+    types = installed_types()
+    cell = parse_cell(cell_text(length, 'a'), 'cell.yaml', types)
+    script = parse_script(few_working_text(length), 'few.yaml', cell, types)
+    simulation = Simulation(cell, types, MemoryStore())
+    simulation.submit([Job('WO-1', script, items)])
+    settles = 0
+
+    def look() -> None:
+        nonlocal settles
+        settles += 1
+
+    wall_s = seconds(lambda: _finish(simulation, look))
+    simulation.close()
+    return wall_s / settles
+
+
+def check(rounds: int, length: int, tasks: int) -> Iterator[Row]:
+    """Read and prove a long script."""
+    types = installed_types()
+    cell = parse_cell(cell_text(length), 'cell.yaml', types)
+    text = script_text(length, tasks, flags=True)
+    reading: list[float] = []
+
+    def admit() -> None:
+        began = time.perf_counter()
+        script = parse_script(text, 'line.yaml', cell, types)
+        reading.append(time.perf_counter() - began)
+        assert DeadlockProof(cell, types, MemoryStore).objection(script) is None
+
+    found = [seconds(admit) for _ in range(rounds)]
+    yield Row('check', found, {'tasks': length * tasks, 'reading, s': min(reading)})
+
+
+def restart(rounds: int, events: int) -> Iterator[Row]:
+    """Start with a long journal, which is made once and kept, and with an empty one."""
+    kept = Path(tempfile.gettempdir()) / f'bt_orchestrator_bench_{os.getuid()}_{events}.sqlite3'
+    if not kept.exists():
+        part = kept.with_suffix('.part')
+        part.unlink(missing_ok=True)
+        make_long_journal(part, events)
+        part.rename(kept)
+    with tempfile.TemporaryDirectory(prefix='bench_') as folder:
+        pairs = [(_start_s(kept), _start_s(Path(folder, f'{n}.sqlite3'))) for n in range(rounds)]
+    ratios = [long / empty for long, empty in pairs]
+    notes = {'events': events, 'long, ms': pairs[-1][0] * 1e3, 'empty, ms': pairs[-1][1] * 1e3}
+    yield Row('restart', ratios, notes)
+
+
+def _start_s(path: Path) -> float:
+    """Return the seconds from opening a journal to the end of the first settle."""
+    line, clock = Line(), VirtualClock()
+    began = time.perf_counter()
+    store = SqliteStore(path)
+    gateway = VirtualGateway(line.cell, line.types, clock)
+    orchestrator = Orchestrator(line.cell, gateway, clock, store)
+    orchestrator.settle()
+    found = time.perf_counter() - began
+    orchestrator.close()
+    store.close()
+    return found
+
+
+def _finish(simulation: Simulation, look: Callable[[], None] = lambda: None) -> None:
+    assert simulation.run(look) is Outcome.FINISHED

@@ -1,0 +1,37 @@
+"""The benchmarks run at all; what they say is another matter, for a quiet machine."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+CHEAP = ('simulator', 'sections', 'check', 'restart')
+
+
+@pytest.mark.timeout(90)
+def test_the_cheap_rows_can_be_measured(tmp_path: Path) -> None:
+    file, plot = tmp_path / 'rows.json', tmp_path / 'plot.svg'
+    only = [word for key in CHEAP for word in ('--only', key)]
+    words = ['--quick', *only, '--json', str(file), '--svg', str(plot)]
+    path = os.pathsep.join([str(ROOT), str(ROOT / 'test')])
+    done = subprocess.run(
+        [sys.executable, '-m', 'bench', *words],
+        env={**os.environ, 'PYTHONPATH': path},
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=80,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    rows = json.loads(file.read_text())['rows']
+    assert len(rows) == len(CHEAP)
+    assert all(row['value'] > 0 and row['rounds'] for row in rows)
+    assert plot.read_text().startswith('<?xml')
+    assert all(row['name'] in done.stdout for row in rows)
