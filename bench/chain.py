@@ -23,7 +23,7 @@ class Chain(Node):
         self._left = cycles
         self._working = 0
         self.done = False
-        self._stations = [
+        self._stations: list[list[Any]] = [
             [ActionClient(self, Component, f'/bench/{x}{n}') for x in 'ab']
             for n in range(1, SECTIONS + 1)
         ]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import rclpy
 from bt_orchestrator_interfaces.action import Component, Conveyor
 from rclpy.action.client import ActionClient
@@ -16,7 +18,7 @@ def main() -> None:
     rclpy.init()
     node = Node('empty')
     names = [f'/bench/{letter}{n}' for n in range(1, SECTIONS + 1) for letter in 'ab']
-    clients = [ActionClient(node, Component, name) for name in names]
+    clients: list[Any] = [ActionClient(node, Component, name) for name in names]
     clients.append(ActionClient(node, Conveyor, '/bench/belt'))
     node.create_timer(0.1, lambda: None)
     executor = SingleThreadedExecutor()

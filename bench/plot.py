@@ -47,8 +47,8 @@ def _grid(page: Svg, height: float) -> None:
 def _distribution(page: Svg, y: float, name: str, values: Sequence[float]) -> None:
     page.add('text', name, x=LEFT + 20, y=y + 4, text_anchor='end')
     for kind, low, high in (('whole', 0.05, 0.95), ('half', 0.25, 0.75)):
-        ends = {'x1': _x(percentile(values, low)), 'x2': _x(percentile(values, high))}
-        page.add('line', **ends, y1=y, y2=y, class_=kind)
+        from_x, to_x = _x(percentile(values, low)), _x(percentile(values, high))
+        page.add('line', x1=from_x, x2=to_x, y1=y, y2=y, class_=kind)
     page.add('circle', cx=_x(percentile(values, 0.5)), cy=y, r=4, class_='p50')
 
 
