@@ -5,8 +5,10 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
+from typing import Any
 
 from bt_orchestrator.cli.folders import add_trees_option, script_folders
+from bt_orchestrator.node_parameters import NodeParameters, Words, described
 from bt_orchestrator.stop_signals import StopSignals
 
 DESCRIPTION = """\
@@ -15,7 +17,8 @@ what happens. Prints `tree node ready: ...` when it can be asked; ends with Ctrl
 cancelled and their ends awaited for at most 10 s (a second Ctrl-C leaves at once)."""
 
 EPILOG = """\
-every option is also a ROS parameter of the node, which wins: --ros-args -p tick_rate_hz:=20.0
+every option but --namespace is also a ROS parameter of the node, which wins:
+--ros-args -p tick_rate_hz:=20.0
 
 exit status: 0 ended by a signal, 1 the cell file is refused or a goal had not ended,
 2 wrong use"""
@@ -27,51 +30,33 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = EPILOG
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.add_argument(
-        '--cell', type=Path, default=Path(), metavar='CELL', help='cell file (YAML)'
-    )
-    add_trees_option(parser)
-    parser.add_argument(
         '--namespace',
         default='',
         metavar='NS',
         help='ROS namespace of the node and of relative names in the cell file, so that two cells '
         'can run side by side',
     )
-    parser.add_argument(
-        '--executor', choices=('single', 'events'), default='single', help='rclpy executor'
-    )
-    parser.add_argument(
-        '--journal',
-        type=Path,
-        metavar='FILE',
-        help='durable journal (SQLite): what was begun goes on after a crash; without it nothing '
-        'survives the process',
-    )
-    parser.add_argument(
-        '--journal-synchronous',
-        choices=('FULL', 'NORMAL'),
-        default='FULL',
-        help='FULL: a power cut loses nothing; NORMAL: quicker, a power cut may lose the last '
-        'events, a crash of the program loses nothing (default FULL)',
-    )
-    parser.add_argument(
-        '--journal-keep-jobs',
-        type=int,
-        default=1000,
-        metavar='N',
-        help='how many ended jobs keep their events in the journal, of older ones a summary '
-        'stays; -1: all (default 1000)',
-    )
-    parser.add_argument(
-        '--auto-resume',
-        action='store_true',
-        help='after a restart with unfinished work, go on without waiting for `resume`',
-    )
-    parser.add_argument(
-        '--no-auto-start',
-        action='store_true',
-        help='wait for reset and start instead of starting when an order arrives',
-    )
+    for name, words in described():
+        if name == 'trees':
+            add_trees_option(parser)
+        else:
+            _add_parameter(parser, name, words)
+
+
+def _add_parameter(parser: argparse.ArgumentParser, name: str, words: Words) -> None:
+    default = getattr(NodeParameters(), name)
+    settings: dict[str, Any] = {'default': default, 'help': words.meaning}
+    if isinstance(default, bool):
+        settings['action'] = argparse.BooleanOptionalAction
+    elif words.choices:
+        settings['choices'] = words.choices
+    else:
+        settings['type'] = Path if default is None else type(default)
+        settings['metavar'] = words.metavar
+    if default is not None:
+        shown = ('no', 'yes')[default] if isinstance(default, bool) else default
+        settings['help'] += f' (default {shown})'
+    parser.add_argument(f'--{name.replace("_", "-")}', **settings)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -88,22 +73,11 @@ def _run(args: argparse.Namespace, stop: StopSignals) -> int:
         memory_store,
         open_journal,
     )
-    from bt_orchestrator.model.goal import SERVER_TIMEOUT_S
     from bt_orchestrator.ros.node import Parts, run_node
-    from bt_orchestrator.ros.parameters import DEFAULT_TICK_RATE_HZ, NodeParameters
 
-    defaults = NodeParameters(
-        cell=args.cell,
-        trees=tuple(script_folders(args.trees)),
-        tick_rate_hz=DEFAULT_TICK_RATE_HZ,
-        executor=args.executor,
-        auto_start=not args.no_auto_start,
-        auto_resume=args.auto_resume,
-        journal=args.journal,
-        journal_synchronous=args.journal_synchronous,
-        journal_keep_jobs=args.journal_keep_jobs,
-        server_timeout_s=SERVER_TIMEOUT_S,
-    )
+    told = {name: getattr(args, name) for name, _ in described()}
+    told['trees'] = tuple(script_folders(args.trees))
+    defaults = NodeParameters(**told)
     ros_args = getattr(args, 'ros_args', ())
     parts = Parts(open_journal, memory_store, build_admission_check, build_foresight)
     left = run_node(defaults, parts, stop, _say, namespace=args.namespace, ros_args=ros_args)

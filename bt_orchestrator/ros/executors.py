@@ -6,30 +6,27 @@ from rclpy.executors import Executor, SingleThreadedExecutor
 from rclpy.task import Future
 
 from bt_orchestrator.errors import OrchestratorError
-
-SINGLE, EVENTS = 'single', 'events'
+from bt_orchestrator.node_parameters import SINGLE
 
 MOMENT_S = 0.1
 """Longest time for which an EventsExecutor spins without looking up."""
 
 
-class UnknownExecutor(OrchestratorError):
-    """The executor asked for does not exist, or not in this ROS 2 distribution."""
+class NoEventsExecutor(OrchestratorError):
+    """The rclpy of this ROS 2 distribution has none."""
 
 
 def make_executor(kind: str) -> Executor:
     """Return a new executor.
 
-    :raises UnknownExecutor: there is none of that name here
+    :raises NoEventsExecutor: it was asked for, and cannot be had
     """
     if kind == SINGLE:
         return SingleThreadedExecutor()
-    if kind != EVENTS:
-        raise UnknownExecutor(f'parameter executor: expected single or events, found {kind!r}')
     try:
         from rclpy.experimental.events_executor import EventsExecutor
     except ImportError:
-        raise UnknownExecutor(
+        raise NoEventsExecutor(
             'parameter executor: the rclpy installed here has no events executor; use single'
         ) from None
     return EventsExecutor()

@@ -17,6 +17,7 @@ from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.commands import Shutdown
 from bt_orchestrator.model.goal import Reason
+from bt_orchestrator.node_parameters import NodeParameters
 from bt_orchestrator.ports import ActionTypes, AdmissionCheck, EventStore, Foresight, Journal
 from bt_orchestrator.ros.action_types import InstalledActionTypes
 from bt_orchestrator.ros.clock import RosClock
@@ -29,7 +30,7 @@ from bt_orchestrator.ros.inspection.start import start_inspection
 from bt_orchestrator.ros.inspection.tick_statistics import TickStatistics
 from bt_orchestrator.ros.order_reader import OrderReader
 from bt_orchestrator.ros.outputs import Diagnostics, EventsTopic, StatusTopic
-from bt_orchestrator.ros.parameters import NodeParameters, declare
+from bt_orchestrator.ros.parameters import declare
 from bt_orchestrator.ros.queue_services import QueueServices
 from bt_orchestrator.ros.run_job import RunJobServer
 from bt_orchestrator.ros.services import Services
@@ -75,20 +76,20 @@ class TreeNode:
 
         :raises NoCell: the parameter `cell` is empty
         :raises Refused: the cell file, with every mistake in it
-        :raises UnknownExecutor: the parameter `executor` names none
-        :raises UnknownInspection: the parameter `inspection` names none
-        :raises NoLibrary: it names py_trees_ros, which cannot be loaded
+        :raises BadParameter: a parameter is none of its choices
+        :raises NoEventsExecutor: the parameter `executor` asks for one that this ROS 2 has not
+        :raises NoLibrary: the parameter `inspection` asks for one that cannot be loaded
         """
         self.node = node
         self.parameters = declare(node, defaults)
-        if self.parameters.cell == Path():
+        if self.parameters.cell is None:
             raise NoCell('no cell is named: give --cell CELL, or the parameter cell')
         types = InstalledActionTypes()
         cell = read_cell(self.parameters.cell, types)
         self.executor: Executor = make_executor(self.parameters.executor)
         self.heart = Heart(node, self.executor)
         self._gateway = RosGateway(
-            node, cell, types, server_timeout_s=self.parameters.server_timeout_s
+            node, cell, types, server_timeout_s=self.parameters.server_timeout
         )
         self._durations = ObservedDurations()
         self._journal = _open_journal(self.parameters, parts)
@@ -115,7 +116,9 @@ class TreeNode:
         self._status = StatusTopic(node, self.orchestrator, self._expected)
         Diagnostics(node, self.orchestrator, self.heart)
         self._ticks = TickStatistics()
-        self._inspected = start_inspection(node, self.orchestrator, self._ticks)
+        self._inspected = start_inspection(
+            node, self.orchestrator, self._ticks, self.parameters.inspection
+        )
         self.executor.add_node(node)
 
     def _look_ahead(self, parts: Parts) -> ExpectedEnds | None:

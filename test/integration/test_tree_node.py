@@ -21,8 +21,8 @@ from bt_orchestrator.cli.bootstrap import (
     memory_store,
     open_journal,
 )
+from bt_orchestrator.node_parameters import NodeParameters
 from bt_orchestrator.ros.node import NODE_NAME, Parts, TreeNode
-from bt_orchestrator.ros.parameters import NodeParameters
 from bt_orchestrator.stop_signals import StopSignals
 
 PATIENCE_S = 20.0
@@ -68,12 +68,7 @@ def tree_node(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[TreeNo
         trees=(tmp_path,),
         tick_rate_hz=50.0,
         executor=request.param,
-        auto_start=True,
-        auto_resume=False,
-        journal=None,
-        journal_synchronous='FULL',
-        journal_keep_jobs=-1,
-        server_timeout_s=1.0,
+        server_timeout=1.0,
     )
     node = TreeNode(
         Node(NODE_NAME),

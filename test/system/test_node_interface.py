@@ -132,6 +132,7 @@ def test_ros_arguments_set_parameters_and_namespace(start_cell: StartCell) -> No
     ('parameter', 'words'),
     [
         ('executor:=turbo', ['executor', 'single', 'events', 'turbo']),
+        ('inspection:=other', ['inspection', 'builtin', 'py_trees_ros', 'other']),
         ('tick_rate_hz:=0.0', ['tick_rate_hz']),
         ('tick_rate_hz:=often', ['tick_rate_hz']),
         ('cell:=/nowhere/cell.yaml', ['/nowhere/cell.yaml']),

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import ast
 import importlib
-import importlib.util
 import re
 import shlex
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
-from types import ModuleType
 from typing import NamedTuple
 
 import pytest
@@ -20,11 +17,9 @@ from fakes.schemas import refusals
 from fakes.shipped import REFERENCE_CELL, ROOT, TREES
 from fakes.yaml_parts import laid_over
 
-from bt_orchestrator.cli import check
 from bt_orchestrator.cli.main import PROGRAM, VERBS, parsed, without_ros_arguments
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.codec import event_types
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.script.cell_file import parse_cell, read_cell
 from bt_orchestrator.script.cell_keys import CELL
@@ -276,100 +271,6 @@ def test_a_link_leads_somewhere(link: Link) -> None:
 
 def test_there_are_links() -> None:
     assert {link.page for link in links()} >= {'README.md', 'docs/architecture.md'}
-
-
-# --- generated parts ------------------------------------------------------------------------
-
-
-@cache
-def generator() -> ModuleType:
-    spec = importlib.util.spec_from_file_location('generate', ROOT / 'docs' / 'generate.py')
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-def test_generated_parts_are_up_to_date() -> None:
-    assert list(generator().stale_files()) == [], 'run python docs/generate.py'
-
-
-def test_every_generated_part_has_its_place() -> None:
-    named = re.findall(r'<!-- generated: ([\w -]+) -->', ''.join(map(text_of, PAGES)))
-    assert sorted(named) == sorted(generator().PARTS)
-
-
-def test_every_rule_of_the_line_has_tests_named_after_it() -> None:
-    text = text_of('docs/semantics.md')
-    chapters = re.findall(r'^## ([3-7])\. .*?\n(.*?)(?=^## )', text, re.MULTILINE | re.DOTALL)
-    rules = {
-        f'{chapter}.{rule}'
-        for chapter, body in chapters
-        for rule in re.findall(r'^(\d+)\. ', body, re.MULTILINE)
-    }
-    assert len(rules) > 20
-    assert rules <= set(re.findall(r'^\| (\d\.\d+) \|', text, re.MULTILINE))
-
-
-def test_a_stale_part_would_be_seen(tmp_path: Path) -> None:
-    schemas = [f'schemas/{path.name}' for path in (ROOT / 'schemas').iterdir()]
-    for name in (*generator().PAGES, *schemas):
-        (tmp_path / name).parent.mkdir(exist_ok=True)
-        (tmp_path / name).write_text(text_of(name), encoding='utf-8')
-    assert generator().stale_files(tmp_path) == {}
-    page = tmp_path / 'docs' / 'formats.md'
-    text = page.read_text(encoding='utf-8')
-    page.write_text(text.replace('| `task.started` |', '| `task.begun` |'), encoding='utf-8')
-    schema = tmp_path / 'schemas' / 'cell.schema.json'
-    schema.write_text(schema.read_text(encoding='utf-8').replace('30', '31'), encoding='utf-8')
-    assert {*generator().stale_files(tmp_path)} == {'docs/formats.md', 'schemas/cell.schema.json'}
-
-
-AGREED = {
-    'belt': 'index_started indexed',
-    'cell': 'state_changed',
-    'cycle': 'started completed',
-    'flag': 'raised lowered',
-    'hold': 'raised released',
-    'item': 'placed moved rejected removed',
-    'job': 'queued started completed aborted',
-    'operator': 'decided',
-    'task': 'started succeeded failed retrying skipped',
-}
-"""The events that other programs were promised."""
-
-
-def test_events_beyond_the_agreed_ones_have_their_reason_written_down() -> None:
-    agreed = {f'{part}.{name}' for part, names in AGREED.items() for name in names.split()}
-    table = text_of('docs/decisions/0007-additional-events.md')
-    added = set(re.findall(r'^\| `(\S+)` \|', table, re.MULTILINE))
-    assert agreed | added == set(event_types())
-
-
-# --- node parameters ------------------------------------------------------------------------
-
-
-def test_the_parameter_file_names_every_parameter_of_the_node() -> None:
-    text = text_of('config/tree_node.yaml')
-    named = re.findall(
-        r'^    (?:# )?(\w+): ', text.partition('ros__parameters:\n')[2], re.MULTILINE
-    )
-    assert sorted(named) == sorted(_declared())
-
-
-def _declared() -> Iterator[str]:
-    """Yield the names declared in `ros/`, which cannot be imported without ROS 2."""
-    ros = Path(check.__file__).parents[1] / 'ros'
-    for file in (ros / 'parameters.py', ros / 'inspection' / 'parameters.py'):
-        for node in ast.walk(ast.parse(file.read_text(encoding='utf-8'))):
-            if isinstance(node, ast.Call):
-                name = getattr(node.func, 'id', getattr(node.func, 'attr', ''))
-                first = node.args[0] if node.args else None
-                if name in ('value', 'declare_parameter') and isinstance(first, ast.Constant):
-                    yield str(first.value)
-            elif isinstance(node, ast.Dict):  # a table of parameters by name
-                yield from (str(k.value) for k in node.keys if isinstance(k, ast.Constant))
 
 
 # --- size -----------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""Parameters of the inspection server."""
+"""Parameters of the inspection server that can be changed while the node runs."""
 
 from __future__ import annotations
 
@@ -12,15 +12,8 @@ from rclpy.node import Node
 
 from bt_orchestrator.errors import OrchestratorError
 
-BUILTIN = 'builtin'
-KINDS = (BUILTIN, 'py_trees_ros')
-
 ON_CHANGE_S = sys.float_info.max
 """The period that stands for: only when something has changed."""
-
-
-class UnknownInspection(OrchestratorError):
-    """The kind of inspection asked for does not exist."""
 
 
 @dataclass(frozen=True)
@@ -48,25 +41,6 @@ _FIELDS = {
         'The default stream shows what is done on the blackboard.',
     ),
 }
-
-
-def declare_kind(node: Node) -> str:
-    """Declare the parameter `inspection`.
-
-    :raises UnknownInspection: it names none that there is
-    """
-    descriptor = ParameterDescriptor(
-        description='What tree watchers attach to: builtin, the server of this node, or '
-        'py_trees_ros, the server of that package.',
-        additional_constraints=' or '.join(KINDS),
-        read_only=True,
-    )
-    kind = str(node.declare_parameter('inspection', BUILTIN, descriptor).value)
-    if kind not in KINDS:
-        raise UnknownInspection(
-            f'parameter inspection: expected {" or ".join(KINDS)}, found {kind!r}'
-        )
-    return kind
 
 
 def declare_default_stream(node: Node, apply: Callable[[DefaultStream], object]) -> None:

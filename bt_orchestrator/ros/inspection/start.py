@@ -7,8 +7,8 @@ from collections.abc import Callable
 
 from rclpy.node import Node
 
+from bt_orchestrator.node_parameters import BUILTIN
 from bt_orchestrator.ros.inspection.library_tree import LibraryTree, library_tree
-from bt_orchestrator.ros.inspection.parameters import BUILTIN, declare_kind
 from bt_orchestrator.ros.inspection.tick_statistics import TickStatistics
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 
@@ -19,15 +19,14 @@ Settle = Callable[[], bool]
 
 
 def start_inspection(
-    node: Node, orchestrator: Orchestrator, ticks: TickStatistics
+    node: Node, orchestrator: Orchestrator, ticks: TickStatistics, kind: str
 ) -> Callable[[Settle], Settle]:
     """Let tree watchers attach to a node; without their message types, say that they cannot.
 
+    :param kind: value of the parameter `inspection`
     :return: what to wrap each settle in
-    :raises UnknownInspection: the parameter `inspection` names none that there is
     :raises NoLibrary: it names py_trees_ros, which cannot be loaded
     """
-    kind = declare_kind(node)
     if kind != BUILTIN:
         tree = library_tree(orchestrator.tree.root, node)
         logger = node.get_logger().get_child('inspection')

@@ -1,0 +1,136 @@
+"""What a tree node can be told when it starts.
+
+One table: the node's ROS parameters, the options of `run`, and their page are made from it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, get_args, get_type_hints
+
+from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.model.goal import SERVER_TIMEOUT_S
+
+SINGLE, EVENTS = 'single', 'events'
+BUILTIN, PY_TREES_ROS = 'builtin', 'py_trees_ros'
+
+
+MOST_JOBS = 2**31 - 1
+"""As good as no limit."""
+
+
+class BadParameter(OrchestratorError):
+    """A parameter has a value that it cannot have."""
+
+
+@dataclass(frozen=True)
+class Words:
+    """What a user has to know of a parameter."""
+
+    meaning: str
+    choices: tuple[str, ...] = ()
+    """The values of a string that there are; empty: any."""
+    low: float | None = None
+    high: float | None = None
+    """The range of a number."""
+    metavar: str | None = None
+
+
+@dataclass(frozen=True)
+class NodeParameters:
+    """The parameters of a tree node, with their defaults."""
+
+    cell: Annotated[Path | None, Words('cell file (YAML): what exists', metavar='CELL')] = None
+    trees: Annotated[
+        tuple[Path, ...],
+        Words('folders in which scripts are looked up by name, in order', metavar='DIR'),
+    ] = ()
+    tick_rate_hz: Annotated[
+        float,
+        Words(
+            'heartbeat of the tree, Hz, for time limits and statistics; a result, a command or a '
+            'state message wakes the tree at once, whatever the rate',
+            low=0.1,
+            high=1000.0,
+            metavar='HZ',
+        ),
+    ] = 10.0
+    executor: Annotated[
+        str, Words('rclpy executor; events: where rclpy has it', choices=(SINGLE, EVENTS))
+    ] = SINGLE
+    auto_start: Annotated[
+        bool,
+        Words(
+            'the cell resets and starts by itself when an order arrives, and does not wait for '
+            '`reset` and `start`'
+        ),
+    ] = True
+    auto_resume: Annotated[
+        bool, Words('after a restart with unfinished work, go on without waiting for `resume`')
+    ] = False
+    journal: Annotated[
+        Path | None,
+        Words(
+            'file of the durable journal (SQLite): what was begun goes on after a crash; without '
+            'it nothing survives the process',
+            metavar='FILE',
+        ),
+    ] = None
+    journal_synchronous: Annotated[
+        str,
+        Words(
+            'FULL: a power cut loses nothing; NORMAL: quicker by one fsync a commit, a power cut '
+            'may lose the last events, a crash of the program loses nothing',
+            choices=('FULL', 'NORMAL'),
+        ),
+    ] = 'FULL'
+    journal_keep_jobs: Annotated[
+        int,
+        Words(
+            'how many ended jobs keep their events in the journal, of older ones a summary stays; '
+            '-1: all',
+            low=-1,
+            high=MOST_JOBS,
+            metavar='N',
+        ),
+    ] = 1000
+    server_timeout: Annotated[
+        float,
+        Words(
+            'seconds that a goal waits for its action server before it fails with '
+            'server_unavailable',
+            low=0.0,
+            high=3600.0,
+            metavar='SECONDS',
+        ),
+    ] = SERVER_TIMEOUT_S
+    expected_end: Annotated[
+        bool, Words('forecast the ends of jobs, in a process of low priority')
+    ] = True
+    inspection: Annotated[
+        str,
+        Words(
+            'what tree watchers attach to: builtin, the server of this node, or py_trees_ros, the '
+            'server of that package, which has to be installed',
+            choices=(BUILTIN, PY_TREES_ROS),
+        ),
+    ] = BUILTIN
+
+    def __post_init__(self) -> None:
+        """Refuse what is none of the choices.
+
+        :raises BadParameter: says which there are
+        """
+        for name, words in described():
+            found = getattr(self, name)
+            if words.choices and found not in words.choices:
+                expected = ' or '.join(words.choices)
+                raise BadParameter(f'parameter {name}: expected {expected}, found {found!r}')
+
+
+def described() -> Iterator[tuple[str, Words]]:
+    """Yield every parameter by name, in the order for readers."""
+    for name, hint in get_type_hints(NodeParameters, include_extras=True).items():
+        yield name, get_args(hint)[1]

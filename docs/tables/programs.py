@@ -1,0 +1,80 @@
+"""The verbs of the program with their options, and the parameters of the node."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+from collections.abc import Iterator
+from typing import Any
+
+from bt_orchestrator.cli.main import PROGRAM, VERBS
+from bt_orchestrator.node_parameters import MOST_JOBS, NodeParameters, Words, described
+from tables.markdown import cell, table
+
+
+def verbs() -> Iterator[str]:
+    """Yield the table of all verbs."""
+    rows = ((f'`{name}`', cell(line)) for name, (_, line) in VERBS.items())
+    yield from table(('verb', 'does'), rows)
+
+
+def options_of_the_verbs() -> Iterator[str]:
+    """Yield what every verb takes."""
+    for name, (module, line) in VERBS.items():
+        yield f'### `{PROGRAM} {name}`'
+        yield ''
+        yield f'{line[0].upper()}{line[1:]}.'
+        yield ''
+        yield from table(('argument', 'meaning'), map(_argument, _declared(module)))
+
+
+def parameters_of_the_node() -> Iterator[str]:
+    """Yield the parameters of the tree node."""
+    yield from table(
+        ('parameter', 'default', 'meaning'), (_parameter(*one) for one in described())
+    )
+
+
+def _argument(action: argparse.Action) -> tuple[str, str]:
+    words = ', '.join(action.option_strings) or _metavar(action)
+    value = f' {_metavar(action)}' if action.option_strings and action.nargs != 0 else ''
+    needed = ' **(required)**' if action.required and action.option_strings else ''
+    text = (action.help or '') % {**vars(action), 'prog': PROGRAM}
+    return f'`{cell(words + value)}`', f'{cell(text)}{needed}'
+
+
+class _Recorder(argparse.ArgumentParser):
+    """A parser that can be asked for what was declared."""
+
+    def __init__(self) -> None:
+        self.declared: list[argparse.Action] = []
+        super().__init__(add_help=False)
+
+    def add_argument(self, *names: Any, **settings: Any) -> argparse.Action:
+        action = super().add_argument(*names, **settings)
+        self.declared.append(action)
+        return action
+
+
+def _declared(module: str) -> list[argparse.Action]:
+    parser = _Recorder()
+    importlib.import_module(f'bt_orchestrator.cli.{module}').add_arguments(parser)
+    return parser.declared
+
+
+def _metavar(action: argparse.Action) -> str:
+    if action.choices is not None and not isinstance(action.metavar, str):
+        return '|'.join(map(str, action.choices))
+    name = str(action.metavar or action.dest.upper())
+    return f'{name}...' if action.nargs in ('+', '*') else name
+
+
+def _parameter(name: str, words: Words) -> tuple[str, str, str]:
+    default = getattr(NodeParameters(), name)
+    shown = str(default).lower() if isinstance(default, bool) else str(default or '')
+    meaning = words.meaning
+    if words.choices:
+        meaning = f'{" or ".join(f"`{choice}`" for choice in words.choices)}; {meaning}'
+    elif words.low is not None and words.high != MOST_JOBS:
+        meaning += f'; {words.low:g} to {words.high:g}'
+    return f'`{name}`', f'`{shown}`' if shown else '', cell(meaning)
