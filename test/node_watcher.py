@@ -80,9 +80,13 @@ class NodeWatcher:
         return self.seen(event, **about)[count - 1]
 
     def until_status(self, condition: Callable[[Any], object], what: str) -> Any:
-        """Wait for a status of which a condition holds, and return it."""
-        self.ros.spin_until(lambda: condition(self.status), what)
+        """Wait for a status of which a condition holds, and for the events before it."""
+        self.ros.spin_until(lambda: condition(self.status) and self._has_heard_all(), what)
         return self.status
+
+    def _has_heard_all(self) -> bool:
+        """Tell whether the events are as far as the status, which another topic brings."""
+        return not self.events or self.events[-1]['seq'] >= self.status.seq
 
     def until_held(self) -> Any:
         """Wait until the cell is Held by one hold, and return that of the status."""
