@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -19,19 +20,32 @@ def test_the_cheap_rows_can_be_measured(tmp_path: Path) -> None:
     file, plot = tmp_path / 'rows.json', tmp_path / 'plot.svg'
     only = [word for key in CHEAP for word in ('--only', key)]
     words = ['--quick', *only, '--json', str(file), '--svg', str(plot)]
+    output = run('bench', words, tmp_path)
+    rows = json.loads(file.read_text())['rows']
+    assert len(rows) == len(CHEAP)
+    assert all(row['value'] > 0 and row['rounds'] for row in rows)
+    assert plot.read_text().startswith('<?xml')
+    assert all(row['name'] in output for row in rows)
+
+
+def test_a_large_line_can_be_run(tmp_path: Path) -> None:
+    words = ['--sections', '3', '--components', '6', '--items', '2', '--processes', '2']
+    output = run('bench.scale', words, tmp_path)
+    assert '16 goals in' in output
+    assert 'ms CPU a goal' in output
+
+
+def run(module: str, words: Sequence[str], folder: Path) -> str:
+    """Return what one of the programs says."""
     path = os.pathsep.join([str(ROOT), str(ROOT / 'test')])
     done = subprocess.run(
-        [sys.executable, '-m', 'bench', *words],
+        [sys.executable, '-m', module, *words],
         env={**os.environ, 'PYTHONPATH': path},
-        cwd=tmp_path,
+        cwd=folder,
         capture_output=True,
         text=True,
         timeout=80,
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    rows = json.loads(file.read_text())['rows']
-    assert len(rows) == len(CHEAP)
-    assert all(row['value'] > 0 and row['rounds'] for row in rows)
-    assert plot.read_text().startswith('<?xml')
-    assert all(row['name'] in done.stdout for row in rows)
+    return done.stdout
