@@ -1,7 +1,4 @@
-"""What people ask of the cell as a whole (semantics 7.2, 7.3).
-
-Each names who commands, why, and the origin: the program, interface or computer it came from.
-"""
+"""What people ask of the cell as a whole (semantics 7.2, 7.3)."""
 
 from __future__ import annotations
 
@@ -9,6 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from bt_orchestrator.model.belt_statement import Statement
+from bt_orchestrator.model.by import By
 from bt_orchestrator.model.packml import Cause
 
 
@@ -17,9 +15,7 @@ class CellCommand:
     """Base of the commands."""
 
     cause: ClassVar[Cause]
-    who: str
-    reason: str
-    origin: str = ''
+    by: By
 
 
 @dataclass(frozen=True)

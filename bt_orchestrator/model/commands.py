@@ -4,16 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from bt_orchestrator.model.by import By
 from bt_orchestrator.model.cell_commands import CellCommand
 from bt_orchestrator.model.job_commands import JobCommand
-from bt_orchestrator.model.order import Job
-
-
-@dataclass(frozen=True)
-class SubmitJob:
-    """Put a job at the end of the queue."""
-
-    job: Job
 
 
 @dataclass(frozen=True)
@@ -23,10 +16,7 @@ class AnswerHold:
     hold: str
     answer: str
     """One of the answers that the hold offers."""
-    who: str
-    reason: str
-    origin: str = ''
-    """Program, interface or computer that the command came from."""
+    by: By
 
 
 @dataclass(frozen=True)
@@ -34,10 +24,7 @@ class RemoveItem:
     """Record that an item was taken off the belt by hand (semantics 7.1)."""
 
     item: str
-    who: str
-    reason: str
-    origin: str = ''
-    """Program, interface or computer that the command came from."""
+    by: By
 
 
 @dataclass(frozen=True)
@@ -45,7 +32,10 @@ class Shutdown:
     """Cancel every goal and start nothing more (semantics 2.6)."""
 
 
-Command = SubmitJob | AnswerHold | RemoveItem | CellCommand | Shutdown | JobCommand
+OnRecord = AnswerHold | RemoveItem | CellCommand | JobCommand
+"""Commands that somebody is responsible for."""
+
+Command = OnRecord | Shutdown
 
 
 @dataclass(frozen=True)

@@ -4,17 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from bt_orchestrator.model.by import By
 from bt_orchestrator.model.order import Job
-
-
-@dataclass(frozen=True)
-class By:
-    """Who commands something, from where, and why; for the record."""
-
-    who: str
-    origin: str
-    """Program, interface or computer that the command came from."""
-    reason: str
 
 
 @dataclass(frozen=True)
@@ -22,7 +13,8 @@ class AddJobs:
     """Queue jobs in this order, all or none."""
 
     jobs: tuple[Job, ...]
-    by: By
+    by: By | None = None
+    """None: nobody, it is the plan of a virtual run."""
     position: int | None = None
     """Of the first, from 1; None: the end."""
     held: bool = False

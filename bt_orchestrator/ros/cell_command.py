@@ -8,9 +8,8 @@ from typing import Any
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model import cell_commands as c
 from bt_orchestrator.model.belt_statement import AsShown, Statement, parse_slots
-
-SERVICE = 'service'
-"""Origin of a request that names none."""
+from bt_orchestrator.model.by import By
+from bt_orchestrator.ros.serving import by
 
 
 def command_of(request: Any) -> c.CellCommand:
@@ -22,15 +21,15 @@ def command_of(request: Any) -> c.CellCommand:
     if make is None:
         known = ', '.join(_MAKERS)
         raise CommandRefused(f'unknown command {request.command!r}; one of {known}')
-    return make(request, (request.who, request.reason, request.origin or SERVICE))
+    return make(request, by(request))
 
 
-def _resume(request: Any, said: tuple[str, str, str]) -> c.Resume:
-    return c.Resume(*said, hold=request.hold or None, everyones=request.everyones)
+def _resume(request: Any, said: By) -> c.Resume:
+    return c.Resume(said, hold=request.hold or None, everyones=request.everyones)
 
 
-def _clear(request: Any, said: tuple[str, str, str]) -> c.Clear:
-    return c.Clear(*said, belt=_statement(request))
+def _clear(request: Any, said: By) -> c.Clear:
+    return c.Clear(said, belt=_statement(request))
 
 
 def _statement(request: Any) -> Statement:
@@ -42,12 +41,12 @@ def _statement(request: Any) -> Statement:
     return parse_slots(request.belt) if request.belt else AsShown(request.as_shown)
 
 
-_MAKERS: Mapping[str, Callable[[Any, tuple[str, str, str]], c.CellCommand]] = {
-    'reset': lambda _, said: c.Reset(*said),
-    'start': lambda _, said: c.Start(*said),
-    'pause': lambda _, said: c.Pause(*said),
+_MAKERS: Mapping[str, Callable[[Any, By], c.CellCommand]] = {
+    'reset': lambda _, said: c.Reset(said),
+    'start': lambda _, said: c.Start(said),
+    'pause': lambda _, said: c.Pause(said),
     'resume': _resume,
-    'stop': lambda _, said: c.Stop(*said),
-    'abort': lambda _, said: c.Abort(*said),
+    'stop': lambda _, said: c.Stop(said),
+    'abort': lambda _, said: c.Abort(said),
     'clear': _clear,
 }

@@ -17,10 +17,10 @@ from bt_orchestrator_interfaces.srv import (
 from rclpy.node import Node
 
 from bt_orchestrator.errors import Refused
+from bt_orchestrator.model.by import By
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.job_commands import (
     AddJobs,
-    By,
     ControlJob,
     MoveJob,
     RunNext,
@@ -29,7 +29,7 @@ from bt_orchestrator.model.job_commands import (
 )
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.ros.order_reader import OrderReader
-from bt_orchestrator.ros.serving import serve, tell
+from bt_orchestrator.ros.serving import by, serve, tell
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.runtime.orders import FITS
 
@@ -109,14 +109,6 @@ class QueueServices:
 
     def _stop_after(self, request: Any, response: Any) -> None:
         tell(response, self._orchestrator.ask(StopAfter(request.after, by(request))))
-
-
-def by(request: Any, otherwise: str = 'service') -> By:
-    """Return who asks, from where, and why.
-
-    :param otherwise: where from, if the request does not say it
-    """
-    return By(request.who, request.origin or otherwise, request.reason)
 
 
 def _of_reading(order: Any, read: Job | Refused) -> OrderAnswer:

@@ -18,14 +18,15 @@ from rclpy.action.server import ActionServer, CancelResponse, GoalResponse
 from rclpy.node import Node
 
 from bt_orchestrator.errors import Refused
+from bt_orchestrator.model.by import By
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.events import Event, TaskFailed
-from bt_orchestrator.model.job_commands import AddJobs, By, ControlJob
+from bt_orchestrator.model.job_commands import AddJobs, ControlJob
 from bt_orchestrator.model.job_report import ItemReport, JobReport
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.ros.job_message import job_messages
 from bt_orchestrator.ros.order_reader import OrderReader
-from bt_orchestrator.ros.queue_services import by
+from bt_orchestrator.ros.serving import by
 from bt_orchestrator.ros.stamps import to_time
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 

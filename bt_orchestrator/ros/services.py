@@ -9,8 +9,8 @@ from rclpy.node import Node
 
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model import commands
-from bt_orchestrator.ros.cell_command import SERVICE, command_of
-from bt_orchestrator.ros.serving import serve
+from bt_orchestrator.ros.cell_command import command_of
+from bt_orchestrator.ros.serving import by, serve, tell
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 
 
@@ -24,23 +24,17 @@ class Services:
         serve(node, Command, 'command', self._command)
 
     def _answer(self, request: Any, response: Any) -> None:
-        origin = request.origin or SERVICE
-        command = commands.AnswerHold(
-            request.hold, request.answer, request.who, request.reason, origin
-        )
-        answer = self._orchestrator.ask(command)
-        response.accepted, response.message = answer.accepted, answer.message
+        command = commands.AnswerHold(request.hold, request.answer, by(request))
+        tell(response, self._orchestrator.ask(command))
 
     def _remove(self, request: Any, response: Any) -> None:
-        origin = request.origin or SERVICE
-        command = commands.RemoveItem(request.item, request.who, request.reason, origin)
-        answer = self._orchestrator.ask(command)
-        response.accepted, response.message = answer.accepted, answer.message
+        command = commands.RemoveItem(request.item, by(request))
+        tell(response, self._orchestrator.ask(command))
 
     def _command(self, request: Any, response: Any) -> None:
         try:
             answer = self._orchestrator.ask(command_of(request))
         except CommandRefused as refused:
             answer = commands.Answer(accepted=False, message=str(refused))
-        response.accepted, response.message = answer.accepted, answer.message
+        tell(response, answer)
         response.state = self._orchestrator.state.mode.value

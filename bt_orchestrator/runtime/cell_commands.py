@@ -23,6 +23,7 @@ from bt_orchestrator.model.failures import ABORT
 from bt_orchestrator.model.packml import VERBS, Cause, refusal
 from bt_orchestrator.model.state import CellState, Hold
 from bt_orchestrator.model.stop_reason import StopReason
+from bt_orchestrator.runtime.command_record import decided
 from bt_orchestrator.runtime.ledger import Ledger
 from bt_orchestrator.runtime.lifecycle import transition
 from bt_orchestrator.runtime.operators import released_with
@@ -37,49 +38,30 @@ PAUSED = 'paused'
 def carry_out(command: CellCommand, ledger: Ledger) -> str:
     """Carry out a command and return the answer's words.
 
-    :raises CommandRefused: it is not possible now; nothing but the refusal was recorded
+    :raises CommandRefused: it is not possible now; nothing was recorded
     """
     state = ledger.state
-    try:
-        why = refusal(state.mode, command.cause)
-        if why is not None:
-            raise CommandRefused(why)
-        follows = list(_FOLLOWS[type(command)](state, command))
-    except CommandRefused as refused:
-        ledger.record([_refused(command, str(refused))])
-        raise
-    ledger.record([_decided(command), *follows])
+    why = refusal(state.mode, command.cause)
+    if why is not None:
+        raise CommandRefused(why)
+    follows = list(_FOLLOWS[type(command)](state, command))
+    ledger.record([*decided(command), *follows])
     return _ANSWERS[type(command)](state)
-
-
-def _decided(command: CellCommand) -> e.OperatorDecided:
-    verb, origin = VERBS[command.cause], command.origin
-    return e.OperatorDecided(answer=verb, who=command.who, origin=origin, reason=command.reason)
-
-
-def _refused(command: CellCommand, message: str) -> e.OperatorRefused:
-    return e.OperatorRefused(
-        command=VERBS[command.cause],
-        who=command.who,
-        origin=command.origin,
-        reason=command.reason,
-        message=message,
-    )
 
 
 # --- what follows from each; nothing is changed while these look ------------------------------
 
 
 def _reset(state: CellState, command: Reset) -> Iterator[e.Event]:
-    yield transition(state.mode, command.cause, _in_words(command))
+    yield transition(state.mode, command.cause, str(command.by))
 
 
 def _start(state: CellState, command: Start) -> Iterator[e.Event]:
-    yield transition(state.mode, command.cause, _in_words(command))
+    yield transition(state.mode, command.cause, str(command.by))
 
 
 def _stop(state: CellState, command: Stop) -> Iterator[e.Event]:
-    yield transition(state.mode, command.cause, _in_words(command))
+    yield transition(state.mode, command.cause, str(command.by))
 
 
 def _pause(state: CellState, command: Pause) -> Iterator[e.Event]:
@@ -87,9 +69,9 @@ def _pause(state: CellState, command: Pause) -> Iterator[e.Event]:
     yield e.HoldRaised(
         hold=state.next_hold,
         reason=PAUSED,
-        message=_in_words(command),
+        message=str(command.by),
         answers=(RESUME,),
-        owner=command.who or 'unknown',
+        owner=command.by.who or 'unknown',
     )
 
 
@@ -99,7 +81,7 @@ def _resume(state: CellState, command: Resume) -> Iterator[e.Event]:
 
 
 def _abort(state: CellState, command: Abort) -> Iterator[e.Event]:
-    emergency, words = StopReason.EMERGENCY, _in_words(command)
+    emergency, words = StopReason.EMERGENCY, str(command.by)
     yield e.StopReasonChanged(stop_reason=emergency.value, reason=words)
     yield transition(state.mode, command.cause, words)
     yield from effects.cancelled(state, state.running, ABORT)
@@ -109,8 +91,8 @@ def _clear(state: CellState, command: Clear) -> Iterator[e.Event]:
     for gone in corrections(state, command.belt):
         yield gone
         yield from released_with(state, gone.item)
-    yield e.StopReasonChanged(stop_reason='', reason=_in_words(command))
-    yield transition(state.mode, command.cause, _in_words(command))
+    yield e.StopReasonChanged(stop_reason='', reason=str(command.by))
+    yield transition(state.mode, command.cause, str(command.by))
 
 
 _FOLLOWS: Mapping[type[CellCommand], Callable[[CellState, Any], Iterator[e.Event]]] = {
@@ -137,7 +119,7 @@ def _to_release(state: CellState, command: Resume) -> list[Hold]:
     if command.hold is not None:
         chosen = [hold for hold in state.pauses if hold.id == command.hold]
     else:
-        ours = ('', command.who or 'unknown')
+        ours = ('', command.by.who or 'unknown')
         chosen = [h for h in state.pauses if command.everyones or h.owner in ours]
     if chosen:
         return chosen
@@ -184,7 +166,3 @@ _ANSWERS: Mapping[type[CellCommand], Callable[[CellState], str]] = {
     Abort: _after_abort,
     Clear: lambda _: 'the belt is confirmed; the cell stops, reset and start let it go on',
 }
-
-
-def _in_words(command: CellCommand) -> str:
-    return f'{command.who}: {command.reason}'

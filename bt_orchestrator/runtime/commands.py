@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell_commands import CellCommand
-from bt_orchestrator.model.commands import AnswerHold, Command, RemoveItem, Shutdown, SubmitJob
+from bt_orchestrator.model.commands import AnswerHold, Command, OnRecord, RemoveItem, Shutdown
 from bt_orchestrator.model.failures import ABORT, SHUTDOWN
 from bt_orchestrator.model.packml import TRANSITIONS, Cause
-from bt_orchestrator.runtime import cell_commands, job_queue, operators, orders
+from bt_orchestrator.runtime import cell_commands, command_record, job_queue, operators
 from bt_orchestrator.runtime.ledger import Ledger
 from bt_orchestrator.runtime.lifecycle import transition
 
@@ -16,11 +17,18 @@ from bt_orchestrator.runtime.lifecycle import transition
 def answer_to(command: Command, ledger: Ledger) -> str:
     """Carry out a command and return the answer's words.
 
-    :raises CommandRefused: it cannot be carried out now; nothing was recorded
+    :raises CommandRefused: it cannot be carried out now; nothing but that was recorded
     """
-    if isinstance(command, SubmitJob):
-        ledger.record(orders.queue(ledger.state, [command.job]))
-        return f'{command.job.id} is queued'
+    if isinstance(command, Shutdown):
+        return _shut_down(ledger)
+    try:
+        return _carry_out(command, ledger)
+    except CommandRefused as refused:
+        ledger.record(command_record.refused(command, str(refused)))
+        raise
+
+
+def _carry_out(command: OnRecord, ledger: Ledger) -> str:
     if isinstance(command, AnswerHold):
         ledger.record(operators.answer(ledger.state, command, ledger.now))
         return f'hold {command.hold}: {command.answer}'
@@ -29,8 +37,6 @@ def answer_to(command: Command, ledger: Ledger) -> str:
         return f'{command.item} is off the belt'
     if isinstance(command, CellCommand):
         return cell_commands.carry_out(command, ledger)
-    if isinstance(command, Shutdown):
-        return _shut_down(ledger)
     message, events = job_queue.carry_out(command, ledger.state)
     ledger.record(events)
     return message

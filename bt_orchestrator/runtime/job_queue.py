@@ -11,7 +11,6 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.isa95 import job_word
 from bt_orchestrator.model.job_commands import (
     AddJobs,
-    By,
     ControlJob,
     JobCommand,
     MoveJob,
@@ -22,6 +21,7 @@ from bt_orchestrator.model.job_commands import (
 from bt_orchestrator.model.packml import Cause, Mode
 from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.runtime import orders
+from bt_orchestrator.runtime.command_record import decided
 from bt_orchestrator.runtime.lifecycle import transition
 
 NEVER = 'never'
@@ -36,7 +36,10 @@ def carry_out(command: JobCommand, state: CellState) -> tuple[str, list[e.Event]
 
     :raises CommandRefused: it cannot be carried out now
     """
-    return _carry_out(command, state)
+    message, events = _carry_out(command, state)
+    if isinstance(command, AddJobs):
+        return message, events  # each job has its own record
+    return message, [*decided(command), *events]
 
 
 @singledispatch
@@ -62,9 +65,7 @@ def _add(command: AddJobs, state: CellState) -> tuple[str, list[e.Event]]:
 def _update(command: UpdateJob, state: CellState) -> tuple[str, list[e.Event]]:
     new = command.job
     _allowed(state, job_control.UPDATE, new.id)
-    events = orders.change(state, new)
-    decided = _decided(command.by, job_control.UPDATE.verb, new.id)
-    return f'{new.id} is updated', [decided, *events]
+    return f'{new.id} is updated', orders.change(state, new)
 
 
 # --- places ---------------------------------------------------------------------------------
@@ -74,16 +75,15 @@ def _update(command: UpdateJob, state: CellState) -> tuple[str, list[e.Event]]:
 def _move(command: MoveJob, state: CellState) -> tuple[str, list[e.Event]]:
     _check_queued(state, command.job)
     _check_position(command.position, len(state.queue))
-    decided = _decided(command.by, 'move', command.job)
     moved = e.JobMoved(job=command.job, position=command.position)
-    return f'{command.job} is at position {command.position}', [decided, moved]
+    return f'{command.job} is at position {command.position}', [moved]
 
 
 @_carry_out.register
 def _run_next(command: RunNext, state: CellState) -> tuple[str, list[e.Event]]:
     job = _check_queued(state, command.job)
     name = command.job
-    events: list[e.Event] = [_decided(command.by, 'next', name), e.JobMoved(job=name, position=1)]
+    events: list[e.Event] = [e.JobMoved(job=name, position=1)]
     if job.held:
         events.append(e.JobReleased(job=name))
     return f'{name} is next', events
@@ -96,8 +96,8 @@ def _run_next(command: RunNext, state: CellState) -> tuple[str, list[e.Event]]:
 def _control(command: ControlJob, state: CellState) -> tuple[str, list[e.Event]]:
     method, answer, act = _method(command.verb)
     job = _allowed(state, method, command.job)
-    decided = _decided(command.by, command.verb, command.job)
-    return f'{command.job} {answer}', [decided, *act(state, job, _in_words(command))]
+    why = command.by.deciding(command.verb)
+    return f'{command.job} {answer}', list(act(state, job, why))
 
 
 def _method(verb: str) -> _Control:
@@ -163,18 +163,17 @@ CONTROLS: Mapping[str, _Control] = {
 
 @_carry_out.register
 def _stop_after(command: StopAfter, state: CellState) -> tuple[str, list[e.Event]]:
-    decided = _decided(command.by, f'stop_after_{command.after}')
     if command.after == NEVER:
         if state.stop_after is None:
             raise CommandRefused('there is nothing to take back: no stop was asked for')
-        return 'the line goes on', [decided, e.QueueStopCancelled()]
+        return 'the line goes on', [e.QueueStopCancelled()]
     if command.after not in AFTER:
         known = ', '.join((*AFTER, NEVER))
         raise CommandRefused(f'a stop is after one of {known}; found {command.after!r}')
     if not state.on_the_line:
         raise CommandRefused('no job has started; hold the jobs of the queue instead')
     message = f'the cell stops after the current {command.after}'
-    return message, [decided, e.QueueStopRequested(after=command.after)]
+    return message, [e.QueueStopRequested(after=command.after)]
 
 
 def stop_when_empty(state: CellState) -> Events:
@@ -193,14 +192,6 @@ def _is_empty(state: CellState) -> bool:
 
 
 # --- refusals -------------------------------------------------------------------------------
-
-
-def _decided(by: By, verb: str, job: str | None = None) -> e.OperatorDecided:
-    return e.OperatorDecided(answer=verb, who=by.who, origin=by.origin, reason=by.reason, job=job)
-
-
-def _in_words(command: ControlJob) -> str:
-    return f'{command.by.who} decided {command.verb}: {command.by.reason}'
 
 
 def _allowed(state: CellState, method: job_control.Method, name: str) -> JobState:

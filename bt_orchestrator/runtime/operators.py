@@ -11,6 +11,7 @@ from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.commands import AnswerHold, RemoveItem
 from bt_orchestrator.model.failures import abort_all_on_the_belt, pass_over
 from bt_orchestrator.model.state import CellState, Hold
+from bt_orchestrator.runtime.command_record import decided
 
 
 def answer(state: CellState, command: AnswerHold, now: float) -> Iterator[e.Event]:
@@ -19,15 +20,10 @@ def answer(state: CellState, command: AnswerHold, now: float) -> Iterator[e.Even
     :raises CommandRefused: there is no such hold, or it does not offer that answer
     """
     hold = _offering(state, command)
-    yield e.OperatorDecided(
-        hold=hold.id,
-        answer=command.answer,
-        who=command.who,
-        reason=command.reason,
-        origin=command.origin,
-    )
+    yield from decided(command)
     if hold.key == e.INDEX_KEY and command.answer == OnFailure.ABORT_JOB.value:
-        yield from abort_all_on_the_belt(state, _in_words(command))  # the move stays held (3.5)
+        # The move stays held (3.5).
+        yield from abort_all_on_the_belt(state, command.by.deciding(command.answer))
         return
     yield e.HoldReleased(hold=hold.id)
     assert hold.key is not None
@@ -44,13 +40,7 @@ def remove(state: CellState, command: RemoveItem) -> Iterator[e.Event]:
         standing = [s.slot for s in state.sections.values() if s.slot is not None]
         present = ', '.join(name for name in standing if state.items[name].present)
         raise CommandRefused(f'{command.item} is not on the belt; on it: {present or "nothing"}')
-    yield e.OperatorDecided(
-        item=item.id,
-        answer='remove_item',
-        who=command.who,
-        reason=command.reason,
-        origin=command.origin,
-    )
+    yield from decided(command)
     section = item.section
     yield e.ItemRemoved(job=item.job, item=item.id, section=section, how='by_hand')
     yield from released_with(state, item.id)
@@ -92,17 +82,19 @@ def _mark_done(state: CellState, key: e.TaskKey, _: AnswerHold, __: float) -> It
     yield from effects.of_success(state, key)
 
 
-def _skip(state: CellState, key: e.TaskKey, by: AnswerHold, _: float) -> Iterator[e.Event]:
-    yield e.TaskSkipped(**key._asdict(), reason=_in_words(by))
+def _skip(state: CellState, key: e.TaskKey, command: AnswerHold, _: float) -> Iterator[e.Event]:
+    yield e.TaskSkipped(**key._asdict(), reason=command.by.deciding(command.answer))
     yield from effects.of_passing(state, key)
 
 
-def _reject(state: CellState, key: e.TaskKey, by: AnswerHold, _: float) -> Iterator[e.Event]:
-    yield from pass_over(state, key, OnFailure.REJECT, _in_words(by))
+def _reject(state: CellState, key: e.TaskKey, command: AnswerHold, _: float) -> Iterator[e.Event]:
+    yield from pass_over(state, key, OnFailure.REJECT, command.by.deciding(command.answer))
 
 
-def _abort_job(state: CellState, key: e.TaskKey, by: AnswerHold, _: float) -> Iterator[e.Event]:
-    yield from pass_over(state, key, OnFailure.ABORT_JOB, _in_words(by))
+def _abort_job(
+    state: CellState, key: e.TaskKey, command: AnswerHold, _: float
+) -> Iterator[e.Event]:
+    yield from pass_over(state, key, OnFailure.ABORT_JOB, command.by.deciding(command.answer))
 
 
 _ANSWERS = {
@@ -112,7 +104,3 @@ _ANSWERS = {
     'reject': _reject,
     'abort_job': _abort_job,
 }
-
-
-def _in_words(command: AnswerHold) -> str:
-    return f'{command.who} decided {command.answer}: {command.reason}'

@@ -6,11 +6,12 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.by import By
 from bt_orchestrator.model.codec import digest
-from bt_orchestrator.model.job_commands import By
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.script import Dependency, Script
 from bt_orchestrator.model.state import CellState
+from bt_orchestrator.runtime.command_record import decided_to_add
 
 FITS = 'fits, but was not queued because of the others'
 """What is said of the good orders among some that were refused together."""
@@ -33,11 +34,7 @@ def queue(
     events: list[e.Event] = []
     loaded = set(state.scripts)
     for number, job in enumerate(jobs):
-        if by is not None:
-            decided = e.OperatorDecided(
-                answer='add', who=by.who, origin=by.origin, reason=by.reason, job=job.id
-            )
-            events.append(decided)
+        events += decided_to_add(job.id, by)
         events += _loaded(job.script, loaded)
         events.append(_queued(job, None if position is None else position + number, held=held))
     return events

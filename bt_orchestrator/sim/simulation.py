@@ -8,8 +8,9 @@ from collections.abc import Callable, Iterable, Sequence
 from enum import Enum
 
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.commands import Answer, SubmitJob
+from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.goal import GoalRequest
+from bt_orchestrator.model.job_commands import AddJobs
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import ActionTypes, EventSink, EventStore
@@ -70,7 +71,7 @@ class Simulation:
 
     def submit(self, jobs: Iterable[Job]) -> list[Answer]:
         """Queue jobs now, in order."""
-        return [self.orchestrator.ask(SubmitJob(job)) for job in jobs]
+        return [self.orchestrator.ask(AddJobs((job,))) for job in jobs]
 
     def run(self, look: Callable[[], None] = lambda: None) -> Outcome:
         """Let time pass until nothing more can happen.

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 from functools import partial
 
+from bt_orchestrator.model.by import By
 from bt_orchestrator.model.commands import AnswerHold, RemoveItem
 from bt_orchestrator.model.events import TaskKey
 from bt_orchestrator.model.state import Hold
@@ -31,7 +32,7 @@ class StandingAnswers:
         self._simulation = simulation
         self._answers = tuple(answers)
         self._after_s = after_s
-        self._who = who
+        self._by = By(who, '', 'decided beforehand')
         self._seen: dict[str, str] = {}
         """The answer to each hold; empty where there was none to give."""
         self._retries: Counter[tuple[TaskKey | None, int]] = Counter()
@@ -80,12 +81,11 @@ class StandingAnswers:
     def _give(self, hold: Hold, answer: str) -> None:
         if hold.id not in self._simulation.state.holds:
             return  # another answer ended it, abort_job for example
-        reason = 'decided beforehand'
         command: AnswerHold | RemoveItem
         if answer == REMOVE_ITEM:
-            command = RemoveItem(hold.item or '', self._who, reason)
+            command = RemoveItem(hold.item or '', self._by)
         else:
-            command = AnswerHold(hold.id, answer, self._who, reason)
+            command = AnswerHold(hold.id, answer, self._by)
         given = self._simulation.orchestrator.ask(command)
         if not given.accepted:
             self._complaints.append(given.message)

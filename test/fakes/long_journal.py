@@ -9,7 +9,7 @@ from pathlib import Path
 from fakes.action_types import FakeActionTypes
 from fakes.line import THREE, Line
 
-from bt_orchestrator.model.commands import SubmitJob
+from bt_orchestrator.model.job_commands import AddJobs
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.runtime.housekeeping import Housekeeping
 from bt_orchestrator.runtime.orchestrator import Orchestrator
@@ -48,7 +48,7 @@ class LongRun:
     def job(self, name: str, quantity: int = 3, text: str = THREE) -> None:
         """Run one job to its end, with a quiet moment whenever time passes."""
         assert self.orchestrator.ask(
-            SubmitJob(Job(name, self.line.script(text), quantity))
+            AddJobs((Job(name, self.line.script(text), quantity),))
         ).accepted
         self.go(lambda: not self.orchestrator.state.jobs)
 

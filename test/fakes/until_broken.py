@@ -16,9 +16,10 @@ from pathlib import Path
 
 from fakes.line import THREE, Line
 from fakes.long_journal import LongRun
+from fakes.operator import ann
 
 from bt_orchestrator.model.cell_commands import Pause
-from bt_orchestrator.model.commands import SubmitJob
+from bt_orchestrator.model.job_commands import AddJobs
 from bt_orchestrator.model.order import Job
 
 
@@ -28,12 +29,12 @@ def main(path: Path, largest: int) -> None:
     resource.setrlimit(resource.RLIMIT_FSIZE, (largest, largest))
     orchestrator = run.orchestrator
     for number in itertools.count(1):
-        answer = orchestrator.ask(SubmitJob(Job(f'J{number}', run.line.script(THREE), 3)))
+        answer = orchestrator.ask(AddJobs((Job(f'J{number}', run.line.script(THREE), 3),)))
         while not orchestrator.broken and orchestrator.state.jobs and run.clock.advance():
             orchestrator.settle()
         if orchestrator.broken:
             break
-    refused = orchestrator.ask(Pause('Ann', ''))
+    refused = orchestrator.ask(Pause(ann()))
     said = {
         'broken': orchestrator.broken,
         'seq': orchestrator.state.seq,

@@ -7,7 +7,9 @@ from collections.abc import Callable
 from typing import Any
 
 from fakes.invariants import Invariants
+from fakes.operator import ann
 
+from bt_orchestrator.model.by import By
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.cell_commands import CellCommand, Pause, Resume
 from bt_orchestrator.model.codec import from_record, to_record
@@ -16,11 +18,10 @@ from bt_orchestrator.model.commands import (
     AnswerHold,
     Command,
     RemoveItem,
-    SubmitJob,
 )
 from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.goal import GoalRequest
-from bt_orchestrator.model.job_commands import AddJobs, By, ControlJob
+from bt_orchestrator.model.job_commands import AddJobs, ControlJob
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState, JobState
@@ -62,7 +63,7 @@ class VirtualRun:
     def submit(self, job: str, script: Script, quantity: int = 1, **params: object) -> Answer:
         """Queue a job now."""
         values = {name: p.default for name, p in script.params.items()} | params
-        return self.ask(SubmitJob(Job(job, script, quantity, values)))
+        return self.ask(AddJobs((Job(job, script, quantity, values),)))
 
     def go(self, until: float = 1e6) -> VirtualRun:
         """Let time pass until nothing more can happen, at most to a time."""
@@ -101,11 +102,11 @@ class VirtualRun:
         """Answer a hold, the only one unless named; the operator is Ann."""
         if hold is None:
             (hold,) = self.state.holds
-        return self.ask(AnswerHold(hold, answer, 'Ann', 'it looked so'))
+        return self.ask(AnswerHold(hold, answer, ann('it looked so')))
 
     def command(self, kind: type[CellCommand], who: str = 'Ann', **more: Any) -> Answer:
         """Give a command to the cell."""
-        return self.ask(kind(who, 'it is so', 'a test', **more))
+        return self.ask(kind(By(who, 'a test', 'it is so'), **more))
 
     @property
     def states(self) -> list[str]:
@@ -114,15 +115,15 @@ class VirtualRun:
 
     def remove(self, item: str) -> Answer:
         """Take an item off the belt by hand."""
-        return self.ask(RemoveItem(item, 'Ann', 'it fell over'))
+        return self.ask(RemoveItem(item, ann('it fell over')))
 
     def pause(self) -> Answer:
         """Let the cell start nothing more."""
-        return self.ask(Pause('Ann', 'coffee'))
+        return self.ask(Pause(ann('coffee')))
 
     def resume(self) -> Answer:
         """Let it go on."""
-        return self.ask(Resume('Ann', 'back'))
+        return self.ask(Resume(ann('back')))
 
     # --- looking ----------------------------------------------------------------------------
 

@@ -61,14 +61,17 @@ class OperatorDecided(Event):
 
 @dataclass(frozen=True, kw_only=True)
 class OperatorRefused(Event):
-    """A command to the cell was refused; nothing was changed."""
+    """A command was refused; nothing was changed."""
 
     event: ClassVar[str] = 'operator.refused'
     command: str
     who: str
     reason: str
     origin: str = ''
-    """Where the command came from."""
+    """Where the command came from, for instance the program and the computer."""
+    hold: str | None = None
+    job: str | None = None
+    item: str | None = None
     message: str
     """Why it was refused."""
 

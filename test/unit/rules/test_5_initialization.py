@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 from fakes.line import THREE, Line
+from fakes.operator import ann
 
 from bt_orchestrator.model.cell_commands import Stop
 
@@ -99,7 +100,7 @@ def test_5_1_once_counts_only_a_success() -> None:
 def test_5_1_once_is_forgotten_in_stopped() -> None:
     line = Line()
     run = line.run(HOME)
-    run.ask(Stop('Ann', 'a break'))
+    run.ask(Stop(ann('a break')))
     assert run.state.mode.value == 'Stopped'
     run.submit('K', line.script(HOME), 1)
     run.go()

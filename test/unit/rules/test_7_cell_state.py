@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 from fakes.line import THREE, Line, with_section
+from fakes.operator import ann
 from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.model import events as e
@@ -89,7 +90,7 @@ def test_7_2_every_command_in_every_state(mode: Mode, verb: str) -> None:
     orchestrator = orchestrator_in(mode)
     kind = COMMANDS[verb]
     seen = AsShown(orchestrator.state.seq)
-    command = Clear('Ann', 'so', belt=seen) if kind is Clear else kind('Ann', 'so')
+    command = Clear(ann('so'), belt=seen) if kind is Clear else kind(ann('so'))
     before = orchestrator.state.seq
     answer = orchestrator.ask(command)
     orchestrator.settle()
@@ -119,12 +120,12 @@ def table_walk(orchestrator: Orchestrator) -> list[str]:
 @pytest.mark.parametrize('mode', Mode)
 def test_7_2_pause_and_resume_in_every_state(mode: Mode) -> None:
     orchestrator = orchestrator_in(mode)
-    assert orchestrator.ask(Pause('Ann', 'a visitor')).accepted
+    assert orchestrator.ask(Pause(ann('a visitor'))).accepted
     (hold,) = orchestrator.state.holds.values()
     assert (hold.owner, hold.reason, hold.message) == ('Ann', 'paused', 'Ann: a visitor')
     holds = (mode.value, 'hold', 'Holding') in arrows()
     assert ('Holding' in table_walk(orchestrator)[1:]) is holds
-    assert orchestrator.ask(Resume('Ann', 'gone')).accepted
+    assert orchestrator.ask(Resume(ann('gone'))).accepted
     assert not orchestrator.state.holds
 
 

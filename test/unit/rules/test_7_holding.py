@@ -98,7 +98,11 @@ def test_7_1_an_answer_to_no_hold_is_refused() -> None:
     assert [answer.accepted for answer in refused] == [False, False]
     assert refused[0].message == 'there is no hold 7; holds now: 1'
     assert 'can be answered with retry, mark_done, skip, reject, abort_job' in refused[1].message
-    assert len(run.records) == before
+    recorded = [(r['event'], r['command'], r['who'], r['hold']) for r in run.records[before:]]
+    assert recorded == [
+        ('operator.refused', 'retry', 'Ann', '7'),
+        ('operator.refused', 'repeat', 'Ann', '1'),
+    ]
 
 
 # --- 7.1: every answer on every kind of task ------------------------------------------------
@@ -275,7 +279,9 @@ def test_7_1_remove_item_that_is_not_on_the_belt_is_refused() -> None:
         assert answer.message == f'{item} is not on the belt; on it: J/1'
     run.remove('J/1')
     assert run.remove('J/1').message == 'J/1 is not on the belt; on it: nothing'
-    assert len(run.records) == before + 2
+    names = [record['event'] for record in run.records[before:]]
+    refused = 'operator.refused'
+    assert names == [refused, refused, 'operator.decided', 'item.removed', refused]
 
 
 # --- 7.3 ------------------------------------------------------------------------------------

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fakes.line import THREE, Line, with_section
+from fakes.operator import ann
 
 from bt_orchestrator.model.cell_commands import Resume
 from bt_orchestrator.model.commands import Shutdown
@@ -95,6 +96,6 @@ def test_work_that_was_shut_down_goes_on_when_a_new_orchestrator_is_told_to() ->
     run.sim.close()
     again = Simulation(line.cell, line.types, run.store)  # its faults strike anew
     assert again.run() is Outcome.HELD
-    assert again.orchestrator.ask(Resume('Ann', 'all is well')).accepted
+    assert again.orchestrator.ask(Resume(ann('all is well'))).accepted
     assert again.run() is Outcome.FINISHED
     assert again.state.ended['J'].progress.packed == 1

@@ -15,9 +15,9 @@ from fakes.long_journal import LongRun
 from fakes.virtual_run import snapshot
 
 from bt_orchestrator.errors import JournalFailed, JournalMismatch
-from bt_orchestrator.model.commands import SubmitJob
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.fold import apply
+from bt_orchestrator.model.job_commands import AddJobs
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.snapshot import state_to_plain
 from bt_orchestrator.model.state import CellState
@@ -226,7 +226,7 @@ def test_live_jobs_keep_all_their_events(path: Path) -> None:
     line = Line(faults={'a2': '#1=abort'})
     run = LongRun(path, line, keep_jobs=0)
     text = with_section(2, '- {id: work, @b2}')
-    assert run.orchestrator.ask(SubmitJob(Job('OLD', line.script(text), 2))).accepted
+    assert run.orchestrator.ask(AddJobs((Job('OLD', line.script(text), 2),))).accepted
     assert is_queued(run, 'LIVE')
     assert is_queued(run, 'LATER')
     run.go(lambda: bool(run.orchestrator.state.holds) and 'OLD' in run.orchestrator.state.ended)
@@ -243,7 +243,7 @@ def test_live_jobs_keep_all_their_events(path: Path) -> None:
 
 
 def is_queued(run: LongRun, name: str) -> bool:
-    return run.orchestrator.ask(SubmitJob(Job(name, run.line.script(THREE), 3))).accepted
+    return run.orchestrator.ask(AddJobs((Job(name, run.line.script(THREE), 3),))).accepted
 
 
 def test_many_events_go_in_small_pieces(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 
 import pytest
 from fakes.line import THREE, Line
+from fakes.operator import ann
 from fakes.virtual_run import BY, VirtualRun
 
 from bt_orchestrator.model.cell_commands import Pause
@@ -125,7 +126,7 @@ def test_every_method_in_every_state(before: JobWord | None, method: Method) -> 
     if not answer.accepted:
         _check_refusal(run, recorded, answer, before, method)
         return
-    _check_recorded(run, recorded)
+    _check_recorded(run, recorded, 'operator.decided')
     after = method.changes[before]
     if method in (STOP, ABORT) and before not in (
         JobWord.ALLOWED_TO_START,
@@ -140,7 +141,8 @@ def test_every_method_in_every_state(before: JobWord | None, method: Method) -> 
 def _check_refusal(
     run: VirtualRun, recorded: int, answer: Answer, before: JobWord | None, method: Method
 ) -> None:
-    assert len(run.records) == recorded
+    _check_recorded(run, recorded, 'operator.refused')
+    assert len(run.records) == recorded + 1
     assert word(run) is before
     if method in (STORE, STORE_AND_START):
         assert answer.message == 'order K was given before; choose another id'
@@ -150,12 +152,12 @@ def _check_refusal(
         assert answer.message.startswith(f'K is {before.value}; {method.title} is for jobs that')
 
 
-def _check_recorded(run: VirtualRun, recorded: int) -> None:
+def _check_recorded(run: VirtualRun, recorded: int, event: str) -> None:
     """Who commanded it, from where and why stands first."""
-    decided = run.records[recorded]
-    assert decided['event'] == 'operator.decided'
+    record = run.records[recorded]
+    assert record['event'] == event
     about = {'job': 'K', 'who': 'Ann', 'origin': 'the test', 'reason': 'it was time'}
-    assert about.items() <= decided.items()
+    assert about.items() <= record.items()
 
 
 def _let_it_drain(run: VirtualRun) -> None:
@@ -192,7 +194,7 @@ def test_a_job_that_ends_is_asked_for_little_more(verb: str) -> None:
 
 def test_a_job_that_is_paused_with_the_cell_is_resumed_with_the_cell() -> None:
     run = _running()
-    run.ask(Pause('Ann', 'lunch'))
+    run.ask(Pause(ann('lunch')))
     assert word(run) is JobWord.SUSPENDED
     answer = run.control('resume', 'K')
     assert answer.message == 'K is not paused, the whole cell is; resume the cell instead'

@@ -9,14 +9,16 @@ from pathlib import Path
 import pytest
 from fakes.action_types import FakeActionTypes
 from fakes.line import THREE, Line, with_section
+from fakes.operator import ann
 
 from bt_orchestrator.errors import JournalFailed, JournalMismatch
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.cell_commands import Pause, Resume
-from bt_orchestrator.model.commands import AnswerHold, SubmitJob
+from bt_orchestrator.model.commands import AnswerHold
 from bt_orchestrator.model.fault import parse_fault
 from bt_orchestrator.model.goal import RESULT_TIMEOUT_S, GoalRequest
+from bt_orchestrator.model.job_commands import AddJobs
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.packml import Mode
 from bt_orchestrator.model.script import Script
@@ -90,7 +92,7 @@ class World:
 
 def begun(world: World, script: Script, quantity: int = 3) -> Orchestrator:
     orchestrator = world.orchestrator()
-    assert orchestrator.ask(SubmitJob(Job('J', script, quantity))).accepted
+    assert orchestrator.ask(AddJobs((Job('J', script, quantity),))).accepted
     return orchestrator
 
 
@@ -144,9 +146,9 @@ def test_9_2_without_auto_resume_nothing_new_starts_until_resume() -> None:
     (hold,) = second.state.holds.values()
     assert (hold.reason, hold.message) == ('restarted', '1 unfinished job, 2 goals in flight')
 
-    answer = second.ask(AnswerHold(hold.id, 'resume', 'Ann', ''))
+    answer = second.ask(AnswerHold(hold.id, 'resume', ann()))
     assert answer.message == 'hold 1 (restarted) takes no answer; resume the cell'
-    assert second.ask(Resume('Ann', 'the line was looked at')).accepted
+    assert second.ask(Resume(ann('the line was looked at'))).accepted
     world.go(second)
     assert second.state.ended['J'].progress.packed == 3
 
@@ -246,15 +248,15 @@ def test_7_2_pause_lets_what_runs_end_and_starts_nothing() -> None:
     world = World(line.cell)
     orchestrator = begun(world, line.script(FLAGS))
     world.go(orchestrator, 6)
-    assert orchestrator.ask(Pause('Ann', 'a visitor')).accepted
+    assert orchestrator.ask(Pause(ann('a visitor'))).accepted
     before = len(world.events(e.TaskStarted))
     world.go(orchestrator)
     assert len(world.events(e.TaskStarted)) == before
     assert orchestrator.state.mode is Mode.HELD
-    assert orchestrator.ask(Resume('Ann', 'gone')).accepted
+    assert orchestrator.ask(Resume(ann('gone'))).accepted
     world.go(orchestrator)
     assert orchestrator.state.ended['J'].progress.packed == 3
-    refused = orchestrator.ask(Resume('Ann', 'again'))
+    refused = orchestrator.ask(Resume(ann('again')))
     assert refused.message == 'the cell is not paused; it is Complete'
 
 
@@ -286,7 +288,7 @@ def test_9_1_nothing_is_sent_that_is_not_durable() -> None:
     world.go(first)
     assert first.broken is not None
     assert 'disk full' in first.broken
-    assert not first.ask(Pause('Ann', '')).accepted
+    assert not first.ask(Pause(ann())).accepted
     assert first.state.seq == len(list(world.store.read())) == 23
     first.close()
 

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 import pytest
 from fakes.action_types import FakeActionTypes
 from fakes.line import THREE, Line
+from fakes.operator import ann
 
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.cell_commands import Pause
@@ -107,7 +108,7 @@ def test_faults_of_simulated_controllers_are_not_foreseen() -> None:
 
 def test_a_cell_that_somebody_stopped_has_no_forecast() -> None:
     with running(4, until_s=3.0) as (simulation, _):
-        simulation.orchestrator.ask(Pause('Ann', 'lunch'))
+        simulation.orchestrator.ask(Pause(ann('lunch')))
 
         assert expected(simulation) == {}
 

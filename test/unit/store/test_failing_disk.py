@@ -16,6 +16,7 @@ import pytest
 from fakes import until_broken
 from fakes.line import Line
 from fakes.long_journal import LongRun
+from fakes.operator import ann
 
 from bt_orchestrator.model.commands import AnswerHold
 from bt_orchestrator.runtime.recovery import restore
@@ -76,7 +77,7 @@ def test_a_full_disk_stops_the_cell_and_what_was_durable_goes_on(
     while run.orchestrator.state.jobs:
         run.orchestrator.settle()
         for hold in list(run.orchestrator.state.holds):  # controllers of another process
-            assert run.orchestrator.ask(AnswerHold(hold, 'mark_done', 'Ann', 'seen')).accepted
+            assert run.orchestrator.ask(AnswerHold(hold, 'mark_done', ann('seen'))).accepted
         run.clock.advance()
     run.job('LAST')
     run.close()
