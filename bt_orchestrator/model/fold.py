@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import singledispatch
 from typing import TypeVar
 
 from bt_orchestrator.model import cell_folds as cell
@@ -26,7 +25,7 @@ from bt_orchestrator.model.state import (
 STILL_RESERVED = (Reason.IN_DOUBT, Reason.SERVER_LOST)
 """Ends after which the component may still be moving (semantics 2.6)."""
 
-ON_THE_BELT = (
+ON_THE_BELT = {
     e.ItemPlaced,
     e.ItemMissing,
     e.ItemMoved,
@@ -34,7 +33,7 @@ ON_THE_BELT = (
     e.PositionEnded,
     e.BeltIndexStarted,
     e.BeltIndexed,
-)
+}
 """Events after which another picture of the belt is true."""
 
 
@@ -44,18 +43,17 @@ def apply(state: CellState, event: e.Event) -> None:
     :raises AssertionError: the event cannot have happened in this state
     """
     assert event.seq == state.seq + 1, f'event {event.seq} after {state.seq}'
-    _apply(event, state)
+    fold = _FOLDS.get(type(event))
+    assert fold is not None, f'no fold for {type(event).__name__} at event {state.seq}'
+    fold(event, state)
     state.seq, state.time = event.seq, event.time
-    if isinstance(event, ON_THE_BELT):
+    if type(event) in ON_THE_BELT:
         state.belt_seq = event.seq
 
 
-@singledispatch
-def _apply(event: e.Event, state: CellState) -> None:
-    raise AssertionError(f'no fold for {type(event).__name__} at event {state.seq}')
-
-
 _Fold = TypeVar('_Fold', bound=Callable[..., None])
+
+_FOLDS: dict[type[e.Event], Callable[..., None]] = {}
 
 
 def _on(*kinds: type[e.Event]) -> Callable[[_Fold], _Fold]:
@@ -63,7 +61,7 @@ def _on(*kinds: type[e.Event]) -> Callable[[_Fold], _Fold]:
 
     def register(fold: _Fold) -> _Fold:
         for kind in kinds:
-            _apply.register(kind, fold)
+            _FOLDS[kind] = fold
         return fold
 
     return register

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from enum import Enum
 from typing import NamedTuple
 
@@ -216,9 +216,11 @@ class Overrun(NamedTuple):
     item: str
 
 
-def end_of_beat(state: CellState) -> Advance | Overrun | Wait:
-    """Return what the belt at rest does now (semantics 3.5)."""
-    owing = {n: w for n, s in state.sections.items() if (w := owes_turn(state, s))}
+def end_of_beat(state: CellState, owing: Mapping[int, str]) -> Advance | Overrun | Wait:
+    """Return what the belt at rest does now (semantics 3.5).
+
+    :param owing: what sections still have to do in this beat, by their number (`owes_turn`)
+    """
     if owing:
         return Wait('; '.join(owing.values()), WaitKind.TURN, sections=tuple(owing))
     last = state.slot(state.cell.conveyor.sections)

@@ -176,13 +176,13 @@ def _stop_after(command: StopAfter, state: CellState) -> tuple[str, list[e.Event
     return message, [e.QueueStopRequested(after=command.after)]
 
 
-def stop_when_empty(state: CellState) -> Events:
+def stop_when_empty(state: CellState) -> list[e.Event]:
     """Stop the cell once the line has run empty as it was asked to."""
     if state.stop_after is None or state.mode is not Mode.EXECUTE or not _is_empty(state):
-        return
+        return []
     reason = f'stop after the current {state.stop_after}'
-    yield e.QueueStopReached(after=state.stop_after)
-    yield transition(state.mode, Cause.STOP, reason)
+    reached = e.QueueStopReached(after=state.stop_after)
+    return [reached, transition(state.mode, Cause.STOP, reason)]
 
 
 def _is_empty(state: CellState) -> bool:

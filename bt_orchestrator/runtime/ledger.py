@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import replace
 
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.fold import apply
@@ -48,10 +47,15 @@ class Ledger:
     def record(self, events: Iterable[Event]) -> None:
         """Stamp and apply events, in order, each before the next one is taken."""
         for event in events:
-            stamped = replace(event, seq=self.state.seq + 1, time=self.now)
+            stamped = event.stamped(self.state.seq + 1, self.now)
             apply(self.state, stamped)
             self._pending.append(stamped)
             self._follow(stamped)
+
+    @property
+    def has_pending(self) -> bool:
+        """Tell whether anything was recorded since `take_pending`."""
+        return bool(self._pending)
 
     def take_pending(self) -> list[Event]:
         """Return what was recorded since the last call."""

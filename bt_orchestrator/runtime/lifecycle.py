@@ -38,6 +38,22 @@ def is_still(state: CellState, now: float, *, quiet: bool) -> bool:
     return quiet and not state.running and not _will_retry(state, now)
 
 
+_LAST_OF_A_JOB = (
+    e.CycleCompleted,
+    e.ItemRemoved,
+    e.PositionEnded,
+    e.JobStopping,
+    e.JobAborting,
+)
+
+
+def may_end_a_job(event: e.Event) -> bool:
+    """Tell whether `jobs_ended` may have something to say after an event."""
+    if isinstance(event, e.TaskEvent):
+        return event.section is None and event.job is not None  # initialization
+    return isinstance(event, _LAST_OF_A_JOB)
+
+
 def jobs_ended(state: CellState) -> Iterator[e.JobCompleted | e.JobAborted]:
     """Yield the end of every job of which nothing remains."""
     for name, job in list(state.jobs.items()):

@@ -73,6 +73,8 @@ class Orchestrator:
         self.gateway = gateway
         self.tree = CellTree(self._ledger, self._projection.space)
         self._settling = False
+        self._look_for_ends = True
+        """Something happened that may have been the last of a job."""
         self.broken: str | None = None
         """Why nothing is done any more: the journal could not be written."""
         gateway.listen(wake)
@@ -103,7 +105,8 @@ class Orchestrator:
         self._settling = True
         try:
             self.flights.land()
-            self._tick_until_still()
+            if self.tree.is_due or self._ledger.has_pending:
+                self._tick_until_still()
             return self._commit()
         finally:
             self._settling = False
@@ -118,6 +121,8 @@ class Orchestrator:
     def _follow(self, event: e.Event) -> None:
         self._projection.follow(event)
         self.tree.notice(event)
+        if lifecycle.may_end_a_job(event):
+            self._look_for_ends = True
 
     def _on_time(self) -> None:
         self.tree.notice_time()
@@ -126,20 +131,23 @@ class Orchestrator:
     def _tick_until_still(self) -> None:
         self.tree.follow_jobs()
         for _ in range(MOST_TICKS):
-            before = self.state.seq
             self.tree.tick()
-            quiet = self.state.seq == before
-            self._live_on(quiet=quiet)
-            if self.state.seq == before:
+            self._live_on(quiet=not self.tree.is_due)
+            if not self.tree.is_due:
                 return
         raise AssertionError(f'the tree still changes the state after {MOST_TICKS} ticks')
 
     def _live_on(self, *, quiet: bool) -> None:
-        """Let jobs end and the cell change its state, between ticks."""
-        for ended in lifecycle.jobs_ended(self.state):
-            self._ledger.record([ended])
-            self.tree.prune(ended.job)
-        self._ledger.record(list(job_queue.stop_when_empty(self.state)))
+        """Let jobs end and the cell change its state, between ticks.
+
+        :param quiet: another tick would decide nothing
+        """
+        if self._look_for_ends:
+            self._look_for_ends = False
+            for ended in lifecycle.jobs_ended(self.state):
+                self._ledger.record([ended])
+                self.tree.prune(ended.job)
+        self._ledger.record(job_queue.stop_when_empty(self.state))
         outlook = self._outlook(quiet=quiet)
         reason = lifecycle.stop_reason_change(self.state, outlook)
         if reason is not None:
@@ -149,10 +157,11 @@ class Orchestrator:
             self._ledger.record([due])
 
     def _outlook(self, *, quiet: bool) -> lifecycle.Outlook:
-        still = lifecycle.is_still(self.state, self._ledger.now, quiet=quiet)
-        waits = list(self._waits_for_readiness()) if still else []
+        if not lifecycle.is_still(self.state, self._ledger.now, quiet=quiet):
+            return lifecycle.Outlook(still=False, unready=False, starved=self._starvation.look(()))
+        waits = list(self._waits_for_readiness())
         waited_for = () if self.state.holds else waits
-        return lifecycle.Outlook(still, bool(waits), self._starvation.look(waited_for))
+        return lifecycle.Outlook(True, bool(waits), self._starvation.look(waited_for))
 
     def _waits_for_readiness(self) -> Iterator[Subject]:
         if all(reading.ready for reading in self.state.readings.values()):

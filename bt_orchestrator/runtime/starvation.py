@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from bt_orchestrator.model.state import CellState
@@ -30,12 +30,12 @@ class Starvation:
         self._waited_for: Starved | None = None
         self._since = 0.0
 
-    def look(self, unready: Iterable[Subject]) -> Starved | None:
+    def look(self, unready: Sequence[Subject]) -> Starved | None:
         """Say for what the line has been waiting long enough; None: it has not.
 
         :param unready: tasks that wait for their component, of a line in which all else waits
         """
-        now, found = self._ledger.now, find(self._ledger.state, unready)
+        now, found = self._ledger.now, find(self._ledger.state, unready) if unready else None
         if found != self._waited_for:
             self._waited_for, self._since = found, now
         if found is None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from bt_orchestrator.model import events as e
@@ -11,18 +10,23 @@ from bt_orchestrator.model.script import INDEX, Task
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.wait import Wait, WaitKind
 from bt_orchestrator.tree.subject import Recorder
+from bt_orchestrator.tree.ticking import Ticked
+from bt_orchestrator.tree.turns import Turns
 from bt_orchestrator.tree.waiter import Waiter
 
 OVERRUN = 'overrun'
 """Reason of the hold when an item would leave the belt unseen (semantics 3.6)."""
 
 
-class TurnsComplete(Behaviour, Waiter):
+class TurnsComplete(Ticked, Waiter):
     """Condition: the belt moves, or every section has released it; never fails."""
 
-    def __init__(self, recorder: Recorder) -> None:
+    lasting = False
+
+    def __init__(self, recorder: Recorder, turns: Turns) -> None:
         super().__init__('all turns complete')
         self.recorder = recorder
+        self._turns = turns
 
     @property
     def components(self) -> tuple[str, ...]:
@@ -35,7 +39,7 @@ class TurnsComplete(Behaviour, Waiter):
         self.note(None)
         if state.indexing:
             return Status.SUCCESS
-        due = end_of_beat(state)
+        due = end_of_beat(state, self._turns.owing())
         if isinstance(due, Overrun):
             self._hold(due.item)
         elif isinstance(due, Wait):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from py_trees.blackboard import Client
+from py_trees.blackboard import Blackboard, Client
 from py_trees.common import Access
 
 from bt_orchestrator.model import events as e
@@ -15,6 +15,26 @@ _MOVES = (e.ItemPlaced, e.ItemMissing, e.ItemMoved, e.ItemRemoved, e.PositionEnd
 
 AT_REST = 'at rest'
 MOVING = 'moving'
+
+
+class ReadKey:
+    """One key, as a guard reads it.
+
+    A client of py_trees works out name and permission in every access, 8 us. Both are settled once
+    here; while somebody watches the activity, the client is asked, which tells who read what.
+    """
+
+    def __init__(self, client: Client, key: str) -> None:
+        client.register_key(key=key, access=Access.READ)
+        self._client = client
+        self._key = key
+        self._name = client.absolute_name(key)
+
+    def read(self) -> Any:
+        """Return the value now."""
+        if Blackboard.activity_stream is None:
+            return Blackboard.storage[self._name]
+        return self._client.get(self._key)
 
 
 class BlackboardProjection:
@@ -28,7 +48,8 @@ class BlackboardProjection:
         self.space = space
         self._state = state
         self._client = Client(name=f'{space} state', namespace=space)
-        self._known: set[str] = set()
+        self._names: dict[str, str] = {}
+        """The whole name of every key that was set."""
         for key, value in self._everything():
             self._set(key, value)
 
@@ -39,15 +60,18 @@ class BlackboardProjection:
 
     def close(self) -> None:
         """Take the keys off the blackboard, which is global to the process."""
-        for key in self._known:
+        for key in self._names:
             self._client.unset(key)
         self._client.unregister()
 
     def _set(self, key: str, value: Any) -> None:
-        if key not in self._known:
+        if key not in self._names:
             self._client.register_key(key=key, access=Access.EXCLUSIVE_WRITE)
-            self._known.add(key)
-        self._client.set(key, value)
+            self._names[key] = self._client.absolute_name(key)
+        if Blackboard.activity_stream is None:  # as in ReadKey
+            Blackboard.storage[self._names[key]] = value
+        else:
+            self._client.set(key, value)
 
     def _everything(self) -> Iterator[tuple[str, Any]]:
         yield from self._belt()

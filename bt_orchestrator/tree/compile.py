@@ -13,8 +13,8 @@ The order of the children is the order of ties: initialization first, then the d
 from __future__ import annotations
 
 from py_trees.behaviour import Behaviour
-from py_trees.common import ParallelPolicy, Status
-from py_trees.composites import Composite, Parallel, Selector, Sequence
+from py_trees.common import Status
+from py_trees.composites import Composite
 
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.script import SectionList, Step, Task
@@ -30,8 +30,10 @@ from bt_orchestrator.tree.guards import (
 )
 from bt_orchestrator.tree.leaf import ActionLeaf
 from bt_orchestrator.tree.policies import OnFailureDecorator, Retry
-from bt_orchestrator.tree.section import CompleteCycle, CycleOf, NextCycle, ReleaseConveyor
+from bt_orchestrator.tree.section import CompleteCycle, CycleOf, ReleaseConveyor, Section
 from bt_orchestrator.tree.subject import Recorder, Subject
+from bt_orchestrator.tree.ticking import AtOnce, InOrder, Ticked
+from bt_orchestrator.tree.turns import Turns
 
 
 class CellTree:
@@ -45,37 +47,34 @@ class CellTree:
         self._recorder = recorder
         self._space = space
         state = recorder.state
-        self.initialization = _parallel('initialization', [Standby('standby')])
-        self.sections: dict[int, Composite] = {
-            number: Selector(
-                f'section {number}', memory=False, children=[NextCycle(recorder, number)]
-            )
-            for number in sorted(state.sections, reverse=True)
+        self.initialization = AtOnce('initialization', [Standby('standby')])
+        self.sections = {
+            number: Section(recorder, number) for number in sorted(state.sections, reverse=True)
         }
-        self.belt = Sequence(
-            'belt',
-            memory=False,
-            children=[
-                TurnsComplete(recorder),
-                _decided(Subject(recorder, index_task(state))),
-            ],
-        )
-        self._attention = Attention(state)
-        parts = [(INITIALIZATION, self.initialization), *self.sections.items(), (BELT, self.belt)]
+        move = _decided(Subject(recorder, index_task(state)))
+        turns = Turns(state)
+        self.belt = InOrder('belt', [TurnsComplete(recorder, turns), move])
+        self._attention = Attention(state, turns, (INITIALIZATION, *self.sections, BELT))
+        parts = [self.initialization, *self.sections.values(), self.belt]
         self.root = CellRoot(state.cell.name, parts, self._attention)
-        self._branches: dict[str, list[Behaviour]] = {}
+        self._branches: dict[str, list[Ticked]] = {}
         self._digests: dict[str, str] = {}
         """Of the scripts that the branches were compiled from."""
         for job in state.jobs.values():
             self.insert(job)
         self.root.setup_with_descendants()
 
+    @property
+    def is_due(self) -> bool:
+        """Tell whether anything has changed that another tick has to look at."""
+        return bool(self._attention)
+
     def tick(self) -> None:
         """Tick every part that something has changed for since its last tick."""
         try:
             self.root.tick_once()
         except BaseException:
-            self._attention.everywhere()
+            self._attention.start_over()
             raise
 
     def notice(self, event: Event) -> None:
@@ -138,29 +137,28 @@ class CellTree:
             part.children.sort(key=lambda child: place.get(child, len(jobs)))
 
     @staticmethod
-    def _insert(branch: Behaviour, parent: Composite) -> None:
+    def _insert(branch: Ticked, parent: Composite) -> None:
         parent.insert_child(branch, len(parent.children) - 1)
         branch.setup_with_descendants()
 
     # --- initialization ---------------------------------------------------------------------
 
-    def _initialization(self, job: JobState) -> Behaviour:
+    def _initialization(self, job: JobState) -> Ticked:
         preparation = self._recorder.state.preparations[job.digest]
-        children: list[Behaviour] = []
+        children: list[Ticked] = []
         for task in job.job.script.initialization:
             subject = Subject(self._recorder, task, job.job.id)
             guarded = self._shared(job.job.id, subject)
             children.append(InitializationGuard(subject, preparation, guarded))
-        return _parallel(job.job.id, children)
+        return AtOnce(job.job.id, children)
 
     # --- sections ---------------------------------------------------------------------------
 
-    def _cycle(self, job: str, tasks: SectionList) -> Behaviour:
+    def _cycle(self, job: str, tasks: SectionList) -> Ticked:
         steps = [self._step(job, tasks.section, step) for step in tasks.steps]
-        return Sequence(
+        return InOrder(
             job,
-            memory=False,
-            children=[
+            [
                 CycleOf(self._recorder, tasks.section, job),
                 *steps[: tasks.turn_steps],
                 ReleaseConveyor(self._recorder, tasks.section),
@@ -169,20 +167,20 @@ class CellTree:
             ],
         )
 
-    def _step(self, job: str, section: int, step: Step) -> Behaviour:
+    def _step(self, job: str, section: int, step: Step) -> Ticked:
         tracks = [self._track(job, section, track) for track in step.tracks]
-        body = tracks[0] if not step.is_group else _parallel('parallel', tracks)
+        body = tracks[0] if not step.is_group else AtOnce('parallel', tracks)
         if not step.requires_conveyor:
             return body
         return ConveyorGuard(self._recorder, job, section, step, body, self._space)
 
-    def _track(self, job: str, section: int, track: tuple[Task, ...]) -> Behaviour:
+    def _track(self, job: str, section: int, track: tuple[Task, ...]) -> Ticked:
         tasks = [self._task(Subject(self._recorder, task, job, section)) for task in track]
         if len(tasks) == 1:
             return tasks[0]
-        return Sequence('in order', memory=False, children=tasks)
+        return InOrder('in order', tasks)
 
-    def _task(self, subject: Subject) -> Behaviour:
+    def _task(self, subject: Subject) -> Ticked:
         assert subject.job is not None
         script = self._recorder.state.script(subject.job)
         task = subject.task.id
@@ -192,32 +190,27 @@ class CellTree:
             behaviour = FlagGuard(subject, dependency, behaviour, self._space)
         return behaviour
 
-    def _shared(self, job: str, subject: Subject) -> Behaviour:
+    def _shared(self, job: str, subject: Subject) -> Ticked:
         """Compile a task with the guards of what it shares: a ready component, zones (4.4)."""
         behaviour = self._ready(subject, _decided(subject))
         for zone in self._recorder.state.script(job).zones_of.get(subject.task.id, ()):
             behaviour = ZoneGuard(subject, zone, behaviour, self._space)
         return behaviour
 
-    def _ready(self, subject: Subject, behaviour: Behaviour) -> Behaviour:
+    def _ready(self, subject: Subject, behaviour: Ticked) -> Ticked:
         topic = self._recorder.state.cell.components[subject.task.component].state
         return behaviour if topic is None else ReadyGuard(subject, topic, behaviour, self._space)
 
 
-def _decided(subject: Subject) -> Behaviour:
+def _decided(subject: Subject) -> Ticked:
     """Compile a task's leaf and the decorators that decide about its failures."""
-    leaf: Behaviour = ActionLeaf(subject)
+    leaf: Ticked = ActionLeaf(subject)
     if subject.task.retries:
         leaf = Retry(subject, leaf)
     return OnFailureDecorator(subject, leaf)
 
 
-def _parallel(name: str, children: list[Behaviour]) -> Parallel:
-    # Not synchronised: py_trees would never tick a finished child again (see docs/architecture).
-    return Parallel(name, ParallelPolicy.SuccessOnAll(synchronise=False), children)
-
-
-class Standby(Behaviour):
+class Standby(Ticked):
     """Keeps a part RUNNING that has nothing to do: the root never ends."""
 
     def update(self) -> Status:

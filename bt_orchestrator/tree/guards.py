@@ -7,11 +7,7 @@ skipped passes, so a finished task is never blocked by its own flag. Nothing is 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
-from py_trees.behaviour import Behaviour
-from py_trees.common import Access, Status
-from py_trees.decorators import Decorator
+from py_trees.common import Status
 
 from bt_orchestrator.model import effects
 from bt_orchestrator.model.cell import StateTopic
@@ -20,28 +16,28 @@ from bt_orchestrator.model.line import may_not_begin, stopped_because, waits_for
 from bt_orchestrator.model.script import Dependency, Step
 from bt_orchestrator.model.state import Phase
 from bt_orchestrator.model.wait import Wait, WaitKind
-from bt_orchestrator.tree.blackboard import AT_REST
+from bt_orchestrator.tree.blackboard import AT_REST, ReadKey
 from bt_orchestrator.tree.subject import Recorder, Subject, is_done
+from bt_orchestrator.tree.ticking import Ticked, Wrapper, invalidate
 from bt_orchestrator.tree.waiter import TaskWaiter, Waiter
 
 
-class Guard(Decorator, Waiter):
+class Guard(Wrapper, Waiter):
     """Base: ticks its child unless there is something to wait for."""
 
     def waits_for(self) -> Wait | None:
         """Say what must become so before the child may be ticked; None: nothing."""
         raise AssertionError(f'{type(self).__name__} guards nothing')
 
-    def tick(self) -> Iterator[Behaviour]:
-        """Wait RUNNING with the reason, or tick the child."""
-        self.note(self.waits_for())
-        if self.wait is None:
-            yield from super().tick()
-            return
-        if self.decorated.status is not Status.INVALID:
-            self.decorated.stop(Status.INVALID)
+    def run(self) -> Status:
+        """Wait RUNNING with the reason, or tick the child and be what it is."""
+        wait = self.waits_for()
+        self.note(wait)
+        if wait is None:
+            return super().run()
+        invalidate(self.children)
         self.status = Status.RUNNING
-        yield self
+        return self.status
 
     def update(self) -> Status:
         """Be what the child is."""
@@ -55,15 +51,14 @@ class ConveyorGuard(Guard):
     """
 
     def __init__(
-        self, recorder: Recorder, job: str, section: int, step: Step, child: Behaviour, space: str
+        self, recorder: Recorder, job: str, section: int, step: Step, child: Ticked, space: str
     ) -> None:
         super().__init__('belt at rest', child)
         self._subjects = [Subject(recorder, task, job, section) for task in step.tasks]
         self._section = section
         self._recorder = recorder
-        self.belt = self.attach_blackboard_client(name=self.name, namespace=space)
-        for key in ('belt', 'beat'):
-            self.belt.register_key(key=key, access=Access.READ)
+        client = self.attach_blackboard_client(name=self.name, namespace=space)
+        self._belt, self._beat = ReadKey(client, 'belt'), ReadKey(client, 'beat')
 
     @property
     def components(self) -> tuple[str, ...]:
@@ -74,8 +69,8 @@ class ConveyorGuard(Guard):
         """Wait while the belt moves, or rests in the beat before this cycle's."""
         cycle = self._recorder.state.sections[self._section].cycle
         assert cycle is not None
-        rests = self.belt.get('belt') == AT_REST
-        if rests and self.belt.get('beat') == cycle.beat:
+        rests = self._belt.read() == AT_REST
+        if rests and self._beat.read() == cycle.beat:
             return None
         if all(is_done(subject) for subject in self._subjects):
             return None
@@ -86,21 +81,21 @@ class FlagGuard(TaskWaiter, Guard):
     """A lateral dependency's flag (semantics 4.1); also for a task that will be skipped (4.2)."""
 
     def __init__(
-        self, subject: Subject, dependency: Dependency, child: Behaviour, space: str
+        self, subject: Subject, dependency: Dependency, child: Ticked, space: str
     ) -> None:
         self.upstream = dependency.upstream == subject.task.id
         bound = f'< {dependency.capacity}' if self.upstream else '> 0'
         super().__init__(f'flag {dependency.flag} {bound}', child)
         self.subject = subject
         self.dependency = dependency
-        self.flags = self.attach_blackboard_client(name=self.name, namespace=f'{space}/flags')
-        self.flags.register_key(key=dependency.flag, access=Access.READ)
+        client = self.attach_blackboard_client(name=self.name, namespace=f'{space}/flags')
+        self._count = ReadKey(client, dependency.flag)
 
     def waits_for(self) -> Wait | None:
         """Wait while the count is at the wrong end."""
         if not effects.is_startable(self.subject.state, self.subject.key):
             return None
-        count = self.flags.get(self.dependency.flag)
+        count = self._count.read()
         if self.upstream:
             full = count >= self.dependency.capacity
             return self._until(self.dependency.downstream, 'take') if full else None
@@ -117,16 +112,16 @@ class FlagGuard(TaskWaiter, Guard):
 class ZoneGuard(TaskWaiter, Guard):
     """A shared workspace (semantics 4.4)."""
 
-    def __init__(self, subject: Subject, zone: str, child: Behaviour, space: str) -> None:
+    def __init__(self, subject: Subject, zone: str, child: Ticked, space: str) -> None:
         super().__init__(f'zone {zone} free', child)
         self.subject = subject
         self.zone = zone
-        self.zones = self.attach_blackboard_client(name=self.name, namespace=f'{space}/zones')
-        self.zones.register_key(key=zone, access=Access.READ)
+        client = self.attach_blackboard_client(name=self.name, namespace=f'{space}/zones')
+        self._there = ReadKey(client, zone)
 
     def waits_for(self) -> Wait | None:
         """Wait while another task is in the zone."""
-        there = self.zones.get(self.zone)
+        there = self._there.read()
         if not there or not self.subject.waits_to_start:
             return None
         return Wait(f'waiting for zone {self.zone}, taken by {there}', WaitKind.ZONE, self.zone)
@@ -135,18 +130,18 @@ class ZoneGuard(TaskWaiter, Guard):
 class ReadyGuard(TaskWaiter, Guard):
     """A component's state topic (semantics 2.5)."""
 
-    def __init__(self, subject: Subject, topic: StateTopic, child: Behaviour, space: str) -> None:
+    def __init__(self, subject: Subject, topic: StateTopic, child: Ticked, space: str) -> None:
         super().__init__(f'{topic}', child)
         self.subject = subject
         self.topic = topic
-        self.ready = self.attach_blackboard_client(name=self.name, namespace=f'{space}/ready')
-        self.ready.register_key(key=subject.task.component, access=Access.READ)
+        client = self.attach_blackboard_client(name=self.name, namespace=f'{space}/ready')
+        self._ready = ReadKey(client, subject.task.component)
 
     def waits_for(self) -> Wait | None:
         """Wait while the topic does not say ready."""
-        component = self.subject.task.component
-        if self.ready.get(component) or not self.subject.waits_to_start:
+        if self._ready.read() or not self.subject.waits_to_start:
             return None
+        component = self.subject.task.component
         value = self.subject.state.readings[component].value
         found = 'nothing is published there' if value is None else f'it is {value}'
         return Wait(f'waiting for {self.topic}; {found}', WaitKind.READINESS, component)
@@ -155,7 +150,7 @@ class ReadyGuard(TaskWaiter, Guard):
 class InitializationGuard(TaskWaiter, Guard):
     """An initialization task waits for other tasks and for the jobs in front (semantics 5)."""
 
-    def __init__(self, subject: Subject, preparation: Preparation, child: Behaviour) -> None:
+    def __init__(self, subject: Subject, preparation: Preparation, child: Ticked) -> None:
         upstream = preparation.upstream[subject.task.id]
         super().__init__(
             f'after {", ".join(upstream)}' if upstream else 'earlier jobs done', child

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from bt_orchestrator.model import effects
@@ -12,13 +11,14 @@ from bt_orchestrator.model.reference import resolve
 from bt_orchestrator.model.state import Phase, TaskState
 from bt_orchestrator.model.wait import Wait, WaitKind
 from bt_orchestrator.tree.subject import Subject
+from bt_orchestrator.tree.ticking import Ticked
 from bt_orchestrator.tree.waiter import TaskWaiter
 
 EARLY_S = 1e-6
 """Seconds by which a deadline may be missed by rounding."""
 
 
-class ActionLeaf(TaskWaiter, Behaviour):
+class ActionLeaf(TaskWaiter, Ticked):
     """One task at one action server.
 
     Its states: new (it starts when nothing is in the way), RUNNING while its goal is in flight or
@@ -82,7 +82,7 @@ class ActionLeaf(TaskWaiter, Behaviour):
         key = self.subject.key
         self.subject.recorder.record([e.TaskSkipped(**key._asdict(), reason=reason)])
         self.subject.recorder.record(effects.of_passing(self.subject.state, key))
-        self.feedback_message = f'skipped: {reason}'
+        self.feedback_message = 'done'
         return Status.SUCCESS
 
     def _stopped(self) -> Wait | None:

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from py_trees.behaviour import Behaviour
 from py_trees.common import Status
-from py_trees.decorators import Decorator
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model import failures
 from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.tree.subject import Subject
+from bt_orchestrator.tree.ticking import Ticked, Wrapper
 
 
-class Retry(Decorator):
+class Retry(Wrapper):
     """Repeats a failed attempt, while the task's retries last."""
 
-    def __init__(self, subject: Subject, child: Behaviour) -> None:
+    def __init__(self, subject: Subject, child: Ticked) -> None:
         retries = subject.task.retries
         super().__init__(f'retry up to {retries} time{"s" if retries > 1 else ""}', child)
         self.subject = subject
@@ -44,10 +43,10 @@ _WORDS = {
 }
 
 
-class OnFailureDecorator(Decorator):
+class OnFailureDecorator(Wrapper):
     """Decides about a task that failed for good."""
 
-    def __init__(self, subject: Subject, child: Behaviour) -> None:
+    def __init__(self, subject: Subject, child: Ticked) -> None:
         super().__init__(_WORDS[subject.task.on_failure], child)
         self.subject = subject
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from bt_orchestrator.model import events as e
@@ -10,10 +9,31 @@ from bt_orchestrator.model.line import next_cycle
 from bt_orchestrator.model.state import Cycle, SectionState
 from bt_orchestrator.model.wait import Wait
 from bt_orchestrator.tree.subject import Recorder
+from bt_orchestrator.tree.ticking import FirstOf, Ticked
 from bt_orchestrator.tree.waiter import Waiter
 
 
-class _OfSection(Behaviour):
+class Section(FirstOf):
+    """One section: the branch of the job that it works on, or else what begins its next cycle."""
+
+    def __init__(self, recorder: Recorder, number: int) -> None:
+        super().__init__(f'section {number}', [NextCycle(recorder, number)])
+        self._recorder = recorder
+        self._number = number
+        self._cycle: Cycle | None = None
+        """In hand in the last tick."""
+
+    def run(self) -> Status:
+        """Tick the branch that goes on; only with another cycle, or a new branch, look at all."""
+        cycle = self._recorder.state.sections[self._number].cycle
+        if cycle is self._cycle and self.status is Status.RUNNING:
+            assert isinstance(self.current_child, Ticked)
+            return self.current_child.run()
+        self._cycle = cycle
+        return super().run()
+
+
+class _OfSection(Ticked):
     """Base of what belongs to one section."""
 
     def __init__(self, name: str, recorder: Recorder, section: int) -> None:
@@ -35,6 +55,8 @@ class _OfSection(Behaviour):
 
 class CycleOf(_OfSection):
     """Condition: the cycle in hand is for this job."""
+
+    lasting = False
 
     def __init__(self, recorder: Recorder, section: int, job: str) -> None:
         super().__init__(f'works on {job}', recorder, section)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Protocol
 
 from bt_orchestrator.errors import MissingResult
@@ -39,15 +38,21 @@ class Recorder(Protocol):
         """Ask for a tick at a time."""
 
 
-@dataclass(frozen=True)
 class Subject:
     """The task that a leaf and the decorators around it are about."""
 
-    recorder: Recorder
-    task: Task
-    job: str | None = None
-    section: int | None = None
-    """None for initialization and for the belt's own move."""
+    def __init__(
+        self, recorder: Recorder, task: Task, job: str | None = None, section: int | None = None
+    ) -> None:
+        """Name a task.
+
+        :param section: None for initialization and for the belt's own move
+        """
+        self.recorder = recorder
+        self.task = task
+        self.job = job
+        self.section = section
+        self._key = e.TaskKey(job, section, None, task.id)
 
     @property
     def state(self) -> CellState:
@@ -57,16 +62,17 @@ class Subject:
     @property
     def key(self) -> e.TaskKey:
         """The task of the item that the section works on now."""
-        if self.section is None:
-            return e.TaskKey(self.job, None, None, self.task.id)
-        cycle = self.state.sections[self.section].cycle
-        assert cycle is not None, f'section {self.section} has no cycle'
-        return e.TaskKey(self.job, self.section, cycle.item, self.task.id)
+        if self.section is not None:
+            cycle = self.recorder.state.sections[self.section].cycle
+            assert cycle is not None, f'section {self.section} has no cycle'
+            if cycle.item != self._key.item:  # the same for a whole cycle, and asked a lot
+                self._key = e.TaskKey(self.job, self.section, cycle.item, self.task.id)
+        return self._key
 
     @property
     def progress(self) -> TaskState | None:
         """How far the task is; None: new."""
-        return self.state.tasks.get(self.key)
+        return self.recorder.state.tasks.get(self.key)
 
     @property
     def waits_to_start(self) -> bool:

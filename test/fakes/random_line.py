@@ -31,10 +31,10 @@ class RandomLine:
         self.texts = [self._script() for _ in range(random.randint(1, 3))]
         self.quantities = [random.randint(1, 5) for _ in self.texts]
 
-    def run(self, *, rebuild: bool = False, seed: int = 0) -> VirtualRun:
+    def run(self, *, rebuild: bool = False, viewed: bool = False, seed: int = 0) -> VirtualRun:
         """Run all jobs, answering every hold, until they ended."""
         operator = Random(seed)
-        run = VirtualRun(self.line.cell, self.line.types, rebuild=rebuild)
+        run = VirtualRun(self.line.cell, self.line.types, rebuild=rebuild, viewed=viewed)
         for number, text in enumerate(self.texts):
             script = self.line.script(text, f'script_{number}')
             assert run.submit(f'J{number}', script, self.quantities[number]).accepted

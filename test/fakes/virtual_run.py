@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable
 from typing import Any
 
+from fakes.full_tree import FullTree, check_view
 from fakes.invariants import Invariants
 from fakes.operator import ann
 
@@ -28,7 +29,6 @@ from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryStore
-from bt_orchestrator.tree.compile import CellTree
 
 BY = By('Ann', 'the test', 'it was time')
 
@@ -44,6 +44,7 @@ class VirtualRun:
         rebuild: bool = False,
         duration: Callable[[GoalRequest], float] | None = None,
         replays: bool = True,
+        viewed: bool = False,
         auto_start: bool = True,
     ) -> None:
         """Switch the line on.
@@ -51,8 +52,10 @@ class VirtualRun:
         :param duration: seconds of each goal; without it the nominal ones
         :param rebuild: compile the tree anew after every settle, and tick all of it every time
         :param replays: replay the events after every command and step, not only at the end
+        :param viewed: compare the tree after every settle with one that is compiled anew
         """
         self._replays = replays
+        self._viewed = viewed
         self.store = MemoryStore()
         self.sim = Simulation(cell, types, self.store, duration=duration, auto_start=auto_start)
         self._invariants = Invariants(cell)
@@ -76,6 +79,7 @@ class VirtualRun:
             clock.advance()
             orchestrator.settle()
             self._check_reasons()
+            self._look()
             self._renew_tree()
         self._check()
         return self
@@ -83,6 +87,7 @@ class VirtualRun:
     def ask(self, command: Command) -> Answer:
         """Give a command now; everything due at this moment has happened."""
         answer = self.sim.orchestrator.ask(command)
+        self._look()
         self._renew_tree()
         self._check()
         return answer
@@ -193,7 +198,11 @@ class VirtualRun:
             orchestrator = self.sim.orchestrator
             orchestrator.tree.close()
             space = orchestrator._projection.space
-            orchestrator.tree = _FullTree(orchestrator._ledger, space)
+            orchestrator.tree = FullTree(orchestrator._ledger, space)
+
+    def _look(self) -> None:
+        if self._viewed:
+            check_view(self.sim.orchestrator)
 
     def _check_reasons(self) -> None:
         """Whoever does not work says why (semantics 7.4)."""
@@ -213,14 +222,6 @@ class VirtualRun:
         """Fail unless the events alone lead to the state."""
         events = self.store.read()
         assert snapshot(replayed(self.state.cell, events)) == snapshot(self.state)
-
-
-class _FullTree(CellTree):
-    """Ticks every part in every tick: leaving parts out must make no difference."""
-
-    def tick(self) -> None:
-        self._attention.everywhere()
-        super().tick()
 
 
 def replayed(cell: Cell, events: Any) -> CellState:

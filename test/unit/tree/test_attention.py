@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from fakes.action_types import FakeActionTypes
+from fakes.full_tree import FullTree
 from fakes.line import THREE, Line, with_section
+from fakes.random_line import RandomLine
 from fakes.virtual_run import VirtualRun
 from py_trees.common import Status
 
@@ -14,7 +17,6 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.script.script_file import read_script
-from bt_orchestrator.tree.compile import CellTree
 
 ROOT = Path(__file__).parents[3]
 Snapshot = list[tuple[str, Status, str]]
@@ -24,14 +26,6 @@ FLAGS = (
     + 'lateral_dependencies:\n  - {flag: seen, upstream: look, downstream: work, capacity: 2}\n'
 )
 RETRIES = with_section(2, '- {id: work, @a2, retries: 2, retry_delay: 3.0, on_failure: continue}')
-
-
-class FullTree(CellTree):
-    """A tree that ticks everything in every tick."""
-
-    def tick(self) -> None:
-        self._attention.everywhere()
-        super().tick()
 
 
 def snapshot(run: VirtualRun) -> Snapshot:
@@ -82,6 +76,12 @@ def test_small_lines_look_the_same_as_with_full_ticks(text: str, faults: dict[st
     assert _compare(line.cell, line.script(text)) > 10
 
 
+@pytest.mark.parametrize('seed', range(200, 215))
+def test_random_lines_look_like_trees_that_were_built_anew(seed: int) -> None:
+    """What is left out of a tick, a part or a finished step, looks as if it had been ticked."""
+    assert RandomLine(seed).run(viewed=True, seed=seed).ended
+
+
 def test_a_waiting_section_is_not_ticked() -> None:
     line = Line(sections=5)
     run = line.begin(
@@ -91,12 +91,12 @@ def test_a_waiting_section_is_not_ticked() -> None:
     run.go(until=3.5)  # placed at 1 s, moved at 3 s
     ticked: list[int] = []
     for number, section in run.sim.orchestrator.tree.sections.items():
-        inner = section.tick
+        inner = section.run
 
-        def tick(number: int = number, inner: object = inner) -> object:
+        def run_it(number: int = number, inner: Callable[[], Status] = inner) -> Status:
             ticked.append(number)
-            return inner()  # type: ignore[operator]
+            return inner()
 
-        section.tick = tick  # type: ignore[assignment,method-assign]
+        section.run = run_it  # type: ignore[method-assign]
     run.go(until=4.5)  # `one` ends at 4 s and `two` begins
     assert set(ticked) == {2}

@@ -1,0 +1,142 @@
+"""Ticks as plain calls: what py_trees does without memory, and nothing done twice.
+
+py_trees hands each behaviour of a tick up through a generator of every ancestor, and formats a
+line for its log at each of them: that was two thirds of a settle (docs/decisions/0018). The
+behaviours of a cell follow the same rules in `run`, a plain call, and so have the status, the
+feedback and the current child that py_trees would give them. `tick` is there for whoever calls it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from py_trees import composites, decorators
+from py_trees.behaviour import Behaviour
+from py_trees.common import ParallelPolicy, Status
+
+
+class Ticked(Behaviour):
+    """A behaviour that is ticked by `run`. A leaf defines `update`, as in py_trees."""
+
+    children: list[Ticked]  # type: ignore[assignment]  # every behaviour of a cell is one
+    lasting = True
+    """A success stands until the branch is stopped: in its parent's later ticks it is passed over.
+
+    So it is for tasks, which the state never takes back, and not for conditions.
+    """
+
+    def run(self) -> Status:
+        """Tick this behaviour and what it has to go through below; return its status."""
+        self.status = status = self.update()
+        return status
+
+    def tick(self) -> Iterator[Behaviour]:
+        """Tick, and yield every behaviour that is part of what goes on, children first."""
+        self.run()
+        yield from (one for one in self.iterate() if one.status is not Status.INVALID)
+
+    def tick_once(self) -> None:
+        """Tick."""
+        self.run()
+
+    def stop(self, new_status: Status) -> None:
+        """Take a status; INVALID: give up the branch. Goals in flight are never cancelled here."""
+        if new_status is Status.INVALID:
+            invalidate(self.children)
+        self.status = new_status
+
+
+class Wrapper(Ticked, decorators.Decorator):
+    """A decorator: its child is ticked first, and `update` makes its own status of the child's."""
+
+    decorated: Ticked
+
+    def run(self) -> Status:
+        """Tick the child, then look at it."""
+        self.decorated.run()
+        self.status = status = self.update()
+        return status
+
+
+class _Composite(Ticked, composites.Composite):
+    """What composites have in common."""
+
+    def stop(self, new_status: Status = Status.INVALID) -> None:
+        """Take a status; INVALID: give up the branch."""
+        if new_status is Status.INVALID:
+            self.current_child = None
+        super().stop(new_status)
+
+
+class InOrder(_Composite, composites.Sequence):
+    """One child after the other; what does not last is asked again in every tick."""
+
+    def __init__(self, name: str, children: Sequence[Ticked]) -> None:
+        super().__init__(name, memory=False, children=children)
+
+    def run(self) -> Status:
+        """Tick the children that have not succeeded for good, until one has to wait."""
+        if self.status is not Status.RUNNING:
+            invalidate(self.children)
+        status = Status.SUCCESS
+        for number, child in enumerate(self.children):
+            self.current_child = child
+            if child.status is Status.SUCCESS and child.lasting:
+                continue
+            status = child.run()
+            if status is not Status.SUCCESS:
+                invalidate(self.children[number + 1 :])
+                break
+        self.status = status
+        return status
+
+
+class AtOnce(_Composite, composites.Parallel):
+    """All children together; succeeds with the last of them, and fails with the first."""
+
+    def __init__(self, name: str, children: Sequence[Ticked]) -> None:
+        # Not synchronised: a finished child counts only as long as the parallel goes on.
+        super().__init__(name, ParallelPolicy.SuccessOnAll(synchronise=False), children)
+
+    def run(self) -> Status:
+        """Tick every child that has not succeeded for good."""
+        if self.status is not Status.RUNNING:
+            invalidate(self.children)
+        for child in self.children:
+            if child.status is not Status.SUCCESS or not child.lasting:
+                child.run()
+        found = [child.status for child in self.children]
+        self.current_child = self.children[-1]
+        if Status.FAILURE in found:
+            self.current_child = self.children[found.index(Status.FAILURE)]
+            self.status = Status.FAILURE
+            invalidate(child for child in self.children if child.status is Status.RUNNING)
+        else:
+            self.status = Status.RUNNING if Status.RUNNING in found else Status.SUCCESS
+        return self.status
+
+
+class FirstOf(_Composite, composites.Selector):
+    """The first child that does not fail; all are asked in every tick."""
+
+    def __init__(self, name: str, children: Sequence[Ticked]) -> None:
+        super().__init__(name, memory=False, children=children)
+
+    def run(self) -> Status:
+        """Tick one child after the other until one does not fail."""
+        status = Status.FAILURE
+        for number, child in enumerate(self.children):
+            self.current_child = child
+            status = child.run()
+            if status is not Status.FAILURE:
+                invalidate(self.children[number + 1 :])
+                break
+        self.status = status
+        return status
+
+
+def invalidate(behaviours: Iterable[Ticked]) -> None:
+    """Give up branches that are not gone through now."""
+    for one in behaviours:
+        if one.status is not Status.INVALID:
+            one.stop(Status.INVALID)
