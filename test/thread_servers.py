@@ -36,13 +36,15 @@ class ThreadServers:
         action_class: Any,
         execute: Callable[[Any], Any],
         decide: Callable[[Any], Any] = lambda goal: GoalResponse.ACCEPT,
+        kind: Callable[..., Any] = ActionServer,
     ) -> None:
         """Start an action server.
 
         :param execute: gets the goal handle, returns the result
         :param decide: gets the goal; a coroutine may take its time while other callbacks run
+        :param kind: class of the server
         """
-        server = ActionServer(
+        server = kind(
             self.node,
             action_class,
             name,

@@ -13,6 +13,12 @@ SERVER_TIMEOUT_S = 5.0
 RESULT_CHECK_S = 2.0
 """Seconds after which the result of a goal in flight is asked for again (semantics 9.3)."""
 
+SILENCE_S = 3 * RESULT_CHECK_S
+"""Seconds without a word from a server that has to answer, after which something is wrong.
+
+Three questions; discovery, after which answers come, takes up to 3 s (semantics 9.3).
+"""
+
 SERVER_LEASE_S = 20.0
 """Seconds after which the ROS graph has forgotten a killed server (semantics 9.3)."""
 
@@ -55,6 +61,8 @@ class GoalStatus(Enum):
     """No server came in time; the request was never sent."""
     LOST = 'lost'
     """The server that had the goal is gone or does not know it any more (semantics 9.3)."""
+    SILENT = 'silent'
+    """The server is there and does not answer: nobody knows whether the goal goes on (9.3)."""
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 
@@ -15,6 +15,7 @@ from bt_orchestrator.model.cell import Component
 from bt_orchestrator.model.goal import (
     REQUEST_CHECKS,
     RESULT_CHECK_S,
+    SILENCE_S,
     GoalEnd,
     GoalRequest,
     GoalStatus,
@@ -24,6 +25,7 @@ from bt_orchestrator.ros.callbacks import report
 from bt_orchestrator.ros.goal import RosGoal
 from bt_orchestrator.ros.goal_client import GoalClient
 from bt_orchestrator.ros.messages import fill, to_plain
+from bt_orchestrator.ros.renewable_client import RenewableClient
 
 _ENDS = {
     WireStatus.STATUS_SUCCEEDED: GoalStatus.SUCCEEDED,
@@ -31,8 +33,13 @@ _ENDS = {
     WireStatus.STATUS_CANCELED: GoalStatus.CANCELED,
 }
 
+_GIVEN_UP = (GoalStatus.LOST, GoalStatus.SILENT)
+
 _MOST_UNANSWERED = 16
 """Requests given up whose late answer is still listened to."""
+
+_SEEK_S = 3.0
+"""Seconds without a server after which it is looked for in a fresh way."""
 
 
 class ActionLink:
@@ -52,7 +59,13 @@ class ActionLink:
         news: News,
         server_timeout_s: float,
         now: Callable[[], float],
+        fresh_node: Callable[[], Node],
     ) -> None:
+        """Make the client.
+
+        :param now: seconds of the node's clock, for feedback
+        :param fresh_node: returns a node with a fresh participant
+        """
         self._component = component
         self._class = action_class
         self._type = action_type
@@ -60,12 +73,21 @@ class ActionLink:
         self._server_timeout_s = server_timeout_s
         self._now = now
         self._logger = node.get_logger().get_child(component.name)
-        self._client = GoalClient(node, action_class, component.action)
+        self._clients = RenewableClient(node, action_class, component.action, fresh_node)
         self._waiting: dict[RosGoal, float] = {}
         self._in_flight: dict[RosGoal, None] = {}
         self._unanswered: list[Any] = []
         self._seen_missing = False
         self._server: str | None = None
+
+    @property
+    def _client(self) -> GoalClient:
+        return self._clients.current
+
+    @property
+    def nodes(self) -> Iterator[Node]:
+        """Nodes that its clients use."""
+        return self._clients.nodes
 
     @property
     def available(self) -> bool:
@@ -108,6 +130,8 @@ class ActionLink:
         """Send what waits, if the server has come; give up what waited too long."""
         self._send_waiting()
         now = time.monotonic()
+        if self._clients.may_be_renewed and self._has_waited(_SEEK_S, now):
+            self._clients.renew()
         for goal in [goal for goal, until in self._waiting.items() if until <= now]:
             status = GoalStatus.LOST if goal.adopted else GoalStatus.UNAVAILABLE
             message = f'no server of {self._component.action} within {self._server_timeout_s:g} s'
@@ -120,6 +144,8 @@ class ActionLink:
         elif self.available:
             self._seen_missing = False
             self._check()
+        elif self._clients.is_looking:
+            pass
         elif self._seen_missing:
             self._lose_server()
         else:
@@ -128,7 +154,7 @@ class ActionLink:
 
     def close(self) -> None:
         """Leave; goals that run go on running."""
-        self._client.destroy()
+        self._clients.destroy()
 
     # --- sending ----------------------------------------------------------------------------
 
@@ -136,6 +162,10 @@ class ActionLink:
         self._waiting[goal] = time.monotonic() + self._server_timeout_s
         self._send_waiting()
         return goal
+
+    def _has_waited(self, seconds: float, now: float) -> bool:
+        since = (until - self._server_timeout_s for until in self._waiting.values())
+        return any(now - since_s >= seconds for since_s in since)
 
     def _send_waiting(self) -> None:
         if self._waiting and self.available:
@@ -156,9 +186,13 @@ class ActionLink:
             report(self._logger)
             self._end(goal, GoalStatus.REJECTED, message=f'cannot be sent: {error}')
         else:
-            goal.next_check_s = time.monotonic() + RESULT_CHECK_S
+            goal.heard_s = time.monotonic()
+            goal.next_check_s = goal.heard_s + RESULT_CHECK_S
             self._in_flight[goal] = None
-            self._client.expect(goal.id, partial(self._on_accepted, goal))
+            self._expect(goal)
+
+    def _expect(self, goal: RosGoal) -> None:
+        self._client.expect(goal.id, partial(self._on_listed, goal))
 
     def _request(self, goal: RosGoal) -> None:
         message = self._class.Goal()
@@ -189,6 +223,10 @@ class ActionLink:
             else:
                 self._on_accepted(goal)
 
+    def _on_listed(self, goal: RosGoal) -> None:
+        goal.listed = True
+        self._on_accepted(goal)
+
     def _on_accepted(self, goal: RosGoal) -> None:
         if goal.accepted or goal.end is not None:
             return
@@ -199,7 +237,7 @@ class ActionLink:
     def _on_late_response(self, goal: RosGoal, response: Any, accepted: bool) -> None:
         if response in self._unanswered:
             self._unanswered.remove(response)
-        if accepted and goal.end is not None and goal.end.status is GoalStatus.LOST:
+        if accepted and goal.end is not None and goal.end.status in _GIVEN_UP:
             text = f'goal {goal.request.id} was accepted after it was given up; it is cancelled'
             self._logger.warning(text)
             self._client.request_cancel(goal.id)
@@ -216,6 +254,7 @@ class ActionLink:
                 self._on_unknown(goal)
 
     def _on_unknown(self, goal: RosGoal) -> None:
+        goal.heard_s = time.monotonic()
         goal.unknown_count += 1
         believed = 1 if goal.accepted else REQUEST_CHECKS
         if goal.refused:
@@ -248,12 +287,42 @@ class ActionLink:
         now = time.monotonic()
         for goal in [goal for goal in self._in_flight if goal.next_check_s <= now]:
             goal.next_check_s += RESULT_CHECK_S
-            if not goal.accepted:
+            if self._may_be_silent(goal):
+                goal.heard_s = now
+            elif now - goal.heard_s >= SILENCE_S and goal.renewed:
+                self._give_up(goal)
+                continue
+            elif now - goal.heard_s >= SILENCE_S:
+                self._renew()
+            if not goal.accepted or goal.renewed:
                 self._repeat_cancel(goal)
-            asked_about = goal.adopted or goal.refused
-            if asked_about and not goal.accepted and not goal.unknown_count:
-                self._accept(goal)  # a server that does not know it would have said so
             self._ask(goal, is_check=True)
+
+    def _may_be_silent(self, goal: RosGoal) -> bool:
+        """Tell whether a server may leave a question about a goal open (semantics 9.3).
+
+        It may while its status says of any goal that it runs, and if it accepted this one and has
+        no status.
+        """
+        return self._client.is_busy or (goal.accepted and not goal.listed)
+
+    def _renew(self) -> None:
+        text = f'{self._component.action} does not answer; it is asked through a fresh participant'
+        self._logger.warning(text)
+        if self._clients.may_be_renewed:
+            self._clients.renew()
+        now = time.monotonic()
+        for goal in self._in_flight:
+            goal.renewed = True
+            goal.heard_s = now
+            self._expect(goal)
+            self._client.follow(goal.id, partial(self._on_feedback, goal))
+
+    def _give_up(self, goal: RosGoal) -> None:
+        listed = self._client.listed_end(goal.id)
+        says = f'; its status topic says that the goal {listed}' if listed else ''
+        message = f'the server of {self._component.action} is there and does not answer{says}'
+        self._end(goal, GoalStatus.SILENT, message=message)
 
     def _repeat_cancel(self, goal: RosGoal) -> None:
         """Cancel a goal by its UUID, since no acceptance may ever come."""
@@ -264,7 +333,7 @@ class ActionLink:
         for goal in tuple(self._in_flight):
             self._lose(goal, f'the server of {self._component.action} is gone')
         for response in self._unanswered:
-            self._client.forget_request(response)
+            self._clients.forget_request(response)
         self._unanswered.clear()
         self._client.forget_cancels()
 
@@ -290,7 +359,7 @@ class ActionLink:
     ) -> None:
         self._waiting.pop(goal, None)
         self._in_flight.pop(goal, None)
-        self._client.forget(goal.id)
+        self._clients.forget(goal.id)
         if goal.response is not None and not goal.response.done():
             self._remember_unanswered(goal.response)
         goal.end = GoalEnd(status, result or {}, message, denied_by)
@@ -299,7 +368,7 @@ class ActionLink:
     def _remember_unanswered(self, response: Any) -> None:
         self._unanswered.append(response)
         if len(self._unanswered) > _MOST_UNANSWERED:
-            self._client.forget_request(self._unanswered.pop(0))
+            self._clients.forget_request(self._unanswered.pop(0))
 
     def fail(self, goal: RosGoal, error: BaseException) -> None:
         """End a goal about which something came that cannot be handled: nobody knows its end."""

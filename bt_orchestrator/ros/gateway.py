@@ -15,6 +15,7 @@ from bt_orchestrator.news import News
 from bt_orchestrator.ports import ActionTypes, Goal
 from bt_orchestrator.ros.action_link import ActionLink
 from bt_orchestrator.ros.callbacks import guarded
+from bt_orchestrator.ros.fresh_participant import FreshParticipants
 from bt_orchestrator.ros.goal import RosGoal
 from bt_orchestrator.ros.interface_classes import action_class
 from bt_orchestrator.ros.state_watch import StateWatch
@@ -54,6 +55,7 @@ class RosGateway:
         self._types = types
         self._server_timeout_s = server_timeout_s
         components = cell.components.values()
+        self._fresh = FreshParticipants(node)
         self._links = {component.name: self._link(component) for component in components}
         self._states = [
             StateWatch(node, component, component.state, self._news)
@@ -82,7 +84,7 @@ class RosGateway:
 
         Nothing is sent but questions for its result. It ends as the server says, or LOST if the
         server does not know it, or if there is no server within the server timeout; it counts as
-        accepted when the server has not denied it for a while.
+        accepted when the server's status lists it.
         """
         link = self._links[request.component]
         goal = link.adopt(request)
@@ -109,6 +111,7 @@ class RosGateway:
             state.close()
         for link in self._links.values():
             link.close()
+        self._fresh.close()
         self._timers.clear()
         self._states.clear()
         self._links.clear()
@@ -122,7 +125,12 @@ class RosGateway:
             self._news,
             self._server_timeout_s,
             self._now,
+            self._fresh_node,
         )
+
+    def _fresh_node(self) -> Node:
+        self._fresh.keep({node for link in self._links.values() for node in link.nodes})
+        return self._fresh.node()
 
     def _now(self) -> float:
         return float(self._node.get_clock().now().nanoseconds) / 1e9

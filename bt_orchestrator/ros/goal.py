@@ -24,9 +24,12 @@ class RosGoal:
         'cancel_requested',
         'denied_by',
         'end',
+        'heard_s',
         'id',
+        'listed',
         'next_check_s',
         'refused',
+        'renewed',
         'request',
         'response',
         'unknown_count',
@@ -44,8 +47,14 @@ class RosGoal:
         """True once the server said no, and is asked whether it has the UUID already."""
         self.response: Any = None
         """Future of the server's answer to the request."""
+        self.listed = False
+        """True once the server's status topic listed it."""
         self.next_check_s = 0.0
         """When its result is asked for again, on the steady clock."""
+        self.heard_s = 0.0
+        """Until when there is no reason to wonder at the server's silence, on the steady clock."""
+        self.renewed = False
+        """True once it was asked about in a fresh way, because the old one stayed silent."""
         self.unknown_count = 0
         """How often the server did not know it."""
         self.denied_by: str | None = None

@@ -5,11 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from action_msgs.msg import GoalStatus
 from rclpy.action.client import ActionClient, ClientGoalHandle
 from rclpy.node import Node
 from unique_identifier_msgs.msg import UUID
 
 from bt_orchestrator.ros.callbacks import report
+
+_ACTIVE = (GoalStatus.STATUS_ACCEPTED, GoalStatus.STATUS_EXECUTING, GoalStatus.STATUS_CANCELING)
+
+_ENDED = {
+    GoalStatus.STATUS_SUCCEEDED: 'succeeded',
+    GoalStatus.STATUS_CANCELED: 'canceled',
+    GoalStatus.STATUS_ABORTED: 'aborted',
+}
 
 
 class GoalClient(ActionClient):  # type: ignore[type-arg] # no Generic in Jazzy's rclpy
@@ -26,7 +35,13 @@ class GoalClient(ActionClient):  # type: ignore[type-arg] # no Generic in Jazzy'
     def __init__(self, node: Node, action_class: Any, name: str) -> None:
         self._asked: dict[bytes, list[int]] = {}
         self._unconfirmed: dict[bytes, Callable[[], None]] = {}
+        self._listed: Any = ()
         super().__init__(node, action_class, name)
+
+    @property
+    def node(self) -> Node:
+        """The node that it belongs to."""
+        return self._node
 
     def add_future(self, future: Any) -> None:
         """Do not tell the executor of a future (rclpy's Waitable interface)."""
@@ -43,7 +58,8 @@ class GoalClient(ActionClient):  # type: ignore[type-arg] # no Generic in Jazzy'
             try:
                 await super().execute(one)
                 if kind == 'status':
-                    self._confirm(data)
+                    self._listed = data.status_list
+                    self._confirm()
             except Exception:  # noqa: BLE001 - whatever it is, the other goals go on
                 report(self._logger)
 
@@ -60,8 +76,29 @@ class GoalClient(ActionClient):  # type: ignore[type-arg] # no Generic in Jazzy'
         """Call back, once, when the server's status topic lists a goal: it was accepted.
 
         The answer to a request can be lost, when the server had not discovered this client yet.
+        For a goal that is listed already it calls back at once.
         """
         self._unconfirmed[bytes(goal_id.uuid)] = confirmed
+        self._confirm()
+
+    @property
+    def is_busy(self) -> bool:
+        """Tell whether the server's last status lists a goal that runs, anybody's.
+
+        Such a server may be silent for long: it answers for a goal at its end, and one that works
+        in the thread of its callbacks answers nothing meanwhile.
+        """
+        return any(status.status in _ACTIVE for status in self._listed)
+
+    def listed_end(self, goal_id: UUID) -> str | None:
+        """Return, in a word, how a goal ended by the last status; None: that is not said."""
+        key = bytes(goal_id.uuid)
+        found = (s.status for s in self._listed if bytes(s.goal_info.goal_id.uuid) == key)
+        return _ENDED.get(next(found, GoalStatus.STATUS_UNKNOWN))
+
+    def follow(self, goal_id: UUID, on_feedback: Callable[[Any], None]) -> None:
+        """Hear the feedback of a goal that another client sent."""
+        self._feedback_callbacks[bytes(goal_id.uuid)] = on_feedback
 
     def ask_result(self, goal_id: UUID, answered: Callable[[Any], None]) -> None:
         """Ask for the result of a goal of any client; an unknown goal is answered at once.
@@ -99,10 +136,10 @@ class GoalClient(ActionClient):  # type: ignore[type-arg] # no Generic in Jazzy'
         """Stop waiting for answers to cancel requests."""
         self._pending_cancel_requests.clear()
 
-    def _confirm(self, statuses: Any) -> None:
+    def _confirm(self) -> None:
         if not self._unconfirmed:
             return
-        for status in statuses.status_list:
+        for status in self._listed:
             key = bytes(status.goal_info.goal_id.uuid)
             confirmed = self._unconfirmed.pop(key, None)
             if confirmed is not None:

@@ -26,6 +26,7 @@ _REASONS = {
     GoalStatus.REJECTED: Reason.GOAL_REJECTED,
     GoalStatus.UNAVAILABLE: Reason.SERVER_UNAVAILABLE,
     GoalStatus.LOST: Reason.SERVER_LOST,
+    GoalStatus.SILENT: Reason.IN_DOUBT,
 }
 
 _OF_CANCEL = {TIMEOUT: Reason.TIMEOUT, ABORT: Reason.IN_DOUBT}

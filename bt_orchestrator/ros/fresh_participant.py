@@ -1,0 +1,85 @@
+"""A second way into the same ROS graph, for when the first one does not hear a server."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Collection
+
+import rclpy
+from rclpy.context import Context
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+KEPT_FRESH_S = 60.0
+"""Seconds for which a participant counts as fresh: so often, at most, another one is made."""
+
+
+class FreshParticipant:
+    """A node in a context of its own, and so with another DDS participant and other ports.
+
+    The middleware may discover a server only in part, and for good: then no client of the old
+    participant is answered, while one of a fresh participant is. Callbacks run in the executor
+    of the node beside it. Takes some 20 ms to make.
+    """
+
+    def __init__(self, beside: Node, name: str) -> None:
+        """Join the domain and the namespace of a node.
+
+        :param name: of the new node; tools do not list one that begins with `_`
+        """
+        executor = beside.executor
+        assert executor is not None, 'somebody has to run the callbacks'
+        self._executor = executor
+        self._context = Context()
+        rclpy.init(
+            args=[],
+            context=self._context,
+            domain_id=beside.context.get_domain_id(),
+            signal_handler_options=SignalHandlerOptions.NO,
+        )
+        self.node = Node(
+            name,
+            context=self._context,
+            namespace=beside.get_namespace(),
+            use_global_arguments=False,
+            enable_rosout=False,
+            start_parameter_services=False,
+        )
+        self.made_s = time.monotonic()
+        executor.add_node(self.node)
+
+    def close(self) -> None:
+        """Leave the graph; what is on its node must have been destroyed."""
+        self._executor.remove_node(self.node)
+        self.node.destroy_node()
+        self._context.try_shutdown()
+
+
+class FreshParticipants:
+    """Those that a gateway has made; clients that need one at the same time share it."""
+
+    def __init__(self, beside: Node) -> None:
+        self._beside = beside
+        self._made = 0
+        self._kept: list[FreshParticipant] = []
+
+    def node(self) -> Node:
+        """Return a node whose participant is fresh."""
+        if not self._kept or time.monotonic() - self._kept[-1].made_s > KEPT_FRESH_S:
+            self._made += 1
+            name = f'_{self._beside.get_name()}_{self._made}'
+            self._kept.append(FreshParticipant(self._beside, name))
+        return self._kept[-1].node
+
+    def keep(self, used: Collection[Node]) -> None:
+        """Close all but the freshest and those whose nodes are used."""
+        old = [each for each in self._kept[:-1] if each.node not in used]
+        for each in old:
+            self._kept.remove(each)
+            each.close()
+
+    def close(self) -> None:
+        """Close all of them."""
+        for each in self._kept:
+            each.close()
+        self._kept.clear()
