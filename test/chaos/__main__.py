@@ -20,8 +20,11 @@ from ros_domain import take_free_domain
 ITEMS = 20
 KILLS_A_JOB = 20
 
-_CONTROLLERS_EVERY = 10
+_CONTROLLERS_EVERY = 5
 """One kill in so many is of controllers, on top of those of the orchestrator."""
+
+_WITH_CONTROLLERS = (*SHARES, BOTH, BOTH)
+"""What such a kill is of, each as likely."""
 
 _AT_RANDOM = 3
 """Random moments among the crash points, so often as each of them."""
@@ -60,7 +63,7 @@ def targets(drawn: random.Random, kills: int) -> Iterator[str]:
             bag = drawn.sample(among, len(among))
         yield bag.pop()
         if number % _CONTROLLERS_EVERY == 0:
-            yield drawn.choice((*SHARES, BOTH))
+            yield drawn.choice(_WITH_CONTROLLERS)
 
 
 def lines(total: Tally) -> Iterator[str]:
