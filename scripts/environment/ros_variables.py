@@ -17,7 +17,8 @@ def set_up(distro: str) -> None:
     environ['AMENT_PREFIX_PATH'] = sys.prefix
     # Nothing leaves this computer unless the user says so (then: SUBNET).
     environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
-    # Shared memory segments outlive a killed process and then disturb the next one.
+    # Shared memory segments outlive a killed process and then disturb the next one. It says
+    # nothing to Fast DDS while the range above is LOCALHOST, but it does with SUBNET.
     environ.setdefault('FASTDDS_BUILTIN_TRANSPORTS', 'UDPv4')
     # Also where HOME is missing or read-only, as in containers and in CI.
     environ.setdefault('ROS_LOG_DIR', os.path.join(sys.prefix, 'log'))

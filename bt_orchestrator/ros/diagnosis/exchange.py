@@ -47,7 +47,8 @@ def discovery() -> Check:
     if times.found is not None:
         remedy = (
             'UDP or shared memory is blocked: look at the firewall and at /dev/shm (files of '
-            'another user?), or try FASTDDS_BUILTIN_TRANSPORTS=UDPv4'
+            'another user?), or try FASTDDS_BUILTIN_TRANSPORTS=UDPv4, which does nothing with '
+            'ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST'
         )
         return fail(NAME, 'two processes found each other, and no message came', remedy)
     return fail(NAME, 'two processes here do not find each other', _remedy())
