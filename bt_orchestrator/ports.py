@@ -12,7 +12,6 @@ from bt_orchestrator.model.action_type import ActionType
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.goal import Feedback, GoalEnd, GoalRequest, StateReading
 from bt_orchestrator.model.history import JobRecord
-from bt_orchestrator.model.script import Script
 
 
 class Goal(Protocol):
@@ -101,24 +100,6 @@ class ActionTypes(Protocol):
 
         :raises UnknownActionType: the message type is not installed or has no such field
         """
-
-
-class Objection(NamedTuple):
-    """Why a script must not run."""
-
-    what: str
-    """In words for a person at the line."""
-    hint: str
-    """What to do about it; empty where nothing small helps."""
-    flags: tuple[str, ...]
-    """Names of the flags that are to blame."""
-
-
-class AdmissionCheck(Protocol):
-    """What a script without mistakes must still pass before it may move anything."""
-
-    def objection(self, script: Script) -> Objection | None:
-        """Say why a script must not run on this cell; None: it may."""
 
 
 class Timer(Protocol):

@@ -13,21 +13,13 @@ from bt_orchestrator.errors import Finding, Refused
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.script import Script
-from bt_orchestrator.ports import (
-    ActionTypes,
-    AdmissionCheck,
-    EventSink,
-    EventStore,
-    Foresight,
-    Journal,
-)
+from bt_orchestrator.ports import ActionTypes, EventSink, EventStore, Foresight, Journal
 from bt_orchestrator.script.admission import admit
 from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.script.lookup import find_script
 from bt_orchestrator.script.order_file import OrderFile, OrderPlaces, bind_order, read_order
 from bt_orchestrator.script.parameter_uses import action_types
 from bt_orchestrator.script.script_file import read_script
-from bt_orchestrator.sim.proof import DeadlockProof
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryStore
 from bt_orchestrator.store.sqlite import SqliteStore
@@ -126,11 +118,6 @@ def load_script(
     return cell, script
 
 
-def build_admission_check(cell: Cell, types: ActionTypes) -> AdmissionCheck:
-    """Build what decides whether scripts may run on a cell (semantics 8.2)."""
-    return DeadlockProof(cell, types, MemoryStore)
-
-
 def build_foresight(cell: Cell) -> Foresight:
     """Build what forecasts the ends of jobs, in a process that starts with the first question."""
     return ForesightProcess(cell)
@@ -138,7 +125,7 @@ def build_foresight(cell: Cell) -> Foresight:
 
 def _admitted(path: Path, cell: Cell, types: ActionTypes) -> Script:
     script = read_script(path, cell, types)
-    admit(path, script, build_admission_check(cell, types))
+    admit(path, script)
     return script
 
 

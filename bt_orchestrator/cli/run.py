@@ -68,7 +68,6 @@ def run(args: argparse.Namespace) -> int:
 def _run(args: argparse.Namespace, stop: StopSignals) -> int:
     # Imported here, so that --help needs no ROS.
     from bt_orchestrator.cli.bootstrap import (
-        build_admission_check,
         build_foresight,
         memory_store,
         open_journal,
@@ -79,7 +78,7 @@ def _run(args: argparse.Namespace, stop: StopSignals) -> int:
     told['trees'] = tuple(script_folders(args.trees))
     defaults = NodeParameters(**told)
     ros_args = getattr(args, 'ros_args', ())
-    parts = Parts(open_journal, memory_store, build_admission_check, build_foresight)
+    parts = Parts(open_journal, memory_store, build_foresight)
     left = run_node(defaults, parts, stop, _say, namespace=args.namespace, ros_args=ros_args)
     for task in left:
         print(f'still running at its server: {task}', file=sys.stderr)

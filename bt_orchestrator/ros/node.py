@@ -18,7 +18,7 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.commands import Shutdown
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.node_parameters import NodeParameters
-from bt_orchestrator.ports import ActionTypes, AdmissionCheck, EventStore, Foresight, Journal
+from bt_orchestrator.ports import EventStore, Foresight, Journal
 from bt_orchestrator.ros.action_types import InstalledActionTypes
 from bt_orchestrator.ros.clock import RosClock
 from bt_orchestrator.ros.events_service import EventsService
@@ -64,7 +64,6 @@ class Parts(NamedTuple):
     """Opens the journal in a file, to be written with a value of `journal_synchronous`."""
     make_memory_store: Callable[[], EventStore]
     """Makes one that is gone with the process, where no file is named."""
-    make_admission_check: Callable[[Cell, ActionTypes], AdmissionCheck]
     make_foresight: Callable[[Cell], Foresight]
 
 
@@ -105,8 +104,7 @@ class TreeNode:
             auto_resume=self.parameters.auto_resume,
         )
         self._housekeeping = self._keep_house()
-        admission = parts.make_admission_check(cell, types)
-        orders = OrderReader(self.orchestrator.state, types, self.parameters.trees, admission)
+        orders = OrderReader(self.orchestrator.state, types, self.parameters.trees)
         Services(node, self.orchestrator)
         QueueServices(node, self.orchestrator, orders)
         self._run_job = RunJobServer(node, self.orchestrator, orders)

@@ -10,7 +10,7 @@ from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.order import Job, WorkOrder
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState
-from bt_orchestrator.ports import ActionTypes, AdmissionCheck
+from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.admission import admit
 from bt_orchestrator.script.lookup import find_script
 from bt_orchestrator.script.order_file import bind_order, params_from_text, parse_order
@@ -29,13 +29,11 @@ class OrderReader:
         state: CellState,
         types: ActionTypes,
         trees: Sequence[Path],
-        admission: AdmissionCheck,
     ) -> None:
         self._state = state
         self._types = types
         self._types_by_component = action_types(state.cell, types)
         self._trees = trees
-        self._admission = admission
 
     def jobs(self, orders: Sequence[Any]) -> list[Job | Refused]:
         """Make a job of each order (bt_orchestrator_interfaces/msg/WorkOrder), or say why not.
@@ -88,7 +86,7 @@ class OrderReader:
         """
         path = find_script(name, self._trees)
         script = read_script(path, self._state.cell, self._types)
-        admit(path, script, self._admission)
+        admit(path, script)
         return script
 
     def _bound(self, order: WorkOrder, script: Script, ids: Iterator[str]) -> Job:

@@ -11,6 +11,7 @@ from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.script import Dependency, Script
 from bt_orchestrator.model.state import CellState
+from bt_orchestrator.proof.deadlock import get_stuck_together
 from bt_orchestrator.runtime.command_record import decided_to_add
 
 FITS = 'fits, but was not queued because of the others'
@@ -46,7 +47,7 @@ def change(state: CellState, job: Job) -> list[e.Event]:
     :raises CommandRefused: its flags contradict those of another live job
     """
     others = (live.job.script for name, live in state.jobs.items() if name != job.id)
-    why = _disagreement(job.script, others)
+    why = _contradiction(job.script, others)
     if why is not None:
         raise CommandRefused(why)
     updated = e.JobUpdated(
@@ -96,13 +97,33 @@ def _reasons(state: CellState, jobs: Sequence[Job]) -> Iterator[str | None]:
         if job.id in ids or job.id in state.order_ids:
             yield f'order {job.id} was given before; choose another id'
         else:
-            yield _disagreement(job.script, scripts)
+            yield _contradiction(job.script, scripts)
         ids.add(job.id)
         scripts.append(job.script)
 
 
+def _contradiction(new: Script, known: Iterable[Script]) -> str | None:
+    """Say why a script cannot share its flags with those of other jobs (semantics 4.1)."""
+    others = list({id(script): script for script in known}.values())
+    return _disagreement(new, others) or _circle(new, others)
+
+
+def _circle(new: Script, known: Sequence[Script]) -> str | None:
+    """Say with which scripts a line could get stuck, although with none of them alone."""
+    flags = {dependency.flag for dependency in new.dependencies}
+    sharing = [s for s in known if not flags.isdisjoint(d.flag for d in s.dependencies)]
+    if not sharing or not get_stuck_together([new, *(s for s in known if s != new)]):
+        return None
+    names = ', '.join(dict.fromkeys(script.name for script in sharing))
+    return (
+        f'script {new.name} shares flags with {names}, and where jobs of both follow each other '
+        f'the line can get stuck, although with each alone it cannot; use other flags, or wait '
+        f'until no job of {names} is left'
+    )
+
+
 def _disagreement(new: Script, known: Iterable[Script]) -> str | None:
-    """Say which script shares a flag and disagrees about it (semantics 4.1)."""
+    """Say which script shares a flag and disagrees about it."""
     for script in known:
         there = {dependency.flag: dependency for dependency in script.dependencies}
         for dependency in new.dependencies:

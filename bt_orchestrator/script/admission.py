@@ -5,24 +5,24 @@ from __future__ import annotations
 from pathlib import Path
 
 from bt_orchestrator.model.script import Script
-from bt_orchestrator.ports import AdmissionCheck
+from bt_orchestrator.proof.deadlock import deadlock
 from bt_orchestrator.script.composing import compose
 from bt_orchestrator.script.report import START, Place, Report
 from bt_orchestrator.script.source_text import read_text
 from bt_orchestrator.script.yaml_nodes import ListNode, MapNode, Node, Scalar
 
 
-def admit(path: Path, script: Script, check: AdmissionCheck) -> None:
+def admit(path: Path, script: Script) -> None:
     """Let a script pass, or refuse it where the flag of the circle is declared.
 
     :raises Refused: the line would get stuck
     """
-    objection = check.objection(script)
-    if objection is None:
+    found = deadlock(script)
+    if found is None:
         return
     report = Report(str(path))
-    place = flag_place(read_text(path), objection.flags)
-    report.add(place, objection.what, objection.hint)
+    place = flag_place(read_text(path), found.flags)
+    report.add(place, str(found), found.hint)
     report.refuse()
 
 

@@ -24,7 +24,6 @@ from bt_orchestrator.ports import ActionTypes, Snapshot
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.gateway import VirtualGateway
-from bt_orchestrator.sim.reduction import without_faults
 from bt_orchestrator.sim.virtual_goal import VirtualGoal
 
 CYCLES_RUN = 40
@@ -47,13 +46,19 @@ def expected_ends(
     :param observed_s: seconds that tasks took, by component and task constant
     """
     until = time.monotonic() + LONGEST_S
-    run = _Run(_as_observed(without_faults(cell), observed_s), types, plain_state, now_s)
+    run = _Run(_as_observed(_without_faults(cell), observed_s), types, plain_state, now_s)
     try:
         left_out = run.shorten()
         run.go(until)
         return _stretched(run.log, left_out)
     finally:
         run.orchestrator.close()
+
+
+def _without_faults(cell: Cell) -> Cell:
+    components = {name: replace(one, faults=()) for name, one in cell.components.items()}
+    conveyor = replace(cell.conveyor, component=components[cell.conveyor.component.name])
+    return replace(cell, conveyor=conveyor, components=components)
 
 
 def _as_observed(cell: Cell, observed_s: Mapping[str, Mapping[str, float]]) -> Cell:

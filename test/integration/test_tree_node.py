@@ -16,7 +16,6 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from bt_orchestrator.cli.bootstrap import (
-    build_admission_check,
     build_foresight,
     memory_store,
     open_journal,
@@ -73,7 +72,7 @@ def tree_node(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[TreeNo
     node = TreeNode(
         Node(NODE_NAME),
         parameters,
-        Parts(open_journal, memory_store, build_admission_check, build_foresight),
+        Parts(open_journal, memory_store, build_foresight),
     )
     yield node
     node.close()

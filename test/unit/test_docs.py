@@ -21,13 +21,12 @@ from bt_orchestrator.cli.main import PROGRAM, VERBS, parsed, without_ros_argumen
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import Script
+from bt_orchestrator.proof.deadlock import deadlock
 from bt_orchestrator.script.cell_file import parse_cell, read_cell
 from bt_orchestrator.script.cell_keys import CELL
 from bt_orchestrator.script.order_file import bind_order, parse_order
 from bt_orchestrator.script.script_file import parse_script, read_script
 from bt_orchestrator.script.script_keys import ORDER, SCRIPT
-from bt_orchestrator.sim.proof import DeadlockProof
-from bt_orchestrator.store.memory import MemoryStore
 
 TYPES = FakeActionTypes()
 _LINES = re.MULTILINE | re.DOTALL
@@ -107,7 +106,7 @@ class PageReader:
     def _read_script(self, text: str, place: str) -> None:
         script = parse_script(text, place, self.cell, TYPES)
         assert refusals('script.schema.json', text) == [], place
-        assert DeadlockProof(self.cell, TYPES, MemoryStore).objection(script) is None, place
+        assert deadlock(script) is None, place
         self.scripts[script.name] = script
 
 

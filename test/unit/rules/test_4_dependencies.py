@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from fakes.line import THREE, Line
 from fakes.virtual_run import VirtualRun
 
@@ -89,6 +90,67 @@ def test_4_1_scripts_that_share_a_flag_have_to_agree() -> None:
     assert run.submit('K', line.script(CAMERA, 'other')).accepted
     run.go()
     assert run.ended
+
+
+COMMON = """
+lateral_dependencies:
+  - {flag: near, upstream: fill, downstream: turn, capacity: 2}
+  - {flag: far, upstream: lift, downstream: lower}
+"""
+IN_TURN = f"""
+sections:
+  1: [{{id: place, @a1, qty_change: 1}}]
+  2: [{{id: fill, @a2}}]
+  4:
+    release_conveyor: after_last_conveyor_task
+    tasks:
+      - {{id: clamp, @a4}}
+      - {{id: turn, @a4, requires_conveyor: false}}
+      - {{id: lift, @b4, requires_conveyor: false}}
+  6: [{{id: lower, @a6}}, {{id: pack, @b6, qty_change: -1}}]
+{COMMON}"""
+AHEAD = f"""
+sections:
+  1: [{{id: place, @a1, qty_change: 1}}]
+  2:
+    release_conveyor: after_last_conveyor_task
+    tasks: [{{id: look, @a2}}, {{id: fill, @a2, requires_conveyor: false}}]
+  4:
+    release_conveyor: after_last_conveyor_task
+    tasks:
+      - {{id: clamp, @a4}}
+      - {{id: lift, @b4, requires_conveyor: false}}
+      - {{id: turn, @a4, requires_conveyor: false}}
+  6: [{{id: lower, @a6}}, {{id: pack, @b6, qty_change: -1}}]
+{COMMON}"""
+"""Neither gets stuck alone. In a mix of them `fill` of item 4 waits for `turn` of item 2, that for
+`lift`, that for `lower` of item 1, and that for the belt, which waits for `fill` of item 4."""
+
+
+def mixed(line: Line) -> VirtualRun:
+    run = line.begin(IN_TURN, 1)
+    run.submit('K', line.script(AHEAD, 'ahead'), 2)
+    run.submit('L', line.script(IN_TURN), 3)
+    return run.go()
+
+
+def test_4_1_scripts_whose_flags_would_stick_in_a_mix_are_not_mixed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    line = Line(6)
+    assert line.run(IN_TURN, 12).ended
+    assert line.run(AHEAD, 12).ended
+
+    run = mixed(line)
+    assert run.ended
+    assert 'K' not in run.state.order_ids
+    answer = line.begin(IN_TURN).submit('K', line.script(AHEAD, 'ahead'))
+    assert 'script ahead shares flags with test, and where jobs of both' in answer.message
+
+    monkeypatch.setattr('bt_orchestrator.runtime.orders.get_stuck_together', lambda _: False)
+    run = mixed(line)
+    assert not run.ended
+    assert run.waits()['section 2'] == 'waiting for turn to take flag near'
 
 
 def test_4_1_a_flag_that_no_live_job_uses_is_made_anew() -> None:

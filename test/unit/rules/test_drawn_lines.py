@@ -14,7 +14,6 @@ import pytest
 from fakes.event_format import mistake_in
 from fakes.lines import Plan, lines
 from fakes.plan_runs import (
-    TYPES,
     NaiveBench,
     ProductBench,
     comparable,
@@ -30,8 +29,7 @@ from hypothesis import given, note
 from bt_orchestrator.model.codec import from_record
 from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.state import CellState
-from bt_orchestrator.sim.proof import DeadlockProof
-from bt_orchestrator.store.memory import MemoryStore
+from bt_orchestrator.proof.deadlock import deadlock
 
 pytestmark = pytest.mark.timeout(24 * 3600)
 
@@ -48,9 +46,8 @@ def show(plan: Plan) -> None:
 def refused(plan: Plan) -> set[str]:
     """Return the scripts that `check` refuses because they get stuck."""
     cell = product_cell(plan)
-    proof = DeadlockProof(cell, TYPES, MemoryStore)
     scripts = product_scripts(plan, cell)
-    return {name for name, script in scripts.items() if proof.deadlock(script) is not None}
+    return {name for name, script in scripts.items() if deadlock(script) is not None}
 
 
 def sticks(plan: Plan, script: str, seconds: tuple[float, ...]) -> bool:
