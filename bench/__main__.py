@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import argparse
-import json
 import os
+import shlex
 import sys
+import time
+import traceback
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from bench import ros_rows, virtual_rows
+from bench import report, ros_rows, virtual_rows
 from bench.plot import draw
-from bench.rows import TARGETS, Row
+from bench.rows import TARGETS, Row, merged
 
 Bench = Callable[[], Iterator[Row]]
 
@@ -27,10 +29,10 @@ def benches(args: argparse.Namespace) -> dict[tuple[str, ...], Bench]:
         ('check',): lambda: virtual_rows.check(*((1, 8, 4) if quick else (3, 200, 10))),
         ('restart',): lambda: virtual_rows.restart(rounds, events),
         ('dispatch', 'polling', 'wrap', 'cpu', 'watcher'): lambda: ros_rows.dispatch(
-            rounds, 3 if quick else 30
+            rounds, 3 if quick else 20
         ),
         ('setup_time', 'setup_memory'): lambda: ros_rows.setup(rounds),
-        ('idle',): lambda: ros_rows.idle(rounds, 2.0 if quick else 20.0),
+        ('idle',): lambda: ros_rows.idle(rounds, 2.0 if quick else 8.0),
         ('drift_cpu', 'drift_memory'): lambda: ros_rows.drift(tasks),
     }
 
@@ -38,24 +40,56 @@ def benches(args: argparse.Namespace) -> dict[tuple[str, ...], Bench]:
 def main() -> int:
     """Run the benchmarks; 0 when every row holds its must."""
     args = _arguments()
+    if args.merge:
+        runs = [report.read(file) for file in args.merge]
+        rows, about = merged([run for run, _ in runs]), [said for _, said in runs]
+        print(*rows, sep='\n')
+    else:
+        machine = report.machine()
+        print(machine, flush=True)
+        rows = _measured(args)
+        about = [
+            {
+                'date': time.strftime('%Y-%m-%d'),
+                'command': shlex.join(['./scripts/bench', *sys.argv[1:]]),
+                'machine': machine,
+                'load': f'{os.getloadavg()[0]:.1f}',
+            }
+        ]
+        print(f'load {os.getloadavg()[0]:.1f}')
+    if args.json:
+        report.write(args.json, rows, about[-1])
+    if args.svg:
+        args.svg.write_text(draw(rows))
+    if args.page:
+        report.put_on_page(args.page, rows, about)
+    missed = [row for row in rows if row.verdict == 'MISSED']
+    return 1 if missed and not args.quick else 0
+
+
+def _measured(args: argparse.Namespace) -> list[Row]:
     rows: list[Row] = []
-    print(f'{os.cpu_count()} cores, load {os.getloadavg()[0]:.2f}', flush=True)
     for keys, measure in benches(args).items():
         if args.only and not set(keys) & set(args.only):
             continue
-        for row in measure():
-            print(row, flush=True)
-            rows.append(row)
-            for name, value in row.notes.items():
-                if isinstance(value, (int, float)):
-                    print(f'    {name}: {value:.4g}', flush=True)
-    print(f'load {os.getloadavg()[0]:.2f}')
-    if args.json:
-        args.json.write_text(json.dumps({'rows': [row.to_plain() for row in rows]}, indent=1))
-    if args.svg:
-        args.svg.write_text(draw(rows))
-    missed = [row for row in rows if not row.target.holds(row.value, row.target.must)]
-    return 1 if missed and not args.quick else 0
+        try:
+            for row in measure():
+                _show(row)
+                rows.append(row)
+        except Exception:
+            # The other rows are worth having.
+            print(f'no row of {", ".join(keys)}:', flush=True)
+            traceback.print_exc()
+            if args.quick:
+                raise
+    return rows
+
+
+def _show(row: Row) -> None:
+    print(row, flush=True)
+    for name, value in row.notes.items():
+        if isinstance(value, (int, float)):
+            print(f'    {name}: {value:.4g}', flush=True)
 
 
 def _arguments() -> argparse.Namespace:
@@ -68,7 +102,11 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument('--tasks', type=int, help='of the drift (default 10000)')
     parser.add_argument('--events', type=int, help='of the journal (default 1000000)')
     parser.add_argument('--json', type=Path, metavar='FILE')
-    parser.add_argument('--svg', type=Path, metavar='FILE', help='plot of the latencies')
+    parser.add_argument('--svg', type=Path, metavar='FILE', help='plot of latencies and growth')
+    parser.add_argument('--page', type=Path, metavar='FILE', help='put the figures on that page')
+    parser.add_argument(
+        '--merge', type=Path, nargs='+', metavar='FILE', help='runs kept as JSON, instead of a new'
+    )
     return parser.parse_args()
 
 

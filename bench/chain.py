@@ -8,11 +8,14 @@ from typing import Any
 import rclpy
 from bt_orchestrator_interfaces.action import Component, Conveyor
 from rclpy.action.client import ActionClient
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.task import Future
 
 from bench.line_files import SECTIONS
 from bt_orchestrator.ros.executors import make_executor, spin_once
+
+PLAIN = 'plain'
 
 
 class Chain(Node):
@@ -63,9 +66,11 @@ def _perform(client: Any, goal: Any, then: Any) -> None:
 
 
 def main() -> None:
-    """Run: chain EXECUTOR CYCLES."""
+    """Run: chain EXECUTOR CYCLES; EXECUTOR is PLAIN, rclpy's own, or one of the tree node's."""
     rclpy.init()
-    executor, chain = make_executor(sys.argv[1]), Chain(int(sys.argv[2]))
+    kind = sys.argv[1]
+    executor = SingleThreadedExecutor() if kind == PLAIN else make_executor(kind)
+    chain = Chain(int(sys.argv[2]))
     executor.add_node(chain)
     while not chain.ready():
         spin_once(executor, 0.05)

@@ -2,18 +2,29 @@
 
 from __future__ import annotations
 
+import json
+import os
+import signal
 import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from pathlib import Path
 
-from bench.line_files import script_text
+from bench.chain import PLAIN
+from bench.counted_node import FILE
+from bench.process import cpu_s, memory_mb
 from bench.rows import Row, percentile
-from bench.stand import TASKS_A_CYCLE, Measured, Stand, cpu_s, memory_mb, stand
+from bench.stand import TASKS_A_CYCLE, Measured, Stand, stand, until
+from bt_orchestrator.node_parameters import EVENTS, SINGLE
 
 OURS, NORMAL, WATCHED = 'ours FULL', 'ours NORMAL', 'ours watched'
-CHAIN, POLLED, POLLED_FAST = 'rclpy chain', 'tree at 100 ms', 'tree at 10 ms'
+CHAIN, CHAIN_LEAN = 'rclpy chain', 'rclpy chain, our executor'
+POLLED, POLLED_FAST = 'tree at 100 ms', 'tree at 10 ms'
 OURS_EVENTS, CHAIN_EVENTS = 'ours FULL, events', 'rclpy chain, events'
+
+SETTLED_S = 1.0
+"""After its start a process discovers others for a while."""
 
 Rounds = list[dict[str, Measured]]
 
@@ -29,22 +40,26 @@ def dispatch(rounds: int, cycles: int) -> Iterator[Row]:
         'polling',
         p50.sequence(POLLED, OURS),
         {
-            '10 ms polling / ours': percentile(p50.sequence(POLLED_FAST, OURS), 0.5),
+            '10 ms polling / ours': _p50(p50.sequence(POLLED_FAST, OURS)),
         },
     )
     yield Row(
         'wrap',
         p50.wrap(POLLED, OURS),
         {
-            '10 ms polling / ours': percentile(p50.wrap(POLLED_FAST, OURS), 0.5),
+            '10 ms polling / ours': _p50(p50.wrap(POLLED_FAST, OURS)),
         },
     )
     yield Row(
         'cpu',
         p50.cpu(OURS, CHAIN),
         {
-            'events executor': percentile(p50.cpu(OURS_EVENTS, CHAIN_EVENTS), 0.5),
-            **{f'{name}, ms CPU a task': found[-1][name].cpu_per_task * 1e3 for name in found[-1]},
+            'events executor, ours / chain': _p50(p50.cpu(OURS_EVENTS, CHAIN_EVENTS)),
+            'ours / chain on our executor': _p50(p50.cpu(OURS, CHAIN_LEAN)),
+            **{
+                f'{name}, ms CPU a task': _p50([r[name].cpu_per_task for r in found]) * 1e3
+                for name in found[0]
+            },
         },
     )
     yield Row('watcher', p50.sequence(WATCHED, OURS))
@@ -52,14 +67,15 @@ def dispatch(rounds: int, cycles: int) -> Iterator[Row]:
 
 def _round(here: Stand, cycles: int) -> dict[str, Measured]:
     return {
-        CHAIN: here.by_hand('chain', 'single', cycles),
-        OURS: here.ours(cycles, 'FULL', 'single'),
-        NORMAL: here.ours(cycles, 'NORMAL', 'single'),
-        WATCHED: here.ours(cycles, 'FULL', 'single', watched=True),
+        CHAIN: here.by_hand('chain', PLAIN, cycles),
+        OURS: here.ours(cycles, 'FULL', SINGLE),
+        CHAIN_LEAN: here.by_hand('chain', SINGLE, cycles),
+        WATCHED: here.ours(cycles, 'FULL', SINGLE, watched=True),
+        NORMAL: here.ours(cycles, 'NORMAL', SINGLE),
         POLLED: here.by_hand('polling_tree', '0.1', cycles),
         POLLED_FAST: here.by_hand('polling_tree', '0.01', cycles),
-        CHAIN_EVENTS: here.by_hand('chain', 'events', cycles),
-        OURS_EVENTS: here.ours(cycles, 'FULL', 'events'),
+        CHAIN_EVENTS: here.by_hand('chain', EVENTS, cycles),
+        OURS_EVENTS: here.ours(cycles, 'FULL', EVENTS),
     }
 
 
@@ -90,6 +106,8 @@ def _figures(rounds: Rounds) -> dict[str, float]:
     ratios = _Ratios(rounds)
     figures = {
         'NORMAL / chain': _p50(ratios.sequence(NORMAL, CHAIN)),
+        'FULL / chain on our executor': _p50(ratios.sequence(OURS, CHAIN_LEAN)),
+        'wrap, FULL / chain': _p50(ratios.wrap(OURS, CHAIN)),
         'events executor, FULL / chain': _p50(ratios.sequence(OURS_EVENTS, CHAIN_EVENTS)),
     }
     for kind in ('sequence', 'wrap'):
@@ -104,24 +122,22 @@ def _all(rounds: Rounds, kind: str) -> dict[str, list[float]]:
 
 
 def setup(rounds: int) -> Iterator[Row]:
-    """Start a node and give it an order of 300 or of 10 tasks, over the same ten actions."""
-    with stand() as here:
-        pairs = [(_set_up(here, 60), _set_up(here, 2)) for _ in range(rounds)]
-    times = [many[0] / few[0] for many, few in pairs]
-    notes = {'300 leaves, s': pairs[-1][0][0], '10 leaves, s': pairs[-1][1][0]}
-    yield Row('setup_time', times, notes)
-    memory = [many[1] / few[1] for many, few in pairs]
-    yield Row('setup_memory', memory, {'300 leaves, MB': pairs[-1][0][1]})
+    """Set up a line of 300 and of 10 tasks over the same ten actions, each in a new process."""
+    with stand():
+        pairs = [(_set_up(60), _set_up(2)) for _ in range(rounds)]
+    for key, unit in (('setup_time', 's'), ('setup_memory', 'mb')):
+        notes = {
+            f'300 leaves, {unit}': _p50([many[unit] for many, _ in pairs]),
+            f'10 leaves, {unit}': _p50([few[unit] for _, few in pairs]),
+        }
+        yield Row(key, [many[unit] / few[unit] for many, few in pairs], notes)
 
 
-def _set_up(here: Stand, tasks: int) -> tuple[float, float]:
-    """Return seconds from the start of the process to the accepted order, and MB then."""
-    script = here.folder / f'tasks_{tasks}.yaml'
-    script.write_text(script_text(5, tasks, name=script.stem))
-    began = time.monotonic()
-    with here.node(['--no-auto-start']) as node:
-        here.submit('WO-1', 1, script)
-        return time.monotonic() - began, memory_mb(node.pid)
+def _set_up(tasks: int) -> dict[str, float]:
+    command = [sys.executable, '-m', 'bench.setup_cost', str(tasks)]
+    done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
+    found: dict[str, float] = json.loads(done.stdout)
+    return found
 
 
 def idle(rounds: int, seconds: float) -> Iterator[Row]:
@@ -129,10 +145,10 @@ def idle(rounds: int, seconds: float) -> Iterator[Row]:
     with stand() as here:
         pairs = [(_idle_ours(here, seconds), _idle_empty(seconds)) for _ in range(rounds)]
     notes = {
-        'ours, % of a core': pairs[-1][0] * 100,
-        'empty node, % of a core': pairs[-1][1] * 100,
+        'ours, % of a core': _p50([ours for ours, _ in pairs]) * 100,
+        'empty node, % of a core': _p50([empty for _, empty in pairs]) * 100,
     }
-    yield Row('idle', [ours / max(empty, 1e-4) for ours, empty in pairs], notes)
+    yield Row('idle', [ours / empty for ours, empty in pairs], notes)
 
 
 def _idle_ours(here: Stand, seconds: float) -> float:
@@ -151,8 +167,8 @@ def _idle_empty(seconds: float) -> float:
 
 
 def _load(pid: int, seconds: float) -> float:
-    """Return the share of a core that a process uses, its first second left out."""
-    time.sleep(1.0)
+    """Return the share of a core that a process uses once it has settled."""
+    time.sleep(SETTLED_S)
     before, began = cpu_s(pid), time.monotonic()
     time.sleep(seconds)
     return (cpu_s(pid) - before) / (time.monotonic() - began)
@@ -161,21 +177,40 @@ def _load(pid: int, seconds: float) -> float:
 def drift(tasks: int) -> Iterator[Row]:
     """Run many tasks, and compare the last tenth with the first, after a warm-up."""
     part = max(tasks // 10 // TASKS_A_CYCLE, 1)
-    with stand() as here, here.node(['--journal', str(here.folder / 'long.sqlite3')]) as node:
-        points = []
-        _run(here, 'WARM', min(25, part))
-        for n in range(10):
-            before_s = cpu_s(node.pid)
-            _run(here, f'WO-{n}', part)
-            used_s = cpu_s(node.pid) - before_s
-            points.append((used_s / part / TASKS_A_CYCLE, memory_mb(node.pid)))
-    (first_cpu, first_mb), (last_cpu, last_mb) = points[0], points[-1]
-    curves = {'ms a task': [c * 1e3 for c, _ in points], 'MB': [mb for _, mb in points]}
-    yield Row('drift_cpu', [last_cpu / first_cpu], {'tasks': tasks, **curves})
+    points: list[tuple[float, float, int]] = []
+    with stand() as here:
+        file = here.folder / 'futures'
+        os.environ[FILE] = str(file)
+        options = ['--journal', str(here.folder / 'long.sqlite3')]
+        with here.node(options, 'bench.counted_node') as node:
+            _run(here, 'WARM', min(25, part))
+            for n in range(10):
+                before_s = cpu_s(node.pid)
+                _run(here, f'WO-{n}', part)
+                used_s = cpu_s(node.pid) - before_s
+                a_task_s = used_s / part / TASKS_A_CYCLE
+                points.append((a_task_s, memory_mb(node.pid), _futures(node.pid, file)))
+    (first_cpu, first_mb, _), (last_cpu, last_mb, _) = points[0], points[-1]
+    curves = {
+        'tasks': [(n + 1) * part * TASKS_A_CYCLE for n in range(10)],
+        'ms CPU a task': [cpu * 1e3 for cpu, _, _ in points],
+        'MB': [mb for _, mb, _ in points],
+        'futures of rclpy': [count for _, _, count in points],
+    }
+    notes = {'futures of rclpy, first': points[0][2], 'futures of rclpy, last': points[-1][2]}
+    yield Row('drift_cpu', [last_cpu / first_cpu], {'tasks': tasks, 'curves': curves, **notes})
     yield Row('drift_memory', [last_mb / first_mb], {'first, MB': first_mb, 'last, MB': last_mb})
 
 
+def _futures(pid: int, file: Path) -> int:
+    """Return how many of rclpy's futures a node holds, of requests without an answer or not."""
+    file.unlink(missing_ok=True)
+    os.kill(pid, signal.SIGUSR1)
+    until(file.exists, 'the number of futures')
+    return int(file.read_text())
+
+
 def _run(here: Stand, order: str, items: int) -> None:
-    offset = here.log.stat().st_size
+    tail = here.tail()
     here.submit(order, items)
-    here.until_ended(offset, items * TASKS_A_CYCLE, patience_s=60.0 + items)
+    tail.until_ended(items * TASKS_A_CYCLE, patience_s=60.0 + items)

@@ -23,6 +23,9 @@ class Target:
         return value >= bound if self.at_least else value <= bound
 
 
+POOLED = {'latencies, s', 'wraps, s'}
+"""Notes that hold every single measurement, by candidate."""
+
 TARGETS = {
     'dispatch': Target('dispatch p50, ours / rclpy chain, journal FULL', 1.5, 1.15),
     'polling': Target('dispatch p50, 100 ms polling tree / ours', 15, 30, at_least=True),
@@ -30,7 +33,7 @@ TARGETS = {
     'cpu': Target('CPU per task, ours / rclpy chain', 1.3, 1.1),
     'watcher': Target('dispatch p50, tree watcher attached / without', 1.2, 1.05),
     'setup_time': Target('set-up time, 300 leaves / 10 leaves on 10 actions', 2, 1.2),
-    'setup_memory': Target('memory of the node, 300 leaves / 10 leaves on 10 actions', 2, 1.2),
+    'setup_memory': Target('memory added, 300 leaves / 10 leaves on 10 actions', 2, 1.2),
     'sections': Target('tick time, 200 sections / 5 sections, 5 working', 10, 2),
     'drift_cpu': Target('CPU per task, last tenth / first tenth', 1.2, 1.05),
     'drift_memory': Target('memory, last tenth / first tenth', 1.2, 1.05),
@@ -64,6 +67,7 @@ class Row:
         """Return the row as it stands in the JSON file."""
         target, value = self.target, self.value
         return {
+            'key': self.key,
             'name': target.name,
             'value': value,
             'must': target.must,
@@ -74,17 +78,43 @@ class Row:
             'notes': self.notes,
         }
 
-    def __str__(self) -> str:
+    @property
+    def verdict(self) -> str:
+        """Which of its bounds the value is within."""
         target, value = self.target, self.value
+        if not target.holds(value, target.must):
+            return 'MISSED'
+        return 'goal' if target.holds(value, target.goal) else 'must'
+
+    @property
+    def spread(self) -> str:
+        """The smallest and the largest of the rounds."""
+        return f'{min(self.rounds):.3g} .. {max(self.rounds):.3g}'
+
+    def __str__(self) -> str:
+        target = self.target
         bound = '>=' if target.at_least else '<='
-        verdict = 'MISSED'
-        if target.holds(value, target.must):
-            verdict = 'goal' if target.holds(value, target.goal) else 'must'
-        spread = f'{min(self.rounds):.3g} .. {max(self.rounds):.3g}'
         return (
-            f'{target.name:55} {value:10.3g}  {spread:20} '
-            f'must {bound} {target.must:g}, goal {bound} {target.goal:g}: {verdict}'
+            f'{target.name:55} {self.value:10.3g}  {self.spread:20} '
+            f'must {bound} {target.must:g}, goal {bound} {target.goal:g}: {self.verdict}'
         )
+
+
+def merged(runs: Sequence[Sequence[Row]]) -> list[Row]:
+    """Return the rows of several runs as if their rounds had been of one.
+
+    Lists in the notes are put together; of single figures, and of curves, the last run's stand.
+    """
+    rows: dict[str, Row] = {}
+    for row in (row for run in runs for row in run):
+        before = rows.get(row.key, Row(row.key, []))
+        notes = {**before.notes, **row.notes}
+        for name in POOLED & before.notes.keys() & row.notes.keys():
+            notes[name] = {
+                who: [*before.notes[name][who], *values] for who, values in row.notes[name].items()
+            }
+        rows[row.key] = Row(row.key, [*before.rounds, *row.rounds], notes)
+    return list(rows.values())
 
 
 def percentile(values: Sequence[float], share: float) -> float:

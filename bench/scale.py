@@ -19,8 +19,9 @@ from program_process import ProgramProcess
 from ros_domain import take_free_domain
 
 from bench.line_files import cell_text, script_text
+from bench.process import cpu_s, memory_mb
 from bench.rows import percentile
-from bench.stand import cpu_s, memory_mb, until
+from bench.stand import until
 from bt_orchestrator.ros.client import NodeClient
 from bt_orchestrator.store.reader import JournalReader, Wanted
 

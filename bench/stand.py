@@ -18,12 +18,13 @@ from program_process import ProgramProcess
 from ros_domain import take_free_domain
 
 from bench.line_files import SECTIONS, cell_text, script_text
+from bench.process import cpu_s
 from bt_orchestrator.ros.client import NodeClient
 
 TASKS_A_CYCLE = 10
+WARM_UP = 5
+"""Cycles before a measurement: connections, caches, and the admission of the order."""
 PATIENCE_S = 60.0
-_TICKS_A_SECOND = os.sysconf('SC_CLK_TCK')
-_PAGE = os.sysconf('SC_PAGE_SIZE')
 
 
 class Measured(NamedTuple):
@@ -60,23 +61,13 @@ class Stand:
         self._number += 1
         return f'{kind}_{self._number}'
 
-    def records(self, offset: int) -> list[dict[str, Any]]:
-        """Return what the servers wrote behind a place in their log."""
-        with self.log.open() as file:
-            file.seek(offset)
-            return [json.loads(line) for line in file if line.endswith('\n')]
-
-    def until_ended(self, offset: int, tasks: int, patience_s: float = PATIENCE_S) -> None:
-        """Wait for so many ends of tasks, the belt's left out."""
-        until(lambda: self._ended(offset) >= tasks, f'{tasks} tasks', patience_s)
-
-    def _ended(self, offset: int) -> int:
-        ended = [r for r in self.records(offset) if r['event'] == 'ended']
-        return sum(1 for record in ended if record['component'] != 'conveyor')
+    def tail(self) -> Tail:
+        """Return what reads the log from here on."""
+        return Tail(self.log)
 
     def by_hand(self, module: str, option: str, cycles: int) -> Measured:
         """Let one of the programs beside this one drive the line."""
-        command = [sys.executable, '-m', f'bench.{module}', option, str(cycles)]
+        command = [sys.executable, '-m', f'bench.{module}', option, str(WARM_UP + cycles)]
         process = subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
         )
@@ -84,32 +75,33 @@ class Stand:
         assert process.stdout is not None
         with process:
             process.stdout.readline()
-            offset, before_s = self.log.stat().st_size, cpu_s(process.pid)
+            tail = self.tail()
             print(file=process.stdin, flush=True)
+            found = _measure(tail, process.pid, cycles)
             assert process.stdout.readline() == 'done\n'
-            used_s = cpu_s(process.pid) - before_s
-        return self._measured(offset, used_s)
+        return found
 
     def ours(
         self, cycles: int, synchronous: str, executor: str, watched: bool = False
     ) -> Measured:
-        """Let a tree node drive the line, which has run one item before."""
+        """Let a tree node drive the line."""
         journal = self.folder / f'{self.name("journal")}.sqlite3'
         options = ['--journal', str(journal), '--journal-synchronous', synchronous]
         with self.node([*options, '--executor', executor]) as node, watcher(watched):
-            offset = self.log.stat().st_size
-            self.submit('WARM', 1)
-            self.until_ended(offset, TASKS_A_CYCLE)
-            offset, before_s = self.log.stat().st_size, cpu_s(node.pid)
-            self.submit('WO-1', cycles)
-            self.until_ended(offset, TASKS_A_CYCLE * cycles)
-            return self._measured(offset, cpu_s(node.pid) - before_s)
+            tail = self.tail()
+            self.submit('WO-1', WARM_UP + cycles)
+            return _measure(tail, node.pid, cycles)
 
     @contextmanager
-    def node(self, options: Sequence[str], cell: Path | None = None) -> Iterator[ProgramProcess]:
-        """Run a tree node."""
-        words = ['run', '--cell', str(cell or self.cell), *options]
-        process = ProgramProcess(words, self.folder, self.name('node'))
+    def node(
+        self, options: Sequence[str], program: str = 'bt_orchestrator'
+    ) -> Iterator[ProgramProcess]:
+        """Run a tree node.
+
+        :param program: the module that Python runs
+        """
+        words = ['run', '--cell', str(self.cell), *options]
+        process = ProgramProcess(words, self.folder, self.name('node'), ('-m', program))
         try:
             process.wait_ready()
             yield process
@@ -125,10 +117,43 @@ class Stand:
             answer = client.call(SubmitOrder, 'submit_order', request)
         assert answer.accepted, [answer.message, *answer.findings]
 
-    def _measured(self, offset: int, used_s: float) -> Measured:
-        records = self.records(offset)
-        tasks = self._ended(offset)
-        return Measured(list(_sequences(records)), list(_wraps(records)), used_s / tasks)
+
+class Tail:
+    """Reads what the servers write to their log from now on, and no line twice."""
+
+    def __init__(self, log: Path) -> None:
+        self._log = log
+        self._offset = log.stat().st_size
+        self.records: list[dict[str, Any]] = []
+        self.ended = 0
+        """How many tasks ended, the moves of the belt left out."""
+
+    def until_ended(self, tasks: int, patience_s: float = PATIENCE_S) -> None:
+        """Read until so many tasks have ended."""
+        until(lambda: self._read() >= tasks, f'{tasks} tasks', patience_s)
+
+    def _read(self) -> int:
+        with self._log.open('rb') as file:
+            file.seek(self._offset)
+            for line in file:
+                if line.endswith(b'\n'):
+                    self._offset += len(line)
+                    self._take(json.loads(line))
+        return self.ended
+
+    def _take(self, record: dict[str, Any]) -> None:
+        self.records.append(record)
+        self.ended += record['event'] == 'ended' and record['component'] != 'conveyor'
+
+
+def _measure(tail: Tail, pid: int, cycles: int) -> Measured:
+    """Measure what a driver does after its first cycles, in which the order is taken in too."""
+    tail.until_ended(WARM_UP * TASKS_A_CYCLE)
+    before_s, tasks, first = cpu_s(pid), tail.ended, len(tail.records)
+    tail.until_ended((WARM_UP + cycles) * TASKS_A_CYCLE, PATIENCE_S + cycles)
+    used_s, tasks = cpu_s(pid) - before_s, tail.ended - tasks
+    records = tail.records[first:]
+    return Measured(list(_sequences(records)), list(_wraps(records)), used_s / tasks)
 
 
 @contextmanager
@@ -169,18 +194,7 @@ def until(condition: Callable[[], bool], what: str, patience_s: float = PATIENCE
     while not condition():
         if time.monotonic() > deadline:
             raise TimeoutError(f'waited {patience_s:g} s for {what}')
-        time.sleep(0.2)
-
-
-def cpu_s(pid: int) -> float:
-    """Return the CPU seconds that a process has used."""
-    fields = Path(f'/proc/{pid}/stat').read_text().rpartition(')')[2].split()
-    return (int(fields[11]) + int(fields[12])) / _TICKS_A_SECOND
-
-
-def memory_mb(pid: int) -> float:
-    """Return the resident memory of a process."""
-    return int(Path(f'/proc/{pid}/statm').read_text().split()[1]) * _PAGE / 1e6
+        time.sleep(0.05)
 
 
 def _sequences(records: Sequence[dict[str, Any]]) -> Iterator[float]:
@@ -188,16 +202,16 @@ def _sequences(records: Sequence[dict[str, Any]]) -> Iterator[float]:
     for record in records:
         component = record['component']
         if record['event'] == 'ended' and component[0] == 'a':
-            ended[component[1:]] = record['time']
+            ended[component[1:]] = record['steady']
         elif record['event'] == 'accepted' and component[0] == 'b' and component[1:] in ended:
-            yield record['time'] - ended.pop(component[1:])
+            yield record['steady'] - ended.pop(component[1:])
 
 
 def _wraps(records: Sequence[dict[str, Any]]) -> Iterator[float]:
     moved: float | None = None
     for record in records:
         if record['component'] == 'conveyor':
-            moved = record['time'] if record['event'] == 'ended' else None
+            moved = record['steady'] if record['event'] == 'ended' else None
         elif record['event'] == 'accepted' and moved is not None:
-            yield record['time'] - moved
+            yield record['steady'] - moved
             moved = None

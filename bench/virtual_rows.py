@@ -26,6 +26,8 @@ from bt_orchestrator.store.memory import MemoryStore
 from bt_orchestrator.store.sqlite import SqliteStore
 
 ROOT = Path(__file__).parents[1]
+LENGTHS = (5, 20, 50, 100, 200)
+"""Of lines in which five sections work."""
 
 
 def seconds(work: Callable[[], object]) -> float:
@@ -54,12 +56,10 @@ def simulator(rounds: int, items: int) -> Iterator[Row]:
 
 def sections(rounds: int, items: int) -> Iterator[Row]:
     """Compare a settle of a long and of a short line in which the same number works."""
-    paired = [(_settle_s(200, items), _settle_s(5, items)) for _ in range(rounds)]
-    notes = {
-        'ms per settle, 200': min(long for long, _ in paired) * 1e3,
-        'ms per settle, 5': min(short for _, short in paired) * 1e3,
-    }
-    yield Row('sections', [long / short for long, short in paired], notes)
+    found = [{length: _settle_s(length, items) for length in LENGTHS} for _ in range(rounds)]
+    curve_ms = [min(one[length] for one in found) * 1e3 for length in LENGTHS]
+    notes = {'curves': {'sections': LENGTHS, 'ms a settle': curve_ms}}
+    yield Row('sections', [one[LENGTHS[-1]] / one[LENGTHS[0]] for one in found], notes)
 
 
 def _settle_s(length: int, items: int) -> float:

@@ -20,15 +20,16 @@ class News:
         self._wake: Callable[[], None] = _ignore
 
     def listen(self, wake: Callable[[], None]) -> None:
-        """Name the function to call at each addition."""
+        """Name the function to call when something was added that has consequences."""
         self._wake = wake
 
     def add(self, entry: Goal | StateReading) -> None:
-        """List something new."""
+        """List something new; that a goal was accepted can wait, as nothing follows from it."""
         # By identity: two equal state readings are two readings, and values may be unhashable.
         self._entries.pop(id(entry), None)
         self._entries[id(entry)] = entry
-        self._wake()
+        if isinstance(entry, StateReading) or entry.end is not None:
+            self._wake()
 
     def drain(self) -> Sequence[Goal | StateReading]:
         """Return what was added since the last call."""

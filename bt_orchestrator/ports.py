@@ -49,7 +49,10 @@ class ActionGateway(Protocol):
     """The one way to the robots. All calls come from the tick thread."""
 
     def listen(self, wake: Callable[[], None]) -> None:
-        """Name the function that is called whenever `drain` has something new."""
+        """Name the function that is called whenever `drain` has an end or a state topic.
+
+        That a goal was accepted waits for the next call: nothing follows from it.
+        """
 
     def send(self, request: GoalRequest) -> Goal:
         """Send one goal; returns at once, whatever the server does.

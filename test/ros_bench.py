@@ -13,13 +13,14 @@ from typing import Any
 import rclpy
 from contract.gateway_bench import SERVER_TIMEOUT_S, cell_of
 from rclpy.context import Context
-from rclpy.executors import Executor, SingleThreadedExecutor
+from rclpy.executors import Executor
 from rclpy.node import Node
 from sim_cell_process import SimCellProcess
 
 from bt_orchestrator.model.cell import Cell, Component
 from bt_orchestrator.model.fault import EVERY, Fault, FaultKind
 from bt_orchestrator.ros.action_types import InstalledActionTypes
+from bt_orchestrator.ros.executors import LeanExecutor
 from bt_orchestrator.ros.gateway import RosGateway
 
 DISCOVERY_S = 20.0
@@ -31,7 +32,7 @@ class RosBench:
     def __init__(
         self,
         components: Sequence[Component],
-        make_executor: Callable[[Context], Executor] = lambda c: SingleThreadedExecutor(context=c),
+        make_executor: Callable[[Context], Executor] = lambda c: LeanExecutor(context=c),
         *,
         serve: bool = True,
     ) -> None:

@@ -35,6 +35,9 @@ _ENDS = {
 
 _GIVEN_UP = (GoalStatus.LOST, GoalStatus.SILENT)
 
+SERVER_LOOK_S = 1.0
+"""Shortest time between two looks at which instance of the server it is; each takes a while."""
+
 _MOST_UNANSWERED = 16
 """Requests given up whose late answer is still listened to."""
 
@@ -79,6 +82,7 @@ class ActionLink:
         self._unanswered: list[Any] = []
         self._seen_missing = False
         self._server: str | None = None
+        self._server_seen_s = 0.0
 
     @property
     def _client(self) -> GoalClient:
@@ -105,6 +109,11 @@ class ActionLink:
     def is_waiting(self) -> bool:
         """Tell whether goals wait for the server."""
         return bool(self._waiting)
+
+    @property
+    def is_open(self) -> bool:
+        """Tell whether there is anything that `poll` or `watch` has to look after."""
+        return bool(self._waiting or self._in_flight or self._unanswered)
 
     def send(self, request: GoalRequest) -> RosGoal:
         """Send a goal, or let it wait for the server."""
@@ -346,7 +355,9 @@ class ActionLink:
         goal.accepted = True
         self._news.add(goal)
         # Now, while the goal runs, rather than before the next one, which somebody waits for.
-        self._server = self._client.server_id()
+        now = time.monotonic()
+        if self._server is None or now - self._server_seen_s >= SERVER_LOOK_S:
+            self._server, self._server_seen_s = self._client.server_id(), now
 
     def _end(
         self,

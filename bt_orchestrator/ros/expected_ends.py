@@ -9,11 +9,9 @@ from rclpy.node import Node
 
 from bt_orchestrator.model.snapshot import state_to_plain
 from bt_orchestrator.ports import Foresight
+from bt_orchestrator.ros.pulse import Pulse
 from bt_orchestrator.runtime.observed_durations import ObservedDurations
 from bt_orchestrator.runtime.orchestrator import Orchestrator
-
-LOOK_S = 1.0
-"""Between two looks whether it is time to ask again."""
 
 RENEW_S = 5.0
 """Shortest time between two questions about one queue that goes on as expected."""
@@ -28,6 +26,7 @@ class ExpectedEnds:
         orchestrator: Orchestrator,
         durations: ObservedDurations,
         foresight: Foresight,
+        pulse: Pulse,
     ) -> None:
         self._node = node
         self._orchestrator = orchestrator
@@ -36,7 +35,7 @@ class ExpectedEnds:
         self._asked_s = 0.0
         self._asked_seq = 0
         self._asked_about: object = None
-        self._timer = node.create_timer(LOOK_S, self._look)
+        pulse.add(self._look)
 
     @property
     def ends_s(self) -> Mapping[str, float]:
@@ -45,7 +44,6 @@ class ExpectedEnds:
 
     def close(self) -> None:
         """Ask no more."""
-        self._timer.cancel()
         self._foresight.close()
 
     def _look(self) -> None:

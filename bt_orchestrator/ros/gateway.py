@@ -64,7 +64,8 @@ class RosGateway:
         ]
         self._poll_timer = self._timer(_POLL_PERIOD_S, self._poll)
         self._poll_timer.cancel()
-        self._timers = [self._poll_timer, self._timer(_WATCH_PERIOD_S, self._watch)]
+        self._watch_timer = self._timer(_WATCH_PERIOD_S, self._watch)
+        self._timers = [self._poll_timer, self._watch_timer]
         if self._states:
             self._timers.append(self._timer(_STATE_PERIOD_S, self._look_at_states))
 
@@ -76,7 +77,7 @@ class RosGateway:
         """Send one goal."""
         link = self._links[request.component]
         goal = link.send(request)
-        self._poll_for(link)
+        self._look_after(link)
         return goal
 
     def adopt(self, request: GoalRequest) -> RosGoal:
@@ -88,7 +89,7 @@ class RosGateway:
         """
         link = self._links[request.component]
         goal = link.adopt(request)
-        self._poll_for(link)
+        self._look_after(link)
         return goal
 
     def drain(self) -> Sequence[Goal | StateReading]:
@@ -142,9 +143,11 @@ class RosGateway:
             clock=Clock(clock_type=ClockType.STEADY_TIME),
         )
 
-    def _poll_for(self, link: ActionLink) -> None:
+    def _look_after(self, link: ActionLink) -> None:
         if link.is_waiting and self._poll_timer.is_canceled():
             self._poll_timer.reset()
+        if self._watch_timer.is_canceled():
+            self._watch_timer.reset()
 
     def _poll(self) -> None:
         for link in self._links.values():
@@ -155,6 +158,8 @@ class RosGateway:
     def _watch(self) -> None:
         for link in self._links.values():
             link.watch()
+        if not any(link.is_open for link in self._links.values()):
+            self._watch_timer.cancel()
 
     def _look_at_states(self) -> None:
         for state in self._states:

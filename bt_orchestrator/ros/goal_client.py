@@ -52,14 +52,15 @@ class GoalClient(ActionClient):  # type: ignore[type-arg] # no Generic in Jazzy'
     async def execute(self, taken_data: Any) -> None:
         """Handle what was taken from the middleware (rclpy's Waitable interface)."""
         for kind, data in taken_data.items():
-            if kind == 'result' and data[0] not in self._pending_result_requests:
-                continue  # one more answer about a goal that has ended: rclpy would warn
-            one: Any = {kind: data}
             try:
-                await super().execute(one)
                 if kind == 'status':
                     self._listed = data.status_list
                     self._confirm()
+                elif kind == 'result':
+                    self._answer(*data)
+                else:
+                    one: Any = {kind: data}
+                    await super().execute(one)
             except Exception:  # noqa: BLE001 - whatever it is, the other goals go on
                 report(self._logger)
 
@@ -144,6 +145,12 @@ class GoalClient(ActionClient):  # type: ignore[type-arg] # no Generic in Jazzy'
             confirmed = self._unconfirmed.pop(key, None)
             if confirmed is not None:
                 confirmed()
+
+    def _answer(self, sequence: int, response: Any) -> None:
+        """Pass a result on; one more answer about a goal that has ended is no news."""
+        question: Any = self._pending_result_requests.get(sequence)
+        if question is not None:
+            question.set_result(response)
 
     def _handle(self, goal_id: UUID) -> Any:
         """Make a goal handle by hand, the only way to speak of a goal that nobody answered for."""

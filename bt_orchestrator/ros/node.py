@@ -31,6 +31,7 @@ from bt_orchestrator.ros.inspection.tick_statistics import TickStatistics
 from bt_orchestrator.ros.order_reader import OrderReader
 from bt_orchestrator.ros.outputs import Diagnostics, EventsTopic, StatusTopic
 from bt_orchestrator.ros.parameters import declare
+from bt_orchestrator.ros.pulse import Pulse
 from bt_orchestrator.ros.queue_services import QueueServices
 from bt_orchestrator.ros.run_job import RunJobServer
 from bt_orchestrator.ros.services import Services
@@ -110,20 +111,22 @@ class TreeNode:
         self._run_job = RunJobServer(node, self.orchestrator, orders)
         self.orchestrator.add_sink(self._run_job)
         EventsService(node, self.orchestrator.state, store)
-        self._expected = self._look_ahead(parts)
-        self._status = StatusTopic(node, self.orchestrator, self._expected)
-        Diagnostics(node, self.orchestrator, self.heart)
+        pulse = Pulse(node)
+        self._expected = self._look_ahead(parts, pulse)
+        self._status = StatusTopic(node, self.orchestrator, self._expected, pulse)
+        self.orchestrator.add_sink(self._status)
+        Diagnostics(node, self.orchestrator, self.heart, pulse)
         self._ticks = TickStatistics()
         self._inspected = start_inspection(
             node, self.orchestrator, self._ticks, self.parameters.inspection
         )
         self.executor.add_node(node)
 
-    def _look_ahead(self, parts: Parts) -> ExpectedEnds | None:
+    def _look_ahead(self, parts: Parts, pulse: Pulse) -> ExpectedEnds | None:
         if not self.parameters.expected_end:
             return None
         foresight = parts.make_foresight(self.orchestrator.state.cell)
-        return ExpectedEnds(self.node, self.orchestrator, self._durations, foresight)
+        return ExpectedEnds(self.node, self.orchestrator, self._durations, foresight, pulse)
 
     @property
     def ready_line(self) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from bt_orchestrator_interfaces.msg import Event as EventMessage
@@ -9,12 +10,22 @@ from bt_orchestrator_interfaces.msg import Status
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 
-from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.events import (
+    BeatStarted,
+    BeltIndexed,
+    BeltIndexStarted,
+    CycleEvent,
+    Event,
+    ItemEvent,
+    TaskEvent,
+)
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.stop_reason import StopReason
+from bt_orchestrator.ros.clock import NS_PER_S
 from bt_orchestrator.ros.event_message import event_message
 from bt_orchestrator.ros.expected_ends import ExpectedEnds
 from bt_orchestrator.ros.heart import Heart
+from bt_orchestrator.ros.pulse import Pulse
 from bt_orchestrator.ros.qos import EVENTS, LATCHED
 from bt_orchestrator.ros.status_message import status_message
 from bt_orchestrator.runtime.orchestrator import Orchestrator
@@ -22,8 +33,11 @@ from bt_orchestrator.runtime.orchestrator import Orchestrator
 STATUS_PERIOD_S = 0.1
 """Shortest time between two status messages."""
 
-FRESH_S = 1.0
-"""Longest time for which a status stands unrefreshed: availability and feedback are no events."""
+UNWATCHED_S = 0.5
+"""The same while nobody listens and the work just goes on; for whoever comes then."""
+
+PROGRESS = (TaskEvent, CycleEvent, ItemEvent, BeatStarted, BeltIndexStarted, BeltIndexed)
+"""Events of the ordinary work, as opposed to orders, holds, decisions and states of the cell."""
 
 
 class EventsTopic:
@@ -33,52 +47,65 @@ class EventsTopic:
         self._publisher = node.create_publisher(EventMessage, '~/events', EVENTS)
 
     def publish(self, events: Sequence[Event]) -> None:
-        """Publish the records, in order."""
+        """Publish the records, in order; whoever comes later asks the journal (`~/get_events`)."""
+        if not self._publisher.get_subscription_count():
+            return
         for event in events:
             self._publisher.publish(event_message(event))
 
 
 class StatusTopic:
-    """`~/status`, latched: built outside the tick, at most ten times a second."""
+    """`~/status`, latched: built outside the tick, at most ten times a second.
+
+    Implements `ports.EventSink`. What happens hurries the next message on; while nothing does, or
+    nobody listens to the ordinary work, it comes seldom.
+    """
 
     def __init__(
-        self, node: Node, orchestrator: Orchestrator, expected: ExpectedEnds | None
+        self, node: Node, orchestrator: Orchestrator, expected: ExpectedEnds | None, pulse: Pulse
     ) -> None:
         self._node = node
         self._orchestrator = orchestrator
         self._expected = expected
         self._publisher = node.create_publisher(Status, '~/status', LATCHED)
-        self._published: tuple[int, str | None] = (-1, None)
-        self._beats = 0
-        node.create_timer(STATUS_PERIOD_S, self._refresh)
+        self._within_s = math.inf
+        self._timer = node.create_timer(UNWATCHED_S, self.publish_now)
+        self._timer.cancel()
+        pulse.add(self._refresh)
 
     def publish_now(self) -> None:
         """Publish whatever is so now."""
         now = self._node.get_clock().now().nanoseconds / 1e9
-        self._published = self._standing
-        self._beats = 0
         ends_s = self._expected.ends_s if self._expected is not None else {}
         self._publisher.publish(status_message(self._orchestrator, now, ends_s))
+        self._within_s = math.inf
+        self._timer.cancel()
 
-    @property
-    def _standing(self) -> tuple[int, str | None]:
-        return self._orchestrator.state.seq, self._orchestrator.broken
+    def publish(self, events: Sequence[Event]) -> None:
+        """See to it that a message tells of these events soon."""
+        is_progress = all(isinstance(event, PROGRESS) for event in events)
+        is_unheard = is_progress and not self._publisher.get_subscription_count()
+        within_s = UNWATCHED_S if is_unheard else STATUS_PERIOD_S
+        if within_s < self._within_s:
+            self._within_s = within_s
+            self._timer.timer_period_ns = round(within_s * NS_PER_S)
+            self._timer.reset()
 
     def _refresh(self) -> None:
-        self._beats += 1
-        if self._published != self._standing or self._beats * STATUS_PERIOD_S >= FRESH_S:
+        """Publish again although nothing happened: availability and feedback are no events."""
+        if self._timer.is_canceled():
             self.publish_now()
 
 
 class Diagnostics:
     """`/diagnostics` at 1 Hz: the cell, and every component that is not as it should be."""
 
-    def __init__(self, node: Node, orchestrator: Orchestrator, heart: Heart) -> None:
+    def __init__(self, node: Node, orchestrator: Orchestrator, heart: Heart, pulse: Pulse) -> None:
         self._node = node
         self._orchestrator = orchestrator
         self._heart = heart
         self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', 10)
-        node.create_timer(1.0, self._publish)
+        pulse.add(self._publish)
 
     def _publish(self) -> None:
         message = DiagnosticArray(status=[self._cell(), self._servers()])

@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from bt_orchestrator.model.goal import GoalRequest, StateReading
+from bt_orchestrator.model.goal import GoalEnd, GoalRequest, GoalStatus, StateReading
 from bt_orchestrator.news import News
 from bt_orchestrator.sim.virtual_goal import VirtualGoal
 
@@ -26,11 +26,14 @@ def test_equal_readings_are_two_readings() -> None:
     assert list(news.drain()) == readings
 
 
-def test_wakes_at_every_addition() -> None:
+def test_wakes_at_ends_and_readings_and_not_at_an_acceptance() -> None:
     news = News()
     seen: list[int] = []
-    news.add(goal())
     news.listen(lambda: seen.append(len(news.drain())))
-    news.add(goal())
-    news.add(goal())
-    assert seen == [2, 1]
+    ended = goal()
+    news.add(ended)
+    assert seen == []
+    ended.end = GoalEnd(GoalStatus.SUCCEEDED, {})
+    news.add(ended)
+    news.add(StateReading('arm', 'READY'))
+    assert seen == [1, 1]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from time import monotonic
 from typing import Any
 
 from bt_orchestrator.errors import OrchestratorError
@@ -25,8 +26,9 @@ class GoalLog:
     - `cancel` (with `obeyed`): a cancel request came
     - `died`: the server went away, with the goal it had, if any; `appeared`: it is (again) there
 
-    Every record has `time` (seconds since the epoch, or simulated time), `event`, `component` and
-    `action`; those about a goal also `goal` (its UUID) and `task`.
+    Every record has `time` (seconds since the epoch, or simulated time), `steady` (seconds of the
+    machine's monotonic clock, for measuring), `event`, `component` and `action`; those about a
+    goal also `goal` (its UUID) and `task`.
     """
 
     def __init__(self, path: Path | None) -> None:
@@ -48,7 +50,8 @@ class GoalLog:
         if self._file is None:
             return
         where = {'component': component.name, 'action': component.action}
-        record = {'time': round(time, 6), 'event': event, **where, **fields}
+        stamps = {'time': round(time, 6), 'steady': round(monotonic(), 6)}
+        record = {**stamps, 'event': event, **where, **fields}
         try:
             self._file.write(f'{json.dumps(record)}\n'.encode())
         except OSError as error:

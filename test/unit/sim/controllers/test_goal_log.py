@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from time import monotonic
 
 from bt_orchestrator.model.cell import Component
 from bt_orchestrator.sim.controllers.goal_log import GoalLog
@@ -15,9 +16,12 @@ def test_a_line_can_be_read_before_the_file_is_closed(tmp_path: Path) -> None:
     path = tmp_path / 'goals.jsonl'
     log = GoalLog(path)
 
+    before = round(monotonic(), 6)
     log.write(12.5, 'started', COMPONENT, goal='7', task='A')
 
-    assert json.loads(path.read_text()) == {
+    record = json.loads(path.read_text())
+    assert before <= record.pop('steady') <= monotonic() + 1e-6
+    assert record == {
         'time': 12.5,
         'event': 'started',
         'component': 'arm',

@@ -1,0 +1,95 @@
+"""Runs in files and on a page."""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import re
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+from bench.rows import Row, percentile
+
+BEGIN, END = '<!-- figures of scripts/bench -->', '<!-- end -->'
+
+
+def machine() -> str:
+    """Say what this was measured on, and how busy that is."""
+    cpu = re.search('model name\\s*: (.*)', Path('/proc/cpuinfo').read_text())
+    parts = [
+        f'{os.cpu_count()} cores ({cpu[1] if cpu else platform.machine()})',
+        f'load {os.getloadavg()[0]:.1f}',
+        f'Linux {platform.release()}',
+        f'Python {platform.python_version()}',
+    ]
+    with suppress(PackageNotFoundError):
+        parts.append(f'rclpy {version("rclpy")}')
+    return ', '.join(parts)
+
+
+def write(file: Path, rows: Sequence[Row], about: dict[str, Any]) -> None:
+    """Keep a run."""
+    file.write_text(json.dumps({**about, 'rows': [row.to_plain() for row in rows]}, indent=1))
+
+
+def read(file: Path) -> tuple[list[Row], dict[str, Any]]:
+    """Return a run that was kept, and what was said about it."""
+    plain = json.loads(file.read_text())
+    rows = [Row(row['key'], row['rounds'], row['notes']) for row in plain.pop('rows')]
+    return rows, plain
+
+
+def put_on_page(page: Path, rows: Sequence[Row], about: Sequence[dict[str, Any]]) -> None:
+    """Replace the figures between the marks of a Markdown file."""
+    text = page.read_text()
+    before, after = text.partition(BEGIN)[0], text.partition(BEGIN)[2].partition(END)[2]
+    lines = '\n'.join([*_about(about), '', *_table(rows), *_latencies(rows), *_figures(rows)])
+    page.write_text(f'{before}{BEGIN}\n{lines}{END}{after}')
+
+
+def _about(runs: Sequence[dict[str, Any]]) -> Iterator[str]:
+    for run in runs:
+        measured = f'- {run["date"]}: `{run["command"]}`; {run["machine"]}'
+        yield f'{measured}; load at the end {run["load"]}'
+
+
+def _table(rows: Sequence[Row]) -> Iterator[str]:
+    yield '| row | median | rounds: smallest .. largest | must | goal | holds |'
+    yield '|---|---|---|---|---|---|'
+    for row in rows:
+        target = row.target
+        bound = '≥' if target.at_least else '≤'
+        spread = f'{len(row.rounds)}: {row.spread}'
+        yield (
+            f'| {target.name} | {row.value:.3g} | {spread} | {bound} {target.must:g} '
+            f'| {bound} {target.goal:g} | {row.verdict} |'
+        )
+    yield ''
+
+
+def _latencies(rows: Sequence[Row]) -> Iterator[str]:
+    found = next((row.notes for row in rows if 'latencies, s' in row.notes), None)
+    if found is None:
+        return
+    yield '| candidate | sequence p50 | p95 | wrap p50 | p95, all ms |'
+    yield '|---|---|---|---|---|'
+    for name, values in found['latencies, s'].items():
+        both = (values, found['wraps, s'][name])
+        figures = [f'{percentile(one, p) * 1e3:.2f}' for one in both for p in (0.5, 0.95)]
+        yield f'| {name} | {" | ".join(figures)} |'
+    yield ''
+
+
+def _figures(rows: Sequence[Row]) -> Iterator[str]:
+    """Yield the figures behind the rows, except those that the table of latencies has."""
+    yield '| behind the row | figure | value |'
+    yield '|---|---|---|'
+    for row in rows:
+        for name, value in row.notes.items():
+            if isinstance(value, (int, float)) and not name.endswith(('p50, ms', 'p95, ms')):
+                yield f'| {row.key} | {name} | {value:.4g} |'
+    yield ''

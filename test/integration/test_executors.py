@@ -1,0 +1,148 @@
+"""What the node spins on."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+import rclpy
+from rclpy.context import Context
+from rclpy.executors import Executor, SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.waitable import NumberOfEntities, Waitable
+
+from bt_orchestrator.ros.executors import LeanExecutor, spin_once
+
+PATIENCE_S = 20.0
+
+
+class WaitCounter(Waitable):  # type: ignore[type-arg] # no Generic in Jazzy's rclpy
+    """Is never ready, and counts how often an executor asked."""
+
+    def __init__(self, node: Node) -> None:
+        super().__init__(node.default_callback_group)
+        self.waits = 0
+        node.add_waitable(self)
+
+    def get_num_entities(self) -> NumberOfEntities:
+        return NumberOfEntities(0, 0, 0, 0, 0)
+
+    def add_to_wait_set(self, wait_set: Any) -> None:
+        self.waits += 1
+
+    def is_ready(self, wait_set: Any) -> bool:
+        return False
+
+    def take_data(self) -> None:
+        raise AssertionError('never ready')
+
+    async def execute(self, taken_data: Any) -> None:
+        raise AssertionError('never ready')
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, *exception: object) -> None:
+        pass
+
+
+@pytest.fixture
+def context() -> Iterator[Context]:
+    context = Context()
+    rclpy.init(context=context)
+    yield context
+    context.try_shutdown()
+
+
+@pytest.fixture
+def node(context: Context) -> Iterator[Node]:
+    node = Node('executors', context=context)
+    yield node
+    node.destroy_node()
+
+
+def spin_until(executor: Executor, condition: Callable[[], Any], what: str) -> None:
+    deadline = time.monotonic() + PATIENCE_S
+    while not condition():
+        assert time.monotonic() < deadline, what
+        spin_once(executor, 1.0)
+
+
+def waits_for_callbacks(executor: Executor, node: Node, callbacks: int) -> int:
+    """Return how often an executor waits until a timer has called back so often."""
+    called: list[int] = []
+    counter = WaitCounter(node)
+    timer = node.create_timer(0.02, lambda: called.append(1))
+    executor.add_node(node)
+    spin_until(executor, lambda: len(called) >= callbacks, 'the callbacks')
+    node.destroy_timer(timer)
+    return counter.waits
+
+
+class TestLeanExecutor:
+    @pytest.fixture
+    def executor(self, context: Context) -> Iterator[LeanExecutor]:
+        executor = LeanExecutor(context=context)
+        yield executor
+        executor.shutdown()
+
+    def test_waits_once_a_callback(self, executor: LeanExecutor, node: Node) -> None:
+        assert waits_for_callbacks(executor, node, 10) <= 11
+
+    def test_its_base_waits_twice(self, context: Context, node: Node) -> None:
+        """Where this fails, rclpy does no more what LeanExecutor is there for."""
+        executor = SingleThreadedExecutor(context=context)
+        assert waits_for_callbacks(executor, node, 10) >= 18
+        executor.shutdown()
+
+    def test_another_thread_ends_a_wait(self, executor: LeanExecutor, node: Node) -> None:
+        executor.add_node(node)
+        spin_once(executor, 0.0)
+        done: list[int] = []
+        thread = threading.Timer(0.2, lambda: executor.create_task(lambda: done.append(1)))
+        thread.start()
+        began = time.monotonic()
+        while not done and time.monotonic() < began + PATIENCE_S:
+            spin_once(executor, PATIENCE_S)
+        thread.join()
+        assert time.monotonic() < began + PATIENCE_S
+
+    def test_a_task_made_in_a_callback_comes_before_the_next_wait(
+        self, executor: LeanExecutor, node: Node
+    ) -> None:
+        seen: list[int] = []
+        counter = WaitCounter(node)
+
+        def call() -> None:
+            timer.cancel()
+            waits = counter.waits
+            executor.create_task(lambda: seen.append(counter.waits - waits))
+
+        timer = node.create_timer(0.01, call)
+        executor.add_node(node)
+        spin_until(executor, lambda: seen, 'the task')
+        assert seen == [0]
+
+    def test_a_task_made_between_spins_is_run(self, executor: LeanExecutor, node: Node) -> None:
+        executor.add_node(node)
+        spin_once(executor, 0.0)
+        done: list[int] = []
+        executor.create_task(lambda: done.append(1))
+        spin_until(executor, lambda: done, 'the task')
+
+
+def test_events_executor_waits_and_keeps_its_timers(context: Context, node: Node) -> None:
+    """Its own `spin` does neither in the wheels of Kilted."""
+    events = pytest.importorskip('rclpy.experimental.events_executor')
+    executor = events.EventsExecutor(context=context)
+    called: list[float] = []
+    node.create_timer(0.05, lambda: called.append(time.monotonic()))
+    executor.add_node(node)
+    used = time.process_time()
+    began = time.monotonic()
+    spin_until(executor, lambda: len(called) >= 20, 'the timer')
+    assert time.process_time() - used < 0.5 * (time.monotonic() - began)
+    executor.shutdown()
