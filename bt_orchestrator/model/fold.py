@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import TypeVar
 
 from bt_orchestrator.model import cell_folds as cell
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model import job_folds as jobs
 from bt_orchestrator.model.cell import OnFailure
+from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.state import (
     CellState,
@@ -117,13 +117,13 @@ def _task_adopted(event: e.TaskAdopted, state: CellState) -> None:
 def _task_resent(event: e.TaskResent, state: CellState) -> None:
     before = state.running[event.key]
     assert before.goal == event.goal
-    sent = replace(before, sent=event.time, server=event.server)
+    sent = changed(before, sent=event.time, server=event.server)
     state.tasks[event.key] = state.running[event.key] = sent
 
 
 @_on(e.TaskCancelRequested)
 def _task_cancel_requested(event: e.TaskCancelRequested, state: CellState) -> None:
-    task = replace(state.tasks[event.key], cancel_cause=event.cause, cancelled_at=event.time)
+    task = changed(state.tasks[event.key], cancel_cause=event.cause, cancelled_at=event.time)
     state.tasks[event.key] = state.running[event.key] = task
 
 
@@ -132,7 +132,7 @@ def _task_failed(event: e.TaskFailed, state: CellState) -> None:
     reason = Reason(event.reason)
     before = state.tasks.get(event.key, TaskState(Phase.FAILED))
     state.running.pop(event.key, None)
-    state.tasks[event.key] = replace(
+    state.tasks[event.key] = changed(
         before,
         phase=Phase.FAILED,
         attempt=event.attempt,
@@ -146,7 +146,7 @@ def _task_failed(event: e.TaskFailed, state: CellState) -> None:
 @_on(e.TaskRetrying)
 def _task_retrying(event: e.TaskRetrying, state: CellState) -> None:
     _release(state, event.key)
-    state.tasks[event.key] = replace(
+    state.tasks[event.key] = changed(
         state.tasks[event.key],
         phase=Phase.RETRYING,
         not_before=event.not_before,
@@ -194,7 +194,7 @@ def _end(state: CellState, key: e.TaskKey) -> None:
     _release(state, key)
     state.running.pop(key, None)
     before = state.tasks.get(key, TaskState(Phase.DONE))
-    state.tasks[key] = replace(before, phase=Phase.DONE, hold=None)
+    state.tasks[key] = changed(before, phase=Phase.DONE, hold=None)
 
 
 def _release(state: CellState, key: e.TaskKey) -> None:
@@ -365,7 +365,7 @@ def _hold_raised(event: e.HoldRaised, state: CellState) -> None:
     state.holds_raised += 1
     if hold.key is not None:
         before = state.tasks.get(hold.key, TaskState(Phase.HELD))
-        state.tasks[hold.key] = replace(before, phase=Phase.HELD, hold=hold.id)
+        state.tasks[hold.key] = changed(before, phase=Phase.HELD, hold=hold.id)
 
 
 @_on(e.HoldReleased)

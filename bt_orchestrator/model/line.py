@@ -49,8 +49,10 @@ def _hold_in_words(state: CellState) -> Iterator[str]:
 
 def feeding_job(state: CellState) -> JobState | None:
     """Return the first job that has source cycles left and is not held (semantics 6.1, 6.6)."""
-    jobs = (job for job in state.jobs.values() if not job.held)
-    return next((job for job in jobs if job.cycles_left > 0), None)
+    for job in state.jobs.values():
+        if not job.held and job.cycles_left > 0:
+            return job
+    return None
 
 
 def earlier_jobs(state: CellState, job: str) -> Iterator[JobState]:
@@ -154,6 +156,14 @@ def next_cycle(state: CellState, section: SectionState) -> Start | Wait:
     return _at_source(state, section, beat) or _idle(state, section)
 
 
+def waits_without_item(state: CellState) -> Wait:
+    """Say what every section waits for that is no source, and where nothing is or comes.
+
+    The answer of `next_cycle`, which for those is the same.
+    """
+    return stopped_because(state) or (_UNREST if state.indexing else _without_item(state))
+
+
 _UNREST = Wait('waiting for the belt to rest', WaitKind.BELT)
 
 
@@ -194,6 +204,10 @@ def _at_source(state: CellState, section: SectionState, beat: int) -> Start | Wa
 def _idle(state: CellState, section: SectionState) -> Wait:
     if section.slot is not None:
         return Wait('waiting for the belt to move', WaitKind.BELT)
+    return _without_item(state)
+
+
+def _without_item(state: CellState) -> Wait:
     if state.has_work:
         return Wait('waiting for an item', WaitKind.ITEM)
     return Wait('waiting for a job', WaitKind.JOB)

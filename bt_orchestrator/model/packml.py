@@ -37,13 +37,16 @@ class Mode(Enum):
         Suspended forbids nothing: it says that the line waits for its source or sink, and ends
         when anything can start.
         """
-        return self in (Mode.EXECUTE, Mode.SUSPENDING, Mode.SUSPENDED, Mode.UNSUSPENDING)
+        return self in _BEGIN
 
     @property
     def works(self) -> bool:
         """Tell whether cycles in hand go on (semantics 7.1: a hold lets them finish)."""
-        return self.begins or self in (Mode.HOLDING, Mode.HELD, Mode.UNHOLDING, Mode.STOPPING)
+        return self in _WORK
 
+
+_BEGIN = (Mode.EXECUTE, Mode.SUSPENDING, Mode.SUSPENDED, Mode.UNSUSPENDING)
+_WORK = (*_BEGIN, Mode.HOLDING, Mode.HELD, Mode.UNHOLDING, Mode.STOPPING)
 
 MEANINGS: Mapping[Mode, str] = {
     Mode.STOPPED: 'nothing runs and nothing starts; waits for `reset`, or for an order',

@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Any
 
 from bt_orchestrator.model.cell import DEFAULT_TIMEOUT_S, OnFailure
-from bt_orchestrator.model.reference import Template
+from bt_orchestrator.model.reference import Template, references
 
 INDEX = 'index'
 """Reserved task id of the belt's own move (formats: events)."""
@@ -73,6 +73,12 @@ class Task:
     """Doing it twice does no harm (semantics 2.6, 9.2)."""
     once: bool = False
     """Initialization only: skipped if it succeeded since the cell left Stopped (semantics 5.1)."""
+
+    @cached_property
+    def refers(self) -> bool:
+        """Tell whether its arguments or its condition name values of the item or the order."""
+        named = (self.args, self.condition.value if self.condition is not None else None)
+        return any(True for _ in references(named))
 
 
 @dataclass(frozen=True)

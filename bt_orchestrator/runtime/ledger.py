@@ -46,8 +46,9 @@ class Ledger:
 
     def record(self, events: Iterable[Event]) -> None:
         """Stamp and apply events, in order, each before the next one is taken."""
+        now = self.now
         for event in events:
-            stamped = event.stamped(self.state.seq + 1, self.now)
+            stamped = event.stamped(self.state.seq + 1, now)
             apply(self.state, stamped)
             self._pending.append(stamped)
             self._follow(stamped)

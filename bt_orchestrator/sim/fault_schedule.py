@@ -30,6 +30,8 @@ class GoalFaults:
 
     def find(self, *kinds: FaultKind) -> Fault | None:
         """Return the first fault of these kinds."""
+        if not self.faults:
+            return None
         return next((fault for fault in self.faults if fault.kind in kinds), None)
 
     @property

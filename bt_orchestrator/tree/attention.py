@@ -12,11 +12,9 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from heapq import heappop, heappush
 
-from py_trees.common import Status
-
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.events.tasks import TASK_EVENTS
 from bt_orchestrator.model.state import CellState
-from bt_orchestrator.tree.ticking import AtOnce, Ticked
 from bt_orchestrator.tree.turns import Turns
 
 Part = int | str
@@ -24,19 +22,6 @@ Part = int | str
 
 INITIALIZATION: Part = 'initialization'
 BELT: Part = 'belt'
-
-_TASKS = (
-    e.TaskStarted,
-    e.TaskAdopted,
-    e.TaskResent,
-    e.TaskCancelRequested,
-    e.TaskSucceeded,
-    e.TaskFailed,
-    e.TaskRetrying,
-    e.TaskSkipped,
-    e.TaskContinued,
-    e.TaskMarkedDone,
-)
 
 _CHANGE_SCRIPTS = (e.JobQueued, e.JobUpdated, e.JobRemoved, e.JobCompleted, e.JobAborted)
 
@@ -57,6 +42,7 @@ class Attention:
         self._stale: set[int] = set()
         self._ahead: list[int] = []
         """A heap of what is due, and not yet passed in the tick that goes on."""
+        self._idle: list[int] = []
         self._at = math.inf
         self._concerns = self._table()
         self._index()
@@ -79,6 +65,14 @@ class Attention:
             self._stale.discard(place)
             yield place, stale
         self._at = math.inf
+
+    def take_idle(self) -> Sequence[int]:
+        """Return the sections for which nothing has changed but that the belt moves, or rests.
+
+        In a line of 200 sections that is most of them, twice a beat. One may be due all the same.
+        """
+        idle, self._idle = self._idle, []
+        return idle
 
     def everywhere(self) -> None:
         """Look at every part: time has come for something, or everybody's feedback changes."""
@@ -119,12 +113,13 @@ class Attention:
         """Return what to do with an event, by its class; for any other, all is looked at again."""
         return {
             **dict.fromkeys((e.FlagRaised, e.FlagLowered), self._flag),
-            **dict.fromkeys(_TASKS, self._task),
+            **dict.fromkeys(TASK_EVENTS, self._task),
             **dict.fromkeys((e.CycleStarted, e.TurnCompleted, e.CycleCompleted), self._cycle),
             **dict.fromkeys((e.BeatStarted, e.BeltIndexStarted, e.BeltIndexed), self._belt),
             **dict.fromkeys(
                 (e.ItemPlaced, e.ItemMissing, e.ItemRemoved, e.PositionEnded), self._slot
             ),
+            e.TaskStarted: self._started,
             e.ItemMoved: self._moved,
             e.ComponentStateChanged: self._component,
         }
@@ -132,6 +127,10 @@ class Attention:
     def _task(self, event: e.TaskEvent) -> None:
         # Initialization is not listed: every section may wait for it.
         self._mark(self._tasks.get((event.job, event.task), self._all))
+
+    def _started(self, event: e.TaskStarted) -> None:
+        """Mark the others: its own leaf, which has started it, says so already."""
+        self._mark(self._others.get((event.job, event.task), self._all))
 
     def _flag(self, event: e.FlagEvent) -> None:
         self._mark(self._flags[event.flag])
@@ -144,8 +143,18 @@ class Attention:
         self._mark((self._place[event.section], *self._ends))
 
     def _belt(self, _: e.Event) -> None:
-        self._turns.touch_all()
-        self.everywhere()
+        """Mark where an item or a cycle is, or comes; all others wait for the belt alike."""
+        self._idle.clear()
+        coming = False
+        for number, section in self._state.sections.items():
+            there = section.slot is not None
+            if there or coming or section.cycle is not None:
+                self._turns.touch(number)
+                self._mark((self._place[number],))
+            else:
+                self._idle.append(number)
+            coming = there
+        self._mark(self._ends)
 
     def _moved(self, _: e.ItemMoved) -> None:
         """Wait for `belt.indexed`, which follows at once and concerns everybody."""
@@ -179,31 +188,16 @@ class Attention:
         whole_line = (INITIALIZATION, *{script.source for script in scripts}, BELT)
         self._ends = tuple(self._place[part] for part in whole_line)
         """Places of what looks at the whole line: whether a job is through, whether a turn is."""
-        self._tasks: dict[tuple[str | None, str], Iterable[int]] = {
-            (None, e.INDEX_KEY.task): conveyor
-        }
+        move: tuple[str | None, str] = (None, e.INDEX_KEY.task)
+        self._tasks = {move: conveyor}
+        self._others = {move: conveyor - {self._place[BELT]}}
+        """As `_tasks`, without the section itself where nothing else can go on beside the task."""
         for name, job in self._state.jobs.items():
             for number, tasks in job.job.script.sections.items():
-                for task in tasks.tasks:
-                    shared = (zones[zone] for zone in job.job.script.zones_of.get(task.id, ()))
-                    places = {self._place[number], *self._components[task.component]}
-                    self._tasks[name, task.id] = places.union(*shared)
-
-
-class CellRoot(AtOnce):
-    """The root: a parallel that never ends, and that ticks the parts that are due."""
-
-    def __init__(self, name: str, parts: Sequence[Ticked], attention: Attention) -> None:
-        super().__init__(name, parts)
-        self._attention = attention
-
-    def run(self) -> Status:
-        """Tick the parts that are due, in order."""
-        for place, is_stale in self._attention.walk():
-            part = self.children[place]
-            if is_stale:
-                part.stop(Status.INVALID)
-            part.run()
-        self.current_child = self.children[-1]
-        self.status = Status.RUNNING
-        return self.status
+                own = {self._place[number]}
+                for step in tasks.steps:
+                    for task in step.tasks:
+                        shared = (zones[z] for z in job.job.script.zones_of.get(task.id, ()))
+                        places = own.union(self._components[task.component], *shared)
+                        self._tasks[name, task.id] = places
+                        self._others[name, task.id] = places if step.is_group else places - own

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from py_trees.blackboard import Blackboard, Client
 from py_trees.common import Access
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.events.tasks import TASK_EVENTS
 from bt_orchestrator.model.state import CellState
-
-_MOVES = (e.ItemPlaced, e.ItemMissing, e.ItemMoved, e.ItemRemoved, e.PositionEnded)
 
 AT_REST = 'at rest'
 MOVING = 'moving'
@@ -50,13 +49,14 @@ class BlackboardProjection:
         self._client = Client(name=f'{space} state', namespace=space)
         self._names: dict[str, str] = {}
         """The whole name of every key that was set."""
-        for key, value in self._everything():
-            self._set(key, value)
+        self._acts = self._table()
+        self._everything()
 
     def follow(self, event: e.Event) -> None:
         """Set the keys that an event, already applied to the state, has changed."""
-        for key, value in self._changed(event):
-            self._set(key, value)
+        act = self._acts.get(type(event))
+        if act is not None:
+            act(event)
 
     def close(self) -> None:
         """Take the keys off the blackboard, which is global to the process."""
@@ -73,64 +73,73 @@ class BlackboardProjection:
         else:
             self._client.set(key, value)
 
-    def _everything(self) -> Iterator[tuple[str, Any]]:
-        yield from self._belt()
-        yield 'cell', self._state.mode.value
+    # --- what an event changes ---------------------------------------------------------------
+
+    def _table(self) -> Mapping[type[e.Event], Callable[..., None]]:
+        """Return what to do after an event, by its class."""
+        moves = (e.ItemPlaced, e.ItemMissing, e.ItemMoved, e.ItemRemoved, e.PositionEnded)
+        names = (e.JobQueued, e.JobUpdated, e.HoldRaised, e.HoldReleased)
+        return {
+            **dict.fromkeys(TASK_EVENTS, self._task),
+            **dict.fromkeys((e.FlagRaised, e.FlagLowered), self._flag),
+            **dict.fromkeys((e.BeltIndexStarted, e.BeltIndexed, e.BeatStarted), self._belt),
+            **dict.fromkeys(moves, self._slots_around),
+            **dict.fromkeys(names, self._everything),
+            e.ComponentStateChanged: lambda event: self._ready(event.component),
+            e.CellStateChanged: self._cell,
+        }
+
+    def _everything(self, _: e.Event | None = None) -> None:
+        self._belt()
+        self._cell()
         for name in self._state.cell.components:
-            yield self._component(name)
-            yield self._ready(name)
+            self._component(name)
+            self._ready(name)
         for number in self._state.sections:
-            yield self._slot(number)
+            self._slot(number)
         for flag, counter in self._state.flags.items():
-            yield f'flags/{flag}', counter.count
+            self._set(f'flags/{flag}', counter.count)
         for script in self._state.scripts.values():
             for zone in script.zones:
-                yield self._zone(zone.name)
+                self._zone(zone.name)
 
-    def _changed(self, event: e.Event) -> Iterator[tuple[str, Any]]:
-        if isinstance(event, e.FlagEvent):
-            yield f'flags/{event.flag}', event.count
-        elif isinstance(event, e.TaskEvent):
-            yield from self._task(event)
-        elif isinstance(event, (e.BeltIndexStarted, e.BeltIndexed, e.BeatStarted)):
-            yield from self._belt()
-        elif isinstance(event, _MOVES):
-            yield from self._slots_around(event.section)
-        elif isinstance(event, e.ComponentStateChanged):
-            yield self._ready(event.component)
-        elif isinstance(event, e.CellStateChanged):
-            yield 'cell', event.state
-        elif isinstance(event, (e.JobQueued, e.JobUpdated, e.HoldRaised, e.HoldReleased)):
-            yield from self._everything()
+    def _flag(self, event: e.FlagEvent) -> None:
+        self._set(f'flags/{event.flag}', event.count)
 
-    def _task(self, event: e.TaskEvent) -> Iterator[tuple[str, Any]]:
+    def _task(self, event: e.TaskEvent) -> None:
         task = self._state.task(event.key)
         if task is None:
-            yield self._component(self._state.cell.conveyor.component.name)
+            self._component(self._state.cell.conveyor.component.name)
             return
-        yield self._component(task.component)
+        self._component(task.component)
         assert event.job is not None
         for zone in self._state.script(event.job).zones_of.get(task.id, ()):
-            yield self._zone(zone)
+            self._zone(zone)
 
-    def _belt(self) -> Iterator[tuple[str, Any]]:
-        yield 'belt', MOVING if self._state.indexing else AT_REST
-        yield 'beat', self._state.beat
+    def _belt(self, _: e.Event | None = None) -> None:
+        self._set('belt', MOVING if self._state.indexing else AT_REST)
+        self._set('beat', self._state.beat)
 
-    def _component(self, name: str) -> tuple[str, Any]:
-        return f'components/{name}', str(self._state.reserved.get(name, ''))
+    def _cell(self, _: e.Event | None = None) -> None:
+        self._set('cell', self._state.mode.value)
 
-    def _zone(self, name: str) -> tuple[str, Any]:
-        return f'zones/{name}', str(self._state.zones.get(name, ''))
-
-    def _ready(self, name: str) -> tuple[str, Any]:
-        return f'ready/{name}', self._state.readings[name].ready
-
-    def _slots_around(self, section: int | None) -> Iterator[tuple[str, Any]]:
-        """Yield a slot that was filled or emptied, and the one before, which an item left."""
-        for number in (section, (section or 0) - 1):
+    def _slots_around(self, event: e.ItemPlaced | e.ItemMoved | e.ItemRemoved) -> None:
+        """Set a slot that was filled or emptied, and the one before, which an item left."""
+        section = event.section or 0
+        for number in (section, section - 1):
             if number in self._state.sections:
-                yield self._slot(number)
+                self._slot(number)
 
-    def _slot(self, number: int) -> tuple[str, Any]:
-        return f'slots/{number}', self._state.sections[number].slot or ''
+    # --- keys --------------------------------------------------------------------------------
+
+    def _component(self, name: str) -> None:
+        self._set(f'components/{name}', str(self._state.reserved.get(name, '')))
+
+    def _zone(self, name: str) -> None:
+        self._set(f'zones/{name}', str(self._state.zones.get(name, '')))
+
+    def _ready(self, name: str) -> None:
+        self._set(f'ready/{name}', self._state.readings[name].ready)
+
+    def _slot(self, number: int) -> None:
+        self._set(f'slots/{number}', self._state.sections[number].slot or '')

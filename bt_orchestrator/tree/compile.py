@@ -19,7 +19,7 @@ from py_trees.composites import Composite
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.script import SectionList, Step, Task
 from bt_orchestrator.model.state import JobState
-from bt_orchestrator.tree.attention import BELT, INITIALIZATION, Attention, CellRoot
+from bt_orchestrator.tree.attention import BELT, INITIALIZATION, Attention
 from bt_orchestrator.tree.belt import TurnsComplete, index_task
 from bt_orchestrator.tree.guards import (
     ConveyorGuard,
@@ -30,6 +30,7 @@ from bt_orchestrator.tree.guards import (
 )
 from bt_orchestrator.tree.leaf import ActionLeaf
 from bt_orchestrator.tree.policies import OnFailureDecorator, Retry
+from bt_orchestrator.tree.root import CellRoot
 from bt_orchestrator.tree.section import CompleteCycle, CycleOf, ReleaseConveyor, Section
 from bt_orchestrator.tree.subject import Recorder, Subject
 from bt_orchestrator.tree.ticking import AtOnce, InOrder, Ticked
@@ -55,8 +56,9 @@ class CellTree:
         turns = Turns(state)
         self.belt = InOrder('belt', [TurnsComplete(recorder, turns), move])
         self._attention = Attention(state, turns, (INITIALIZATION, *self.sections, BELT))
-        parts = [self.initialization, *self.sections.values(), self.belt]
-        self.root = CellRoot(state.cell.name, parts, self._attention)
+        self.root = CellRoot(
+            recorder, self.initialization, self.sections, self.belt, self._attention
+        )
         self._branches: dict[str, list[Ticked]] = {}
         self._digests: dict[str, str] = {}
         """Of the scripts that the branches were compiled from."""

@@ -48,10 +48,8 @@ class ActionLeaf(TaskWaiter, Ticked):
         return self._report(progress)
 
     def _report(self, progress: TaskState) -> Status:
-        task = self.subject.task
         if progress.phase is Phase.RUNNING:
-            attempt = f', attempt {progress.attempt}' if progress.attempt > 1 else ''
-            self.feedback_message = f'running at {task.action}{attempt}'
+            self.feedback_message = self._running(progress.attempt)
             return Status.RUNNING
         if progress.phase is Phase.HELD:
             reason = progress.reason.value if progress.reason else 'held'
@@ -139,11 +137,15 @@ class ActionLeaf(TaskWaiter, Ticked):
             server=recorder.server(task.component),
         )
         recorder.record([started])
-        self.feedback_message = f'running at {task.action}'
+        self.feedback_message = self._running(attempt)
         return Status.RUNNING
 
+    def _running(self, attempt: int) -> str:
+        which = f', attempt {attempt}' if attempt > 1 else ''
+        return f'running at {self.subject.task.action}{which}'
+
     def _args(self) -> dict[str, object]:
-        if self.subject.job is None:
+        if not self.subject.task.refers:
             return dict(self.subject.task.args)
         return dict(resolve(self.subject.task.args, self.subject.state.scope(self.subject.key)))
 

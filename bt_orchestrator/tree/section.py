@@ -17,7 +17,8 @@ class Section(FirstOf):
     """One section: the branch of the job that it works on, or else what begins its next cycle."""
 
     def __init__(self, recorder: Recorder, number: int) -> None:
-        super().__init__(f'section {number}', [NextCycle(recorder, number)])
+        self._next_cycle = NextCycle(recorder, number)
+        super().__init__(f'section {number}', [self._next_cycle])
         self._recorder = recorder
         self._number = number
         self._cycle: Cycle | None = None
@@ -31,6 +32,10 @@ class Section(FirstOf):
             return self.current_child.run()
         self._cycle = cycle
         return super().run()
+
+    def tell(self, wait: Wait) -> None:
+        """Note what it waits for, without a tick; only where it waits for its next cycle."""
+        self._next_cycle.note(wait)
 
 
 class _OfSection(Ticked):

@@ -113,6 +113,8 @@ class Subject:
 
     def missing(self) -> Reference | MissingResult | None:
         """Return what an argument or the condition names that this item does not have."""
+        if not self.task.refers:
+            return None
         scope = self.state.scope(self.key)
         try:
             if self.task.condition is not None:

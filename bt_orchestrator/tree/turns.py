@@ -32,6 +32,7 @@ class Turns:
         """Return what each section still has to do, by its number in ascending order."""
         # Whether the source may begin hangs on jobs, holds and initialization as well.
         self._touched.update(script.source for script in self._state.scripts.values())
+        self._touched.update(self._owing)
         for number in self._touched:
             owed = owes_turn(self._state, self._state.sections[number])
             if owed is not None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, ClassVar
 
 from bt_orchestrator.model.events.base import Event, TaskKey
@@ -18,7 +19,7 @@ class TaskEvent(Event):
     item: str | None = None
     task: str
 
-    @property
+    @cached_property
     def key(self) -> TaskKey:
         """Which task of which item."""
         return TaskKey(self.job, self.section, self.item, self.task)
@@ -128,3 +129,18 @@ class TaskMarkedDone(TaskEvent):
     """An operator answered that the task is done, whatever the controller said."""
 
     event: ClassVar[str] = 'task.marked_done'
+
+
+TASK_EVENTS = (
+    TaskStarted,
+    TaskAdopted,
+    TaskResent,
+    TaskCancelRequested,
+    TaskSucceeded,
+    TaskFailed,
+    TaskRetrying,
+    TaskSkipped,
+    TaskContinued,
+    TaskMarkedDone,
+)
+"""Those after which a task stands elsewhere; flags have events of their own."""

@@ -1,0 +1,50 @@
+"""The root of a cell's tree."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from py_trees.common import Status
+
+from bt_orchestrator.model.line import waits_without_item
+from bt_orchestrator.tree.attention import Attention
+from bt_orchestrator.tree.section import Section
+from bt_orchestrator.tree.subject import Recorder
+from bt_orchestrator.tree.ticking import AtOnce, Ticked
+
+
+class CellRoot(AtOnce):
+    """A parallel that never ends, and that ticks the parts that are due."""
+
+    def __init__(
+        self,
+        recorder: Recorder,
+        initialization: Ticked,
+        sections: Mapping[int, Section],
+        belt: Ticked,
+        attention: Attention,
+    ) -> None:
+        name = recorder.state.cell.name
+        super().__init__(name, [initialization, *sections.values(), belt])
+        self._recorder = recorder
+        self._sections = sections
+        self._attention = attention
+
+    def run(self) -> Status:
+        """Tick the parts that are due, in order."""
+        self._tell_idle()
+        for place, is_stale in self._attention.walk():
+            part = self.children[place]
+            if is_stale:
+                part.stop(Status.INVALID)
+            part.run()
+        self.current_child = self.children[-1]
+        self.status = Status.RUNNING
+        return self.status
+
+    def _tell_idle(self) -> None:
+        idle = self._attention.take_idle()
+        if idle:
+            wait = waits_without_item(self._recorder.state)
+            for number in idle:
+                self._sections[number].tell(wait)
