@@ -11,7 +11,7 @@ import hashlib
 import json
 import types
 import typing
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from enum import Enum
 from functools import lru_cache
 from typing import Any, TypeVar, cast
@@ -23,15 +23,36 @@ from bt_orchestrator.model.script import Script
 
 _T = TypeVar('_T')
 _TEMPLATE = '$'
+_SCALARS = (str, int, float, bool, type(None))
+_encode = json.JSONEncoder(ensure_ascii=False).encode
 _FIRST = ('seq', 'time', 'event', 'job', 'section', 'item', 'task')
 
 
 def to_record(event: e.Event) -> dict[str, Any]:
     """Return the one record of an event that every output carries (formats: events)."""
-    plain = {'event': event.event, **to_plain(event)}
-    plain['seq'], plain['time'] = event.seq, event.time
-    ordered = {key: plain[key] for key in _FIRST if plain.get(key) is not None}
-    return ordered | {key: plain[key] for key in plain if key not in _FIRST}
+    record: dict[str, Any] = {'seq': event.seq, 'time': event.time, 'event': event.event}
+    kind: type = type(event)
+    for name, default in _layout(kind):
+        value = getattr(event, name)
+        if value != default:
+            record[name] = value if type(value) in _SCALARS else to_plain(value)
+    return record
+
+
+def to_text(event: e.Event) -> str:
+    """Return the record of an event as one line of JSON."""
+    return _encode(to_record(event))
+
+
+@lru_cache(maxsize=256)
+def _layout(kind: type) -> Sequence[tuple[str, Any]]:
+    """Return the fields of an event in the order of its record, with their defaults.
+
+    Worked out once: every event is written, and to ask its class each time took 30 us of 35.
+    """
+    fields = {field.name: _default(field) for field in dataclasses.fields(kind)}
+    names = (*(name for name in _FIRST if name in fields), *fields)
+    return [(name, fields[name]) for name in dict.fromkeys(names) if name not in ('seq', 'time')]
 
 
 def from_record(record: Mapping[str, Any]) -> e.Event:
@@ -88,6 +109,13 @@ def _is_default(field: dataclasses.Field[Any], value: Any) -> bool:
     if field.default_factory is not dataclasses.MISSING:
         return not value
     return False
+
+
+def _default(field: dataclasses.Field[Any]) -> Any:
+    """Return the default of a field; one that is equal to nothing if it has none."""
+    if field.default_factory is not dataclasses.MISSING:
+        return field.default_factory()
+    return field.default
 
 
 def _read(kind: Any, value: Any) -> Any:

@@ -17,11 +17,12 @@ class VirtualClock:
 
     def __init__(self, start_s: float = 0.0) -> None:
         self._now_ns = round(start_s * NS_PER_S)
+        self._now_s = self._now_ns / NS_PER_S
         self._deadlines = Deadlines()
 
     def now(self) -> float:
         """Return the virtual seconds; they count from 0 unless the start is another."""
-        return self._now_ns / NS_PER_S
+        return self._now_s
 
     def call_at(self, time: float, callback: Callable[[], None]) -> Deadline:
         """Call back in `advance` when time has come; a time that has passed means now."""
@@ -42,7 +43,7 @@ class VirtualClock:
         time_ns = self._deadlines.next_ns()
         if time_ns is None:
             return False
-        self._now_ns = time_ns
+        self._now_ns, self._now_s = time_ns, time_ns / NS_PER_S
         while callback := self._deadlines.pop_due(time_ns):
             callback()
         return True

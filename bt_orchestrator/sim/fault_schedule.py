@@ -46,6 +46,9 @@ class GoalFaults:
         return late.seconds or 0.0 if late else 0.0
 
 
+_NONE = GoalFaults()
+
+
 class FaultSchedule:
     """Counts the goals of one component.
 
@@ -64,6 +67,8 @@ class FaultSchedule:
 
     def next_goal(self, task: str) -> GoalFaults:
         """Count one more goal of a task and return what strikes at it."""
+        if not self._faults:
+            return _NONE
         self._count += 1
         self._count_of_task[task] += 1
         counts = self._count, self._count_of_task[task]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
 from bt_orchestrator.model.action_type import ActionType
@@ -63,6 +63,8 @@ class VirtualController:
         self._goal: VirtualGoal | None = None
         self._faults = GoalFaults()
         self._ready_again: Timer | None = None
+        self._results: dict[str, Mapping[str, Any]] = {}
+        """Of each task, once it was done; nobody changes them."""
         self.present = False
 
     def switch_on(self) -> None:
@@ -117,7 +119,10 @@ class VirtualController:
             goal.timer = self._after(seconds, lambda: self._end(goal, end))
 
     def _success(self, goal: VirtualGoal) -> GoalEnd:
-        result = simulated_result(self._component, self._type, goal.request.task)
+        task = goal.request.task
+        if task not in self._results:
+            self._results[task] = simulated_result(self._component, self._type, task)
+        result = self._results[task]
         failed = self._faults.has(FaultKind.FALSE)
         return GoalEnd(GoalStatus.SUCCEEDED, as_failed(result) if failed else result)
 

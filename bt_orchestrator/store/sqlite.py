@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import IO
 
 from bt_orchestrator.errors import JournalFailed
-from bt_orchestrator.model.codec import from_record, to_record
+from bt_orchestrator.model.codec import from_record, to_text
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.history import JobRecord, job_to_plain
 from bt_orchestrator.ports import Snapshot
@@ -57,7 +57,7 @@ class SqliteStore:
 
         :raises JournalFailed: they are not; nothing of them is in the journal
         """
-        rows = [(event.seq, json.dumps(to_record(event), ensure_ascii=False)) for event in events]
+        rows = [(event.seq, to_text(event)) for event in events]
         with self._writing():
             self._database.executemany('INSERT INTO events VALUES (?, ?)', rows)
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
 
 from bt_orchestrator.errors import OrchestratorError
-from bt_orchestrator.model.codec import to_record
+from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.events import Event
 
 
@@ -55,7 +54,7 @@ class TraceFile:
         """Write the events; after a failure nothing more, so that there is no gap in the file."""
         if self._failure is not None:
             return
-        lines = [json.dumps(to_record(event), ensure_ascii=False) + '\n' for event in events]
+        lines = [to_text(event) + '\n' for event in events]
         try:
             self._file.write(''.join(lines))
             self._file.flush()

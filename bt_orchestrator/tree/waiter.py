@@ -21,7 +21,7 @@ class Waiter:
     def note(self, wait: Wait | None) -> None:
         """Note what it waits for, and say so."""
         self.wait = wait
-        self.feedback_message = '' if wait is None else str(wait)
+        self.feedback_message = '' if wait is None else wait.reason
 
 
 class TaskWaiter(Waiter):
