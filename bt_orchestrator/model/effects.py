@@ -126,10 +126,11 @@ def _of_index_move(state: CellState) -> Iterator[e.Event]:
     last = state.slot(state.cell.conveyor.sections)
     if last is not None:
         yield e.PositionEnded(job=last.job, item=last.id, section=last.section)
-    standing = [(n, section.slot) for n, section in state.sections.items()]
-    for number, item in sorted(standing, reverse=True):
+    standing = [n for n, section in state.sections.items() if section.slot is not None]
+    for number in sorted(standing, reverse=True):
+        item = state.slot(number)
         if item is not None and number < state.cell.conveyor.sections:
-            yield e.ItemMoved(job=state.items[item].job, item=item, section=number + 1)
+            yield e.ItemMoved(job=item.job, item=item.id, section=number + 1)
     yield e.BeltIndexed(beat=state.beat + 1)
 
 

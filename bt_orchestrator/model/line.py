@@ -156,15 +156,19 @@ def next_cycle(state: CellState, section: SectionState) -> Start | Wait:
     return _at_source(state, section, beat) or _idle(state, section)
 
 
-def waits_without_item(state: CellState) -> Wait:
-    """Say what every section waits for that is no source, and where nothing is or comes.
+def waits_without_work(state: CellState, *, has_item: bool) -> Wait:
+    """Say what every section waits for that has nothing to do for any item it has, or that comes.
 
-    The answer of `next_cycle`, which for those is the same.
+    The answer of `next_cycle`, which for all of those is the same; no source is among them.
     """
-    return stopped_because(state) or (_UNREST if state.indexing else _without_item(state))
+    stopped = stopped_because(state)
+    if stopped or state.indexing:
+        return stopped or _UNREST
+    return _TO_MOVE if has_item else _without_item(state)
 
 
 _UNREST = Wait('waiting for the belt to rest', WaitKind.BELT)
+_TO_MOVE = Wait('waiting for the belt to move', WaitKind.BELT)
 
 
 def _ahead_of_the_move(state: CellState, section: SectionState) -> Start | Wait:
@@ -203,7 +207,7 @@ def _at_source(state: CellState, section: SectionState, beat: int) -> Start | Wa
 
 def _idle(state: CellState, section: SectionState) -> Wait:
     if section.slot is not None:
-        return Wait('waiting for the belt to move', WaitKind.BELT)
+        return _TO_MOVE
     return _without_item(state)
 
 

@@ -143,12 +143,12 @@ class Attention:
         self._mark((self._place[event.section], *self._ends))
 
     def _belt(self, _: e.Event) -> None:
-        """Mark where an item or a cycle is, or comes; all others wait for the belt alike."""
+        """Mark where there is work for an item, or may be; all others wait for the belt alike."""
         self._idle.clear()
         coming = False
         for number, section in self._state.sections.items():
             there = section.slot is not None
-            if there or coming or section.cycle is not None:
+            if number in self._working and (there or coming or section.cycle is not None):
                 self._turns.touch(number)
                 self._mark((self._place[number],))
             else:
@@ -186,6 +186,7 @@ class Attention:
         conveyor = self._components[self._state.cell.conveyor.component.name]
         conveyor.add(self._place[BELT])
         whole_line = (INITIALIZATION, *{script.source for script in scripts}, BELT)
+        self._working = {number for script in scripts for number in script.sections}
         self._ends = tuple(self._place[part] for part in whole_line)
         """Places of what looks at the whole line: whether a job is through, whether a turn is."""
         move: tuple[str | None, str] = (None, e.INDEX_KEY.task)

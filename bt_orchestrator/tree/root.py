@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from py_trees.common import Status
 
-from bt_orchestrator.model.line import waits_without_item
+from bt_orchestrator.model.line import waits_without_work
 from bt_orchestrator.tree.attention import Attention
 from bt_orchestrator.tree.section import Section
 from bt_orchestrator.tree.subject import Recorder
@@ -45,6 +45,7 @@ class CellRoot(AtOnce):
     def _tell_idle(self) -> None:
         idle = self._attention.take_idle()
         if idle:
-            wait = waits_without_item(self._recorder.state)
+            state = self._recorder.state
+            waits = [waits_without_work(state, has_item=has_item) for has_item in (False, True)]
             for number in idle:
-                self._sections[number].tell(wait)
+                self._sections[number].tell(waits[state.sections[number].slot is not None])
