@@ -37,11 +37,16 @@ class GoalClient(ActionClient):  # type: ignore[type-arg] # no Generic in Jazzy'
         self._unconfirmed: dict[bytes, Callable[[], None]] = {}
         self._listed: Any = ()
         super().__init__(node, action_class, name)
+        self._entities: Any = super().get_num_entities()
 
     @property
     def node(self) -> Node:
         """The node that it belongs to."""
         return self._node
+
+    def get_num_entities(self) -> Any:
+        """Return what does not change, and what the executor asks for in every turn."""
+        return self._entities
 
     def add_future(self, future: Any) -> None:
         """Do not tell the executor of a future (rclpy's Waitable interface)."""

@@ -26,7 +26,7 @@ from bt_orchestrator.ros.event_message import event_message
 from bt_orchestrator.ros.expected_ends import ExpectedEnds
 from bt_orchestrator.ros.heart import Heart
 from bt_orchestrator.ros.pulse import Pulse
-from bt_orchestrator.ros.qos import EVENTS, LATCHED
+from bt_orchestrator.ros.qos import EVENTS, LATCHED, publisher
 from bt_orchestrator.ros.status_message import status_message
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 
@@ -44,7 +44,7 @@ class EventsTopic:
     """`~/events`: every durable record. Implements `ports.EventSink`."""
 
     def __init__(self, node: Node) -> None:
-        self._publisher = node.create_publisher(EventMessage, '~/events', EVENTS)
+        self._publisher = publisher(node, EventMessage, '~/events', EVENTS)
 
     def publish(self, events: Sequence[Event]) -> None:
         """Publish the records, in order; whoever comes later asks the journal (`~/get_events`)."""
@@ -67,7 +67,7 @@ class StatusTopic:
         self._node = node
         self._orchestrator = orchestrator
         self._expected = expected
-        self._publisher = node.create_publisher(Status, '~/status', LATCHED)
+        self._publisher = publisher(node, Status, '~/status', LATCHED)
         self._within_s = math.inf
         self._timer = node.create_timer(UNWATCHED_S, self.publish_now)
         self._timer.cancel()
@@ -104,7 +104,7 @@ class Diagnostics:
         self._node = node
         self._orchestrator = orchestrator
         self._heart = heart
-        self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', 10)
+        self._publisher = publisher(node, DiagnosticArray, '/diagnostics', 10)
         pulse.add(self._publish)
 
     def _publish(self) -> None:
