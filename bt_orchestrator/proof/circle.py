@@ -6,6 +6,7 @@ Followed from the belt on, the waits come back to a part that was met before.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 from bt_orchestrator.model.wait import Wait, WaitKind
@@ -31,59 +32,48 @@ class Stand(NamedTuple):
 
 
 def circle_of_waits(script: Operations, line: Precedence, still: Standstill) -> tuple[Stand, ...]:
-    """Return who waits for whom; the belt comes last, if it is one of them."""
+    """Return the shortest circle of who waits for whom; the belt, if it is in it, comes last."""
+    standing = _standing(line, still).items()
+    sections = {number: Stand(number, _wait(script, line, still, at)) for number, at in standing}
+    turns = _of_belt(script, line, still)
+    return min((_circle(Stand(None, turn), sections) for turn in turns), key=len)
+
+
+def _circle(belt: Stand, sections: Mapping[int, Stand]) -> tuple[Stand, ...]:
+    """Follow the waits, from one of the belt's on, until a part comes back."""
     met: dict[int | None, Stand] = {}
-    section = None
-    while section not in met:
-        wait = (
-            _of_section(script, line, still, section) if section else _of_belt(script, line, still)
-        )
-        met[section] = Stand(section, wait)
-        section = wait.sections[0] if wait.sections else None
-    ways = list(met)
-    first = ways.index(section)
-    circle = ways[first:] if section else [*ways[1:], None]
-    return tuple(met[part] for part in circle)
+    stand = belt
+    while stand.section not in met:
+        met[stand.section] = stand
+        stand = sections[stand.wait.sections[0]] if stand.wait.sections else belt
+    ways = list(met.values())
+    circle = ways[ways.index(stand) :]
+    return (*circle[1:], belt) if stand is belt else tuple(circle)
 
 
-def _of_belt(script: Operations, line: Precedence, still: Standstill) -> Wait:
-    """Say which turn of the beat never becomes complete."""
-    number, item = next(
-        (number, item)
-        for number, turn in script.turns.items()
-        if still.never(turn, item := line.item(turn, still.beat))
-    )
-    if not still.never(script.begins[number], item):
-        does = f'finish with item {item}'
-    elif number == script.source:
-        does = 'place the next item'
-    else:
-        does = f'begin with item {item}'
-    return Wait(f'waiting for section {number} to {does}', WaitKind.TURN, sections=(number,))
+def _of_belt(script: Operations, line: Precedence, still: Standstill) -> Iterator[Wait]:
+    """Yield which turns of the beat never become complete."""
+    for number, turn in script.turns.items():
+        item = line.item(turn, still.beat)
+        if not still.never(turn, item):
+            continue
+        if not still.never(script.begins[number], item):
+            does = f'finish with item {item}'
+        elif number == script.source:
+            does = 'place the next item'
+        else:
+            does = f'begin with item {item}'
+        what = f'waiting for section {number} to {does}'
+        yield Wait(what, WaitKind.TURN, sections=(number,))
 
 
-def _of_section(script: Operations, line: Precedence, still: Standstill, number: int) -> Wait:
-    """Say what a section waits for: a flag, or what the belt brings."""
-    operation = _stands_at(line, still, number)
-    item = still.first_never[operation]
-    for relation in reversed(line.before[operation]):
-        flag, other = relation.dependency, relation.before
-        if flag is not None and still.never(other, item - relation.items):
-            does = 'take' if operation.task == flag.upstream else 'set'
-            what = f'waiting for {other.task} to {does} flag {flag.flag}'
-            return Wait(what, WaitKind.FLAG, flag.flag, (other.section,), other.task)
-    if number == script.source or (item > 1 and number != script.sink):
-        return Wait('waiting for the belt to move', WaitKind.BELT)
-    return Wait('waiting for an item', WaitKind.ITEM)
-
-
-def _stands_at(line: Precedence, still: Standstill, number: int) -> Operation:
-    """Return the first thing that a section cannot do, although its list would let it."""
-    return min(
-        (item, operation)
-        for operation, item in still.first_never.items()
-        if operation.section == number and not _waits_in_list(line, still, operation, item)
-    )[1]
+def _standing(line: Precedence, still: Standstill) -> dict[int, Operation]:
+    """Return the first thing that each section cannot do, although its list would let it."""
+    found: dict[int, Operation] = {}
+    for operation, item in sorted(still.first_never.items(), key=lambda one: (one[1], one[0])):
+        if operation.section not in found and not _waits_in_list(line, still, operation, item):
+            found[operation.section] = operation
+    return found
 
 
 def _waits_in_list(line: Precedence, still: Standstill, operation: Operation, item: int) -> bool:
@@ -92,3 +82,17 @@ def _waits_in_list(line: Precedence, still: Standstill, operation: Operation, it
         for relation in line.before[operation]
         if relation.dependency is None
     )
+
+
+def _wait(script: Operations, line: Precedence, still: Standstill, operation: Operation) -> Wait:
+    """Say what an operation waits for: a flag, or what the belt brings."""
+    item = still.first_never[operation]
+    for relation in reversed(line.before[operation]):
+        flag, other = relation.dependency, relation.before
+        if flag is not None and still.never(other, item - relation.items):
+            does = 'take' if operation.task == flag.upstream else 'set'
+            what = f'waiting for {other.task} to {does} flag {flag.flag}'
+            return Wait(what, WaitKind.FLAG, flag.flag, (other.section,), other.task)
+    if operation.section == script.source or (item > 1 and operation.section != script.sink):
+        return Wait('waiting for the belt to move', WaitKind.BELT)
+    return Wait('waiting for an item', WaitKind.ITEM)

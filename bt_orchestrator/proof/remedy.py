@@ -17,30 +17,33 @@ def remedy(script: Operations, flags: Collection[str]) -> str:
 
     :param flags: those of a circle: whatever becomes of the others, it stays
     """
+    words = ''
     most = max(1, script.sink - script.source)  # no circle lacks more items than that
-    least = {
-        flag: _least(script, flag, most) for name, flag in script.flags.items() if name in flags
-    }
-    for more in range(1, most + 1):
-        for flag, needed in least.items():
-            if needed <= more:
-                for changed in _changes(flag, more):
-                    if _frees(script, changed):
-                        return _in_words(changed, flag)
-    return ''
+    for flag in script.flags.values():
+        if flag.flag in flags:
+            for more, changed in _smallest(script, flag, most):
+                words, most = _in_words(changed, flag), more - 1
+    return words
 
 
-def _least(script: Operations, flag: Dependency, most: int) -> int:
-    """Return how much more would do if it were both more room and more counts at once.
+def _smallest(script: Operations, flag: Dependency, most: int) -> Iterator[tuple[int, Dependency]]:
+    """Yield the smallest change of a flag that frees the script, and by how much, if there is any.
 
-    No single change does with less. Greater than `most`: not even that frees the line.
+    No change does with less than if there were as much more room and as many more counts at once.
     """
 
-    def frees(more: int) -> bool:
+    def does(more: int) -> bool:
         initial, capacity = flag.initial + more, flag.capacity + 2 * more
         return _frees(script, replace(flag, initial=initial, capacity=capacity))
 
-    return 1 + bisect_left(range(1, most + 1), True, key=frees)
+    if not does(most):
+        return
+    least = 1 + bisect_left(range(1, most), True, key=does)
+    for more in range(least, most + 1):
+        for changed in _changes(flag, more):
+            if _frees(script, changed):
+                yield more, changed
+                return
 
 
 def _changes(flag: Dependency, more: int) -> Iterator[Dependency]:

@@ -6,6 +6,7 @@ aliases without a limit and knows nothing of duplicate keys.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -32,6 +33,7 @@ DEEPEST_NESTING = 40
 MERGE = '<<'
 """Key that spreads another mapping; among `MapNode.doubtful` it stands for any unknown key."""
 
+_HALF = re.compile('[\ud800-\udfff]')
 _STANDARD = 'tag:yaml.org,2002:'
 _TEXT_TAGS = {'!', *(_STANDARD + tag for tag in ('str', 'timestamp', 'binary'))}
 _SCALAR_TAGS = _TEXT_TAGS | {_STANDARD + tag for tag in ('bool', 'int', 'float', 'null')}
@@ -144,7 +146,7 @@ class _Composer:
 
     def _check_escapes(self, event: Any) -> None:
         """Report an escaped half of a character: no text that contains one can be written."""
-        if any(0xD800 <= ord(char) <= 0xDFFF for char in event.value):
+        if _HALF.search(event.value):
             what = 'this text contains half of a surrogate pair'
             self._report.add(_place(event), what, 'write the character itself')
 
