@@ -21,13 +21,15 @@ def remedy(script: Operations, flags: Collection[str]) -> str:
     most = max(1, script.sink - script.source)  # no circle lacks more items than that
     for flag in script.flags.values():
         if flag.flag in flags:
-            for more, changed in _smallest(script, flag, most):
+            found = _smallest(script, flag, most)
+            if found is not None:
+                more, changed = found
                 words, most = _in_words(changed, flag), more - 1
     return words
 
 
-def _smallest(script: Operations, flag: Dependency, most: int) -> Iterator[tuple[int, Dependency]]:
-    """Yield the smallest change of a flag that frees the script, and by how much, if there is any.
+def _smallest(script: Operations, flag: Dependency, most: int) -> tuple[int, Dependency] | None:
+    """Return by how much a flag must change at least to free the script, and what it is then.
 
     No change does with less than if there were as much more room and as many more counts at once.
     """
@@ -37,13 +39,10 @@ def _smallest(script: Operations, flag: Dependency, most: int) -> Iterator[tuple
         return _frees(script, replace(flag, initial=initial, capacity=capacity))
 
     if not does(most):
-        return
+        return None
     least = 1 + bisect_left(range(1, most), True, key=does)
-    for more in range(least, most + 1):
-        for changed in _changes(flag, more):
-            if _frees(script, changed):
-                yield more, changed
-                return
+    tried = ((more, one) for more in range(least, most + 1) for one in _changes(flag, more))
+    return next(((more, one) for more, one in tried if _frees(script, one)), None)
 
 
 def _changes(flag: Dependency, more: int) -> Iterator[Dependency]:

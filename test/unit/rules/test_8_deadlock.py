@@ -114,6 +114,26 @@ lateral_dependencies:
     assert found.remedy == 'initial count 1 of flag own frees it'
 
 
+def test_8_2_the_shortest_of_several_circles_is_told() -> None:
+    """Section 2 waits for section 3 in the same beat, and has no part in what keeps that."""
+    text = """
+sections:
+  1: [{id: place, @a1, qty_change: 1}]
+  2: [{id: t2, @a2}]
+  3: [{id: early, @a3}, {id: late, @b3}]
+  5: [{id: t5, @b5}, {id: pack, @a5, qty_change: -1}]
+lateral_dependencies:
+  - {flag: near, upstream: t2, downstream: late}
+  - {flag: far, upstream: early, downstream: t5}
+"""
+    line = Line(5)
+    script = line.script(text)
+    assert run(line.cell, script, 10).waits['section 2'] == {'waiting for late to take flag near'}
+    found = deadlock(script)
+    assert found is not None
+    assert [stand.part for stand in found.circle] == ['section 3', 'section 5', 'belt']
+
+
 @pytest.mark.parametrize(
     ('text', 'remedy'),
     [
