@@ -138,6 +138,7 @@ lateral_dependencies:
     ('text', 'remedy'),
     [
         (flagged(2, 4), 'capacity 2 of flag coupled frees it'),
+        (flagged(2, 3, initial=1), 'capacity 2 of flag coupled frees it'),
         (flagged(3, 2), 'initial count 1 of flag coupled frees it'),
         (flagged(4, 2), 'initial count 2 with capacity 2 of flag coupled frees it'),
     ],
