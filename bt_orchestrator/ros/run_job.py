@@ -99,14 +99,15 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
             message = f'refused with {len(read.findings)} findings'
             self._refuse(handle, message, [str(finding) for finding in read.findings])
             return
-        if read.id in self._served:
-            self._refuse(handle, f'order {read.id} was given before; choose another id')
-            return
         # From now on its events are its own: it is queued within `ask`, and may even end there.
-        self._served[read.id] = _Served(handle, JobReport(read.id), who, JobStatus())
+        # An order that was given before is refused there, and the events are not those of a goal.
+        is_known = read.id in self._served or read.id in self._orchestrator.state.jobs
+        if not is_known:
+            self._served[read.id] = _Served(handle, JobReport(read.id), who, JobStatus())
         answer = self._add(read, goal.position or None, who)
         if not answer.accepted:
-            del self._served[read.id]
+            if not is_known:
+                del self._served[read.id]
             self._refuse(handle, answer.message)
 
     def _add(self, job: Job, position: int | None, who: By) -> Answer:

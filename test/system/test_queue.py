@@ -134,3 +134,79 @@ def test_an_action_whose_order_is_wrong_ends_with_the_findings(small_cell: CellP
     small_cell.watch.ros.wait(first.cancel_goal_async(), 'the answer to the cancel request')
     small_cell.watch.until('job.aborting', job='A')
     small_cell.stop()
+
+
+def test_every_verb_about_jobs_on_a_line_that_runs(small_cell: CellProcesses) -> None:
+    watch, folder = small_cell.watch, small_cell.folder
+
+    def ask(verb: str, *words: str) -> None:
+        status, _, errors = run_verb(folder, *verb.split(), *words, *WHY)
+        assert status == 0, errors
+
+    def until(job: str, state: str) -> None:
+        def is_so(status: Any) -> bool:
+            return [f'{j.state}{j.substate}' for j in status.jobs if j.id == job] == [state]
+
+        watch.until_status(is_so, f'{job} to be {state}')
+
+    small_cell.run_small(quantity=500, order='long')
+    watch.until('item.removed')
+    assert run_verb(folder, 'submit', *order_files(small_cell, 'a', 'b'))[0] == 0
+    assert run_verb(folder, 'queue', 'add', *order_files(small_cell, 'c'), '--held')[0] == 0
+    ask('queue next', 'c')
+    assert queue(small_cell) == [f'{name} AllowedToStart' for name in 'cab']
+
+    def pause() -> None:
+        ask('queue pause', 'long')
+        until('long', 'InterruptedSuspended')
+        watch.until_status(lambda s: not any(x.slot for x in s.sections), 'an empty line')
+
+    pause()
+    ask('queue resume', 'long')
+    until('long', 'Running')
+    watch.until('item.placed', len(watch.seen('item.placed')) + 1)
+
+    ask('queue cancel', 'b')
+    watch.until_status(lambda s: 'b' not in [job.id for job in s.jobs], 'b to be listed no more')
+    ask('queue stop-after', 'item')
+    watch.until_state('Stopped')
+    assert not any(section.slot for section in watch.status.sections)
+    for verb in ('reset', 'start'):
+        ask(verb)
+    ask('queue stop-after', 'job')
+    ask('queue stop-after', 'never')
+    watch.until_status(lambda s: s.state == 'Execute' and not s.stop_after, 'no stop to come')
+    ask('queue stop-after', 'job')
+    assert watch.until_status(lambda s: s.stop_after == 'job', 'the stop that is to come')
+    pause()
+    ask('queue abort', 'long')
+    until('long', 'Aborted')
+    watch.until_state('Stopped')
+    ask('queue clear', 'long')
+    watch.until_status(lambda s: [j.id for j in s.jobs] == ['c', 'a'], 'long to be listed no more')
+    for verb in ('reset', 'start'):
+        ask(verb)
+    assert watch.until_ended('a').packed == 1
+    assert [e['job'] for e in watch.seen('job.started')] == ['long', 'c', 'a']
+
+    decided = [event for event in watch.seen('operator.decided') if event['answer'] != 'add']
+    assert [f'{event["answer"]} {event.get("job", "")}' for event in decided] == [
+        'next c',
+        'pause long',
+        'resume long',
+        'cancel b',
+        'stop_after_item ',
+        'reset ',
+        'start ',
+        'stop_after_job ',
+        'stop_after_never ',
+        'stop_after_job ',
+        'pause long',
+        'abort long',
+        'clear long',
+        'reset ',
+        'start ',
+    ]
+    assert {(event['who'], event['reason']) for event in decided} == {('Ada', 'rush')}
+    assert all(event['origin'].startswith('bt-orchestrator at ') for event in decided)
+    small_cell.stop()
