@@ -82,6 +82,39 @@ def test_random_lines_look_like_trees_that_were_built_anew(seed: int) -> None:
     assert RandomLine(seed).run(viewed=True, seed=seed).ended
 
 
+IN_A_GROUP = """
+sections:
+  1: [{id: place, @a1, qty_change: 1}]
+  2: [{parallel: [{id: one, @a2}, {id: two, @b2}]}]
+  3: [{id: pack, @a3, qty_change: -1}]
+zones: {table: [one, two]}
+"""
+"""While `a2` is not ready, `two` takes the zone that `one` waits for as well."""
+
+GONE_EARLY = """
+sections:
+  1: [{id: place, @a1, qty_change: 1}]
+  2:
+    release_conveyor: after_last_conveyor_task
+    tasks:
+      - {id: look, @b2, on_failure: reject}
+      - {id: late, @a2, requires_conveyor: false, runs_for: all}
+  3: [{id: out, @a3, qty_change: -1, runs_for: rejected}]
+  4: [{id: pack, @a4, qty_change: -1}]
+"""
+"""While `late` waits for `a2`, its item leaves the belt in section 3."""
+
+
+@pytest.mark.parametrize('text', [IN_A_GROUP, GONE_EARLY])
+def test_what_one_task_does_to_another_that_waits_is_seen_at_once(text: str) -> None:
+    line = Line(4, topics=('a2',), faults={'a2': '#0=not_ready:40', 'b2': '#1=abort'})
+    run = VirtualRun(line.cell, line.types, viewed=True)
+    assert run.submit('J', line.script(text), 2).accepted
+    run.go(until=39.0)
+    assert run.waits()
+    assert run.go().ended or run.state.holds
+
+
 def test_a_waiting_section_is_not_ticked() -> None:
     line = Line(sections=5)
     run = line.begin(
