@@ -62,7 +62,7 @@ def main() -> int:
     if args.svg:
         args.svg.write_text(draw(rows))
     if args.page:
-        report.put_on_page(args.page, rows, about)
+        report.put_on_page(args.page, rows, about, args.svg)
     missed = [row for row in rows if row.verdict == 'MISSED']
     return 1 if missed and not args.quick else 0
 

@@ -9,10 +9,11 @@ import re
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from importlib.metadata import PackageNotFoundError, version
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
-from bench.rows import Row, percentile
+from bench.rows import Row, percentile, shown
 
 BEGIN, END = '<!-- figures of scripts/bench -->', '<!-- end -->'
 
@@ -43,11 +44,24 @@ def read(file: Path) -> tuple[list[Row], dict[str, Any]]:
     return rows, plain
 
 
-def put_on_page(page: Path, rows: Sequence[Row], about: Sequence[dict[str, Any]]) -> None:
-    """Replace the figures between the marks of a Markdown file."""
+def put_on_page(
+    page: Path, rows: Sequence[Row], about: Sequence[dict[str, Any]], plot: Path | None
+) -> None:
+    """Replace the figures between the marks of a Markdown file.
+
+    :param plot: a picture to show there as well
+    """
     text = page.read_text()
     before, after = text.partition(BEGIN)[0], text.partition(BEGIN)[2].partition(END)[2]
-    lines = '\n'.join([*_about(about), '', *_table(rows), *_latencies(rows), *_figures(rows)])
+    parts = [
+        _about(about),
+        [''],
+        _table(rows),
+        _latencies(rows),
+        _shown(page, plot),
+        _figures(rows),
+    ]
+    lines = '\n'.join(chain.from_iterable(parts))
     page.write_text(f'{before}{BEGIN}\n{lines}{END}{after}')
 
 
@@ -55,6 +69,13 @@ def _about(runs: Sequence[dict[str, Any]]) -> Iterator[str]:
     for run in runs:
         measured = f'- {run["date"]}: `{run["command"]}`; {run["machine"]}'
         yield f'{measured}; load at the end {run["load"]}'
+
+
+def _shown(page: Path, plot: Path | None) -> Iterator[str]:
+    if plot is not None:
+        place = os.path.relpath(plot, page.parent)
+        yield f'![Dispatch latencies, and how costs grow]({place})'
+        yield ''
 
 
 def _table(rows: Sequence[Row]) -> Iterator[str]:
@@ -65,8 +86,8 @@ def _table(rows: Sequence[Row]) -> Iterator[str]:
         bound = '≥' if target.at_least else '≤'
         spread = f'{len(row.rounds)}: {row.spread}'
         yield (
-            f'| {target.name} | {row.value:.3g} | {spread} | {bound} {target.must:g} '
-            f'| {bound} {target.goal:g} | {row.verdict} |'
+            f'| {target.name} | {shown(row.value)} | {spread} | {bound} {target.must:,g} '
+            f'| {bound} {target.goal:,g} | {row.verdict} |'
         )
     yield ''
 
@@ -91,5 +112,5 @@ def _figures(rows: Sequence[Row]) -> Iterator[str]:
     for row in rows:
         for name, value in row.notes.items():
             if isinstance(value, (int, float)) and not name.endswith(('p50, ms', 'p95, ms')):
-                yield f'| {row.key} | {name} | {value:.4g} |'
+                yield f'| {row.key} | {name} | {shown(value)} |'
     yield ''

@@ -89,13 +89,13 @@ class Row:
     @property
     def spread(self) -> str:
         """The smallest and the largest of the rounds."""
-        return f'{min(self.rounds):.3g} .. {max(self.rounds):.3g}'
+        return f'{shown(min(self.rounds))} .. {shown(max(self.rounds))}'
 
     def __str__(self) -> str:
         target = self.target
         bound = '>=' if target.at_least else '<='
         return (
-            f'{target.name:55} {self.value:10.3g}  {self.spread:20} '
+            f'{target.name:55} {shown(self.value):>10}  {self.spread:20} '
             f'must {bound} {target.must:g}, goal {bound} {target.goal:g}: {self.verdict}'
         )
 
@@ -115,6 +115,11 @@ def merged(runs: Sequence[Sequence[Row]]) -> list[Row]:
             }
         rows[row.key] = Row(row.key, [*before.rounds, *row.rounds], notes)
     return list(rows.values())
+
+
+def shown(value: float) -> str:
+    """Return three digits, or all of a large number."""
+    return f'{value:,.0f}' if abs(value) >= 1000 else f'{value:.3g}'
 
 
 def percentile(values: Sequence[float], share: float) -> float:
