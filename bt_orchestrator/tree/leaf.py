@@ -63,6 +63,9 @@ class ActionLeaf(TaskWaiter, Ticked):
         return Status.SUCCESS
 
     def _start_if_free(self, progress: TaskState | None) -> Status:
+        if progress is not None and self._delayed(progress):
+            # Also in a section that is stopped: the cell is not Held before this time.
+            self.subject.recorder.wake_at(progress.not_before)
         stopped = self._stopped()
         if stopped is not None:
             self.note(stopped)
@@ -98,14 +101,16 @@ class ActionLeaf(TaskWaiter, Ticked):
     def _obstacle(self, progress: TaskState | None) -> Wait | None:
         """Say what keeps the next attempt from starting, besides the guards."""
         state, task = self.subject.state, self.subject.task
-        if progress is not None and progress.not_before > self.subject.recorder.now + EARLY_S:
-            self.subject.recorder.wake_at(progress.not_before)
+        if progress is not None and self._delayed(progress):
             return Wait(f'waiting to retry, attempt {progress.attempt + 1}', WaitKind.RETRY_DELAY)
         busy = state.reserved.get(task.component)
         if busy is None:
             return None
         what = f'waiting for {task.component}, busy with {busy}'
         return Wait(what, WaitKind.COMPONENT, task.component)
+
+    def _delayed(self, progress: TaskState) -> bool:
+        return progress.not_before > self.subject.recorder.now + EARLY_S
 
     def _start(self, attempt: int) -> Status:
         recorder, task, key = self.subject.recorder, self.subject.task, self.subject.key

@@ -5,10 +5,11 @@ from __future__ import annotations
 import dataclasses
 import inspect
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Any, get_args, get_origin
 
 from bt_orchestrator.model import events
-from bt_orchestrator.model.codec import event_types
+from bt_orchestrator.model.codec import event_types, hints_of
+from bt_orchestrator.model.script import Script
 from tables import docstrings
 from tables.markdown import cell, table
 
@@ -45,6 +46,18 @@ FIELDS: Mapping[str, str] = {
 }
 """What a field means wherever the class says nothing of its own."""
 
+KINDS: Mapping[Any, str] = {
+    bool: 'true or false',
+    int: 'whole number',
+    float: 'number',
+    Any: 'any value',
+    tuple: 'list of text',
+    Mapping: 'object',
+    Script: 'object',
+    str: '',
+}
+"""What a field holds, by the origin of its annotation; nothing is said of text."""
+
 PLACE = ('job', 'section', 'item', 'task')
 """Fields that most events have; explained once, above the tables."""
 
@@ -54,9 +67,8 @@ def events_in_groups() -> Iterator[str]:
     groups: dict[str, list[type[events.Event]]] = {}
     for name, kind in event_types().items():
         groups.setdefault(name.partition('.')[0], []).append(kind)
-    yield from table(
-        ('where in the line', 'meaning'), ((f'`{name}`', cell(FIELDS[name])) for name in PLACE)
-    )
+    place = ((f'`{name}`{_kind(events.TaskStarted, name)}', cell(FIELDS[name])) for name in PLACE)
+    yield from table(('where in the line', 'meaning'), place)
     for group, kinds in groups.items():
         yield f'### {group}'
         yield ''
@@ -79,8 +91,18 @@ def _fields(kind: type[events.Event]) -> list[str]:
         if own is None and field.name in PLACE:
             place.append(f'`{field.name}{absent}`')
         else:
-            lines.append(f'`{field.name}{absent}`: {cell(own or _common(kind, field.name))}')
+            name = f'`{field.name}{absent}`{_kind(kind, field.name)}'
+            lines.append(f'{name}: {cell(own or _common(kind, field.name))}')
     return [', '.join(place), *lines] if place else lines
+
+
+def _kind(kind: type, field: str) -> str:
+    """Return what a field holds, in brackets; nothing if it is text."""
+    hint: Any = hints_of(kind)[field]
+    if type(None) in get_args(hint):
+        hint = get_args(hint)[0]
+    words = KINDS[get_origin(hint) or hint]
+    return f' ({words})' if words else ''
 
 
 def _documented(kind: type[events.Event]) -> Mapping[str, str]:

@@ -3,26 +3,55 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 from fakes.shipped import ROOT
 
-OF_EVERY_RECORD = frozenset({'seq', 'time', 'event'})
 ORDER = ('seq', 'time', 'event', 'job', 'section', 'item', 'task')
+
+KINDS: Mapping[str, Callable[[Any], bool]] = {
+    '': lambda value: type(value) is str,
+    'true or false': lambda value: type(value) is bool,
+    'whole number': lambda value: type(value) is int,
+    'number': lambda value: type(value) in (int, float),
+    'list of text': lambda value: type(value) is list and all(type(m) is str for m in value),
+    'object': lambda value: type(value) is dict and all(type(key) is str for key in value),
+    'any value': lambda value: type(value) in (str, bool, int, float, list, dict),
+}
+
+
+class Field(NamedTuple):
+    """What the page says of a field."""
+
+    needed: bool
+    kind: str
+
+
+OF_EVERY_RECORD = {
+    'seq': Field(True, 'whole number'),
+    'time': Field(True, 'number'),
+    'event': Field(True, ''),
+}
 
 
 @cache
-def documented() -> Mapping[str, Mapping[str, bool]]:
-    """Return the fields of each event on the page; true: must be there."""
+def documented() -> Mapping[str, Mapping[str, Field]]:
+    """Return the fields of each event on the page."""
     text = (ROOT / 'docs' / 'formats.md').read_text(encoding='utf-8')
     table = text.partition('<!-- generated: events -->')[2].partition('<!-- end -->')[0]
-    rows = re.findall(r'^\| `([a-z_]+\.[a-z_]+)` \| .*? \| (.*) \|$', table, re.MULTILINE)
-    fields = r'`(\w+)(\??)`(?=,|<br>|:|$)'
+    row = r'^\| `([a-z_]+\.[a-z_]+)` \| .*? \| (.*) \|$'
+    place = r'^\| `(\w+)`(?: \(([\w ]+)\))? \|'
+    field = r'(?:^|<br>|, )`(\w+)(\??)`(?: \(([\w ]+)\))?(?=, `|<br>|:|$)'
+    kinds = dict(re.findall(place, table, re.MULTILINE))
     return {
-        name: {field: not optional for field, optional in re.findall(fields, listed)}
-        for name, listed in rows
+        name: OF_EVERY_RECORD
+        | {
+            name: Field(not optional, kind or kinds.get(name, ''))
+            for name, optional, kind in re.findall(field, fields)
+        }
+        for name, fields in re.findall(row, table, re.MULTILINE)
     }
 
 
@@ -31,11 +60,15 @@ def mistake_in(record: Mapping[str, Any]) -> str | None:
     fields = documented().get(record['event'])
     if fields is None:
         return f'{record["event"]} is not documented'
-    unknown = set(record) - set(fields) - OF_EVERY_RECORD
-    missing = {name for name, needed in fields.items() if needed} - set(record)
-    empty = {name for name, value in record.items() if value is None}
+    unknown = set(record) - set(fields)
+    missing = {name for name, field in fields.items() if field.needed} - set(record)
+    others = {name for name in set(record) & set(fields) if not _fits(record[name], fields[name])}
     named = [name for name in record if name in ORDER]
     disorder = [] if named == sorted(named, key=ORDER.index) else named
-    if unknown or missing or empty or disorder:
-        return f'unknown {unknown}, missing {missing}, empty {empty}, disorder {disorder}'
+    if unknown or missing or others or disorder:
+        return f'unknown {unknown}, missing {missing}, of other kinds {others}, order {disorder}'
     return None
+
+
+def _fits(value: Any, field: Field) -> bool:
+    return KINDS[field.kind](value)

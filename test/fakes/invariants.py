@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import ClassVar
 
 from fakes.queue_invariants import QueueInvariants
@@ -59,16 +59,15 @@ class Invariants:
         self._mode = Mode.STOPPED
         self._pauses: set[str] = set()
 
-    def follow(self, events: Sequence[e.Event]) -> None:
-        """Take in the events that are new."""
-        for event in events[self._seen :]:
-            self._seen += 1
-            assert event.seq == self._seen, event
-            assert event.time >= self._time, event
-            self._time = event.time
-            self._take(event)
-            self._queue.take(event)
-            self._check(event)
+    def follow(self, event: e.Event) -> None:
+        """Take in the next event."""
+        self._seen += 1
+        assert event.seq == self._seen, event
+        assert event.time >= self._time, event
+        self._time = event.time
+        self._take(event)
+        self._queue.take(event)
+        self._check(event)
 
     def _check(self, event: e.Event) -> None:
         assert self._placed == sum(self._out.values()) + len(self._there), event

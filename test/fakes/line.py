@@ -78,18 +78,17 @@ class Line:
         text: str = THREE,
         quantity: int = 1,
         *,
-        rebuild: bool = False,
         auto_start: bool = True,
         **params: object,
     ) -> VirtualRun:
         """Queue one job `J` at time 0 and let it begin."""
-        run = VirtualRun(self.cell, TYPES, rebuild=rebuild, auto_start=auto_start)
+        run = VirtualRun(self.cell, TYPES, auto_start=auto_start)
         run.submit('J', self.script(text), quantity, **params)
         return run
 
     def run(self, text: str = THREE, quantity: int = 1, **params: object) -> VirtualRun:
         """Run one job `J` until nothing more can happen."""
-        return self.begin(text, quantity, rebuild=False, auto_start=True, **params).go()
+        return self.begin(text, quantity, auto_start=True, **params).go()
 
 
 def with_section(number: int, tasks: str) -> str:

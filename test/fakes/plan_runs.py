@@ -8,13 +8,15 @@ from typing import Protocol
 
 import yaml
 from fakes.action_types import FakeActionTypes
-from fakes.lines import Moment, Plan, Row
+from fakes.drawn.plan import Moment, Plan, Row
 from fakes.naive_cell import NaiveCell
 from fakes.virtual_run import VirtualRun
+from hypothesis import note
 
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.goal import GoalRequest
 from bt_orchestrator.model.script import Script
+from bt_orchestrator.proof.deadlock import deadlock
 from bt_orchestrator.script.cell_file import parse_cell
 from bt_orchestrator.script.script_file import parse_script
 
@@ -104,15 +106,22 @@ class NaiveBench:
 class ProductBench:
     """The product in virtual time."""
 
-    def __init__(self, plan: Plan, *, rebuild: bool = False) -> None:
+    def __init__(self, plan: Plan, *, viewed: bool = False) -> None:
         self.plan = plan
         self.cell = product_cell(plan)
-        self.run = VirtualRun(self.cell, TYPES, rebuild=rebuild, duration=self._duration)
+        self.run = VirtualRun(
+            self.cell, TYPES, rebuild=plan.rebuilds, duration=self._duration, viewed=viewed
+        )
         self._counts: dict[str, int] = {}
-        scripts = product_scripts(plan, self.cell)
+        self.scripts = product_scripts(plan, self.cell)
+        self.accepted: tuple[tuple[str, str, int], ...] = ()
+        """The orders, without those whose flags cannot be shared with the ones before (4.1)."""
         for order, script, quantity in plan.orders:
-            answer = self.run.submit(order, scripts[script], quantity)
-            assert answer.accepted, answer
+            answer = self.run.submit(order, self.scripts[script], quantity)
+            if answer.accepted:
+                self.accepted += ((order, script, quantity),)
+            else:
+                assert 'the line can get stuck' in answer.message, answer
 
     def _duration(self, request: GoalRequest) -> float:
         name = request.component
@@ -170,7 +179,20 @@ def product_scripts(plan: Plan, cell: Cell) -> dict[str, Script]:
     }
 
 
+def show(plan: Plan) -> None:
+    """Print a plan with its failure."""
+    note('\n'.join(map(text_of, (plan.cell, *plan.scripts))))
+    note(f'{plan.orders} {plan.moments} {plan.seconds} {sorted(plan.rebuilds)}')
+
+
+def refused(plan: Plan) -> set[str]:
+    """Return the scripts that `check` refuses because they get stuck."""
+    scripts = product_scripts(plan, product_cell(plan))
+    return {name for name, script in scripts.items() if deadlock(script) is not None}
+
+
 UNSEEN = {
+    'operator.refused',
     'script.loaded',
     'orchestrator.started',
     'component.state_changed',

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from typing import Any
 
-from fakes.full_tree import FullTree, check_view
+from fakes.full_tree import check_view
 from fakes.invariants import Invariants
 from fakes.operator import ann
 
@@ -29,37 +29,41 @@ from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryStore
+from bt_orchestrator.tree.compile import CellTree
 
 BY = By('Ann', 'the test', 'it was time')
 
 
 class VirtualRun:
-    """A line at work. Every step forward is checked against `Invariants` and a replay."""
+    """A line at work. Every step forward is checked against `Invariants` and a replay.
+
+    The replay follows the run: an event that is equal to its record read back changes a state in
+    the same way, so that every prefix of the records tells the state of its moment.
+    """
 
     def __init__(
         self,
         cell: Cell,
         types: ActionTypes,
         *,
-        rebuild: bool = False,
+        rebuild: Container[int] = (),
         duration: Callable[[GoalRequest], float] | None = None,
-        replays: bool = True,
         viewed: bool = False,
         auto_start: bool = True,
     ) -> None:
         """Switch the line on.
 
         :param duration: seconds of each goal; without it the nominal ones
-        :param rebuild: compile the tree anew after every settle, and tick all of it every time
-        :param replays: replay the events after every command and step, not only at the end
+        :param rebuild: numbers of the settles after which the tree is compiled anew
         :param viewed: compare the tree after every settle with one that is compiled anew
         """
-        self._replays = replays
         self._viewed = viewed
         self.store = MemoryStore()
         self.sim = Simulation(cell, types, self.store, duration=duration, auto_start=auto_start)
         self._invariants = Invariants(cell)
+        self._replay = CellState(cell)
         self._rebuild = rebuild
+        self._settles = 0
 
     # --- going on ---------------------------------------------------------------------------
 
@@ -79,16 +83,15 @@ class VirtualRun:
             clock.advance()
             orchestrator.settle()
             self._check_reasons()
-            self._look()
-            self._renew_tree()
+            self._after_settle()
+            self._check()
         self._check()
         return self
 
     def ask(self, command: Command) -> Answer:
         """Give a command now; everything due at this moment has happened."""
         answer = self.sim.orchestrator.ask(command)
-        self._look()
-        self._renew_tree()
+        self._after_settle()
         self._check()
         return answer
 
@@ -193,16 +196,15 @@ class VirtualRun:
 
     # --- checking ---------------------------------------------------------------------------
 
-    def _renew_tree(self) -> None:
-        if self._rebuild:
+    def _after_settle(self) -> None:
+        if self._viewed:
+            check_view(self.sim.orchestrator)
+        self._settles += 1
+        if self._settles in self._rebuild:
             orchestrator = self.sim.orchestrator
             orchestrator.tree.close()
             space = orchestrator._projection.space
-            orchestrator.tree = FullTree(orchestrator._ledger, space)
-
-    def _look(self) -> None:
-        if self._viewed:
-            check_view(self.sim.orchestrator)
+            orchestrator.tree = CellTree(orchestrator._ledger, space)
 
     def _check_reasons(self) -> None:
         """Whoever does not work says why (semantics 7.4)."""
@@ -213,23 +215,12 @@ class VirtualRun:
         assert self.state.indexing or waits.get('belt'), self.now
 
     def _check(self) -> None:
-        events = self.store.read()
-        self._invariants.follow(events)
-        if self._replays:
-            self.check_replay()
-
-    def check_replay(self) -> None:
-        """Fail unless the events alone lead to the state."""
-        events = self.store.read()
-        assert snapshot(replayed(self.state.cell, events)) == snapshot(self.state)
-
-
-def replayed(cell: Cell, events: Any) -> CellState:
-    """Return the state that a journal, written and read, tells of."""
-    state = CellState(cell)
-    for event in events:
-        apply(state, from_record(json.loads(json.dumps(to_record(event)))))
-    return state
+        for event in self.store.read(after=self._replay.seq):
+            read = from_record(json.loads(json.dumps(to_record(event))))
+            assert read == event
+            self._invariants.follow(event)
+            apply(self._replay, read)
+        assert snapshot(self._replay) == snapshot(self.state)
 
 
 def snapshot(state: CellState) -> dict[str, Any]:

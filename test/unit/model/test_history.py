@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-import pytest
+from fakes.drawn.lines import lines
+from fakes.drawn.plan import Plan
 from fakes.line import THREE, Line, with_section
-from fakes.random_line import RandomLine
+from fakes.plan_runs import ProductBench, operate
+from fakes.profiles import examples
+from hypothesis import given
 
 from bt_orchestrator.model.history import (
     FOLLOWED,
@@ -24,16 +27,21 @@ def history_of(records: list[dict[str, object]]) -> History:
     return history
 
 
-@pytest.mark.parametrize('seed', range(12))
-def test_it_counts_what_the_state_counts(seed: int) -> None:
-    run = RandomLine(seed).run(seed=seed)
-    jobs = history_of(run.records).jobs
-    assert jobs.keys() == run.state.ended.keys() | run.state.jobs.keys()
-    for name, ended in run.state.ended.items():
+@examples(12, 100)
+@given(lines())
+def test_it_counts_what_the_state_counts_and_needs_some_records_only(plan: Plan) -> None:
+    bench = ProductBench(plan)
+    operate(bench, plan.moments)
+    state, records = bench.run.state, bench.run.records
+    jobs = history_of(records).jobs
+    assert jobs.keys() == state.ended.keys() | state.jobs.keys()
+    for name, ended in state.ended.items():
         kept, job = record_of(ended), jobs[name]
         assert job.counts == kept.counts
         assert (job.queued, job.started, job.ended) == (kept.queued, kept.started, kept.ended)
         assert (job.status, job.script, job.quantity) == (kept.status, kept.script, kept.quantity)
+    some = [record for record in records if record['event'] in FOLLOWED]
+    assert history_of(some).jobs == jobs
 
 
 def test_items_results_and_failures() -> None:
@@ -55,13 +63,6 @@ def test_a_job_on_the_line() -> None:
     run.go(until=1.5)
     job = history_of(run.records).jobs['J']
     assert (job.status, job.ended, job.items['J/1'].how) == ('running', None, '')
-
-
-def test_records_that_nobody_needs_can_be_left_out() -> None:
-    records = RandomLine(3).run(seed=3).records
-    some = [record for record in records if record['event'] in FOLLOWED]
-    assert len(some) < len(records) / 2
-    assert history_of(some).jobs == history_of(records).jobs
 
 
 def test_a_summary_comes_back_and_stands_for_a_job_without_its_beginning() -> None:

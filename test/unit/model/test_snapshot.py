@@ -10,9 +10,13 @@ from enum import Enum
 from typing import Any
 
 import pytest
+from fakes.drawn.lines import lines
+from fakes.drawn.plan import Plan
 from fakes.line import THREE, Line
-from fakes.random_line import RandomLine
+from fakes.plan_runs import ProductBench, operate
+from fakes.profiles import examples
 from fakes.virtual_run import snapshot
+from hypothesis import given
 
 from bt_orchestrator.model import snapshot as kept
 from bt_orchestrator.model.codec import hints_of
@@ -58,16 +62,17 @@ def _sample_of_class(kind: type, number: int) -> Any:
     return {str: f'text {number}', int: number, float: number / 4}[kind]
 
 
-@pytest.mark.parametrize('seed', range(8))
-def test_a_state_read_back_after_every_event_goes_on_as_the_one_that_was_not(seed: int) -> None:
-    run = RandomLine(seed).run(seed=seed)
-    state, copied = CellState(run.state.cell), CellState(run.state.cell)
-    for event in run.store.read():
+@examples(4, 100)
+@given(lines())
+def test_a_state_read_back_after_every_event_goes_on_as_the_one_that_was_not(plan: Plan) -> None:
+    bench = ProductBench(plan)
+    operate(bench, plan.moments)
+    state, copied = CellState(bench.cell), CellState(bench.cell)
+    for event in bench.run.store.read():
         apply(state, event)
         copied = read_back(copied)
         apply(copied, event)
         assert snapshot(copied) == snapshot(state), event
-    assert state.seq > 30
 
 
 @pytest.mark.parametrize('name', kept_fields())

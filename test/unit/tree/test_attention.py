@@ -7,10 +7,14 @@ from pathlib import Path
 
 import pytest
 from fakes.action_types import FakeActionTypes
+from fakes.drawn.lines import lines
+from fakes.drawn.plan import Plan
 from fakes.full_tree import FullTree
 from fakes.line import THREE, Line, with_section
-from fakes.random_line import RandomLine
+from fakes.plan_runs import ProductBench, operate, show
+from fakes.profiles import examples
 from fakes.virtual_run import VirtualRun
+from hypothesis import given
 from py_trees.common import Status
 
 from bt_orchestrator.model.cell import Cell
@@ -76,10 +80,12 @@ def test_small_lines_look_the_same_as_with_full_ticks(text: str, faults: dict[st
     assert _compare(line.cell, line.script(text)) > 10
 
 
-@pytest.mark.parametrize('seed', range(200, 215))
-def test_random_lines_look_like_trees_that_were_built_anew(seed: int) -> None:
+@examples(8, 200)
+@given(lines())
+def test_drawn_lines_look_like_trees_that_were_built_anew(plan: Plan) -> None:
     """What is left out of a tick, a part or a finished step, looks as if it had been ticked."""
-    assert RandomLine(seed).run(viewed=True, seed=seed).ended
+    show(plan)
+    operate(ProductBench(plan, viewed=True), plan.moments)
 
 
 IN_A_GROUP = """

@@ -8,10 +8,14 @@ from itertools import combinations, pairwise
 import pytest
 from fakes.action_types import FakeActionTypes
 from fakes.dot_text import DotText, words
+from fakes.drawn.lines import lines
+from fakes.drawn.plan import Plan
 from fakes.line import THREE, Line, with_section
 from fakes.long_line import LONG, long_line
-from fakes.random_line import RandomLine
+from fakes.plan_runs import product_cell, product_scripts
+from fakes.profiles import examples
 from fakes.shipped import REFERENCE_CELL, ROOT, TREES
+from hypothesis import given
 from py_trees.blackboard import Blackboard
 
 from bt_orchestrator.model.script import Script
@@ -243,11 +247,12 @@ def test_nothing_covers_anything_on_a_long_line() -> None:
     check_places(long(), long_line().script(LONG))
 
 
-@pytest.mark.parametrize('seed', range(30))
-def test_nothing_covers_anything_on_random_lines(seed: int) -> None:
-    random = RandomLine(seed)
-    for text in random.texts:
-        check_places(drawn(text, random.line), random.line.script(text))
+@examples(30, 300)
+@given(lines())
+def test_nothing_covers_anything_on_drawn_lines(plan: Plan) -> None:
+    cell = product_cell(plan)
+    for script in product_scripts(plan, cell).values():
+        check_places(DotText(draw(script, cell).dot), script)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,69 @@
+"""Cells and what fails in them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fakes.drawn.plan import Draw, Row, Traits, chance
+from hypothesis import strategies as st
+
+TYPE = 'bt_orchestrator_interfaces/action/Component'
+SECONDS = (1.0, 0.5, 2.5, 7.0, 0.0)
+FAULTS = (
+    'abort',
+    'false',
+    'reject',
+    'cancel',
+    'late:3.3',
+    'hang',
+    'die:1',
+    'mute',
+    'ignore_cancel',
+)
+
+
+def draw_cell(draw: Draw, size: int, traits: Traits) -> Row:
+    """Draw a cell: two components for every section, and perhaps shared ones."""
+    places: Row = {f'{letter}{n}': n for n in range(1, size + 1) for letter in 'ab'}
+    if traits.shared and size > 1 and draw(st.booleans()):
+        places['arm'] = sorted(draw(st.sets(st.integers(1, size), min_size=2, max_size=3)))
+    if traits.shared:
+        places['lamp'] = []
+    components = {
+        name: _component(draw, name, place, number, traits)
+        for number, (name, place) in enumerate(places.items())
+    }
+    conveyor = {
+        'sections': size,
+        'action': '/belt/do',
+        'type': 'bt_orchestrator_interfaces/action/Conveyor',
+        'task': 'MOVE_ONE_INDEX',
+        'duration': draw(st.sampled_from((2.0, 0.5, 10.0))) + (0.0 if traits.tied else 0.0137),
+        'timeout': 60.01,
+        'retries': draw(st.integers(0, 1)),
+        'on_failure': draw(st.sampled_from(('hold', 'abort_job'))),
+        'faults': _faults(draw, 6) if traits.faults else [],
+    }
+    return {'cell': 'random_cell', 'conveyor': conveyor, 'components': components}
+
+
+def _component(draw: Draw, name: str, place: Any, number: int, traits: Traits) -> Row:
+    found: Row = {'action': f'/{name}/do', 'type': TYPE}
+    if place != []:
+        found['section'] = place
+    seconds = draw(st.sampled_from(SECONDS))
+    if not traits.tied:
+        seconds = 0.2 + seconds / 10 + number * 0.0171
+    found['durations'] = dict.fromkeys(('PREPARE', 'TASK_A', 'TASK_B'), seconds)
+    if chance(draw, 20):
+        found['results'] = {'TASK_A': {'item_present': False}}
+    if traits.faults and (faults := _faults(draw, 15)):
+        found['faults'] = faults
+    return found
+
+
+def _faults(draw: Draw, percent: int) -> list[str]:
+    if not chance(draw, percent):
+        return []
+    numbers = sorted(draw(st.sets(st.integers(1, 7), min_size=1, max_size=2)))
+    return [f'#{n}={draw(st.sampled_from(FAULTS))}' for n in numbers]

@@ -1,0 +1,51 @@
+"""Lines nobody wrote by hand: a cell, scripts, orders, faults, operators, durations.
+
+Everything is built so that it is a valid line (nothing is drawn and thrown away): the only thing
+that `check` may refuse is a deadlock.
+"""
+
+from __future__ import annotations
+
+import copy
+
+from fakes.drawn.cells import SECONDS, draw_cell
+from fakes.drawn.plan import MOST_SECTIONS, Draw, Moment, Plan, Row, Traits, chance, tasks_of
+from fakes.drawn.scripts import DrawnScript
+from hypothesis import strategies as st
+
+ANY = Traits()
+MOMENTS = (0.13, 3.71, 17.93, 61.57)
+
+
+@st.composite
+def lines(draw: Draw, traits: Traits = ANY) -> Plan:
+    """Draw a line."""
+    size = min(draw(st.integers(1, traits.most_sections)), draw(st.integers(2, MOST_SECTIONS)))
+    cell = draw_cell(draw, size, traits)
+    scripts = [DrawnScript(draw, 'script_0', size, cell, traits).whole()]
+    if draw(st.booleans()):
+        scripts.append(DrawnScript(draw, 'script_1', size, cell, traits).whole())
+    if draw(st.integers(0, 3)) == 0:
+        scripts.append(_variant(draw, scripts[0]))
+    count = draw(st.integers(1, 4))
+    chosen = [scripts[draw(st.integers(0, len(scripts) - 1))]['script'] for _ in range(count)]
+    orders = tuple((f'J{n}', name, draw(st.integers(1, 4))) for n, name in enumerate(chosen))
+    moment = st.builds(Moment, st.sampled_from(MOMENTS), st.integers(0, 11))
+    moments = draw(st.lists(moment, max_size=8))
+    drawn = draw(st.lists(st.sampled_from((*SECONDS, 40.0)), max_size=5)) if traits.tied else []
+    rebuilds = draw(st.frozensets(st.integers(1, 80), max_size=6))
+    return Plan(cell, tuple(scripts), orders, tuple(moments), tuple(drawn), rebuilds)
+
+
+def _variant(draw: Draw, script: Row) -> Row:
+    """Return a script of another name that shares the flags of one, and moves at other times."""
+    found = copy.deepcopy(script)
+    found['script'] = 'script_2'
+    for listed in found['sections'].values():
+        if isinstance(listed, dict) and draw(st.booleans()):
+            listed['release_conveyor'] = 'end_of_cycle'
+        for task in tasks_of(listed['tasks'] if isinstance(listed, dict) else listed):
+            if task.get('qty_change', 0) == 0 and chance(draw, 30):
+                task.pop('when', None)
+                task['retries'] = 1
+    return found

@@ -1,0 +1,92 @@
+"""A drawn line: its files as plain data, as YAML would say them, and what happens to it."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Sequence
+from collections.abc import Set as AbstractSet
+from dataclasses import dataclass, replace
+from typing import Any
+
+from hypothesis import strategies as st
+
+Row = dict[str, Any]
+Draw = st.DrawFn
+
+MOST_SECTIONS = 8
+
+
+@dataclass(frozen=True)
+class Moment:
+    """What an operator does after a while, if there is something to do."""
+
+    delay_s: float
+    choice: int
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A cell with its work and its bad luck."""
+
+    cell: Row
+    scripts: tuple[Row, ...]
+    orders: tuple[tuple[str, str, int], ...]
+    """Order id, script, quantity."""
+    moments: tuple[Moment, ...]
+    seconds: tuple[float, ...]
+    """Durations of the goals of each component in turn; empty: the nominal ones."""
+    rebuilds: frozenset[int]
+    """Settles after which the tree is compiled anew."""
+
+    @property
+    def has_faults(self) -> bool:
+        devices = [self.cell['conveyor'], *self.cell['components'].values()]
+        return any(device.get('faults') for device in devices)
+
+    def without_faults(self) -> Plan:
+        """Return the same line, in which nothing goes wrong."""
+        cell = copy.deepcopy(self.cell)
+        for device in [cell['conveyor'], *cell['components'].values()]:
+            device['faults'] = []
+        return replace(self, cell=cell)
+
+    def without_flags(self, scripts: AbstractSet[str]) -> Plan:
+        """Return the same line, in which these scripts have no flags."""
+        kept = copy.deepcopy(self.scripts)
+        for script in kept:
+            if script['script'] in scripts:
+                script.pop('lateral_dependencies', None)
+        return replace(self, scripts=kept)
+
+    def duration(self, component: str, nth: int) -> float | None:
+        """Return the seconds of a component's nth goal; None: nominal."""
+        if not self.seconds:
+            return None
+        return self.seconds[(nth + sum(map(ord, component))) % len(self.seconds)]
+
+
+@dataclass(frozen=True)
+class Traits:
+    """What the lines of a property may have."""
+
+    shared: bool = True
+    """Shared components and zones."""
+    faults: bool = True
+    tied: bool = True
+    """Durations may be equal, so that several things happen at one moment."""
+    most_sections: int = MOST_SECTIONS
+
+
+def chance(draw: Draw, percent: int) -> bool:
+    """Draw true so often; false is simpler."""
+    return draw(st.integers(0, 99)) >= 100 - percent
+
+
+def tasks_of(steps: Sequence[Any]) -> list[Row]:
+    """Return the tasks of steps, those of groups and their lists too."""
+    found: list[Row] = []
+    for step in steps:
+        members = step.get('parallel', [step])
+        for member in members:
+            found += member if isinstance(member, list) else [member]
+    return found

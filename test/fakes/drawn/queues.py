@@ -1,0 +1,100 @@
+"""Operators who ask for one thing after the other, of jobs and of the cell, while jobs run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from random import Random
+
+from fakes.virtual_run import BY, VirtualRun
+
+from bt_orchestrator.model.belt_statement import believed, parse_slots
+from bt_orchestrator.model.cell_commands import Abort, Clear, Reset, Resume, Start, Stop
+from bt_orchestrator.model.commands import Answer
+from bt_orchestrator.model.job_commands import AddJobs, MoveJob, RunNext, StopAfter, UpdateJob
+from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.runtime.job_queue import CONTROLS
+
+KINDS = ('add', 'add', 'move', 'next', 'update', 'control', 'control', 'stop', 'cell')
+CELL = (Reset, Start, Stop, Abort, Resume)
+
+
+class QueueOperator:
+    """Gives commands that may or may not fit; chance decides."""
+
+    def __init__(self, scripts: Sequence[Script], chance: Random) -> None:
+        self._scripts, self._chance = scripts, chance
+        self._given = 0
+        self.accepted = 0
+
+    def act(self, run: VirtualRun) -> None:
+        """Give a few commands, and answer some holds."""
+        for _ in range(self._chance.randint(1, 4)):
+            self.accepted += self._act(run).accepted
+        self.answer(run, 0.7)
+
+    def answer(self, run: VirtualRun, often: float = 1.0) -> None:
+        """Answer holds, and take an item off the belt now and then."""
+        for hold in list(run.state.holds.values()):
+            if hold.is_pause or hold.id not in run.state.holds:
+                continue
+            if hold.reason == 'overrun':
+                assert hold.item is not None
+                assert run.remove(hold.item).accepted
+            elif self._chance.random() < often:
+                assert run.answer(self._chance.choice(hold.answers), hold.id).accepted
+        standing = [s.slot for s in run.state.sections.values() if s.slot is not None]
+        if standing and self._chance.random() < 0.1:
+            run.remove(self._chance.choice(standing))
+
+    def let_everything_end(self, run: VirtualRun) -> None:
+        """Take back whatever keeps jobs from ending; the cell starts for an order."""
+        run.ask(StopAfter('never', BY))
+        for name in list(run.state.jobs):
+            run.control('resume', name)
+            run.control('release', name)
+        run.go()
+        for hold in list(run.state.holds.values()):
+            if hold.task == 'index':
+                run.answer('mark_done', hold.id)  # before that nobody can say what stands where
+        self._clear(run)
+        run.command(Resume, everyones=True)
+        run.go()
+        assert run.ask(AddJobs((self._job('last'),), BY)).accepted
+
+    def _act(self, run: VirtualRun) -> Answer:
+        chance = self._chance
+        kind = chance.choice(KINDS)
+        if kind == 'add':
+            return run.ask(self._add(len(run.state.queue)))
+        if kind == 'stop':
+            return run.ask(StopAfter(chance.choice(('item', 'job', 'never', 'never')), BY))
+        if kind == 'cell':
+            return self._cell(run)
+        name = f'Q{chance.randint(0, self._given)}'
+        if kind == 'move':
+            return run.ask(MoveJob(name, chance.randint(1, 3), BY))
+        if kind == 'next':
+            return run.ask(RunNext(name, BY))
+        if kind == 'update':
+            return run.ask(UpdateJob(self._job(name), BY))
+        return run.control(chance.choice(list(CONTROLS)), name)
+
+    def _cell(self, run: VirtualRun) -> Answer:
+        number = self._chance.randint(0, len(CELL) + 1)
+        if number == len(CELL):
+            return run.pause()
+        return self._clear(run) if number > len(CELL) else run.command(CELL[number])
+
+    def _clear(self, run: VirtualRun) -> Answer:
+        return run.command(Clear, belt=parse_slots(believed(run.state).split(',')))
+
+    def _add(self, queued: int) -> AddJobs:
+        count = self._chance.randint(1, 2)
+        jobs = tuple(self._job(f'Q{self._given + n}') for n in range(count))
+        self._given += count
+        position = self._chance.choice((None, None, 1, queued + 1))
+        return AddJobs(jobs, BY, position, held=self._chance.random() < 0.3)
+
+    def _job(self, name: str) -> Job:
+        return Job(name, self._chance.choice(self._scripts), self._chance.randint(1, 2), {})
