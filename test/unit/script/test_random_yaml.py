@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from typing import Any
@@ -99,6 +100,7 @@ def test_any_structure_is_read_or_refused_with_a_place(
 def test_hostile_texts_are_refused_in_little_memory() -> None:
     """In a process that the kernel gives no more (RLIMIT_AS)."""
     command = [sys.executable, little_memory.__file__]
-    run = subprocess.run(command, capture_output=True, text=True, check=False)
+    path = {**os.environ, 'PYTHONPATH': os.pathsep.join(sys.path)}
+    run = subprocess.run(command, capture_output=True, text=True, check=False, env=path)
     assert (run.returncode, run.stderr) == (0, '')
     assert run.stdout.splitlines() == [f'{name}: refused' for name in little_memory.BOMBS]
