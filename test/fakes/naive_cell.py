@@ -1,32 +1,36 @@
 """A second opinion on the rules: the cell as docs/semantics.md tells it, without a tree.
 
-Written from the page, not from the product: lists, dictionaries and rounds. A round visits
-initialization, then the sections from the last to the first, then the belt; rounds follow until
-nothing changes, then time moves on. Yields the records of docs/formats.md, without what only
-people read (messages, words of reasons) and without goal ids.
+Written from the page, not from the product. A round visits initialization, then the sections from
+the last to the first, then the belt; rounds follow until nothing changes, then time moves on.
+Yields the records of docs/formats.md, without words for people and without goal ids.
 """
 
 from __future__ import annotations
 
 import heapq
-from collections import Counter
+import itertools
 from collections.abc import Callable, Sequence
-from typing import Any, ClassVar
+from types import SimpleNamespace
+from typing import Any
 
+from fakes.naive_devices import NaiveDevices
 from fakes.naive_plan import (
+    Hold,
+    Item,
+    Job,
     MissingResult,
     Row,
-    cell_rows,
-    fault_of,
+    Work,
     needs_belt,
-    script_rows,
+    plan_of,
     task_row,
     value_of,
     wanted,
 )
 
-INDEX = (None, None, None, 'index')
-GRACE_S, CHECK_S, CHECKS_OF_A_REQUEST = 5.0, 2.0, 2
+GRACE_S = 5.0
+PASSING = {'Resetting': 'Idle', 'Starting': 'Execute', 'Unholding': 'Execute'}
+PASSING |= {'Completing': 'Complete'}
 
 
 class NaiveCell:
@@ -35,237 +39,216 @@ class NaiveCell:
     def __init__(
         self, cell: Row, scripts: Sequence[Row], duration: Callable[[str, int], float | None]
     ) -> None:
-        self.cell = cell_rows(cell)
-        self.devices = self.cell['devices']
-        self.scripts = {script['script']: script_rows(script, self.cell) for script in scripts}
-        self.params = {script['script']: script.get('params', {}) for script in scripts}
-        self.belt_row = cell['conveyor']
-        self.duration = duration
-        self.size = self.cell['size']
+        self.devices = NaiveDevices(cell, duration)
+        self.size = cell['conveyor']['sections']
+        self.plans = {s['script']: plan_of(s, self.devices.by_action) for s in scripts}
+        keys = ('task', 'action', 'retries', 'on_failure')
+        move = {key: cell['conveyor'][key] for key in keys if key in cell['conveyor']}
+        self.move = Work(task_row(move, 'index', self.devices.by_action[move['action']]))
         self.now, self.beat, self.moving, self.state, self.paused = 0.0, 1, False, 'Stopped', False
         self.records: list[Row] = []
-        self.jobs: list[Row] = []
-        self.slots: dict[int, Row | None] = dict.fromkeys(range(1, self.size + 1))
-        self.cycles: dict[int, Row | None] = dict.fromkeys(range(1, self.size + 1))
-        self.last_beat = dict.fromkeys(range(1, self.size + 1), 0)
+        self.jobs: list[Job] = []
+        numbers = range(1, self.size + 1)
+        self.slots: dict[int, Item | None] = dict.fromkeys(numbers)
+        self.cycles: dict[int, Any] = dict.fromkeys(numbers)
+        self.last_beat = dict.fromkeys(numbers, 0)
         self.flags: dict[str, int] = {}
-        self.work: dict[tuple[Any, ...], Row] = {}
-        self.holds: dict[str, Row] = {}
-        self.taken: dict[str, tuple[Any, ...]] = {}
+        self.work: dict[Any, Work] = {}
+        self.running: list[Work] = []
+        self.holds: dict[str, Hold] = {}
+        self.taken: dict[str, Work] = {}
         self.once: set[str] = set()
-        self.counts: Counter[Any] = Counter()
-        self.dead: set[str] = set()
-        self.agenda: list[tuple[float, float, Row]] = []
-        self.unsent: list[Row] = []
-        self.hold_count = 0
-
-    RANKS: ClassVar[dict[Any, int]] = {'canceled by us': -2, 'goal_rejected': -1, 'late': 1}
+        self.agenda: list[Any] = []
+        self.unsent: list[Work] = []
+        self.notes, self.hold_ids = itertools.count(), itertools.count(1)
 
     # --- time -------------------------------------------------------------------------------
 
-    def due(self) -> float | None:
-        return self.agenda[0][0] if self.agenda else None
-
-    def advance(self, until: float) -> bool:
-        """Let everything happen up to a time; tell whether a job is left."""
+    def advance(self, until: float) -> None:
+        """Let everything happen up to a time."""
         self.settle()
         while self.live() and self.agenda and self.agenda[0][0] <= until:
-            self.now = self.agenda[0][0]
-            late = []
+            self.now, due = self.agenda[0][0], []
             while self.agenda and self.agenda[0][0] == self.now:
-                goal = heapq.heappop(self.agenda)[2]
-                if goal.get('limit'):
-                    late.append(goal)
-                else:
-                    self.goal_ended(goal)
-            for limit in late:
-                self.limit_reached(limit)
+                due.append(heapq.heappop(self.agenda)[2:])
+            for what, work, attempt, reason in sorted(due, key=lambda one: one[0] != 'end'):
+                if work.state == 'running' and work.attempt == attempt:
+                    self.happen(what, work, reason)
             self.settle()
         self.now = round(max(self.now, until), 6) if self.live() else self.now
-        return bool(self.live())
 
-    def at(self, time: float, what: Row) -> None:
-        """Note what happens at a time; of one time a refusal is told first."""
-        self.counts['agenda'] += 1
-        rank = self.counts['agenda'] + 1e9 * self.RANKS.get(what.get('rank', what.get('end')), 0)
-        heapq.heappush(self.agenda, (round(time, 6), rank, what))
+    def at(self, after: float, what: str, work: Work, reason: str = '', rank: int = 0) -> None:
+        """Note what happens to an attempt after a while; of one time the lower rank is first."""
+        order = rank * 10**9 + next(self.notes)
+        time = round(self.now + after, 6)
+        heapq.heappush(self.agenda, (time, order, what, work, work.attempt, reason))
+
+    def happen(self, what: str, work: Work, reason: str) -> None:
+        if what == 'timeout':
+            self.cancel(work, 'timeout')
+        elif what == 'grace':
+            self.fail(work, 'in_doubt')
+        elif reason:
+            late = reason == 'canceled' and work.cause == 'timeout'
+            self.fail(work, 'timeout' if late else reason)
+        elif what == 'end':
+            self.succeed(work)
 
     def settle(self) -> None:
         seen = -1
         while seen != len(self.records):
             seen = len(self.records)
-            self.initialization()
+            for job in self.live():
+                for task in job.plan['first']:
+                    self.prepare(self.of(task, job))
             for number in range(self.size, 0, -1):
                 self.section(number)
             self.belt()
             self.endings()
-            self.cell_state(seen)
-        for goal in self.unsent:
-            self.arrive(goal)
+            self.cell_state(still=seen == len(self.records))
+        for work in self.unsent:
+            self.at(work.task['timeout'], 'timeout', work)
+            work.deaf, ends = self.devices.answers(work.task, cancelled=bool(work.cause))
+            for seconds, reason, rank in ends:
+                self.at(seconds, 'end', work, reason, rank)
         self.unsent = []
 
-    def say(self, event: str, key: Sequence[Any] = (), **fields: Any) -> None:
-        named = dict(zip(('job', 'section', 'item', 'task'), key, strict=False))
-        row = {'time': round(self.now, 6), 'event': event, **named, **fields}
+    def say(self, event: str, where: Row | None = None, **fields: Any) -> None:
+        row = {'time': round(self.now, 6), 'event': event, **(where or {}), **fields}
         self.records.append({name: value for name, value in row.items() if value is not None})
 
-    # --- the queue --------------------------------------------------------------------------
+    # --- the queue (6.1) --------------------------------------------------------------------
 
     def submit(self, id_: str, script: str, quantity: int) -> None:
-        plan = self.scripts[script]
-        live = [d['flag'] for job in self.live() for d in job['plan']['flags']]
-        params = {name: row.get('default') for name, row in self.params[script].items()}
-        job = {'id': id_, 'plan': plan, 'quantity': quantity, 'begun': 0, 'params': params}
-        self.jobs.append({**job, 'started': False, 'aborting': False, 'over': False})
-        self.say('job.queued', (id_,), script=script, quantity=quantity)
+        plan = self.plans[script]
+        known = [link['flag'] for job in self.live() for link in job.plan['flags']]
+        self.jobs.append(Job(id_, plan, quantity))
+        self.say('job.queued', {'job': id_}, script=script, quantity=quantity)
         for link in plan['flags']:
-            if link['flag'] not in live:
+            if link['flag'] not in known:
                 self.flags[link['flag']] = link['initial']
         self.settle()
 
-    def live(self) -> list[Row]:
-        return [job for job in self.jobs if not job['over']]
+    def live(self) -> list[Job]:
+        return [job for job in self.jobs if not job.over]
 
-    def begins(self, job: Row | None) -> None:
-        if job is not None and not job['started']:
-            job['started'] = True
-            self.say('job.started', (job['id'],))
+    def begins(self, job: Job | None) -> None:
+        if job is not None and not job.started:
+            job.started = True
+            self.say('job.started', {'job': job.id})
 
-    def left(self, job: Row) -> int:
-        return 0 if job['aborting'] else job['quantity'] - job['begun']
-
-    def done(self, number: int, job: Row) -> bool:
-        """Tell whether a section is done with a job (6.1)."""
-        if self.left(job):
+    def done(self, number: int, job: Job) -> bool:
+        """Tell whether a section is done with a job."""
+        if job.left:
             return False
         for place in range(1, number + 1):
             cycle, item = self.cycles[place], self.slots[place]
-            here = cycle['item'] if cycle and cycle['job'] is job else None
-            if here and (place == number or not (here['standing'] or here['gone'])):
+            here = cycle.item if cycle and cycle.item.job is job else None
+            if here and (place == number or not (here.standing or here.gone)):
                 return False
-            owed = number in job['plan']['lists'] and item and number not in item['handled']
-            if item and item['job'] is job and (place < number or owed):
+            owed = number in job.plan['lists'] and item and number not in item.handled
+            if item and item.job is job and (place < number or owed):
                 return False
         return True
 
-    def done_with_earlier(self, number: int, job: Row) -> bool:
+    def done_with_earlier(self, number: int, job: Job) -> bool:
         return all(self.done(number, one) for one in self.jobs[: self.jobs.index(job)])
 
     def endings(self) -> None:
         for job in self.live():
-            first = [self.of((job['id'], None, None, t['id'])) for t in job['plan']['first']]
-            there = [i for i in self.slots.values() if i] + [c for c in self.cycles.values() if c]
-            if (
-                self.left(job)
-                or any(one['job'] is job for one in there)
-                or any(one['state'] != 'done' for one in first)
-            ):
-                continue
-            job['over'] = True
-            self.begins(job)
-            self.say('job.aborted' if job['aborting'] else 'job.completed', (job['id'],))
+            there = [i for i in self.slots.values() if i]
+            there += [cycle.item for cycle in self.cycles.values() if cycle]
+            first = [self.of(task, job) for task in job.plan['first']]
+            remains = any(i.job is job for i in there) or any(w.state != 'done' for w in first)
+            if not job.left and not remains:
+                job.over = True
+                self.begins(job)
+                self.say('job.aborted' if job.aborting else 'job.completed', {'job': job.id})
 
-    def abort_job(self, job: Row) -> None:
-        if job['aborting']:
-            return
-        job['aborting'] = True
-        self.say('job.aborting', (job['id'],))
-        for item in job.get('items', []):
-            if not self.empty(item):
-                self.reject(item)
-        for key, work in list(self.work.items()):
-            if key[0] == job['id'] and work['state'] == 'running':
-                self.cancel(work, 'abort_job')
+    def abort_job(self, job: Job) -> None:
+        """Start no new source cycle, reject what there is, cancel what runs (4.3)."""
+        if not job.aborting:
+            job.aborting = True
+            self.say('job.aborting', {'job': job.id})
+            for item in job.items:
+                if not item.empty:
+                    self.reject(item)
+            for work in self.running:
+                if work.job is job:
+                    self.cancel(work, 'abort_job')
 
-    def reject(self, item: Row) -> None:
-        if not item['rejected']:
-            item['rejected'] = True
-            self.say('item.rejected', (item['job']['id'],), item=item['id'])
+    def reject(self, item: Item) -> None:
+        if not item.rejected:
+            item.rejected = True
+            self.say('item.rejected', {'job': item.job.id, 'item': item.id})
 
-    # --- initialization ---------------------------------------------------------------------
+    # --- initialization (5) -----------------------------------------------------------------
 
-    def initialization(self) -> None:
-        for job in self.live():
-            for task in job['plan']['first']:
-                self.prepare(job, task, (job['id'], None, None, task['id']))
-
-    def prepare(self, job: Row, task: Row, key: tuple[Any, ...]) -> None:
-        work = self.of(key)
-        if work['state'] in ('new', 'waiting') and not self.stopped(None):
-            done_before = task['once'] and self.once_key(job, task) in self.once
-            if job['aborting'] or done_before:
-                self.say('task.skipped', key)
-                work['state'] = 'done'
-        if work['state'] == 'new':
-            before = [self.of((*key[:3], upstream))['state'] for upstream in task['after']]
+    def prepare(self, work: Work) -> None:
+        job, task = work.job, work.task
+        assert job is not None
+        needless = job.aborting or (task['once'] and self.once_key(work) in self.once)
+        if work.state in ('new', 'waiting') and needless and not self.stopped(None):
+            self.say('task.skipped', work.where)
+            work.state = 'done'
+        if work.state == 'new':
+            before = [self.of(one, job).state for one in job.plan['first'] if one in task['after']]
             earlier = all(self.done_with_earlier(n, job) for n in self.places(task))
             if not earlier or set(before) - {'done'} or self.state != 'Execute' or self.holds:
                 return
-        self.visit(key, task, job, None)
+        self.visit(work)
 
-    def once_key(self, job: Row, task: Row) -> str:
-        args = {name: value_of(value, job, None) for name, value in task['args'].items()}
-        return repr((task['action'], task['task'], sorted(args.items())))
+    def once_key(self, work: Work) -> str:
+        return repr((work.task['action'], work.task['task'], sorted(work.task['args'].items())))
 
     def places(self, task: Row) -> Sequence[int]:
-        return self.devices[task['action']]['places'] or range(1, self.size + 1)
+        return self.devices.by_action[task['action']]['places'] or range(1, self.size + 1)
 
-    def prepared(self, number: int, job: Row) -> bool:
+    def prepared(self, number: int, job: Job) -> bool:
         """Tell whether a section may begin a job's first cycle (5.2)."""
-        plan = job['plan']
-        rows = {task['id']: task for task in plan['first']}
-        for task in plan['first']:
-            if self.of((job['id'], None, None, task['id']))['state'] == 'done':
-                continue
-            if number in self.places(task):
-                return False
-            behind = max(self.waits_for(task, rows)) > min(self.places(task))
-            if number == plan['source'] and behind:
-                return False
+        for task in job.plan['first']:
+            if self.of(task, job).state != 'done':
+                behind = max(self.waits_for(task)) > min(self.places(task))
+                if number in self.places(task) or (number == job.plan['source'] and behind):
+                    return False
         return True
 
-    def waits_for(self, task: Row, rows: Row) -> set[int]:
-        found = set(self.places(task))
-        for upstream in task['after']:
-            found |= self.waits_for(rows[upstream], rows)
-        return found
+    def waits_for(self, task: Row) -> set[int]:
+        return set(self.places(task)).union(*map(self.waits_for, task['after']))
 
-    # --- sections ---------------------------------------------------------------------------
+    # --- sections (3) -----------------------------------------------------------------------
 
     def section(self, number: int) -> None:
         cycle = self.cycles[number]
         if cycle is None:
             self.begin(number)
             return
-        job, item = cycle['job'], cycle['item']
-        steps = job['plan']['lists'][number]
+        item, steps = cycle.item, cycle.item.job.plan['lists'][number]
+        where = {'job': item.job.id, 'section': number, 'item': item.id}
         last = max([n for n, step in enumerate(steps) if needs_belt(step)], default=-1)
         while True:
-            early = job['plan']['early'][number] and cycle['step'] > last
-            if (early or cycle['step'] == len(steps)) and number not in item['turned']:
-                self.turn_over(number, job, item)
-            if cycle['step'] == len(steps):
+            early = item.job.plan['early'][number] and cycle.step > last
+            if (early or cycle.step == len(steps)) and number not in item.turned:
+                item.turned.add(number)
+                self.say('turn.completed', where)
+            if cycle.step == len(steps):
                 break
-            rests = not self.moving and self.beat >= cycle['beat']
-            if not self.step(number, cycle, steps[cycle['step']], rests):
+            if not self.step(number, cycle, steps[cycle.step]):
                 return
-            cycle['step'] += 1
-        item['handled'].add(number)
+            cycle.step += 1
+        item.handled.add(number)
         self.cycles[number] = None
-        self.say('cycle.completed', (job['id'], number, item['id']))
+        self.say('cycle.completed', where)
 
-    def turn_over(self, number: int, job: Row, item: Row) -> None:
-        item['turned'].add(number)
-        self.say('turn.completed', (job['id'], number, item['id']))
-
-    def step(self, number: int, cycle: Row, step: list[list[Row]], rests: bool) -> bool:
-        ended = True
+    def step(self, number: int, cycle: Any, step: list[list[Row]]) -> bool:
+        """Let a step go on; tell whether all its members ended."""
+        rests, ended = not self.moving and self.beat >= cycle.beat, True
         for member in step:
             for task in member:
-                key = (cycle['job']['id'], number, cycle['item']['id'], task['id'])
-                if self.of(key)['state'] == 'new' and needs_belt(step) and not rests:
+                work = self.of(task, cycle.item.job, number, cycle.item)
+                if work.state == 'new' and needs_belt(step) and not rests:
                     return False
-                if not self.visit(key, task, cycle['job'], cycle['item']):
+                if not self.visit(work):
                     ended = False
                     break
         return ended
@@ -277,464 +260,347 @@ class NaiveCell:
         if job is None or not self.prepared(number, job):
             return
         if item is None:
-            job['begun'] += 1
-            item = {'job': job, 'id': f'{job["id"]}/{job["begun"]}', 'number': job['begun']}
-            item |= {'rejected': False, 'standing': False, 'missing': False, 'gone': False}
-            item |= {'results': {}, 'handled': set(), 'turned': set()}
-            job.setdefault('items', []).append(item)
+            job.begun += 1
+            item = Item(job, job.begun)
+            job.items.append(item)
         self.begins(job)
         self.last_beat[number] = beat
-        self.cycles[number] = {'job': job, 'item': item, 'beat': beat, 'step': 0}
-        self.say('cycle.started', (job['id'], number, item['id']), beat=beat)
+        self.cycles[number] = SimpleNamespace(item=item, beat=beat, step=0)
+        where = {'job': job.id, 'section': number, 'item': item.id}
+        self.say('cycle.started', where, beat=beat)
 
-    def next_of(self, number: int) -> tuple[Row | None, Row | None, int]:
-        """Return job, item (None at the source) and beat of a section's next cycle."""
-        place = number - 1 if self.moving else number
-        item = self.slots[place] if place else None
+    def next_of(self, number: int) -> tuple[Job | None, Item | None, int]:
+        """Return job, item (None at the source) and beat of a section's next cycle (3.4, 3.7)."""
+        item = self.slots.get(number - 1 if self.moving else number)
         to_come = self.beat + 1 if self.moving else self.beat
-        plan: Row = item['job']['plan'] if item else {'lists': (), 'source': 0}
-        owed = item and number in plan['lists'] and number not in item['handled']
-        if item and owed and number != plan['source']:
-            return item['job'], item, to_come
+        if item and number != item.job.plan['source'] and self.owes(number, item.handled, item):
+            return item.job, item, to_come
         job = self.source_job(number)
-        if job is None:
-            return None, None, 0
         taken = not self.moving and self.slots[number] is not None
         if taken or self.last_beat[number] >= to_come:
             to_come += 1
-        return (job, None, to_come) if to_come <= self.beat + 1 else (None, None, 0)
+        return (job, None, to_come) if job and to_come <= self.beat + 1 else (None, None, 0)
 
-    def source_job(self, number: int) -> Row | None:
-        job = next((job for job in self.live() if self.left(job)), None)
-        if job is None or job['plan']['source'] != number:
+    def owes(self, number: int, marks: set[int], item: Item) -> bool:
+        return number in item.job.plan['lists'] and number not in marks
+
+    def source_job(self, number: int) -> Job | None:
+        job = next((job for job in self.live() if job.left), None)
+        if job is None or job.plan['source'] != number:
             return None
         return job if self.done_with_earlier(number, job) else None
 
-    # --- tasks ------------------------------------------------------------------------------
+    # --- tasks (2) --------------------------------------------------------------------------
 
-    def of(self, key: tuple[Any, ...]) -> Row:
-        return self.work.setdefault(
-            key, {'key': key, 'state': 'new', 'attempt': 0, 'after': 0.0, 'cause': None}
-        )
+    def of(
+        self, task: Row, job: Job, section: int | None = None, item: Item | None = None
+    ) -> Work:
+        key = (job.id, section, item and item.id, task['id'])
+        return self.work.setdefault(key, Work(task, job, section, item))
 
-    def empty(self, item: Row) -> bool:
-        return bool(item['missing'] or item['gone'])
-
-    def visit(self, key: tuple[Any, ...], task: Row, job: Any, item: Row | None) -> bool:
+    def visit(self, work: Work) -> bool:
         """Let a task go on as far as it can; tell whether it ended."""
-        work = self.of(key)
-        if work['state'] == 'failed':
-            self.decide(work, task, job, item)
-            return False
-        if work['state'] in ('new', 'waiting') and not self.stopped(key[1]):
-            return self.try_start(work, task, job, item)
-        return bool(work['state'] == 'done')
+        before = work.state
+        if before == 'failed':
+            self.decide(work)
+        elif before in ('new', 'waiting') and not self.stopped(work.section):
+            return self.try_start(work)
+        return before == 'done'
 
     def stopped(self, number: int | None) -> bool:
-        return self.paused or any(
-            hold['key'][1] == number and hold['key'][0] for hold in self.holds.values()
-        )
+        """Tell whether a pause or a hold keeps a section from starting anything (7.1)."""
+        places = [h.where.get('section') for h in self.holds.values() if 'job' in h.where]
+        return self.paused or number in places
 
-    def try_start(self, work: Row, task: Row, job: Row | None, item: Row | None) -> bool:
-        missing = False
-        if item is not None and job is not None:
-            if work['state'] == 'new' and not self.flags_allow(task, job):
+    def try_start(self, work: Work) -> bool:
+        """Start a task, if nothing is in its way; tell whether it was skipped."""
+        task, missing = work.task, False
+        if work.item is not None:
+            if work.state == 'new' and not self.flags_allow(work):
                 return False
             try:
-                skipped = self.passes(task, job, item)
+                skipped = not self.passes(work)
                 for value in () if skipped else task['args'].values():
-                    value_of(value, job, item)
+                    value_of(value, work.item)
             except MissingResult:
                 skipped, missing = False, True
             if skipped:
-                self.say('task.skipped', work['key'])
-                self.executed(work, task, job, item, done=False)
+                self.say('task.skipped', work.where)
+                self.executed(work, done=False)
                 return True
         names = [task['device'], *(f'zone {zone}' for zone in task['zones'])]
-        if self.now < work['after'] or any(name in self.taken for name in names):
+        if self.now < work.after or any(name in self.taken for name in names):
             return False
+        work.attempt += 1
         if missing:
-            work['attempt'] += 1
             self.fail(work, 'missing_result')
-            self.decide(work, task, job, item)
+            self.decide(work)
             return False
-        self.begins(job)
-        self.send(work, task, names)
+        self.begins(work.job)
+        work.state, work.cause, work.deaf = 'running', '', True
+        self.running.append(work)
+        self.unsent.append(work)
+        self.taken |= dict.fromkeys(names, work)
+        fields = {'name': task['task'], 'action': task['action'], 'component': task['device']}
+        self.say('task.started', work.where, attempt=work.attempt, **fields)
         return False
 
-    def flags_allow(self, task: Row, job: Row) -> bool:
-        for link in job['plan']['flags']:
-            if link['upstream'] == task['id'] and self.flags[link['flag']] >= link['capacity']:
+    def flags_allow(self, work: Work) -> bool:
+        for link in work.links:
+            if (
+                link['upstream'] == work.task['id']
+                and self.flags[link['flag']] >= link['capacity']
+            ):
                 return False
-            if link['downstream'] == task['id'] and self.flags[link['flag']] == 0:
+            if link['downstream'] == work.task['id'] and self.flags[link['flag']] == 0:
                 return False
         return True
 
-    def passes(self, task: Row, job: Row, item: Row) -> bool:
-        """Tell whether a task is skipped (3.2, 6.4, 6.5)."""
-        if self.empty(item) and item['gone'] != 'sink':
-            return True
-        state = 'rejected' if item['rejected'] else 'good'
-        return task['runs_for'] not in (state, 'all') or not wanted(task, job, item)
+    def passes(self, work: Work) -> bool:
+        """Tell whether a task is not skipped (3.2, 6.4, 6.5)."""
+        assert work.item is not None
+        if work.item.empty and work.item.gone != 'sink':
+            return False
+        state = 'rejected' if work.item.rejected else 'good'
+        return work.task['runs_for'] in (state, 'all') and wanted(work.task, work.item)
 
-    def executed(self, work: Row, task: Row, job: Row, item: Row | None, *, done: bool) -> None:
+    def executed(self, work: Work, *, done: bool) -> None:
         """Change flags, quantity and item as a task that ended does (2.7, 3.2, 4.2)."""
-        work['state'] = 'done'
+        work.state, item, number = 'done', work.item, work.section
         for side, event, change in (('upstream', 'raised', 1), ('downstream', 'lowered', -1)):
-            for link in job['plan']['flags'] if item else ():
-                if link[side] == task['id']:
+            for link in work.links:
+                if link[side] == work.task['id']:
                     self.flags[link['flag']] += change
-                    count = self.flags[link['flag']]
-                    self.say(f'flag.{event}', work['key'], flag=link['flag'], count=count)
-        if item and task['qty_change'] == 1:
-            item['standing'], item['missing'] = True, not done
-            self.slots[work['key'][1]] = item
-            self.say('item.placed' if done else 'item.missing', work['key'][:3])
-        if item and task['qty_change'] == -1 and done and not self.empty(item):
-            self.take_out(item, work['key'][1], 'rejected' if item['rejected'] else 'packed')
-        elif (
-            item
-            and task['qty_change'] == -1
-            and self.slots[work['key'][1]] is item
-            and self.empty(item)
-            and work['key'][1] == job['plan']['sink']
-        ):
-            self.slots[work['key'][1]] = None
-            self.say('position.ended', work['key'][:3])
+                    fields = {'flag': link['flag'], 'count': self.flags[link['flag']]}
+                    self.say(f'flag.{event}', work.where, **fields)
+        if item is None or number is None:
+            return
+        place = {'job': item.job.id, 'section': number, 'item': item.id}
+        if work.task['qty_change'] == 1:
+            item.standing, item.missing, self.slots[number] = True, not done, item
+            self.say('item.placed' if done else 'item.missing', place)
+        if work.task['qty_change'] == -1:
+            if done and not item.empty:
+                self.take_out(item, number, 'rejected' if item.rejected else 'packed')
+            elif item.empty and self.slots[number] is item and number == item.job.plan['sink']:
+                self.slots[number] = None
+                self.say('position.ended', place)
 
-    def take_out(self, item: Row, number: int | None, how: str) -> None:
-        at_sink = number == item['job']['plan']['sink'] and how != 'by_hand'
-        item['gone'] = 'sink' if at_sink else 'early'
-        if at_sink and number is not None:
+    def take_out(self, item: Item, number: int, how: str) -> None:
+        at_sink = number == item.job.plan['sink'] and how != 'by_hand'
+        item.gone = 'sink' if at_sink else 'early'
+        if at_sink:
             self.slots[number] = None
-        self.say('item.removed', (item['job']['id'], number, item['id']), how=how)
+        where = {'job': item.job.id, 'section': number, 'item': item.id}
+        self.say('item.removed', where, how=how)
 
-    # --- goals ------------------------------------------------------------------------------
+    def cancel(self, work: Work, cause: str) -> None:
+        if not work.cause:
+            work.cause = cause
+            self.say('task.cancel_requested', work.where, cause=cause)
+            self.at(GRACE_S, 'grace', work)
+            if not work.deaf:
+                self.at(0.0, 'end', work, 'canceled', -2)
 
-    def send(self, work: Row, task: Row, names: list[str]) -> None:
-        work['state'], work['cause'], work['task'] = 'running', None, task
-        work['attempt'] += 1
-        self.work[work['key']] = self.work.pop(work['key'])
-        for name in names:
-            self.taken[name] = work['key']
-        fields = {'name': task['task'], 'action': task['action'], 'component': task['device']}
-        self.say('task.started', work['key'], attempt=work['attempt'], **fields)
-        work['goal'] = {'work': work, 'task': task, 'attempt': work['attempt']}
-        work['deaf'] = True
-        self.unsent.append(work['goal'])
+    def free(self, work: Work) -> None:
+        self.taken = {name: one for name, one in self.taken.items() if one is not work}
 
-    def arrive(self, goal: Row) -> None:
-        """Let the simulated controller do what it does with a goal (docs/formats.md)."""
-        work, task = goal['work'], goal['task']
-        name = task['device']
-        self.at(self.now + task['timeout'], {'limit': 'timeout', **goal})
-        if name in self.dead:
-            self.at(self.now, {'end': 'goal_rejected', **goal})
-            return
-        self.counts[name] += 1
-        self.counts[name, task['task']] += 1
-        device = self.devices[task['action']]
-        counts = self.counts[name], self.counts[name, task['task']]
-        kind, extra = fault_of(device, task['task'], *counts)
-        work['deaf'] = kind in ('ignore_cancel', 'mute')
-        if kind in ('reject', 'mute'):
-            reason = 'goal_rejected' if kind == 'reject' else 'server_lost'
-            wait_s = 0.0 if kind == 'reject' else CHECK_S * CHECKS_OF_A_REQUEST
-            self.at(self.now + wait_s, {'end': reason, **goal})
-            return
-        if work['cause'] and not work['deaf']:
-            self.at(self.now, {'end': 'canceled', **goal})
-        nominal = device.get('durations', {}).get(task['task'], device.get('duration', 1.0))
-        self.counts[name, 'accepted'] += 1
-        drawn = self.duration(name, self.counts[name, 'accepted'])
-        seconds = nominal if drawn is None else drawn
-        ends = {'abort': 'aborted', 'cancel': 'canceled', 'false': 'task_result_false'}
-        if kind == 'ignore_cancel':
-            self.dead.add(name)
-        elif kind == 'die':
-            checks = -(-(seconds / 2 + (extra or 0.0)) // CHECK_S)
-            self.at(
-                self.now + CHECK_S * max(checks, 1), {'end': 'server_lost', 'rank': 'late', **goal}
-            )
-        elif kind != 'hang':
-            late_s = extra or 0.0 if kind == 'late' else 0.0
-            self.at(self.now + seconds + late_s, {'end': ends.get(kind), **goal})
-
-    def cancel(self, work: Row, cause: str) -> None:
-        if work['cause'] is None:
-            work['cause'] = cause
-            self.say('task.cancel_requested', work['key'], cause=cause)
-            self.at(self.now + GRACE_S, {'limit': 'grace', **work['goal']})
-            if not work['deaf']:
-                self.at(self.now, {'end': 'canceled', 'rank': 'canceled by us', **work['goal']})
-
-    def limit_reached(self, limit: Row) -> None:
-        work = limit['work']
-        if work['state'] == 'running' and work['attempt'] == limit['attempt']:
-            if limit['limit'] == 'timeout':
-                self.cancel(work, 'timeout')
-            else:
-                self.fail(work, 'in_doubt')
-
-    def goal_ended(self, goal: Row) -> None:
-        if 'wake' in goal:
-            return
-        work, reason = goal['work'], goal['end']
-        if work['state'] != 'running' or work['attempt'] != goal['attempt']:
-            return
-        if reason is not None:
-            if reason == 'canceled' and work['cause'] == 'timeout':
-                reason = 'timeout'
-            self.fail(work, reason)
-        else:
-            self.succeed(work, goal['task'])
-
-    def free(self, work: Row) -> None:
-        self.taken = {name: key for name, key in self.taken.items() if key != work['key']}
-
-    def succeed(self, work: Row, task: Row) -> None:
+    def succeed(self, work: Work) -> None:
+        self.running.remove(work)
         self.free(work)
-        device = self.devices[task['action']]
-        results = {'item_present': True, 'measurement': 0.0}
-        results |= device.get('results', {}).get(task['task'], {})
-        if task['device'] == 'conveyor':
-            results = {}
-        fields = {'results': results} if results else {}
-        self.say('task.succeeded', work['key'], attempt=work['attempt'], **fields)
-        self.effects(work, task, results)
+        results = self.devices.results(work.task)
+        self.say('task.succeeded', work.where, attempt=work.attempt, results=results or None)
+        self.effects(work, results)
 
-    def effects(self, work: Row, task: Row, results: Row) -> None:
-        if work['key'] == INDEX:
+    def effects(self, work: Work, results: Row) -> None:
+        if work is self.move:
             self.moved()
             return
-        job = self.job_of(work['key'])
-        item = self.item_of(work['key'])
-        if item is None:
-            self.once.add(self.once_key(job, task))
+        if work.item is None:
+            self.once.add(self.once_key(work))
         elif results:
-            item['results'][task['id']] = results
-        self.executed(work, task, job, item, done=True)
+            work.item.results[work.task['id']] = results
+        self.executed(work, done=True)
 
-    def job_of(self, key: tuple[Any, ...]) -> Row:
-        return next(job for job in self.jobs if job['id'] == key[0])
-
-    def item_of(self, key: tuple[Any, ...]) -> Row | None:
-        items = self.job_of(key).get('items', []) if key[0] else []
-        return next((item for item in items if item['id'] == key[2]), None)
-
-    def fail(self, work: Row, reason: str) -> None:
-        work['state'], work['reason'] = 'failed', reason
+    def fail(self, work: Work, reason: str) -> None:
+        self.running = [one for one in self.running if one is not work]
+        work.state, work.reason = 'failed', reason
         if reason not in ('in_doubt', 'server_lost'):
             self.free(work)
-        self.say('task.failed', work['key'], attempt=work['attempt'], reason=reason)
+        self.say('task.failed', work.where, attempt=work.attempt, reason=reason)
 
-    # --- failures and operators -------------------------------------------------------------
+    # --- failures and operators (2.6, 2.7, 7.1) ---------------------------------------------
 
-    def decide(self, work: Row, task: Row, job: Row | None, item: Row | None) -> None:
-        reason, lost = work['reason'], work['reason'] == 'server_lost' and not task['repeatable']
-        if reason == 'in_doubt' or lost:
-            self.hold(work, task, item)
-        elif work['cause'] == 'abort_job':
-            self.go_on(work, task, job, item, 'abort_job')
-        elif work['attempt'] <= task['retries'] and reason != 'missing_result':
-            self.retry(work, task['retry_delay'])
-        elif task['policy'] == 'hold':
-            self.hold(work, task, item)
+    def decide(self, work: Work) -> None:
+        lost = work.reason == 'server_lost' and not work.task['repeatable']
+        if work.reason == 'in_doubt' or lost:
+            self.hold(work)
+        elif work.cause == 'abort_job':
+            self.go_on(work, 'abort_job')
+        elif work.attempt <= work.task['retries'] and work.reason != 'missing_result':
+            self.retry(work, work.task['retry_delay'])
+        elif work.task['policy'] == 'hold':
+            self.hold(work)
         else:
-            self.go_on(work, task, job, item, task['policy'])
+            self.go_on(work, work.task['policy'])
 
-    def retry(self, work: Row, delay_s: float) -> None:
+    def retry(self, work: Work, delay_s: float) -> None:
         self.free(work)
-        work['state'], work['after'] = 'waiting', round(self.now + delay_s, 6)
-        self.at(work['after'], {'wake': True})
-        fields = {'attempt': work['attempt'] + 1, 'not_before': work['after']}
-        self.say('task.retrying', work['key'], **fields)
+        work.state, work.after = 'waiting', round(self.now + delay_s, 6)
+        self.at(delay_s, 'wake', work)
+        fields = {'attempt': work.attempt + 1, 'not_before': work.after}
+        self.say('task.retrying', work.where, **fields)
 
-    def go_on(self, work: Row, task: Row, job: Row | None, item: Row | None, policy: str) -> None:
+    def go_on(self, work: Work, policy: str) -> None:
         if policy == 'abort_job':
-            self.abort(work, job)
-        if policy == 'reject' and item:
-            self.reject(item)
-        if work['key'] == INDEX:
-            self.hold(work, task, item)
+            there = [item.job for item in self.slots.values() if item]
+            for job in self.live():
+                if job is work.job or (work is self.move and job in there):
+                    self.abort_job(job)
+        if policy == 'reject' and work.item:
+            self.reject(work.item)
+        if work is self.move:
+            self.hold(work)
             return
         self.free(work)
-        self.say('task.continued', work['key'], policy=policy)
-        assert job is not None
-        self.executed(work, task, job, item, done=False)
+        self.say('task.continued', work.where, policy=policy)
+        self.executed(work, done=False)
 
-    def abort(self, work: Row, job: Row | None) -> None:
-        for one in self.live():
-            if one is job or (
-                job is None and any(i and i['job'] is one for i in self.slots.values())
-            ):
-                self.abort_job(one)
-
-    def hold(self, work: Row, task: Row, item: Row | None) -> None:
-        work['state'] = 'held'
-        self.hold_count += 1
+    def hold(self, work: Work) -> None:
+        work.state = 'held'
         answers = ['retry', 'mark_done', 'skip', 'reject', 'abort_job']
-        if task['qty_change'] == -1 or work['key'] == INDEX:
+        if work.task['qty_change'] == -1 or work is self.move:
             answers.remove('skip')
-        if item is None:
+        if work.item is None:
             answers.remove('reject')
-        row = {'key': work['key'], 'work': work, 'task': task, 'answers': answers}
-        self.holds[str(self.hold_count)] = row
-        fields = {'hold': str(self.hold_count), 'reason': work['reason'], 'answers': answers[:]}
-        self.say('hold.raised', work['key'], **fields)
+        self.raise_hold(Hold(work.where, work.reason, answers, work))
+
+    def raise_hold(self, hold: Hold) -> None:
+        id_ = str(next(self.hold_ids))
+        self.holds[id_] = hold
+        self.say('hold.raised', hold.where, hold=id_, reason=hold.reason, answers=hold.answers)
+
+    def release(self, hold_id: str) -> None:
+        del self.holds[hold_id]
+        self.say('hold.released', hold=hold_id)
 
     def answer(self, hold_id: str, answer: str) -> None:
-        hold = self.holds.pop(hold_id)
-        work, task, key = hold['work'], hold['task'], hold['key']
-        job = self.job_of(key) if key[0] else None
-        item = self.item_of(key)
-        self.say('operator.decided', (), answer=answer, hold=hold_id)
-        if key == INDEX and answer == 'abort_job':
-            self.holds[hold_id] = hold
-            self.abort(work, None)
-            self.settle()
-            return
-        self.say('hold.released', (), hold=hold_id)
+        work = self.holds[hold_id].work
+        assert work is not None
+        self.say('operator.decided', answer=answer, hold=hold_id)
+        if work is self.move and answer == 'abort_job':
+            for job in {id(i.job): i.job for i in self.slots.values() if i}.values():
+                self.abort_job(job)
+        else:
+            self.release(hold_id)
+            self.carry_out(work, answer)
+        self.settle()
+
+    def carry_out(self, work: Work, answer: str) -> None:
         if answer == 'retry':
             self.retry(work, 0.0)
         elif answer == 'mark_done':
             self.free(work)
-            self.say('task.marked_done', key)
-            self.effects(work, task, {})
+            self.say('task.marked_done', work.where)
+            self.effects(work, {})
         elif answer == 'skip':
             self.free(work)
-            self.say('task.skipped', key)
-            assert job is not None
-            self.executed(work, task, job, item, done=False)
+            self.say('task.skipped', work.where)
+            self.executed(work, done=False)
         else:
-            self.go_on(work, task, job, item, answer)
-        self.settle()
-        return
+            self.go_on(work, answer)
 
-    def remove(self, item_id: str) -> bool:
-        """Take an item off the belt by hand (7.1)."""
+    def remove(self, item_id: str) -> None:
+        """Take an item off the belt by hand."""
         for number, item in self.slots.items():
-            if item and item['id'] == item_id and not self.empty(item):
-                self.say('operator.decided', (), item=item_id, answer='remove_item')
+            if item and item.id == item_id and not item.empty:
+                self.say('operator.decided', item=item_id, answer='remove_item')
                 self.take_out(item, number, 'by_hand')
-                for hold_id, hold in list(self.holds.items()):
-                    if hold.get('overrun') == item_id:
-                        del self.holds[hold_id]
-                        self.say('hold.released', (), hold=hold_id)
-                self.settle()
-                return True
-        return False
+                for id_, hold in list(self.holds.items()):
+                    if hold.reason == 'overrun' and hold.where['item'] == item_id:
+                        self.release(id_)
+        self.settle()
 
     def pause(self, paused: bool) -> None:
         self.paused = paused
+        self.say('operator.decided', answer='pause' if paused else 'resume')
         if paused:
-            self.hold_count += 1
-            self.say('operator.decided', (), answer='pause')
-            fields = {'hold': str(self.hold_count), 'reason': 'paused', 'answers': ['resume']}
-            self.holds[str(self.hold_count)] = {'key': INDEX, 'answers': [], 'pause': True}
-            self.say('hold.raised', (), **fields)
+            self.raise_hold(Hold({}, 'paused', ['resume']))
         else:
-            self.say('operator.decided', (), answer='resume')
-            for hold_id in [id_ for id_, hold in self.holds.items() if hold.get('pause')]:
-                del self.holds[hold_id]
-                self.say('hold.released', (), hold=hold_id)
+            for id_ in [id_ for id_, hold in self.holds.items() if hold.reason == 'paused']:
+                self.release(id_)
         self.settle()
 
-    # --- the belt ---------------------------------------------------------------------------
+    # --- the belt (3.4 to 3.6) --------------------------------------------------------------
 
     def belt(self) -> None:
         if self.moving:
-            self.visit(INDEX, self.index_row(), None, None)
+            self.visit(self.move)
             return
-        if any(self.pending(n) for n in self.slots):
+        if any(map(self.pending, self.slots)):
             return
         last = self.slots[self.size]
-        if last is not None and not self.empty(last):
-            self.overrun(last)
-            return
-        if self.state != 'Execute' or self.holds:
-            return
-        if not any(self.slots.values()):
-            if self.source_goes_on():
+        if last is not None and not last.empty:
+            where = {'job': last.job.id, 'section': self.size, 'item': last.id}
+            if all(hold.where != where for hold in self.holds.values()):
+                self.raise_hold(Hold(where, 'overrun', ['remove_item']))
+        elif self.state == 'Execute' and not self.holds:
+            if any(self.slots.values()):
+                self.moving = True
+                self.say('belt.index_started', beat=self.beat)
+                self.move = Work(self.move.task)
+                self.visit(self.move)
+            elif self.source_goes_on():
                 self.beat += 1
-                self.say('beat.started', (), beat=self.beat)
-            return
-        self.moving = True
-        self.say('belt.index_started', (), beat=self.beat)
-        self.work.pop(INDEX, None)
-        self.visit(INDEX, self.index_row(), None, None)
-
-    def index_row(self) -> Row:
-        device = self.devices[self.belt_row['action']]
-        keys = ('task', 'action', 'retries', 'on_failure')
-        given = {name: self.belt_row[name] for name in keys if name in self.belt_row}
-        return task_row(given, 'index', device)
+                self.say('beat.started', beat=self.beat)
 
     def source_goes_on(self) -> bool:
         """Tell whether the source has a cycle for the next beat, begun ahead or to come."""
-        if any(cycle and cycle['beat'] > self.beat for cycle in self.cycles.values()):
+        if any(cycle and cycle.beat > self.beat for cycle in self.cycles.values()):
             return True
         return any((job := self.source_job(n)) and self.prepared(n, job) for n in self.slots)
 
     def pending(self, number: int) -> bool:
+        """Tell whether a section still has its turn in this beat."""
         item, cycle = self.slots[number], self.cycles[number]
-        if item and number in item['job']['plan']['lists'] and number not in item['turned']:
+        if item and self.owes(number, item.turned, item):
             return True
-        if cycle and cycle['beat'] <= self.beat and number not in cycle['item']['turned']:
+        if cycle and cycle.beat <= self.beat and number not in cycle.item.turned:
             return True
         job = self.source_job(number)
         if job is None or item or self.last_beat[number] >= self.beat:
             return False
-        return job['begun'] > 0 or self.prepared(number, job)
-
-    def overrun(self, item: Row) -> None:
-        if any(hold.get('overrun') == item['id'] for hold in self.holds.values()):
-            return
-        self.hold_count += 1
-        key = (item['job']['id'], self.size, item['id'], None)
-        row = {'key': key, 'overrun': item['id'], 'answers': ['remove_item']}
-        self.holds[str(self.hold_count)] = row
-        fields = {'hold': str(self.hold_count), 'reason': 'overrun', 'answers': ['remove_item']}
-        self.say('hold.raised', key, **fields)
+        return job.begun > 0 or self.prepared(number, job)
 
     def moved(self) -> None:
-        self.work[INDEX]['state'] = 'done'
+        self.move.state = 'done'
         for number in range(self.size, 0, -1):
-            item = self.slots[number]
-            self.slots[number] = None
-            if item and number == self.size:
-                self.say('position.ended', (item['job']['id'], number, item['id']))
-            elif item:
-                self.slots[number + 1] = item
-                self.say('item.moved', (item['job']['id'], number + 1, item['id']))
-        self.moving = False
-        self.beat += 1
-        self.say('belt.indexed', (), beat=self.beat)
+            item, self.slots[number] = self.slots[number], None
+            if item is not None:
+                ends = number == self.size
+                place = number if ends else number + 1
+                self.slots[place] = None if ends else item
+                where = {'job': item.job.id, 'section': place, 'item': item.id}
+                self.say('position.ended' if ends else 'item.moved', where)
+        self.moving, self.beat = False, self.beat + 1
+        self.say('belt.indexed', beat=self.beat)
 
-    # --- the cell's state -------------------------------------------------------------------
+    # --- the cell's state (7.1, 7.2) --------------------------------------------------------
 
-    def cell_state(self, seen: int) -> None:
-        """Make one transition, if one is due (7.1, 7.2)."""
-        passing = {
-            'Resetting': 'Idle',
-            'Starting': 'Execute',
-            'Unholding': 'Execute',
-            'Completing': 'Complete',
-        }
+    def cell_state(self, *, still: bool) -> None:
+        """Make one transition, if one is due."""
+        passing = dict(PASSING)
         if self.live():
             passing |= {'Stopped': 'Resetting', 'Complete': 'Resetting', 'Idle': 'Starting'}
         else:
             passing['Execute'] = 'Completing'
         if self.holds:
             passing |= dict.fromkeys(('Execute', 'Starting', 'Unholding'), 'Holding')
-            if seen == len(self.records) and not any(map(self.goes_on, self.work.values())):
+            later = [w for w in [self.move, *self.work.values()] if w.state == 'waiting']
+            if still and not self.running and all(work.after <= self.now for work in later):
                 passing['Holding'] = 'Held'
         else:
             passing |= {'Holding': 'Held', 'Held': 'Unholding'}
         if self.state in passing:
             state, self.state = self.state, passing[self.state]
-            self.say('cell.state_changed', (), state=self.state, previous=state)
-
-    def goes_on(self, work: Row) -> bool:
-        waits = work['state'] == 'waiting' and work['after'] > self.now
-        return bool(waits or work['state'] == 'running')
+            self.say('cell.state_changed', state=self.state, previous=state)

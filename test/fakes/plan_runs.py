@@ -87,11 +87,11 @@ class NaiveBench:
 
     def holds(self) -> list[tuple[str, Sequence[str], str | None]]:
         holds = self.cell.holds.items()
-        return [(id_, h['answers'], h['key'][2]) for id_, h in holds if not h.get('pause')]
+        return [(id_, h.answers, h.where.get('item')) for id_, h in holds if h.reason != 'paused']
 
     def standing(self) -> list[str]:
         items = [i for _, i in sorted(self.cell.slots.items()) if i]
-        return [item['id'] for item in items if not self.cell.empty(item)]
+        return [item.id for item in items if not item.empty]
 
     def answer(self, hold: str, answer: str) -> None:
         self.cell.answer(hold, answer)
