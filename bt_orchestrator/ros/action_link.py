@@ -232,9 +232,10 @@ class ActionLink:
             else:
                 self._on_accepted(goal)
 
-    def _on_listed(self, goal: RosGoal) -> None:
+    def _on_listed(self, goal: RosGoal, runs: bool) -> None:
         goal.listed = True
-        self._on_accepted(goal)
+        if runs or not goal.adopted:
+            self._on_accepted(goal)
 
     def _on_accepted(self, goal: RosGoal) -> None:
         if goal.accepted or goal.end is not None:
@@ -269,7 +270,8 @@ class ActionLink:
         if goal.refused:
             self._end(goal, GoalStatus.REJECTED, message='refused by the server')
         elif goal.unknown_count >= believed:
-            self._lose(goal, 'the server does not know the goal (any more)', self._denier(goal))
+            message = f'the server does not know the goal (any more){self._listed_end(goal)}'
+            self._lose(goal, message, self._denier(goal))
         else:
             goal.denied_by = self._client.server_id()
 
@@ -328,10 +330,14 @@ class ActionLink:
             self._client.follow(goal.id, partial(self._on_feedback, goal))
 
     def _give_up(self, goal: RosGoal) -> None:
-        listed = self._client.listed_end(goal.id)
-        says = f'; its status topic says that the goal {listed}' if listed else ''
-        message = f'the server of {self._component.action} is there and does not answer{says}'
+        server = f'the server of {self._component.action}'
+        message = f'{server} is there and does not answer{self._listed_end(goal)}'
         self._end(goal, GoalStatus.SILENT, message=message)
+
+    def _listed_end(self, goal: RosGoal) -> str:
+        """Return what else is known of a goal whose result does not come."""
+        end = self._client.listed_end(goal.id)
+        return f'; its status topic says that the goal {end}' if end else ''
 
     def _repeat_cancel(self, goal: RosGoal) -> None:
         """Cancel a goal by its UUID, since no acceptance may ever come."""

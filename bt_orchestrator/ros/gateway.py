@@ -85,7 +85,7 @@ class RosGateway:
 
         Nothing is sent but questions for its result. It ends as the server says, or LOST if the
         server does not know it, or if there is no server within the server timeout; it counts as
-        accepted when the server's status lists it.
+        accepted when the server's status says that it runs.
         """
         link = self._links[request.component]
         goal = link.adopt(request)

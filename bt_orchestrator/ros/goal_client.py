@@ -16,8 +16,8 @@ _ACTIVE = (GoalStatus.STATUS_ACCEPTED, GoalStatus.STATUS_EXECUTING, GoalStatus.S
 
 _ENDED = {
     GoalStatus.STATUS_SUCCEEDED: 'succeeded',
-    GoalStatus.STATUS_CANCELED: 'canceled',
-    GoalStatus.STATUS_ABORTED: 'aborted',
+    GoalStatus.STATUS_CANCELED: 'was canceled',
+    GoalStatus.STATUS_ABORTED: 'was aborted',
 }
 
 
@@ -34,7 +34,7 @@ class GoalClient(ActionClient):  # type: ignore[type-arg] # no Generic in Jazzy'
 
     def __init__(self, node: Node, action_class: Any, name: str) -> None:
         self._asked: dict[bytes, list[int]] = {}
-        self._unconfirmed: dict[bytes, Callable[[], None]] = {}
+        self._unconfirmed: dict[bytes, Callable[[bool], None]] = {}
         self._listed: Any = ()
         super().__init__(node, action_class, name)
         self._entities: Any = super().get_num_entities()
@@ -78,13 +78,16 @@ class GoalClient(ActionClient):  # type: ignore[type-arg] # no Generic in Jazzy'
         publishers = self._node.get_publishers_info_by_topic(topic)
         return bytes(publishers[0].endpoint_gid).hex() if len(publishers) == 1 else None
 
-    def expect(self, goal_id: UUID, confirmed: Callable[[], None]) -> None:
+    def expect(self, goal_id: UUID, listed: Callable[[bool], None]) -> None:
         """Call back, once, when the server's status topic lists a goal: it was accepted.
 
         The answer to a request can be lost, when the server had not discovered this client yet.
         For a goal that is listed already it calls back at once.
+
+        :param listed: gets whether the goal runs; of one that ended the server may know no more
+            than its latched status still says
         """
-        self._unconfirmed[bytes(goal_id.uuid)] = confirmed
+        self._unconfirmed[bytes(goal_id.uuid)] = listed
         self._confirm()
 
     @property
@@ -97,7 +100,7 @@ class GoalClient(ActionClient):  # type: ignore[type-arg] # no Generic in Jazzy'
         return any(status.status in _ACTIVE for status in self._listed)
 
     def listed_end(self, goal_id: UUID) -> str | None:
-        """Return, in a word, how a goal ended by the last status; None: that is not said."""
+        """Return, in words, how a goal ended by the last status; None: that is not said."""
         key = bytes(goal_id.uuid)
         found = (s.status for s in self._listed if bytes(s.goal_info.goal_id.uuid) == key)
         return _ENDED.get(next(found, GoalStatus.STATUS_UNKNOWN))
@@ -147,9 +150,9 @@ class GoalClient(ActionClient):  # type: ignore[type-arg] # no Generic in Jazzy'
             return
         for status in self._listed:
             key = bytes(status.goal_info.goal_id.uuid)
-            confirmed = self._unconfirmed.pop(key, None)
-            if confirmed is not None:
-                confirmed()
+            listed = self._unconfirmed.pop(key, None)
+            if listed is not None:
+                listed(status.status in _ACTIVE)
 
     def _answer(self, sequence: int, response: Any) -> None:
         """Pass a result on; one more answer about a goal that has ended is no news."""

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Iterator
+from functools import partial
 from typing import Any
 
 import pytest
 from contract.gateway_bench import component, goal_request
 from mute_server import MuteServer
-from rclpy.action.server import GoalResponse
+from rclpy.action.server import ActionServer, GoalResponse
 from rclpy.task import Future
 from ros_bench import RosBench, running_bench
 from thread_servers import ThreadServers
@@ -90,6 +91,21 @@ def test_9_2_an_adopted_goal_of_which_nobody_speaks_is_in_doubt(
     assert not goal.accepted
 
 
+@pytest.mark.filterwarnings('ignore:Deprecated in favor of:DeprecationWarning')
+def test_9_2_an_adopted_goal_that_was_forgotten_is_lost_though_the_status_lists_it(
+    bench: RosBench, servers: ThreadServers
+) -> None:
+    serve(servers, 'mute', kind=partial(ActionServer, result_timeout=0))
+    goal = bench.gateway.send(goal_request('mute'))
+    assert end_of(bench, goal).status is GoalStatus.SUCCEEDED
+    bench.run_for(1.0)
+    adopted = bench.make_gateway().adopt(goal.request)
+    end = end_of(bench, adopted)
+    assert end.status is GoalStatus.LOST
+    assert 'its status topic says that the goal succeeded' in end.message
+    assert not adopted.accepted
+
+
 def test_9_3_a_server_is_silent_while_a_goal_runs(bench: RosBench, servers: ThreadServers) -> None:
     ends = threading.Event()
     serve(servers, 'mute', until=ends)
@@ -143,7 +159,7 @@ def serve(
             handle.succeed()
         return Action.Result(task_result=True)
 
-    servers.serve(f'/{name}/task', Action, execute, kind=MuteServer, **options)
+    servers.serve(f'/{name}/task', Action, execute, **{'kind': MuteServer, **options})
 
 
 def deafen(link: ActionLink) -> None:
