@@ -15,6 +15,7 @@ from bt_orchestrator.model.packml import TRANSITIONS, Cause, Mode
 from bt_orchestrator.model.state import CellState, Phase
 from bt_orchestrator.model.stop_reason import WORDS, StopReason
 from bt_orchestrator.runtime.starvation import Starved
+from bt_orchestrator.tree.leaf import EARLY_S
 
 AUTOMATIC = 'an order arrived'
 
@@ -192,5 +193,6 @@ def _why_stopped(state: CellState, outlook: Outlook) -> str | None:
 
 def _will_retry(state: CellState, now: float) -> bool:
     return any(
-        task.phase is Phase.RETRYING and task.not_before > now for task in state.tasks.values()
+        task.phase is Phase.RETRYING and task.not_before > now + EARLY_S
+        for task in state.tasks.values()
     )
