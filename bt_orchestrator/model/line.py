@@ -200,9 +200,27 @@ def _at_source(state: CellState, section: SectionState, beat: int) -> Start | Wa
     return (
         _may_not_feed(state, job)
         or waits_for_earlier_jobs(state, name, (section.number,))
+        or _waits_for_position(state, job, beat)
         or waits_for_initialization(state, name, section.number)
         or Start(name, job.job.item(job.progress.started + 1), beat)
     )
+
+
+def _waits_for_position(state: CellState, job: JobState, beat: int) -> Wait | None:
+    """Say whose item a job's first one would meet if it were begun for a beat (semantics 6.1).
+
+    The source of the job before may be downstream of this one, and have begun ahead. An item goes
+    one section a beat, so beat less section is its place in the order of the belt.
+    """
+    if job.progress.started:
+        return None
+    place = beat - job.job.script.source
+    for section in state.sections.values():
+        cycle = section.cycle
+        if cycle is not None and cycle.beat - section.number >= place:
+            what = f'waiting for section {section.number} to place {cycle.item}'
+            return Wait(what, WaitKind.JOB, cycle.job, sections=(section.number,))
+    return None
 
 
 def _idle(state: CellState, section: SectionState) -> Wait:

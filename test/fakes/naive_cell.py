@@ -279,7 +279,12 @@ class NaiveCell:
         taken = not self.moving and self.slots[number] is not None
         if taken or self.last_beat[number] >= to_come:
             to_come += 1
-        return (job, None, to_come) if job and to_come <= self.beat + 1 else (None, None, 0)
+        fits = job and to_come <= self.beat + 1 and self.is_behind_all(number, to_come)
+        return (job, None, to_come) if fits else (None, None, 0)
+
+    def is_behind_all(self, number: int, beat: int) -> bool:
+        """Tell whether a new item stands behind every one that is worked on (6.1)."""
+        return all(c.beat - n < beat - number for n, c in self.cycles.items() if c)
 
     def owes(self, number: int, marks: set[int], item: Item) -> bool:
         return number in item.job.plan['lists'] and number not in marks
@@ -570,7 +575,9 @@ class NaiveCell:
         job = self.source_job(number)
         if job is None or item or self.last_beat[number] >= self.beat:
             return False
-        return job.begun > 0 or self.prepared(number, job)
+        return self.is_behind_all(number, self.beat) and (
+            job.begun > 0 or self.prepared(number, job)
+        )
 
     def moved(self) -> None:
         self.move.state = 'done'

@@ -46,6 +46,28 @@ def test_6_1_a_job_is_complete_when_its_initialization_is() -> None:
     assert run.times('job.completed') == [21.0]
 
 
+DOWNSTREAM = """
+sections:
+  2: [{id: place, @a2, qty_change: 1}]
+  3: [{id: work, @a3}]
+  4: [{id: pack, @a4, qty_change: -1}]
+"""
+"""A line whose source is the second section."""
+
+
+def test_6_1_an_item_from_upstream_does_not_pass_one_that_is_begun_ahead() -> None:
+    line = Line(4, seconds={'a3': 9.0})
+    run = line.begin(DOWNSTREAM, 3)
+    upstream = DOWNSTREAM.replace('2: [{id: place, @a2,', '1: [{id: place, @a1,')
+    run.submit('K', line.script(upstream, 'upstream'), 1)
+    run.go(until=5.0)  # section 3 works on J/1, and J/3 is begun for the next beat
+    assert run.waits()['section 1'] == 'waiting for section 2 to place J/3'
+    run.go()
+    assert run.all('hold.raised') == []
+    assert [run.all('cycle.started', item=item)[0]['beat'] for item in ('J/3', 'K/1')] == [3, 3]
+    assert run.times('job.completed', job='K') == [48.0]
+
+
 def test_6_1_a_section_is_done_with_a_job_after_its_trailing_steps() -> None:
     text = with_section(
         2,
