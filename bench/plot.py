@@ -72,7 +72,7 @@ def _curve(
     page: Svg, x: float, y: float, title: str, xs: Sequence[float], ys: Sequence[float]
 ) -> None:
     """Draw a curve over axes that begin at 0."""
-    right, top = max(xs), max(*ys, 1e-9)
+    right, top = max(xs), max(ys) or 1.0
     page.add('text', title, x=x, y=y - 12)
     for share in (0.0, 0.5, 1.0):
         level = y + HEIGHT * (1 - share)
