@@ -90,9 +90,15 @@ def parsed(words: Sequence[str]) -> argparse.Namespace:
     :raises SystemExit: it is wrong, which has been said, or it only asked for help
     """
     verb = _verb(words)
-    module = _module(verb) if verb is not None and verb in VERBS else None
-    own_words = without_ros_arguments(words) if verb in TAKE_ROS_ARGUMENTS else words
-    args = _parser(verb, module).parse_args(own_words)
+    own_words = without_ros_arguments(words) if verb in TAKE_ROS_ARGUMENTS else list(words)
+    if verb in VERBS and own_words[0] == verb:
+        parser = argparse.ArgumentParser(prog=f'{PROGRAM} {verb}', allow_abbrev=False)
+        _module(verb).add_arguments(parser)
+        # Options may stand anywhere, as in `queue add --held ORDER`.
+        args = parser.parse_intermixed_args(own_words[1:])
+        args.verb = verb
+    else:
+        args = _parser_of_verbs().parse_args(own_words)
     args.ros_args = words
     return args
 
@@ -115,8 +121,8 @@ def without_ros_arguments(words: Sequence[str]) -> list[str]:
     return own
 
 
-def _parser(verb: str | None, module: ModuleType | None) -> argparse.ArgumentParser:
-    """Declare all verbs, and the options of the one that is asked for."""
+def _parser_of_verbs() -> argparse.ArgumentParser:
+    """Declare the verbs without their options, for help and for mistakes."""
     parser = argparse.ArgumentParser(
         prog=PROGRAM,
         description='Behaviour trees of ROS 2 action clients for a cell along a conveyor.',
@@ -125,9 +131,7 @@ def _parser(verb: str | None, module: ModuleType | None) -> argparse.ArgumentPar
     parser.add_argument('--version', action=_Version, help='print the version and exit')
     verbs = parser.add_subparsers(dest='verb', metavar='VERB', required=True)
     for name, (_, help_line) in VERBS.items():
-        of_verb = verbs.add_parser(name, help=help_line, allow_abbrev=False)
-        if name == verb and module is not None:
-            module.add_arguments(of_verb)
+        verbs.add_parser(name, help=help_line)
     return parser
 
 

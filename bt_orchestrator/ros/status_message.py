@@ -48,7 +48,9 @@ def status_message(
         state_times=[StateTime(state=m.value, seconds=s) for m, s in state.times(now).items()],
         stop_reason=state.stop_reason.value if state.stop_reason else '',
         stop_message=state.stop_message,
-        commands=[VERBS[cause] for cause in possible_in(state.mode)],
+        commands=[]
+        if orchestrator.broken
+        else [VERBS[cause] for cause in possible_in(state.mode)],
         belt_moving=state.indexing,
         belt_waiting=waiting(tree.belt),
         initialization_waiting=waiting(tree.initialization),

@@ -16,6 +16,8 @@ from bt_orchestrator.errors import CommandRefused, JournalFailed, OrchestratorEr
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.commands import Answer, Command
+from bt_orchestrator.model.packml import Mode
+from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.ports import ActionGateway, Clock, EventSink, EventStore
 from bt_orchestrator.runtime import job_queue, lifecycle
 from bt_orchestrator.runtime.commands import answer_to
@@ -193,9 +195,12 @@ class Orchestrator:
             durable = restore(self.state.cell, self._store)
         except OrchestratorError as error:
             log.error('the state shown may be ahead of the journal: %s', error)
-            return
-        # Everybody reads this object, and shall see nothing that was not kept.
-        vars(self.state).update(vars(durable))
+        else:
+            # Everybody reads this object, and shall see nothing that was not kept.
+            vars(self.state).update(vars(durable))
+        # Held is what it is, and the one thing shown that cannot be written down.
+        self.state.mode, self.state.mode_since = Mode.HELD, self._ledger.now
+        self.state.stop_reason, self.state.stop_message = StopReason.OWN_FAULT, str(failed)
 
     def _hand_on(self, sink: EventSink, events: Sequence[e.Event]) -> None:
         try:

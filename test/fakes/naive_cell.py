@@ -458,10 +458,7 @@ class NaiveCell:
 
     def go_on(self, work: Work, policy: str) -> None:
         if policy == 'abort_job':
-            there = [item.job for item in self.slots.values() if item]
-            for job in self.live():
-                if job is work.job or (work is self.move and job in there):
-                    self.abort_job(job)
+            self.abort_jobs_of(work)
         if policy == 'reject' and work.item:
             self.reject(work.item)
         if work is self.move:
@@ -470,6 +467,13 @@ class NaiveCell:
         self.free(work)
         self.say('task.continued', work.where, policy=policy)
         self.executed(work, done=False)
+
+    def abort_jobs_of(self, work: Work) -> None:
+        """Abort the job of a task; of the belt's move every job on it, in their order (3.5)."""
+        on_belt = [item.job for item in self.slots.values() if item]
+        for job in self.live():
+            if job is work.job or (work is self.move and job in on_belt):
+                self.abort_job(job)
 
     def hold(self, work: Work) -> None:
         work.state = 'held'
@@ -494,8 +498,7 @@ class NaiveCell:
         assert work is not None
         self.say('operator.decided', answer=answer, hold=hold_id)
         if work is self.move and answer == 'abort_job':
-            for job in {id(i.job): i.job for i in self.slots.values() if i}.values():
-                self.abort_job(job)
+            self.abort_jobs_of(work)
         else:
             self.release(hold_id)
             self.carry_out(work, answer)

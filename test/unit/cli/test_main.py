@@ -11,7 +11,7 @@ from types import ModuleType
 import pytest
 
 from bt_orchestrator.cli import main as program
-from bt_orchestrator.cli.main import VERBS, main, without_ros_arguments
+from bt_orchestrator.cli.main import VERBS, main, parsed, without_ros_arguments
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.errors import Finding, OrchestratorError, Refused
 
@@ -165,3 +165,12 @@ def test_the_help_names_every_verb(capsys: pytest.CaptureFixture[str]) -> None:
     words = {line.split()[0] for line in capsys.readouterr().out.splitlines() if line.split()}
 
     assert set(VERBS) <= words
+
+
+@pytest.mark.parametrize(
+    'words', [['add', '--held', 'a.yaml', 'b.yaml'], ['add', 'a.yaml', '--held', 'b.yaml']]
+)
+def test_options_may_stand_between_what_is_named(words: list[str]) -> None:
+    args = parsed(['queue', *words])
+    assert (args.verb, args.action, args.what) == ('queue', 'add', ['a.yaml', 'b.yaml'])
+    assert args.held

@@ -22,6 +22,7 @@ from bt_orchestrator.model.job_commands import AddJobs
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.packml import Mode
 from bt_orchestrator.model.script import Script
+from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.ports import EventStore
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.sim.clock import VirtualClock
@@ -288,6 +289,8 @@ def test_9_1_nothing_is_sent_that_is_not_durable() -> None:
     world.go(first)
     assert first.broken is not None
     assert 'disk full' in first.broken
+    assert (first.state.mode, first.state.stop_reason) == (Mode.HELD, StopReason.OWN_FAULT)
+    assert 'disk full' in first.state.stop_message
     assert not first.ask(Pause(ann())).accepted
     assert first.state.seq == len(list(world.store.read())) == 23
     first.close()
