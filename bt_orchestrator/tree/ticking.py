@@ -1,7 +1,7 @@
 """Ticks as plain calls: what py_trees does without memory, and nothing done twice.
 
 py_trees hands each behaviour of a tick up through a generator of every ancestor, and formats a
-line for its log at each of them: that was two thirds of a settle (docs/decisions/0018). The
+line for its log at each of them: that was three quarters of a settle (docs/decisions/0020). The
 behaviours of a cell follow the same rules in `run`, a plain call, and so have the status, the
 feedback and the current child that py_trees would give them. `tick` is there for whoever calls it.
 """
