@@ -110,7 +110,7 @@ def test_the_tree_and_the_blackboard_on_a_terminal(
 ) -> None:
     terminal = open_terminal('watch', '--tree', '--blackboard', columns=100, lines=60)
     terminal.until_shows('▶ small_cell  running')
-    terminal.until_shows('/small_cell/belt')
+    terminal.until_shows('/small_cell/slots/2')
     assert re.search(r'▶ work: TASK_A  running  waiting for an answer to hold 1', terminal.text)
     assert re.search(r'/small_cell/slots/2 +WO-1/1$', terminal.text, re.MULTILINE)
 
