@@ -118,7 +118,7 @@ class GoalClient(ActionClient):  # type: ignore[type-arg] # no Generic in Jazzy'
         sequence = next(reversed(self._pending_result_requests))
         del self._result_sequence_number_to_goal_id[sequence]
         pending: dict[int, Any] = self._pending_result_requests
-        pending[sequence] = _Question(answered)
+        pending[sequence] = answered  # where rclpy has a future
         self._asked.setdefault(bytes(goal_id.uuid), []).append(sequence)
 
     def request_cancel(self, goal_id: UUID) -> None:
@@ -156,21 +156,11 @@ class GoalClient(ActionClient):  # type: ignore[type-arg] # no Generic in Jazzy'
 
     def _answer(self, sequence: int, response: Any) -> None:
         """Pass a result on; one more answer about a goal that has ended is no news."""
-        question: Any = self._pending_result_requests.get(sequence)
-        if question is not None:
-            question.set_result(response)
+        answered: Any = self._pending_result_requests.get(sequence)
+        if answered is not None:
+            answered(response)
 
     def _handle(self, goal_id: UUID) -> Any:
         """Make a goal handle by hand, the only way to speak of a goal that nobody answered for."""
         response = self._action_type.Impl.SendGoalService.Response(accepted=True)
         return ClientGoalHandle(self, goal_id, response)
-
-
-class _Question:
-    """A request for a result, in the place of rclpy's future for it."""
-
-    __slots__ = ('set_result',)
-
-    def __init__(self, answered: Callable[[Any], None]) -> None:
-        self.set_result = answered
-        """Called by rclpy with the answer."""

@@ -6,7 +6,6 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
 
@@ -45,12 +44,6 @@ LATCHED = QoSProfile(
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
 )
-
-
-@pytest.fixture
-def servers() -> Iterator[ThreadServers]:
-    with closing(ThreadServers()) as servers:
-        yield servers
 
 
 def serve(servers: ThreadServers, *names: str) -> None:

@@ -28,13 +28,6 @@ PLAIN = (
 
 
 @pytest.fixture
-def servers() -> Iterator[ThreadServers]:
-    servers = ThreadServers()
-    yield servers
-    servers.close()
-
-
-@pytest.fixture
 def bench() -> Iterator[RosBench]:
     """Return a bench without simulated servers."""
     bench = RosBench(PLAIN, serve=False)

@@ -31,13 +31,6 @@ def hurry(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def servers() -> Iterator[ThreadServers]:
-    servers = ThreadServers()
-    yield servers
-    servers.close()
-
-
-@pytest.fixture
 def bench() -> Iterator[RosBench]:
     """Return a bench without simulated servers."""
     bench = RosBench([component('mute'), component('stubborn')], serve=False)
