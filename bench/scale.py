@@ -16,7 +16,7 @@ from typing import Any
 
 from bt_orchestrator_interfaces.srv import SubmitOrder
 from program_process import ProgramProcess
-from ros_domain import take_free_domain
+from ros_domain import OwnDomain
 
 from bench.line_files import cell_text, script_text
 from bench.process import cpu_s, memory_mb
@@ -180,12 +180,9 @@ def main() -> int:
     parser.add_argument('--speed', type=float, default=1.0, help='of the controllers')
     parser.add_argument('--executor', choices=('single', 'events'), default='events')
     args = parser.parse_args()
-    domain, lock = take_free_domain()
-    os.environ['ROS_DOMAIN_ID'] = str(domain)
-    os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
     print(f'{os.cpu_count()} cores, load {os.getloadavg()[0]:.2f}; {vars(args)}', flush=True)
     scratch = tempfile.TemporaryDirectory(prefix='scale_', dir='/var/tmp')
-    with lock, scratch as folder, LargeLine(Path(folder), args) as line:
+    with OwnDomain(), scratch as folder, LargeLine(Path(folder), args) as line:
         for said in chain(line.start(), line.run()):
             print(said, flush=True)
     return 0

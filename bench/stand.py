@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 import sys
 import tempfile
@@ -15,7 +14,7 @@ from typing import Any, NamedTuple
 
 from bt_orchestrator_interfaces.srv import SubmitOrder
 from program_process import ProgramProcess
-from ros_domain import take_free_domain
+from ros_domain import OwnDomain
 
 from bench.line_files import SECTIONS, cell_text, script_text
 from bench.process import cpu_s
@@ -159,10 +158,7 @@ def _measure(tail: Tail, pid: int, cycles: int) -> Measured:
 @contextmanager
 def stand() -> Iterator[Stand]:
     """Set up a stand in a ROS domain of its own."""
-    domain, lock = take_free_domain()
-    os.environ['ROS_DOMAIN_ID'] = str(domain)
-    os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
-    with lock, tempfile.TemporaryDirectory(prefix='bench_', dir='/var/tmp') as folder:
+    with OwnDomain(), tempfile.TemporaryDirectory(prefix='bench_', dir='/var/tmp') as folder:
         one = Stand(Path(folder))
         try:
             yield one

@@ -8,9 +8,11 @@ from typing import Any
 
 import rclpy
 from rclpy.action import ActionClient  # type: ignore[attr-defined] # not in its __all__
+from rclpy.action.client import ClientGoalHandle
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
+from unique_identifier_msgs.msg import UUID
 
 PATIENCE_S = 20.0
 """Longest wait for what should come at once; a busy machine is no bug."""
@@ -26,6 +28,7 @@ class ActionCaller:
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._clients: dict[str, Any] = {}
+        self._known: set[Any] = set()
 
     def close(self) -> None:
         """Leave ROS."""
@@ -66,7 +69,25 @@ class ActionCaller:
         """Send a goal once its server is there; return the future of the goal handle."""
         client = self.client(action, action_class)
         self.spin_until(client.server_is_ready, f'the server of {action}')
+        self._be_known(client, action)
         return client.send_goal_async(goal, feedback_callback=on_feedback)
+
+    def _be_known(self, client: Any, action: str) -> None:
+        """Wait until a server answers a client: at first it may not have found it whole.
+
+        It learns of what a client is made of in order, so a question about a goal that does not
+        exist, once answered, says that it can answer all others.
+        """
+        if client in self._known:
+            return
+        response = client._action_type.Impl.SendGoalService.Response(accepted=True)
+        nothing = ClientGoalHandle(client, UUID(), response)
+
+        def is_answered() -> bool:
+            return self.spin_for(1.0, nothing.cancel_goal_async().done)
+
+        self.spin_until(is_answered, f'{action} to answer anything')
+        self._known.add(client)
 
     def wait(self, future: Any, what: str) -> Any:
         """Return what a future brings."""

@@ -1,4 +1,4 @@
-"""Gives each pytest process a ROS 2 domain of its own, so that runs side by side do not meet."""
+"""Gives each test a ROS 2 domain of its own, so that tests do not meet, nor what others left."""
 
 from __future__ import annotations
 
@@ -13,33 +13,60 @@ import pytest
 DOMAINS = range(1, 102)
 """Free of clashes with the ephemeral ports of Linux, and without 0, where people work."""
 
+APART = 37
+"""Workers, whose process ids are neighbours, begin as far from each other as three can."""
+
+
+class OwnDomain:
+    """The domain of this process and of those it starts; locked against other test processes.
+
+    A context, which takes a domain and leaves it.
+    """
+
+    def __init__(self) -> None:
+        self._place = os.getpid() * APART % len(DOMAINS)
+        self._lock: TextIO | None = None
+
+    def __enter__(self) -> OwnDomain:
+        # Whatever the user's shell says, tests do not talk to other computers.
+        os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
+        self.move()
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        if self._lock is not None:
+            self._lock.close()
+
+    def move(self) -> None:
+        """Go to the next free domain: a killed process is seen in its own for 20 s more.
+
+        :raises pytest.UsageError: none is free
+        """
+        for step in range(1, len(DOMAINS) + 1):
+            place = (self._place + step) % len(DOMAINS)
+            lock = _lock(DOMAINS[place])
+            if lock is not None:
+                self.__exit__()
+                self._place, self._lock = place, lock
+                os.environ['ROS_DOMAIN_ID'] = str(DOMAINS[place])
+                return
+        raise pytest.UsageError(f'all ROS domains from {DOMAINS[0]} to {DOMAINS[-1]} are in use')
+
+
+_own = OwnDomain()
+
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Choose the domain before any test module can start a node or a subprocess."""
-    domain, lock = take_free_domain()
-    config.add_cleanup(lock.close)
-    os.environ['ROS_DOMAIN_ID'] = str(domain)
-    # Whatever the user's shell says, tests do not talk to other computers.
-    os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
+    """Choose a domain before any test module can start a node or a subprocess."""
+    _own.__enter__()
+    config.add_cleanup(_own.__exit__)
 
 
-def pytest_report_header() -> str:
-    """Say which domain it is, for those who want to look into a running test."""
-    return f'ROS_DOMAIN_ID: {os.environ["ROS_DOMAIN_ID"]}'
-
-
-def take_free_domain() -> tuple[int, TextIO]:
-    """Lock the first free domain, for as long as the lock is open.
-
-    The search starts at a place of this process's own: a run that was killed may have left nodes
-    in its domain, and the next run had better not follow it there.
-    """
-    start = os.getpid() % len(DOMAINS)
-    for domain in (*DOMAINS[start:], *DOMAINS[:start]):
-        lock = _lock(domain)
-        if lock is not None:
-            return domain, lock
-    raise pytest.UsageError(f'all ROS domains from {DOMAINS[0]} to {DOMAINS[-1]} are in use')
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Choose another one for each test, and tell who reads about a failure which it was."""
+    _own.move()
+    item.add_report_section('setup', 'ROS_DOMAIN_ID', os.environ['ROS_DOMAIN_ID'])
 
 
 def _lock(domain: int) -> TextIO | None:

@@ -378,7 +378,10 @@ class ActionLink:
         self._in_flight.pop(goal, None)
         self._clients.forget(goal.id)
         if goal.response is not None and not goal.response.done():
-            self._remember_unanswered(goal.response)
+            if status in _GIVEN_UP:
+                self._remember_unanswered(goal.response)
+            else:  # an answer that was lost on its way
+                self._clients.forget_request(goal.response)
         goal.end = GoalEnd(status, result or {}, message, denied_by)
         self._news.add(goal)
 

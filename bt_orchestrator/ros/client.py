@@ -64,10 +64,14 @@ class NodeClient:
         :raises NodeUnreachable: it is not there, or does not answer
         """
         client: Any = self._node.create_client(kind, f'{self._name}/{service}')
-        self.wait_until(client.service_is_ready, f'the service {self._name}/{service}')
-        future = client.call_async(request)
-        self.wait_until(future.done, f'an answer of {self._name}/{service}')
-        return future.result()
+        try:
+            self.wait_until(client.service_is_ready, f'the service {self._name}/{service}')
+            self._be_known()
+            future = client.call_async(request)
+            self.wait_until(future.done, f'an answer of {self._name}/{service}')
+            return future.result()
+        finally:
+            self._node.destroy_client(client)
 
     def status(self) -> Any:
         """Return the node's latched status (bt_orchestrator_interfaces/msg/Status).
@@ -75,9 +79,12 @@ class NodeClient:
         :raises NodeUnreachable: none came
         """
         received: list[Any] = []
-        self.on_status(received.append)
-        self.wait_until(lambda: bool(received), f'the status of {self._name}')
-        return received[-1]
+        subscription = self.on_status(received.append)
+        try:
+            self.wait_until(lambda: bool(received), f'the status of {self._name}')
+            return received[-1]
+        finally:
+            self._node.destroy_subscription(subscription)
 
     def events_after(self, seq: int) -> Any:
         """Return events from the journal of the node (srv/GetEvents): as many as it gives at once.
@@ -89,9 +96,9 @@ class NodeClient:
             raise NodeUnreachable(f'{self._name} cannot tell its events: {answer.message}')
         return answer
 
-    def on_status(self, callback: Callable[[Any], None]) -> None:
-        """Call back with every status, the latched one first."""
-        self._node.create_subscription(Status, f'{self._name}/status', callback, LATCHED)
+    def on_status(self, callback: Callable[[Any], None]) -> Any:
+        """Call back with every status, the latched one first; return the subscription."""
+        return self._node.create_subscription(Status, f'{self._name}/status', callback, LATCHED)
 
     def on_event(self, callback: Callable[[Any], None]) -> None:
         """Call back with every event from now on; returns when the node is connected.
@@ -99,8 +106,15 @@ class NodeClient:
         :raises NodeUnreachable: it is not there
         """
         self._node.create_subscription(Event, f'{self._name}/events', callback, EVENTS)
-        # The node learns of subscriptions in their order: once it sends the latched status, it
-        # sends events too. That its topic is seen here does not say so.
+        self._be_known()
+
+    def _be_known(self) -> None:
+        """Wait until the node knows all that this client has made so far.
+
+        That a service or a topic is seen here does not say so: an answer or an event may still
+        have nowhere to go. The node learns of what others made in their order, so once it sends
+        the latched status to one more subscription, it knows what came before.
+        """
         self.status()
 
     def wait_until(self, condition: Callable[[], bool], what: str) -> None:

@@ -6,7 +6,6 @@ python -m chaos [--kills N] [--items N] [--seed N] [--keep FOLDER]
 from __future__ import annotations
 
 import argparse
-import os
 import random
 import sys
 import tempfile
@@ -15,7 +14,7 @@ from pathlib import Path
 
 from chaos.campaign import BOTH, SHARES, Campaign, Tally
 from chaos.crashing_node import POINTS
-from ros_domain import take_free_domain
+from ros_domain import OwnDomain
 
 ITEMS = 20
 KILLS_A_JOB = 20
@@ -33,11 +32,8 @@ _AT_RANDOM = 3
 def main() -> int:
     """Run the campaign; 0 when nothing was lost, done twice or stuck."""
     args = _arguments()
-    domain, lock = take_free_domain()
-    os.environ['ROS_DOMAIN_ID'] = str(domain)
-    os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
     total = Tally()
-    with lock, tempfile.TemporaryDirectory(prefix='chaos_') as scratch:
+    with OwnDomain(), tempfile.TemporaryDirectory(prefix='chaos_') as scratch:
         folder = args.keep or Path(scratch)
         drawn = random.Random(args.seed)
         job = 0

@@ -71,7 +71,7 @@ def cell(tmp_path_factory: pytest.TempPathFactory) -> Iterator[SimCellProcess]:
 
 
 @pytest.fixture(scope='module')
-def caller() -> Iterator[ActionCaller]:
+def caller(cell: SimCellProcess) -> Iterator[ActionCaller]:
     caller = ActionCaller()
     yield caller
     caller.close()
