@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Sequence
 
 from rclpy.clock import Clock
@@ -28,6 +29,9 @@ _WATCH_PERIOD_S = 0.5
 
 _STATE_PERIOD_S = 1.0
 """Between two looks at the publishers of state topics."""
+
+_LOOK_PERIOD_S = 1.0
+"""Between two looks at a server that is there, for those who only show it."""
 
 
 class RosGateway:
@@ -57,6 +61,8 @@ class RosGateway:
         components = cell.components.values()
         self._fresh = FreshParticipants(node)
         self._links = {component.name: self._link(component) for component in components}
+        self._places = {name: place for place, name in enumerate(self._links)}
+        self._there_until_s = dict.fromkeys(self._links, 0.0)
         self._states = [
             StateWatch(node, component, component.state, self._news)
             for component in components
@@ -97,8 +103,19 @@ class RosGateway:
         return self._news.drain()
 
     def available(self, component: str) -> bool:
-        """Tell whether the component's server is in the ROS graph."""
-        return self._links[component].available
+        """Tell whether the component's server is in the ROS graph, or was a second ago.
+
+        A look takes the longer the larger the graph is, so a server that is there is looked at
+        once a second, each at a moment of its own. A goal is sent after a look of its own.
+        """
+        now = time.monotonic()
+        if now < self._there_until_s[component]:
+            return True
+        is_there = self._links[component].available
+        if is_there:
+            phase = now / _LOOK_PERIOD_S - self._places[component] / len(self._places)
+            self._there_until_s[component] = now + _LOOK_PERIOD_S * (1.0 - phase % 1.0)
+        return is_there
 
     def server(self, component: str) -> str | None:
         """Return the id of the status publisher of the component's server, seen last."""

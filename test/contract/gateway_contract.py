@@ -206,7 +206,7 @@ class GatewayContract(ABC):
         bench.run_until(partial(_is_accepted, goal), 'the acceptance')
         assert _end_of(bench, goal, within_s=2 * SERVER_LEASE_S).status is GoalStatus.LOST
         assert goal.accepted
-        assert not bench.gateway.available('mortal')
+        bench.run_until(lambda: not bench.gateway.available('mortal'), 'it to be gone', SLACK_S)
 
     def test_server_that_dies_and_comes_back_at_once_is_lost(self, bench: Bench) -> None:
         goal = _send(bench, 'reborn')

@@ -177,7 +177,7 @@ class TestKilledServer:
         later = cell.gateway.send(goal_request('good'))
         assert ended(cell, goal, 3 * SERVER_LEASE_S) is GoalStatus.LOST
         assert ended(cell, later, 3 * SERVER_LEASE_S) is GoalStatus.LOST
-        assert not cell.gateway.available('good')
+        cell.run_until(lambda: not cell.gateway.available('good'), 'it to be gone')
         assert nothing_left(client(cell, 'hanging')) == {}
 
     @pytest.mark.timeout(120)
