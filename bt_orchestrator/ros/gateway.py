@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from itertools import cycle, islice
 
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
@@ -30,8 +31,11 @@ _WATCH_PERIOD_S = 0.5
 _STATE_PERIOD_S = 1.0
 """Between two looks at the publishers of state topics."""
 
-_LOOK_PERIOD_S = 1.0
-"""Between two looks at a server that is there, for those who only show it."""
+_ROUND_PERIOD_S = 0.5
+"""Between two rounds of looks at servers, for those who only show whether they are there."""
+
+_ROUND_S = 0.02
+"""Longest time for a round; the next one goes on from there."""
 
 
 class RosGateway:
@@ -61,8 +65,9 @@ class RosGateway:
         components = cell.components.values()
         self._fresh = FreshParticipants(node)
         self._links = {component.name: self._link(component) for component in components}
-        self._places = {name: place for place, name in enumerate(self._links)}
-        self._there_until_s = dict.fromkeys(self._links, 0.0)
+        self._there = dict.fromkeys(self._links, False)
+        self._rotation = cycle(self._links)
+        self._next_round_s = 0.0
         self._states = [
             StateWatch(node, component, component.state, self._news)
             for component in components
@@ -103,19 +108,16 @@ class RosGateway:
         return self._news.drain()
 
     def available(self, component: str) -> bool:
-        """Tell whether the component's server is in the ROS graph, or was a second ago.
+        """Tell whether the component's server was in the ROS graph at the last look.
 
-        A look takes the longer the larger the graph is, so a server that is there is looked at
-        once a second, each at a moment of its own. A goal is sent after a look of its own.
+        That was a second ago at most; longer in a very large cell, since each look goes through
+        the whole graph. A goal is sent after a look of its own.
         """
         now = time.monotonic()
-        if now < self._there_until_s[component]:
-            return True
-        is_there = self._links[component].available
-        if is_there:
-            phase = now / _LOOK_PERIOD_S - self._places[component] / len(self._places)
-            self._there_until_s[component] = now + _LOOK_PERIOD_S * (1.0 - phase % 1.0)
-        return is_there
+        if now >= self._next_round_s:
+            self._look_around(until_s=now + _ROUND_S)
+            self._next_round_s = time.monotonic() + _ROUND_PERIOD_S
+        return self._there[component]
 
     def server(self, component: str) -> str | None:
         """Return the id of the status publisher of the component's server, seen last."""
@@ -159,6 +161,12 @@ class RosGateway:
             guarded(callback, self._node.get_logger()),
             clock=Clock(clock_type=ClockType.STEADY_TIME),
         )
+
+    def _look_around(self, until_s: float) -> None:
+        for name in islice(self._rotation, len(self._links)):
+            self._there[name] = self._links[name].available
+            if time.monotonic() >= until_s:
+                break
 
     def _look_after(self, link: ActionLink) -> None:
         if link.is_waiting and self._poll_timer.is_canceled():
