@@ -14,7 +14,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from unique_identifier_msgs.msg import UUID
 
-PATIENCE_S = 20.0
+PATIENCE_S = 60.0
 """Longest wait for what should come at once; a busy machine is no bug."""
 
 

@@ -163,7 +163,7 @@ StartCell = Callable[..., CellProcesses]
 """A fixture's function with the arguments of `CellProcesses`, but for `folder`: a name."""
 
 
-def run_verb(folder: Path, *words: str, within_s: float = 30.0) -> tuple[int, str, str]:
+def run_verb(folder: Path, *words: str, within_s: float = 60.0) -> tuple[int, str, str]:
     """Carry out a verb and return exit status, output, and errors."""
     process = ProgramProcess(words, folder, f'verb_{words[0]}')
     status = process.wait(within_s)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from action_caller import ActionCaller
+from action_caller import PATIENCE_S, ActionCaller
 from bt_orchestrator_interfaces.msg import Event, Status
 from bt_orchestrator_interfaces.srv import AnswerHold, Command, RemoveItem, SubmitOrder
 from diagnostic_msgs.msg import KeyValue
@@ -73,10 +73,9 @@ class NodeWatcher:
 
     def until(self, event: str, count: int = 1, **about: Any) -> dict[str, Any]:
         """Wait for the last of so many events of a name with these values, and return it."""
-        self.ros.spin_until(
-            lambda: len(self.seen(event, **about)) >= count,
-            f'{count} {event} {about}; the last were {self.events[-8:]}',
-        )
+        if not self.ros.spin_for(PATIENCE_S, lambda: len(self.seen(event, **about)) >= count):
+            last = self.events[-8:]
+            raise AssertionError(f'waited for {count} {event} {about}; the last were {last}')
         return self.seen(event, **about)[count - 1]
 
     def until_status(self, condition: Callable[[Any], object], what: str) -> Any:
@@ -94,7 +93,7 @@ class NodeWatcher:
         (hold,) = status.holds
         return hold
 
-    def until_ended(self, job: str, within_s: float = 20.0) -> Any:
+    def until_ended(self, job: str, within_s: float = PATIENCE_S) -> Any:
         """Wait until a job has ended, and return its status."""
         done = self.ros.spin_for(
             within_s, lambda: self.seen('job.completed', job=job) or self.seen('job.aborted')
@@ -161,6 +160,7 @@ class NodeWatcher:
         """Call a service of the node and return its response."""
         client = self._client(kind, service)
         self.ros.spin_until(client.service_is_ready, f'the service {service}')
+        self._be_known()
         return self.ros.wait(client.call_async(request), f'an answer of {service}')
 
     def _client(self, kind: Any, service: str) -> Any:
@@ -168,6 +168,16 @@ class NodeWatcher:
             name = f'{self.name}/{service}'
             self._clients[service] = self.ros.node.create_client(kind, name)
         return self._clients[service]
+
+    def _be_known(self) -> None:
+        """Wait for the latched status once more: then the node knows what was made before it."""
+        latched: list[Any] = []
+        node = self.ros.node
+        subscription = node.create_subscription(
+            Status, f'{self.name}/status', latched.append, LATCHED
+        )
+        self.ros.spin_until(lambda: latched, f'the status of {self.name}')
+        node.destroy_subscription(subscription)
 
     def _on_event(self, message: Any) -> None:
         record = json.loads(message.record)

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from bt_orchestrator.cli.main import PROGRAM
 
-PATIENCE_S = 30.0
+PATIENCE_S = 60.0
 """Longest time that a program may take to be ready or to end, on a busy machine."""
 
 _LOOK_S = 0.02

@@ -23,7 +23,7 @@ from bt_orchestrator.ros.action_types import InstalledActionTypes
 from bt_orchestrator.ros.executors import LeanExecutor
 from bt_orchestrator.ros.gateway import RosGateway
 
-DISCOVERY_S = 20.0
+DISCOVERY_S = 60.0
 
 
 class RosBench:
@@ -77,7 +77,7 @@ class RosBench:
         self._server = SimCellProcess(file, '--only', ','.join(names), *fault_options(self.cell))
         self._server.wait_until_ready()
 
-    def run_until(self, condition: Callable[[], Any], what: str, within_s: float = 20.0) -> None:
+    def run_until(self, condition: Callable[[], Any], what: str, within_s: float = 60.0) -> None:
         if not self._spin(within_s, condition):
             raise AssertionError(f'waited {within_s:.0f} s for {what}')
 

@@ -32,7 +32,7 @@ class Bench(Protocol):
     def now(self) -> float:
         """Seconds, from any zero."""
 
-    def run_until(self, condition: Callable[[], Any], what: str, within_s: float = 20.0) -> None:
+    def run_until(self, condition: Callable[[], Any], what: str, within_s: float = 60.0) -> None:
         """Let things happen until a condition holds; fails if it does not in time."""
 
     def run_for(self, seconds: float) -> None:

@@ -22,7 +22,7 @@ from bt_orchestrator.model.goal import (
 )
 from bt_orchestrator.ports import Goal
 
-SLACK_S = 3.0
+SLACK_S = 15.0
 """How much later than due a busy machine may be."""
 
 COMPONENTS = (
@@ -200,7 +200,6 @@ class GatewayContract(ABC):
         again = _send(bench, 'mute')
         assert _end_of(bench, again).status is GoalStatus.SUCCEEDED
 
-    @pytest.mark.timeout(120)
     def test_server_that_dies_and_stays_away_is_lost(self, bench: Bench) -> None:
         goal = _send(bench, 'mortal')
         bench.run_until(partial(_is_accepted, goal), 'the acceptance')
@@ -328,7 +327,6 @@ class GatewayContract(ABC):
         told = ['NOT_READY', 'READY']
         bench.run_until(lambda: log.readings('tired')[-2:] == told, 'not ready, and ready again')
 
-    @pytest.mark.timeout(120)
     def test_tells_that_a_state_topic_lost_its_publisher(self) -> None:
         bench = self.make_bench([component('lost_state', '=die', state=True)])
         try:
@@ -349,7 +347,7 @@ def _send(bench: Bench, name: str, task: str = 'TASK_A') -> Goal:
     return bench.gateway.send(goal_request(name, task))
 
 
-def _run_to_end(bench: Bench, goal: Goal, within_s: float = 20.0) -> None:
+def _run_to_end(bench: Bench, goal: Goal, within_s: float = 60.0) -> None:
     bench.run_until(lambda: goal.end is not None, f'the end of {goal.request}', within_s)
 
 
@@ -361,7 +359,7 @@ def _is_open(goal: Goal) -> bool:
     return goal.end is None
 
 
-def _end_of(bench: Bench, goal: Goal, within_s: float = 20.0) -> GoalEnd:
+def _end_of(bench: Bench, goal: Goal, within_s: float = 60.0) -> GoalEnd:
     _run_to_end(bench, goal, within_s)
     assert goal.end is not None
     return goal.end

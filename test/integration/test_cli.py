@@ -14,7 +14,7 @@ from fakes.shipped import REFERENCE_CELL, REFERENCE_ORDER, STUCK, TREES
 from bt_orchestrator.model.codec import from_record
 
 CELL = ('--cell', str(REFERENCE_CELL))
-PATIENCE_S = 30.0
+PATIENCE_S = 60.0
 SHIPPED = TREES / 'reference_process.yaml'
 
 

@@ -16,7 +16,7 @@ from rclpy.waitable import NumberOfEntities, Waitable
 
 from bt_orchestrator.ros.executors import LeanExecutor, spin_once
 
-PATIENCE_S = 20.0
+PATIENCE_S = 60.0
 
 
 class WaitCounter(Waitable):  # type: ignore[type-arg] # no Generic in Jazzy's rclpy

@@ -11,7 +11,7 @@ from xml.etree import ElementTree as ET
 import pytest
 from fakes.shipped import REFERENCE_CELL, TREES
 
-PATIENCE_S = 30.0
+PATIENCE_S = 60.0
 SVG = '{http://www.w3.org/2000/svg}'
 TOOLTIP = '{http://www.w3.org/1999/xlink}title'
 SCRIPT = TREES / 'inspect_and_assemble.yaml'

@@ -32,7 +32,7 @@ class World:
     def note(self, name: str) -> Callable[[], None]:
         return lambda: self.called.append(name)
 
-    def spin_until(self, condition: Callable[[], Any], within_s: float = 10.0) -> bool:
+    def spin_until(self, condition: Callable[[], Any], within_s: float = 60.0) -> bool:
         deadline = time.monotonic() + within_s
         while not condition() and time.monotonic() < deadline:
             self._executor.spin_once(timeout_sec=0.05)

@@ -51,7 +51,7 @@ def client(bench: RosBench, name: str) -> GoalClient:
     return link(bench, name)._client
 
 
-def ended(bench: RosBench, goal: RosGoal, within_s: float = 20.0) -> GoalStatus:
+def ended(bench: RosBench, goal: RosGoal, within_s: float = 60.0) -> GoalStatus:
     bench.run_until(lambda: goal.end is not None, f'the end of {goal}', within_s)
     assert goal.end is not None
     return goal.end.status
@@ -169,7 +169,6 @@ class TestRequest:
 
 
 class TestKilledServer:
-    @pytest.mark.timeout(150)
     def test_that_stays_away_is_lost_after_its_lease(self, cell: RosBench) -> None:
         goal = cell.gateway.send(goal_request('hanging'))
         cell.run_until(lambda: goal.accepted, 'the acceptance')
@@ -180,7 +179,6 @@ class TestKilledServer:
         cell.run_until(lambda: not cell.gateway.available('good'), 'it to be gone')
         assert nothing_left(client(cell, 'hanging')) == {}
 
-    @pytest.mark.timeout(120)
     def test_that_is_back_at_once_does_not_know_the_goal(self, cell: RosBench) -> None:
         goal = cell.gateway.send(goal_request('hanging'))
         cell.run_until(lambda: goal.accepted, 'the acceptance')

@@ -24,7 +24,7 @@ from bt_orchestrator.node_parameters import NodeParameters
 from bt_orchestrator.ros.node import NODE_NAME, Parts, TreeNode
 from bt_orchestrator.stop_signals import StopSignals
 
-PATIENCE_S = 20.0
+PATIENCE_S = 60.0
 
 EXECUTORS = ['single']
 if importlib.util.find_spec('rclpy.experimental') is not None:

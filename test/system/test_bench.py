@@ -9,13 +9,10 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-import pytest
-
 ROOT = Path(__file__).parents[2]
 CHEAP = ('simulator', 'sections', 'check', 'restart')
 
 
-@pytest.mark.timeout(90)
 def test_the_cheap_rows_can_be_measured(tmp_path: Path) -> None:
     file, plot = tmp_path / 'rows.json', tmp_path / 'plot.svg'
     only = [word for key in CHEAP for word in ('--only', key)]

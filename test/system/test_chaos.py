@@ -7,12 +7,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import pytest
 from chaos.campaign import BOTH, Campaign
 from chaos.crashing_node import POINTS
 
 
-@pytest.mark.timeout(300)
 def test_9_2_killed_at_every_step_nothing_is_lost_and_nothing_done_twice(tmp_path: Path) -> None:
     tally = Campaign(tmp_path, seed=7, items=4, kills=[*POINTS, BOTH]).run()
     assert tally.verdict.faults == []

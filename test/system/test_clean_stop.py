@@ -10,8 +10,8 @@ from cell_processes import STATELESS_CELL, CellProcesses, StartCell
 
 from bt_orchestrator.ros.node import FAREWELL_S
 
-SLACK_S = 3.0
-"""For leaving ROS, on a busy machine."""
+SLACK_S = 8.0
+"""For leaving ROS, on a busy machine; less than a farewell takes."""
 
 
 def run_long_task(cell: CellProcesses, task: str = 'TASK_B') -> str:

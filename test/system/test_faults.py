@@ -237,7 +237,6 @@ def test_a_server_that_was_killed_and_restarted_has_lost_the_task(start_cell: St
     assert failed['time'] - killed['time'] < SERVER_LEASE_S / 2, 'the graph need not forget it'
 
 
-@pytest.mark.timeout(90)
 def test_a_server_that_was_killed_is_lost_when_the_graph_forgets_it(
     start_cell: StartCell,
 ) -> None:

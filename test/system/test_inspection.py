@@ -172,7 +172,6 @@ def test_a_subscriber_that_comes_late_misses_nothing(
     assert '/small_cell/cell : Execute' in texts[0]
 
 
-@pytest.mark.timeout(150)
 def test_the_stream_of_a_killed_watcher_ends_and_the_cell_goes_on(
     small_cell: CellProcesses, client: WatchingClient
 ) -> None:

@@ -15,10 +15,7 @@ from program_process import ProgramProcess
 
 from bt_orchestrator.model import events as e
 
-pytestmark = [
-    pytest.mark.timeout(150),
-    pytest.mark.skipif(why_not() is not None, reason=str(why_not())),
-]
+pytestmark = pytest.mark.skipif(why_not() is not None, reason=str(why_not()))
 
 ITEMS = 3
 
@@ -85,7 +82,7 @@ class Computers:
     def _has(self, kind: type[e.Event]) -> bool:
         return any(isinstance(event, kind) for event in journal(self._journal))
 
-    def _until(self, condition: Callable[[], bool], what: str, within_s: float = 30.0) -> None:
+    def _until(self, condition: Callable[[], bool], what: str, within_s: float = 60.0) -> None:
         deadline = time.monotonic() + within_s
         while not condition():
             assert time.monotonic() < deadline, f'waited {within_s:g} s for {what}'

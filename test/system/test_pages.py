@@ -30,7 +30,6 @@ def reader(tmp_path: Path) -> Iterator[PageReader]:
     reader.close()
 
 
-@pytest.mark.timeout(180)
 @pytest.mark.parametrize('page', PAGES)
 def test_a_page_can_be_followed(page: str, reader: PageReader) -> None:
     for one in typed(ROOT / page):

@@ -58,7 +58,6 @@ def reference_cell(start_cell: StartCell) -> CellProcesses:
     return cell
 
 
-@pytest.mark.timeout(120)
 def test_fifty_items_are_packed_in_the_order_of_the_virtual_run(
     reference_cell: CellProcesses,
 ) -> None:
@@ -77,7 +76,6 @@ def test_fifty_items_are_packed_in_the_order_of_the_virtual_run(
     reference_cell.stop()
 
 
-@pytest.mark.timeout(120)
 def test_every_goal_of_the_event_stream_was_executed_once(reference_cell: CellProcesses) -> None:
     watch = reference_cell.watch
     watch.submit(SCRIPT, quantity=3, params={'label': 'A7'})
