@@ -43,6 +43,28 @@ def unusable_otherwise(path: Path) -> Iterator[None]:
         ) from error
 
 
+def has_log(path: Path) -> bool:
+    """Tell whether events may be in the write-ahead log beside a journal, and not yet in it."""
+    journal = path.resolve()
+    log = journal.with_name(journal.name + '-wal')
+    return log.exists() and log.stat().st_size > 0
+
+
+def unchanging(path: Path) -> sqlite3.Connection:
+    """Open a journal that nobody writes, and change no byte of it, nor of the files beside it.
+
+    SQLite's read-only mode still makes or changes the index of the log beside a journal. Without
+    a log the file is opened as one that cannot change. With one, SQLite keeps the index in memory
+    if it has the file to itself; it asks for no lock, for it gets none on what it only reads.
+    """
+    uri = f'{path.resolve().as_uri()}?mode=ro'
+    if not has_log(path):
+        return sqlite3.connect(f'{uri}&immutable=1', uri=True)
+    database = sqlite3.connect(f'{uri}&vfs=unix-none', uri=True)
+    database.execute('PRAGMA locking_mode = EXCLUSIVE')
+    return database
+
+
 def pragma(database: sqlite3.Connection, name: str) -> int:
     """Return a number that SQLite keeps beside the tables."""
     return int(database.execute(f'PRAGMA {name}').fetchone()[0])

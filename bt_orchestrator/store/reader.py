@@ -5,12 +5,18 @@ from __future__ import annotations
 import json
 import sqlite3
 from collections.abc import Iterator, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from bt_orchestrator.model.history import JobRecord, job_from_plain
-from bt_orchestrator.store.database import JournalUnusable, unusable_otherwise
+from bt_orchestrator.store.database import (
+    JournalUnusable,
+    has_log,
+    unchanging,
+    unusable_otherwise,
+)
 from bt_orchestrator.store.schema import schema_of
 
 PAGE = 1000
@@ -67,6 +73,9 @@ class JournalReader:
         if not path.is_file():
             raise JournalUnusable(f'there is no journal {path}')
         with unusable_otherwise(path):
+            if not has_log(path):
+                with closing(unchanging(path)) as database:
+                    schema_of(database, path)
             self._database = _opened(path)
             try:
                 self._schema = schema_of(self._database, path)

@@ -71,11 +71,7 @@ def schema_of(database: sqlite3.Connection, path: Path) -> int:
 
 
 def bring_up_to_date(database: sqlite3.Connection, version: int) -> None:
-    """Make the tables of a new file, or those that an older one lacks.
-
-    Writes in any case, so that a file that cannot be written is known now and not at the first
-    event.
-    """
+    """Make the tables of a new file, or those that an older one lacks."""
     with transaction(database):
         for step in _STEPS[version:]:
             for statement in step:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import json
 import os
@@ -17,8 +18,13 @@ from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.history import JobRecord, job_to_plain
 from bt_orchestrator.ports import Snapshot
 from bt_orchestrator.store import retention, snapshots
-from bt_orchestrator.store.database import JournalUnusable, transaction, unusable_otherwise
-from bt_orchestrator.store.schema import bring_up_to_date, schema_of
+from bt_orchestrator.store.database import (
+    JournalUnusable,
+    transaction,
+    unchanging,
+    unusable_otherwise,
+)
+from bt_orchestrator.store.schema import SCHEMA, bring_up_to_date, schema_of
 
 SYNCHRONOUS = ('FULL', 'NORMAL')
 
@@ -29,6 +35,8 @@ class SqliteStore:
     One transaction an append, in WAL mode, so that others may read while it is written. A lock on
     a file beside it keeps a second orchestrator out for as long as this one lives, and is gone
     when its process is, however that ends.
+
+    A file is only read until the first write: whoever refuses what is in it has changed nothing.
     """
 
     def __init__(self, path: Path, *, synchronous: str = 'FULL') -> None:
@@ -42,10 +50,13 @@ class SqliteStore:
             known = ' or '.join(SYNCHRONOUS)
             raise JournalUnusable(f'a journal is written with {known}; found {synchronous!r}')
         self._path = path
+        self._synchronous = synchronous
         self._lock = _locked(path)
         try:
             with unusable_otherwise(path):
-                self._database = _opened(path, synchronous)
+                found = _found(path)
+                self._database = found or _opened(path, synchronous)
+                self._is_writable = found is None
         except BaseException:
             self._lock.close()
             raise
@@ -144,10 +155,18 @@ class SqliteStore:
     @contextmanager
     def _writing(self) -> Iterator[None]:
         try:
+            self._be_writable()
             with transaction(self._database):
                 yield
         except sqlite3.Error as error:
             raise JournalFailed(f'the journal {self._path} cannot be written: {error}') from error
+
+    def _be_writable(self) -> None:
+        if not self._is_writable:
+            database = _opened(self._path, self._synchronous)
+            self._database.close()
+            self._database = database
+            self._is_writable = True
 
 
 def _locked(path: Path) -> IO[str]:
@@ -181,13 +200,40 @@ def _sign(lock: IO[str]) -> None:
         pass
 
 
+def _found(path: Path) -> sqlite3.Connection | None:
+    """Open a journal of today for reading; None: it has to be made, or to be brought up to date.
+
+    :raises JournalUnusable: it is not ours, newer, or may not be written; an older one: damaged
+    """
+    if not path.exists() or not path.stat().st_size:
+        return None
+    if not (os.access(path, os.R_OK | os.W_OK) and os.access(path.parent, os.W_OK)):
+        raise JournalUnusable(f'the journal {path} cannot be opened: {os.strerror(errno.EACCES)}')
+    database = unchanging(path)
+    try:
+        version = schema_of(database, path)
+        if version == SCHEMA:
+            return database
+        # An older one is about to be changed, which takes longer than looking at all of it.
+        (found,) = database.execute('PRAGMA quick_check(1)').fetchone()
+        if found != 'ok':
+            raise JournalUnusable(f'the journal {path} cannot be used: {found}')
+    except BaseException:
+        database.close()
+        raise
+    database.close()
+    return None
+
+
 def _opened(path: Path, synchronous: str) -> sqlite3.Connection:
+    """Open a journal for writing, of today's schema from here on."""
     database = sqlite3.connect(path, isolation_level=None, timeout=10.0)
     try:
         version = schema_of(database, path)
         database.execute('PRAGMA journal_mode = WAL')
         database.execute(f'PRAGMA synchronous = {synchronous}')
-        bring_up_to_date(database, version)
+        if version < SCHEMA:
+            bring_up_to_date(database, version)
     except BaseException:
         database.close()
         raise

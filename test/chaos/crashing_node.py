@@ -44,7 +44,7 @@ class CrashPoint:
 
     def arm(self) -> None:
         """Put itself behind, or before, the step."""
-        _after_init(Orchestrator, self._note)
+        _after(Orchestrator, '__init__', self._note)
         _ARM[self._point](self)
 
     def after(self, kind: type, method: str) -> None:
@@ -60,8 +60,10 @@ class CrashPoint:
 
     def before_each_commit(self) -> None:
         """Be passed before SQLite carries out a COMMIT of events."""
-        _after_init(
-            SqliteStore, lambda store: store._database.set_trace_callback(self._read_statement)
+        _after(
+            SqliteStore,
+            '_be_writable',
+            lambda store: store._database.set_trace_callback(self._read_statement),
         )
 
     def _note(self, engine: Orchestrator) -> None:
@@ -81,14 +83,15 @@ class CrashPoint:
         os.kill(os.getpid(), signal.SIGKILL)
 
 
-def _after_init(kind: type, then: Callable[[Any], None]) -> None:
-    original = kind.__init__  # type: ignore[misc]
+def _after(kind: type, method: str, then: Callable[[Any], None]) -> None:
+    """Do something with an object after each call of its method."""
+    original = getattr(kind, method)
 
-    def init(made: Any, *args: Any, **options: Any) -> None:
+    def called(made: Any, *args: Any, **options: Any) -> None:
         original(made, *args, **options)
         then(made)
 
-    kind.__init__ = init  # type: ignore[misc]
+    setattr(kind, method, called)
 
 
 _ARM: dict[str, Callable[[CrashPoint], None]] = {
