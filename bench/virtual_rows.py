@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import statistics
 import tempfile
 import time
 from collections.abc import Callable, Iterator
@@ -13,6 +14,7 @@ from fakes.long_journal import make_long_journal
 
 from bench.line_files import cell_text, few_working_text, script_text
 from bench.rows import Row
+from bench.whole_start import process_s
 from bt_orchestrator.cli.bootstrap import installed_types
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.proof.deadlock import deadlock
@@ -107,10 +109,21 @@ def restart(rounds: int, events: int) -> Iterator[Row]:
         part.unlink(missing_ok=True)
         make_long_journal(part, events)
         part.rename(kept)
-    with tempfile.TemporaryDirectory(prefix='bench_') as folder:
-        pairs = [(_start_s(kept), _start_s(Path(folder, f'{n}.sqlite3'))) for n in range(rounds)]
+    with tempfile.TemporaryDirectory(prefix='bench_') as name:
+        folder = Path(name)
+        pairs = [(_start_s(kept), _start_s(folder / f'{n}.sqlite3')) for n in range(rounds)]
+        whole = [
+            (process_s(kept, folder), process_s(folder / f'whole_{n}.sqlite3', folder))
+            for n in range(rounds)
+        ]
     ratios = [long / empty for long, empty in pairs]
-    notes = {'events': events, 'long, ms': pairs[-1][0] * 1e3, 'empty, ms': pairs[-1][1] * 1e3}
+    notes = {
+        'events': events,
+        'long, ms': pairs[-1][0] * 1e3,
+        'empty, ms': pairs[-1][1] * 1e3,
+        'whole process, long, s': statistics.median(long for long, _ in whole),
+        'whole process, empty, s': statistics.median(empty for _, empty in whole),
+    }
     yield Row('restart', ratios, notes)
 
 

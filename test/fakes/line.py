@@ -64,7 +64,9 @@ class Line:
         places['lamp'] = ''
         text = [_belt(sections, belt), 'components:']
         text += [_component(name, place, name in topics) for name, place in places.items()]
-        cell = parse_cell('\n'.join(text), 'cell.yaml', TYPES)
+        self.text = '\n'.join(text)
+        """The cell file, without what the other arguments say."""
+        cell = parse_cell(self.text, 'cell.yaml', TYPES)
         self.types = TYPES
         self.cell = _adapted(cell, seconds or {}, faults or {}, results or {})
 
