@@ -50,5 +50,6 @@ def call_and_print(args: argparse.Namespace, kind: Any, service: str, request: A
     request.origin = origin()
     with NodeClient(args.node, args.timeout) as client:
         response = client.call(kind, service, request)
-    print(response.message, file=sys.stdout if response.accepted else sys.stderr)
+        # Before it leaves the graph: what the node has done is told, whatever becomes of that.
+        print(response.message, file=sys.stdout if response.accepted else sys.stderr, flush=True)
     return 0 if response.accepted else 1

@@ -38,7 +38,9 @@ class NodeClient:
 
     def __enter__(self) -> NodeClient:
         rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-        self._node = Node('bt_orchestrator_client', start_parameter_services=False)
+        self._node = Node(
+            'bt_orchestrator_client', start_parameter_services=False, enable_rosout=False
+        )
         self._executor = SingleThreadedExecutor()
         self._executor.add_node(self._node)
         return self
