@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import threading
-from typing import Any
-
-from rclpy.context import Context
 from rclpy.executors import Executor, SingleThreadedExecutor
-from rclpy.guard_condition import GuardCondition
 from rclpy.task import Future
 
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.node_parameters import SINGLE
+from bt_orchestrator.ros.lean_executor import LeanExecutor
 
 MOMENT_S = 0.1
 """Longest time for which an EventsExecutor spins without looking up."""
@@ -19,40 +15,6 @@ MOMENT_S = 0.1
 
 class NoEventsExecutor(OrchestratorError):
     """The rclpy of this ROS 2 distribution has none."""
-
-
-class LeanExecutor(SingleThreadedExecutor):
-    """rclpy's executor for one thread, without the turns in which nothing can be ready.
-
-    rclpy wakes its executor twice in each callback, for threads that might wait meanwhile. Here
-    none does: the thread that would be woken is the one that runs the callback. But its next wait
-    then returns at once with nothing, and each wait asks every entity of the node.
-    """
-
-    def __init__(self, *, context: Context | None = None) -> None:
-        super().__init__(context=context)
-        assert self._guard is not None
-        self._guard.destroy()
-        self._guard = self._others = _GuardForOthers(context)
-
-    def wait_for_ready_callbacks(self, *args: Any, **kwargs: Any) -> Any:
-        """Return the next callback to run; tasks that were made meanwhile come before a wait."""
-        self._others.spinner = threading.get_ident()
-        return super().wait_for_ready_callbacks(*args, **kwargs)
-
-
-class _GuardForOthers(GuardCondition):
-    """Wakes the executor, unless it is the executor's own thread that asks for it."""
-
-    def __init__(self, context: Context | None) -> None:
-        super().__init__(callback=None, callback_group=None, context=context)
-        self.spinner: int | None = None
-        """The thread that waits, and looks for tasks before it does."""
-
-    def trigger(self) -> None:
-        """Wake a wait in another thread."""
-        if threading.get_ident() != self.spinner:
-            super().trigger()
 
 
 def make_executor(kind: str) -> Executor:

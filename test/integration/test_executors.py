@@ -9,12 +9,16 @@ from typing import Any
 
 import pytest
 import rclpy
+from rclpy.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup
 from rclpy.context import Context
 from rclpy.executors import Executor, SingleThreadedExecutor
 from rclpy.node import Node
+from rclpy.task import Future
+from rclpy.timer import Timer
 from rclpy.waitable import NumberOfEntities, Waitable
 
-from bt_orchestrator.ros.executors import LeanExecutor, spin_once
+from bt_orchestrator.ros.executors import spin_once
+from bt_orchestrator.ros.lean_executor import LeanExecutor
 
 PATIENCE_S = 60.0
 
@@ -22,8 +26,8 @@ PATIENCE_S = 60.0
 class WaitCounter(Waitable):  # type: ignore[type-arg] # no Generic in Jazzy's rclpy
     """Is never ready, and counts how often an executor asked."""
 
-    def __init__(self, node: Node) -> None:
-        super().__init__(node.default_callback_group)
+    def __init__(self, node: Node, group: CallbackGroup | None = None) -> None:
+        super().__init__(group or node.default_callback_group)
         self.waits = 0
         node.add_waitable(self)
 
@@ -69,6 +73,12 @@ def spin_until(executor: Executor, condition: Callable[[], Any], what: str) -> N
     while not condition():
         assert time.monotonic() < deadline, what
         spin_once(executor, 1.0)
+
+
+def wait_until_ready(*timers: Timer) -> None:
+    deadline = time.monotonic() + PATIENCE_S
+    while not all(timer.is_ready() for timer in timers):
+        assert time.monotonic() < deadline
 
 
 def waits_for_callbacks(executor: Executor, node: Node, callbacks: int) -> int:
@@ -125,6 +135,126 @@ class TestLeanExecutor:
         executor.add_node(node)
         spin_until(executor, lambda: seen, 'the task')
         assert seen == [0]
+
+    def test_a_task_made_in_a_task_comes_before_the_next_wait(
+        self, executor: LeanExecutor, node: Node
+    ) -> None:
+        seen: list[int] = []
+        counter = WaitCounter(node)
+        executor.add_node(node)
+        spin_until(executor, lambda: counter.waits, 'the entities')
+
+        def call() -> None:
+            waits = counter.waits
+            executor.create_task(lambda: seen.append(counter.waits - waits))
+
+        executor.create_task(call)
+        spin_until(executor, lambda: seen, 'the task')
+        assert seen == [0]
+
+    def test_what_a_node_gets_later_is_waited_for_and_what_it_loses_is_not(
+        self, executor: LeanExecutor, node: Node
+    ) -> None:
+        executor.add_node(node)
+        called: list[str] = []
+        first = node.create_timer(0.01, lambda: called.append('first'))
+        spin_until(executor, lambda: called, 'the first timer')
+        node.destroy_timer(first)
+        node.create_timer(0.01, lambda: called.append('second'))
+        called.clear()
+        spin_until(executor, lambda: len(called) > 2, 'the second timer')
+        assert set(called) == {'second'}
+
+    def test_what_is_destroyed_while_it_is_ready_does_not_run(
+        self, executor: LeanExecutor, node: Node
+    ) -> None:
+        called: list[Any] = []
+        timers: list[Any] = []
+
+        def only_one() -> None:
+            called.append(1)
+            node.destroy_timer(timers[1])
+            timers[0].cancel()
+
+        timers += [node.create_timer(0.01, only_one), node.create_timer(0.01, only_one)]
+        node.create_timer(0.1, lambda: called.append('later'))
+        executor.add_node(node)
+        wait_until_ready(*timers)
+        spin_until(executor, lambda: 'later' in called, 'the last timer')
+        assert called == [1, 'later']
+
+    def test_a_callback_that_awaits_keeps_its_group_to_itself_and_does_not_spin(
+        self, executor: LeanExecutor, node: Node
+    ) -> None:
+        future: Future[str] = Future(executor=executor)
+        called: list[str] = []
+        other = MutuallyExclusiveCallbackGroup()
+        counter = WaitCounter(node, other)
+
+        async def wait_long() -> None:
+            first.cancel()
+            called.append('begins')
+            called.append(await future or '')
+
+        def end_it() -> None:
+            called.append('others')
+            if called.count('others') == 3:
+                future.set_result('ends')
+
+        wait: Any = wait_long
+        first = node.create_timer(0.01, wait)
+        node.create_timer(0.02, lambda: called.append('same group'))
+        node.create_timer(0.1, end_it, callback_group=other)
+        executor.add_node(node)
+        spin_until(executor, lambda: called[-1:] == ['same group'], 'the group to be free')
+        assert called == ['begins', 'others', 'others', 'others', 'ends', 'same group']
+        assert counter.waits < 10
+
+    def test_a_guard_condition_runs_once_whenever_it_is_triggered(
+        self, executor: LeanExecutor, node: Node
+    ) -> None:
+        called: list[int] = []
+        guard = node.create_guard_condition(lambda: called.append(1))
+        executor.add_node(node)
+        for times in (1, 2):
+            guard.trigger()
+            spin_until(executor, lambda: len(called) >= times, 'the guard')  # noqa: B023
+            spin_once(executor, 0.02)
+            assert len(called) == times
+
+    def test_a_guard_condition_is_not_lost_when_entities_change(
+        self, executor: LeanExecutor, node: Node
+    ) -> None:
+        called: list[int] = []
+        guard = node.create_guard_condition(lambda: called.append(1))
+
+        def change() -> None:
+            timer.cancel()
+            node.create_timer(100.0, called.clear)
+
+        timer = node.create_timer(0.01, change)
+        executor.add_node(node)
+        wait_until_ready(timer)
+        guard.trigger()
+        spin_until(executor, lambda: called, 'the guard')
+
+    def test_gives_up_in_time(self, executor: LeanExecutor, node: Node) -> None:
+        executor.add_node(node)
+        spin_once(executor, 0.0)
+        began = time.monotonic()
+        spin_once(executor, 0.2)
+        assert 0.2 <= time.monotonic() - began < PATIENCE_S
+
+    def test_a_future_ends_its_spinning(self, executor: LeanExecutor, node: Node) -> None:
+        executor.add_node(node)
+        future: Future[int] = Future()
+        thread = threading.Timer(0.2, lambda: future.set_result(1))
+        thread.start()
+        began = time.monotonic()
+        executor.spin_until_future_complete(future, timeout_sec=PATIENCE_S)
+        thread.join()
+        assert future.done()
+        assert time.monotonic() < began + PATIENCE_S
 
     def test_a_task_made_between_spins_is_run(self, executor: LeanExecutor, node: Node) -> None:
         executor.add_node(node)
