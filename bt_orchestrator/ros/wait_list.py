@@ -44,7 +44,12 @@ class WaitList:
 
         :param own: guard conditions of the executor, which end a wait and have no callback
         """
-        members = [Member(*one) for node in nodes for one in _entities(node)]
+        members = [
+            Member(kind, entity, node)
+            for node in nodes
+            for kind, entities in _kinds(node)
+            for entity in entities
+        ]
         self._entities = [one.entity for one in members]
         self._groups = {one.entity.callback_group: one.entity for one in members}
         self._waitables = [one for one in members if one.kind == WAITABLE]
@@ -57,7 +62,9 @@ class WaitList:
 
     def is_of(self, nodes: Sequence[Node]) -> bool:
         """Tell whether the nodes still have these entities, and no others."""
-        return self._entities == [entity for node in nodes for _, entity, _ in _entities(node)]
+        return self._entities == [
+            entity for node in nodes for _, entities in _kinds(node) for entity in entities
+        ]
 
     def wait(self, timeout_ns: int) -> list[Member]:
         """Wait until something is ready, and return that in the order in which it is to run.
@@ -118,9 +125,9 @@ class _Part:
         )
 
 
-def _entities(node: Node) -> Iterator[tuple[str, Any, Node]]:
-    """Yield what can become ready, in the order in which it is to run."""
-    kinds = (
+def _kinds(node: Node) -> Sequence[tuple[str, Iterator[Any]]]:
+    """Return the entities of a node that can become ready, in the order in which they run."""
+    return (
         (WAITABLE, node.waitables),
         ('timer', node.timers),
         ('subscription', node.subscriptions),
@@ -128,9 +135,6 @@ def _entities(node: Node) -> Iterator[tuple[str, Any, Node]]:
         ('client', node.clients),
         ('service', node.services),
     )
-    for kind, entities in kinds:
-        for entity in entities:
-            yield kind, entity, node
 
 
 def _wait_set(members: Sequence[Member], guards: int, context: Any) -> Any:
