@@ -13,7 +13,7 @@ from bt_orchestrator.ros.messages import to_plain
 
 
 class RosGoal:
-    """States as in `ports.Goal`, which it implements. Only its `ActionLink` changes it."""
+    """States as in `ports.Goal`, which it implements. Only parts of its `ActionLink` change it."""
 
     __slots__ = (
         '_cancel',

@@ -207,7 +207,7 @@ class TestBounds:
         assert nothing_left(client(cell, 'hanging')) == {}
 
     def test_requests_without_answer_are_forgotten(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr('bt_orchestrator.ros.action_link._MOST_UNANSWERED', 3)
+        monkeypatch.setattr('bt_orchestrator.ros.open_goals._MOST_UNANSWERED', 3)
         bench = running_bench([component('mute', '#*=mute')])
         try:
             goals = [bench.gateway.send(goal_request('mute')) for _ in range(8)]
@@ -226,7 +226,7 @@ class TestErrors:
             raise RuntimeError('unreadable')
 
         with monkeypatch.context() as patch:
-            patch.setattr('bt_orchestrator.ros.action_link.to_plain', fail)
+            patch.setattr('bt_orchestrator.ros.goal_follower.to_plain', fail)
             goal = cell.gateway.send(goal_request('good'))
             assert ended(cell, goal) is GoalStatus.LOST
             assert goal.end is not None

@@ -26,8 +26,8 @@ SILENCE_S = 2.0
 
 @pytest.fixture(autouse=True)
 def hurry(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr('bt_orchestrator.ros.action_link.RESULT_CHECK_S', CHECK_S)
-    monkeypatch.setattr('bt_orchestrator.ros.action_link.SILENCE_S', SILENCE_S)
+    monkeypatch.setattr('bt_orchestrator.ros.server_watch.RESULT_CHECK_S', CHECK_S)
+    monkeypatch.setattr('bt_orchestrator.ros.server_watch.SILENCE_S', SILENCE_S)
 
 
 @pytest.fixture

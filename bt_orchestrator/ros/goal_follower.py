@@ -1,0 +1,167 @@
+"""What is heard of goals after they were sent."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import partial
+from typing import Any
+
+from action_msgs.msg import GoalStatus as WireStatus
+from rclpy.impl.rcutils_logger import RcutilsLogger
+
+from bt_orchestrator.model.goal import REQUEST_CHECKS, GoalStatus
+from bt_orchestrator.ros.callbacks import report
+from bt_orchestrator.ros.goal import RosGoal
+from bt_orchestrator.ros.goal_client import GoalClient
+from bt_orchestrator.ros.messages import to_plain
+from bt_orchestrator.ros.open_goals import GIVEN_UP, OpenGoals
+from bt_orchestrator.ros.renewable_client import RenewableClient
+from bt_orchestrator.ros.seen_server import SeenServer
+
+_ENDS = {
+    WireStatus.STATUS_SUCCEEDED: GoalStatus.SUCCEEDED,
+    WireStatus.STATUS_ABORTED: GoalStatus.ABORTED,
+    WireStatus.STATUS_CANCELED: GoalStatus.CANCELED,
+}
+
+
+class GoalFollower:
+    """Hears of goals by answer, status, feedback and result, and asks for the result by UUID.
+
+    Whatever comes for a goal that has ended is dropped; a late yes to a request is cancelled, so
+    that no goal is orphaned (semantics 2.4).
+    """
+
+    def __init__(
+        self,
+        clients: RenewableClient,
+        goals: OpenGoals,
+        server: SeenServer,
+        now: Callable[[], float],
+        logger: RcutilsLogger,
+    ) -> None:
+        """Follow no goal yet.
+
+        :param now: seconds of the node's clock, for feedback
+        """
+        self._clients = clients
+        self._goals = goals
+        self._server = server
+        self._now = now
+        self._logger = logger
+
+    @property
+    def _client(self) -> GoalClient:
+        return self._clients.current
+
+    def expect(self, goal: RosGoal) -> None:
+        """Hear from the server's status topic that it has the goal."""
+        self._client.expect(goal.id, partial(self._on_listed, goal))
+
+    def follow_again(self, goal: RosGoal) -> None:
+        """Hear through the renewed client of a goal that the former one sent."""
+        self.expect(goal)
+        self._client.follow(goal.id, partial(self.on_feedback, goal))
+
+    def ask(self, goal: RosGoal, *, is_check: bool) -> None:
+        """Ask for the result.
+
+        :param is_check: whether the server must know the goal by now; the question that follows
+            an acceptance at once may overtake the server's own book-keeping
+        """
+        self._client.ask_result(goal.id, partial(self._on_result, goal, is_check))
+
+    def repeat_cancel(self, goal: RosGoal) -> None:
+        """Cancel by its UUID a goal that is to be cancelled; no acceptance may ever come."""
+        if goal.cancel_requested:
+            self._client.request_cancel(goal.id)
+
+    def listed_end(self, goal: RosGoal) -> str:
+        """Return what else is known of a goal whose result does not come, to end a message."""
+        end = self._client.listed_end(goal.id)
+        return f'; its status topic says that the goal {end}' if end else ''
+
+    # --- what comes -------------------------------------------------------------------------
+
+    def on_response(self, goal: RosGoal, response: Any) -> None:
+        """Take the answer to the request.
+
+        :param response: the future of the answer
+        """
+        with self._failures_end(goal):
+            accepted = bool(response.result().accepted)
+            if goal.end is not None:
+                self._on_late_response(goal, response, accepted)
+            elif not accepted:
+                # It may have this UUID already: then it is no rejection (semantics 9.2).
+                goal.refused = True
+                self.ask(goal, is_check=True)
+            else:
+                self._on_accepted(goal)
+
+    def on_feedback(self, goal: RosGoal, message: Any) -> None:
+        """Take a feedback message."""
+        if goal.end is None:
+            goal.keep_feedback(self._now(), message.feedback)
+
+    def _on_listed(self, goal: RosGoal, runs: bool) -> None:
+        goal.listed = True
+        if runs or not goal.adopted:
+            self._on_accepted(goal)
+
+    def _on_accepted(self, goal: RosGoal) -> None:
+        if goal.accepted or goal.end is not None:
+            return
+        self._goals.accept(goal)
+        # Now, while the goal runs, rather than before the next one, which somebody waits for.
+        self._server.look()
+        self.ask(goal, is_check=False)
+        self.repeat_cancel(goal)
+
+    def _on_late_response(self, goal: RosGoal, response: Any, accepted: bool) -> None:
+        self._goals.answered_late(response)
+        if accepted and goal.end is not None and goal.end.status in GIVEN_UP:
+            text = f'goal {goal.request.id} was accepted after it was given up; it is cancelled'
+            self._logger.warning(text)
+            self._client.request_cancel(goal.id)
+
+    def _on_result(self, goal: RosGoal, is_check: bool, response: Any) -> None:
+        with self._failures_end(goal):
+            if goal.end is not None:
+                return
+            if response.status in _ENDS:
+                goal.accepted = True
+                self._goals.end(goal, _ENDS[response.status], result=to_plain(response.result))
+            elif response.status == WireStatus.STATUS_UNKNOWN and is_check:
+                self._on_unknown(goal)
+
+    def _on_unknown(self, goal: RosGoal) -> None:
+        goal.heard_s = time.monotonic()
+        goal.unknown_count += 1
+        believed = 1 if goal.accepted else REQUEST_CHECKS
+        if goal.refused:
+            self._goals.end(goal, GoalStatus.REJECTED, message='refused by the server')
+        elif goal.unknown_count >= believed:
+            message = f'the server does not know the goal (any more){self.listed_end(goal)}'
+            denier = self._denier(goal)
+            self._goals.end(goal, GoalStatus.LOST, message=message, denied_by=denier)
+        else:
+            goal.denied_by = self._client.server_id()
+
+    def _denier(self, goal: RosGoal) -> str | None:
+        """Return which server does not know a goal, if it was there at both answers."""
+        there = self._client.server_id()
+        return there if there == goal.denied_by else None
+
+    @contextmanager
+    def _failures_end(self, goal: RosGoal) -> Iterator[None]:
+        """Let a goal end of which something came that cannot be handled: nobody knows its end."""
+        try:
+            yield
+        except Exception as error:  # noqa: BLE001 - whatever it is, the other goals go on
+            report(self._logger)
+            if goal.end is None:
+                message = f'error while handling the answer of the server: {error}'
+                self._goals.end(goal, GoalStatus.LOST, message=message)
