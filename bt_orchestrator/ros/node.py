@@ -82,10 +82,8 @@ class TreeNode:
         """
         self.node = node
         self.parameters = declare(node, defaults)
-        if self.parameters.cell is None:
-            raise NoCell('no cell is named: give --cell CELL, or the parameter cell')
         types = InstalledActionTypes()
-        cell = read_cell(self.parameters.cell, types)
+        cell = _read_cell(self.parameters, types)
         self.executor: Executor = make_executor(self.parameters.executor)
         self.heart = Heart(node, self.executor)
         self._gateway = RosGateway(
@@ -94,39 +92,17 @@ class TreeNode:
         self._durations = ObservedDurations()
         self._journal = _open_journal(self.parameters, parts)
         store = self._journal or parts.make_memory_store()
-        self.orchestrator = Orchestrator(
-            cell,
-            self._gateway,
-            RosClock(node),
-            store,
-            [EventsTopic(node), self._durations],
-            wake=self.heart.wake,
-            auto_start=self.parameters.auto_start,
-            auto_resume=self.parameters.auto_resume,
-        )
+        self.orchestrator = self._engine(cell, store)
         self._housekeeping = self._keep_house()
-        orders = OrderReader(self.orchestrator.state, types, self.parameters.trees)
-        Services(node, self.orchestrator)
-        QueueServices(node, self.orchestrator, orders)
-        self._run_job = RunJobServer(node, self.orchestrator, orders)
-        self.orchestrator.add_sink(self._run_job)
-        EventsService(node, self.orchestrator.state, store)
+        self._run_job = self._take_requests(types, store)
         pulse = Pulse(node)
         self._expected = self._look_ahead(parts, pulse)
-        self._status = StatusTopic(node, self.orchestrator, self._expected, pulse)
-        self.orchestrator.add_sink(self._status)
-        Diagnostics(node, self.orchestrator, self.heart, pulse)
+        self._status = self._show(pulse)
         self._ticks = TickStatistics()
         self._inspected = start_inspection(
             node, self.orchestrator, self._ticks, self.parameters.inspection
         )
         self.executor.add_node(node)
-
-    def _look_ahead(self, parts: Parts, pulse: Pulse) -> ExpectedEnds | None:
-        if not self.parameters.expected_end:
-            return None
-        foresight = parts.make_foresight(self.orchestrator.state.cell)
-        return ExpectedEnds(self.node, self.orchestrator, self._durations, foresight, pulse)
 
     @property
     def ready_line(self) -> str:
@@ -174,11 +150,45 @@ class TreeNode:
         self.executor.shutdown()
         self.node.destroy_node()
 
+    def _engine(self, cell: Cell, store: EventStore) -> Orchestrator:
+        return Orchestrator(
+            cell,
+            self._gateway,
+            RosClock(self.node),
+            store,
+            [EventsTopic(self.node), self._durations],
+            wake=self.heart.wake,
+            auto_start=self.parameters.auto_start,
+            auto_resume=self.parameters.auto_resume,
+        )
+
     def _keep_house(self) -> Housekeeping | None:
         if self._journal is None:
             return None
         keep_jobs = self.parameters.journal_keep_jobs
         return Housekeeping(self.orchestrator.state, self._journal, keep_jobs)
+
+    def _take_requests(self, types: InstalledActionTypes, store: EventStore) -> RunJobServer:
+        """Offer the services and the action, which has to be destroyed."""
+        orders = OrderReader(self.orchestrator.state, types, self.parameters.trees)
+        Services(self.node, self.orchestrator)
+        QueueServices(self.node, self.orchestrator, orders)
+        EventsService(self.node, self.orchestrator.state, store)
+        run_job = RunJobServer(self.node, self.orchestrator, orders)
+        self.orchestrator.add_sink(run_job)
+        return run_job
+
+    def _look_ahead(self, parts: Parts, pulse: Pulse) -> ExpectedEnds | None:
+        if not self.parameters.expected_end:
+            return None
+        foresight = parts.make_foresight(self.orchestrator.state.cell)
+        return ExpectedEnds(self.node, self.orchestrator, self._durations, foresight, pulse)
+
+    def _show(self, pulse: Pulse) -> StatusTopic:
+        status = StatusTopic(self.node, self.orchestrator, self._expected, pulse)
+        self.orchestrator.add_sink(status)
+        Diagnostics(self.node, self.orchestrator, self.heart, pulse)
+        return status
 
     def _beat(self, settle: Callable[[], bool]) -> None:
         happened = settle()
@@ -240,6 +250,12 @@ def run_node(
             cell.close()
     finally:
         rclpy.try_shutdown()
+
+
+def _read_cell(parameters: NodeParameters, types: InstalledActionTypes) -> Cell:
+    if parameters.cell is None:
+        raise NoCell('no cell is named: give --cell CELL, or the parameter cell')
+    return read_cell(parameters.cell, types)
 
 
 def _open_journal(parameters: NodeParameters, parts: Parts) -> Journal | None:
