@@ -104,16 +104,9 @@ class NodeWatcher:
 
     # --- asking -------------------------------------------------------------------------------
 
-    def submit(
-        self,
-        script: Path | str,
-        *,
-        quantity: int = 1,
-        order: str = 'WO-1',
-        params: Mapping[str, str] | None = None,
-    ) -> Any:
-        """Submit an order, which must be accepted."""
-        response = self.ask_submit(script, quantity=quantity, order=order, params=params)
+    def submit(self, script: Path | str, **fields: Any) -> Any:
+        """Submit an order as `ask_submit` does; it must be accepted."""
+        response = self.ask_submit(script, **fields)
         assert response.accepted, [response.message, *response.findings]
         return response
 

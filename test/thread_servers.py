@@ -13,6 +13,23 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
 from rclpy.node import Node
+from rclpy.task import Future
+
+
+class LateYes:
+    """Decides on goals of such a server, but not before it is told to."""
+
+    def __init__(self) -> None:
+        self._told: Future[None] = Future()
+
+    async def decide(self, goal: Any) -> GoalResponse:
+        """Wait, for `ThreadServers.serve`."""
+        await self._told
+        return GoalResponse.ACCEPT
+
+    def say(self) -> None:
+        """Accept the goals that were asked for, and all that come."""
+        self._told.set_result(None)
 
 
 class ThreadServers:

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import IO
 
 from bt_orchestrator.cli.journal_output import OUTPUTS
-from bt_orchestrator.cli.moments import moment
+from bt_orchestrator.cli.moments import add_period_options
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.stop_signals import StopSignals
@@ -50,16 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar='NAME',
         help='with --journal: of this name only, task. for all of tasks; may be repeated',
     )
-    parser.add_argument(
-        '--from',
-        dest='since',
-        type=moment,
-        metavar='TIME',
-        help='with --journal: from this time on, for instance 2026-05-17T14:30',
-    )
-    parser.add_argument(
-        '--to', dest='until', type=moment, metavar='TIME', help='with --journal: up to this time'
-    )
+    add_period_options(parser, 'with --journal:')
     parser.add_argument(
         '--follow', action='store_true', help='with --journal: go on with what is added to it'
     )

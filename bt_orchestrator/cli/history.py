@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from datetime import datetime
 from pathlib import Path
 
-from bt_orchestrator.cli.moments import moment
+from bt_orchestrator.cli.moments import add_period_options
 from bt_orchestrator.cli.tables import table
 from bt_orchestrator.model.history import FOLLOWED, History, JobRecord, job_to_plain
 from bt_orchestrator.store.reader import JournalReader, Wanted
@@ -30,16 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--job', metavar='JOB', help='this job only')
     parser.add_argument('--items', action='store_true', help='also every item, with its results')
     parser.add_argument('--json', action='store_true', help='one JSON object a job and line')
-    parser.add_argument(
-        '--from',
-        dest='since',
-        type=moment,
-        metavar='TIME',
-        help='jobs queued from this time on, for instance 2026-05-17T14:30',
-    )
-    parser.add_argument(
-        '--to', dest='until', type=moment, metavar='TIME', help='jobs queued up to this time'
-    )
+    add_period_options(parser, 'jobs queued')
 
 
 def run(args: argparse.Namespace) -> int:

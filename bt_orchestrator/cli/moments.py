@@ -1,4 +1,4 @@
-"""Moments on the command line."""
+"""Moments and periods on the command line."""
 
 from __future__ import annotations
 
@@ -17,3 +17,20 @@ def moment(text: str) -> float:
         raise argparse.ArgumentTypeError(
             f'{text!r} is no time; write 2026-05-17, or 2026-05-17T14:30, with +02:00 or without'
         ) from error
+
+
+def add_period_options(parser: argparse.ArgumentParser, what: str) -> None:
+    """Declare `--from` and `--to`, which become `since` and `until`.
+
+    :param what: what they choose, to begin their help
+    """
+    parser.add_argument(
+        '--from',
+        dest='since',
+        type=moment,
+        metavar='TIME',
+        help=f'{what} from this time on, for instance 2026-05-17T14:30',
+    )
+    parser.add_argument(
+        '--to', dest='until', type=moment, metavar='TIME', help=f'{what} up to this time'
+    )

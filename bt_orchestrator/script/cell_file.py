@@ -9,8 +9,7 @@ from bt_orchestrator.model.cell import CONVEYOR, Cell, Component, Conveyor, OnFa
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.cell_keys import CELL, COMPONENT
 from bt_orchestrator.script.component_reader import ComponentReader
-from bt_orchestrator.script.composing import compose
-from bt_orchestrator.script.fields import Fields, fields_of
+from bt_orchestrator.script.fields import Fields, fields_of, file_fields
 from bt_orchestrator.script.names import check_name
 from bt_orchestrator.script.report import Report
 from bt_orchestrator.script.ros_names import check_token
@@ -32,9 +31,7 @@ def parse_cell(text: str, file: str, types: ActionTypes) -> Cell:
     :raises Refused: with every mistake in it
     """
     report = Report(file)
-    root = compose(text, report)
-    fields = fields_of(root, CELL, report) if root else None
-    cell = _CellReader(fields, report, types).cell() if fields else None
+    cell = _CellReader(file_fields(text, CELL, report), report, types).cell()
     report.refuse()
     if cell is None:
         raise Refused(report.findings)

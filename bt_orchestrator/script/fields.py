@@ -6,7 +6,8 @@ import math
 from collections.abc import Iterator
 from typing import cast
 
-from bt_orchestrator.script.composing import MERGE
+from bt_orchestrator.errors import Refused
+from bt_orchestrator.script.composing import MERGE, compose
 from bt_orchestrator.script.keys import Key, Kind, Table
 from bt_orchestrator.script.report import Place, Report, did_you_mean, listing, nearest
 from bt_orchestrator.script.yaml_nodes import (
@@ -243,6 +244,18 @@ def fields_of(node: Node, table: Table, report: Report) -> Fields | None:
     hint = f'write a mapping with the key{"s" if len(needed) > 1 else ""} {listing(needed)}'
     report.add(node.place, f'{table.name} must be a mapping, not {found(node)}', hint)
     return None
+
+
+def file_fields(text: str, table: Table, report: Report) -> Fields:
+    """Return a cursor over the mapping that is the text of a file.
+
+    :raises Refused: it is no mapping, or no YAML; with what the report has
+    """
+    root = compose(text, report)
+    fields = fields_of(root, table, report) if root else None
+    if fields is None:
+        raise Refused(report.findings)
+    return fields
 
 
 def _is_plausible(kind: Kind, node: Node) -> bool:

@@ -7,13 +7,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.action_type import ActionType
 from bt_orchestrator.model.order import Job, WorkOrder
 from bt_orchestrator.model.script import Parameter, Script
-from bt_orchestrator.script.composing import compose
 from bt_orchestrator.script.field_types import PARAMETER_TYPES, misfit
-from bt_orchestrator.script.fields import Fields, fields_of
+from bt_orchestrator.script.fields import Fields, file_fields
 from bt_orchestrator.script.keys import LARGEST_WHOLE
 from bt_orchestrator.script.names import check_order_id
 from bt_orchestrator.script.parameter_uses import misfitting_uses
@@ -61,10 +59,7 @@ def parse_order(text: str, file: str) -> OrderFile:
     :raises Refused: with every mistake in it
     """
     report = Report(file)
-    root = compose(text, report)
-    fields = fields_of(root, ORDER, report) if root else None
-    if fields is None:
-        raise Refused(report.findings)
+    fields = file_fields(text, ORDER, report)
     places = _places(fields)
     params = _params(fields, places, report)
     order_id = fields.text('order')

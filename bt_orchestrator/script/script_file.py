@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import (
     Dependency,
@@ -17,10 +16,9 @@ from bt_orchestrator.model.script import (
 )
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.balance_checks import check_balance
-from bt_orchestrator.script.composing import compose
 from bt_orchestrator.script.dependency_checks import DependencyReader
 from bt_orchestrator.script.drafts import ScriptDraft, SectionDraft
-from bt_orchestrator.script.fields import Fields, fields_of
+from bt_orchestrator.script.fields import Fields, file_fields
 from bt_orchestrator.script.names import check_id
 from bt_orchestrator.script.parameters import read_parameters
 from bt_orchestrator.script.report import Report
@@ -46,10 +44,7 @@ def parse_script(text: str, file: str, cell: Cell, types: ActionTypes) -> Script
     :raises Refused: with every mistake in it
     """
     report = Report(file)
-    root = compose(text, report)
-    fields = fields_of(root, SCRIPT, report) if root else None
-    if fields is None:
-        raise Refused(report.findings)
+    fields = file_fields(text, SCRIPT, report)
     script = _ScriptReader(fields, cell, types, report).read()
     report.refuse()
     return script

@@ -5,7 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
+import rclpy
+from rclpy.context import Context
 from thread_servers import ThreadServers
+
+
+@pytest.fixture
+def context() -> Iterator[Context]:
+    """Give a ROS context of its own, which a test may shut down itself."""
+    context = Context()
+    rclpy.init(context=context)
+    yield context
+    context.try_shutdown()
 
 
 @pytest.fixture

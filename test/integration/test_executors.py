@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-import rclpy
 from rclpy.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup
 from rclpy.context import Context
 from rclpy.executors import Executor, SingleThreadedExecutor
@@ -51,14 +50,6 @@ class WaitCounter(Waitable):  # type: ignore[type-arg] # no Generic in Jazzy's r
 
     def __exit__(self, *exception: object) -> None:
         pass
-
-
-@pytest.fixture
-def context() -> Iterator[Context]:
-    context = Context()
-    rclpy.init(context=context)
-    yield context
-    context.try_shutdown()
 
 
 @pytest.fixture

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 from uuid import UUID
 
 import pytest
-import rclpy
 from py_trees.behaviour import Behaviour
 from py_trees.behaviours import Failure, Running, Success
 from py_trees.common import Access, BlackBoxLevel, ParallelPolicy
@@ -128,14 +126,6 @@ def test_a_branch_that_is_not_ticked_says_nothing() -> None:
 
 
 # --- start ------------------------------------------------------------------------------------
-
-
-@pytest.fixture
-def context() -> Iterator[Context]:
-    context = Context()
-    rclpy.init(context=context)
-    yield context
-    context.shutdown()
 
 
 def start_on_node(context: Context, kind: str = 'builtin') -> list[str]:

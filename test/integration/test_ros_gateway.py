@@ -9,10 +9,8 @@ from typing import Any
 
 import pytest
 from contract.gateway_bench import component, goal_request
-from rclpy.action.server import GoalResponse
-from rclpy.task import Future
 from ros_bench import RosBench, running_bench
-from thread_servers import ThreadServers
+from thread_servers import LateYes, ThreadServers
 
 from bt_orchestrator.model.cell import Component
 from bt_orchestrator.model.goal import RESULT_CHECK_S, SERVER_LEASE_S, GoalStatus
@@ -121,12 +119,8 @@ class TestRequest:
     ) -> None:
         from bt_orchestrator_interfaces.action import Component as Action
 
-        decided: Future[None] = Future()
+        yes = LateYes()
         cancelled = threading.Event()
-
-        async def decide(goal: Any) -> GoalResponse:
-            await decided
-            return GoalResponse.ACCEPT
 
         def execute(handle: Any) -> Any:
             given_up = time.monotonic() + 25.0
@@ -137,11 +131,11 @@ class TestRequest:
                 handle.canceled()
             return Action.Result()
 
-        servers.serve('/slow/task', Action, execute, decide)
+        servers.serve('/slow/task', Action, execute, yes.decide)
         lost = bench.gateway.send(goal_request('slow'))
         assert ended(bench, lost) is GoalStatus.LOST
         end = lost.end
-        decided.set_result(None)
+        yes.say()
         bench.run_until(cancelled.is_set, 'the cancel request')
         assert lost.end is end
         assert not lost.accepted

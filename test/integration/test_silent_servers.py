@@ -10,10 +10,9 @@ from typing import Any
 import pytest
 from contract.gateway_bench import component, goal_request
 from mute_server import MuteServer
-from rclpy.action.server import ActionServer, GoalResponse
-from rclpy.task import Future
+from rclpy.action.server import ActionServer
 from ros_bench import RosBench, running_bench
-from thread_servers import ThreadServers
+from thread_servers import LateYes, ThreadServers
 
 from bt_orchestrator.model.goal import GoalStatus
 from bt_orchestrator.ros.action_link import ActionLink
@@ -60,17 +59,13 @@ def test_9_3_a_goal_that_ended_without_a_result_is_in_doubt(
 def test_9_3_a_request_that_nobody_answers_is_in_doubt_and_a_late_yes_cancelled(
     bench: RosBench, servers: ThreadServers
 ) -> None:
-    decided: Future[None] = Future()
+    yes = LateYes()
     cancelled = threading.Event()
 
-    async def decide(goal: Any) -> GoalResponse:
-        await decided
-        return GoalResponse.ACCEPT
-
-    serve(servers, 'stubborn', until=cancelled, decide=decide)
+    serve(servers, 'stubborn', until=cancelled, decide=yes.decide)
     goal = bench.gateway.send(goal_request('stubborn'))
     assert end_of(bench, goal).status is GoalStatus.SILENT
-    decided.set_result(None)
+    yes.say()
     bench.run_until(cancelled.is_set, 'the cancel request')
     assert not goal.accepted
 

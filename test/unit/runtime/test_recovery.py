@@ -97,6 +97,14 @@ def begun(world: World, script: Script, quantity: int = 3) -> Orchestrator:
     return orchestrator
 
 
+def killed_at_work(world: World, script: Script, quantity: int = 1) -> Orchestrator:
+    """Kill an orchestrator while the task `work` of its job runs, and return it."""
+    first = begun(world, script, quantity)
+    world.go_until_runs(first, 'work')
+    first.close()
+    return first
+
+
 def work_of(world: World) -> list[tuple[str | None, str]]:
     """Return what was done in all, as (item, task), in no order."""
     done = [event for event in world.store.read() if isinstance(event, e.TaskSucceeded)]
@@ -133,9 +141,7 @@ def test_9_2_killed_after_any_settle_the_job_ends_the_same(text: str) -> None:
 def test_9_2_without_auto_resume_nothing_new_starts_until_resume() -> None:
     line = Line()
     world = World(line.cell)
-    first = begun(world, line.script(THREE))
-    world.go_until_runs(first, 'work')
-    first.close()
+    first = killed_at_work(world, line.script(THREE), 3)
     running = [key.task for key in first.state.running]
     second = world.orchestrator(auto_resume=False)
     world.go(second)
@@ -159,9 +165,7 @@ def test_9_2_a_goal_that_its_server_does_not_know(repeatable: str, ends: bool) -
     line = Line(faults={'a2': '#1=die:0.5'})
     world = World(line.cell)
     script = line.script(with_section(2, f'- {{id: work, @a2, repeatable: {repeatable}}}'))
-    first = begun(world, script, 1)
-    world.go_until_runs(first, 'work')
-    first.close()
+    killed_at_work(world, script)
     world.clock.advance()  # the server dies
     world.clock.advance()  # and is back, knowing nothing
     second = world.orchestrator()
@@ -220,9 +224,7 @@ def test_9_2_how_long_it_remembers_stands_in_the_cell_file() -> None:
 def test_9_2_another_instance_of_the_server_proves_nothing() -> None:
     line = Line(faults={'a2': '#1=die:0.5'})
     world = World(line.cell)
-    first = begun(world, line.script(with_section(2, '- {id: work, @a2}')), 1)
-    world.go_until_runs(first, 'work')
-    first.close()
+    killed_at_work(world, line.script(with_section(2, '- {id: work, @a2}')))
     world.clock.advance()  # the server dies
     world.clock.advance()  # and is back at once, knowing nothing
     second = world.orchestrator()
@@ -235,9 +237,7 @@ def test_9_2_another_instance_of_the_server_proves_nothing() -> None:
 def test_9_2_a_cancelled_goal_stays_cancelled() -> None:
     line = Line(faults={'a2': '#1=hang'})
     world = World(line.cell)
-    first = begun(world, line.script(with_section(2, '- {id: work, @a2, timeout: 5.0}')), 1)
-    world.go_until_runs(first, 'work')
-    first.close()
+    killed_at_work(world, line.script(with_section(2, '- {id: work, @a2, timeout: 5.0}')))
     second = world.orchestrator()
     world.go(second)
     failed = [event.reason for event in world.events(e.TaskFailed)]  # type: ignore[attr-defined]
