@@ -136,77 +136,121 @@ def test_an_action_whose_order_is_wrong_ends_with_the_findings(small_cell: CellP
     small_cell.stop()
 
 
-def test_every_verb_about_jobs_on_a_line_that_runs(small_cell: CellProcesses) -> None:
-    watch, folder = small_cell.watch, small_cell.folder
+def run_long(cell: CellProcesses) -> None:
+    """Let a job run on the line that ends only when it is told to."""
+    cell.run_small(quantity=500, order='long')
+    cell.watch.until('item.removed')
 
-    def ask(verb: str, *words: str) -> None:
-        status, _, errors = run_verb(folder, *verb.split(), *words, *WHY)
-        assert status == 0, errors
 
-    def until(job: str, state: str) -> None:
-        def is_so(status: Any) -> bool:
-            return [f'{j.state}{j.substate}' for j in status.jobs if j.id == job] == [state]
+def ask(cell: CellProcesses, *words: str) -> None:
+    """Carry out a verb."""
+    status, _, errors = run_verb(cell.folder, *words, *WHY)
+    assert status == 0, errors
 
-        watch.until_status(is_so, f'{job} to be {state}')
 
-    small_cell.run_small(quantity=500, order='long')
-    watch.until('item.removed')
-    assert run_verb(folder, 'submit', *order_files(small_cell, 'a', 'b'))[0] == 0
-    assert run_verb(folder, 'queue', 'add', *order_files(small_cell, 'c'), '--held')[0] == 0
-    ask('queue next', 'c')
+def ask_to_begin(cell: CellProcesses) -> None:
+    for verb in ('reset', 'start'):
+        ask(cell, verb)
+
+
+def pause(cell: CellProcesses, job: str) -> None:
+    """Pause the job that runs, and wait until its items have left the line."""
+    ask(cell, 'queue', 'pause', job)
+    until_job(cell, job, 'InterruptedSuspended')
+    cell.watch.until_status(lambda s: not any(x.slot for x in s.sections), 'an empty line')
+
+
+def until_job(cell: CellProcesses, job: str, state: str) -> None:
+    """Wait until a job is in a state and substate."""
+
+    def is_so(status: Any) -> bool:
+        return [f'{j.state}{j.substate}' for j in status.jobs if j.id == job] == [state]
+
+    cell.watch.until_status(is_so, f'{job} to be {state}')
+
+
+def until_listed(cell: CellProcesses, *jobs: str) -> None:
+    """Wait until these jobs and no others are listed."""
+    cell.watch.until_status(lambda s: [j.id for j in s.jobs] == list(jobs), f'only {jobs}')
+
+
+def decided(cell: CellProcesses) -> list[str]:
+    """Return what the journal says that was asked for by `ask`."""
+    events = [e for e in cell.watch.seen('operator.decided') if e['answer'] != 'add']
+    assert {(event['who'], event['reason']) for event in events} == {('Ada', 'rush')}
+    assert all(event['origin'].startswith('bt-orchestrator at ') for event in events)
+    return [f'{event["answer"]} {event.get("job", "")}'.strip() for event in events]
+
+
+def test_an_order_is_added_held_run_next_and_another_cancelled(small_cell: CellProcesses) -> None:
+    run_long(small_cell)
+    assert run_verb(small_cell.folder, 'submit', *order_files(small_cell, 'a', 'b'))[0] == 0
+    held = order_files(small_cell, 'c')
+    assert run_verb(small_cell.folder, 'queue', 'add', *held, '--held')[0] == 0
+    assert queue(small_cell)[-1] == 'c NotAllowedToStart'
+    ask(small_cell, 'queue', 'next', 'c')
     assert queue(small_cell) == [f'{name} AllowedToStart' for name in 'cab']
+    ask(small_cell, 'queue', 'cancel', 'b')
+    until_listed(small_cell, 'long', 'c', 'a')
+    assert decided(small_cell) == ['next c', 'cancel b']
+    small_cell.stop()
 
-    def pause() -> None:
-        ask('queue pause', 'long')
-        until('long', 'InterruptedSuspended')
-        watch.until_status(lambda s: not any(x.slot for x in s.sections), 'an empty line')
 
-    pause()
-    ask('queue resume', 'long')
-    until('long', 'Running')
+def test_a_job_that_runs_is_paused_and_resumed(small_cell: CellProcesses) -> None:
+    watch = small_cell.watch
+    run_long(small_cell)
+    pause(small_cell, 'long')
+    ask(small_cell, 'queue', 'resume', 'long')
+    until_job(small_cell, 'long', 'Running')
     watch.until('item.placed', len(watch.seen('item.placed')) + 1)
+    assert decided(small_cell) == ['pause long', 'resume long']
+    small_cell.stop()
 
-    ask('queue cancel', 'b')
-    watch.until_status(lambda s: 'b' not in [job.id for job in s.jobs], 'b to be listed no more')
-    ask('queue stop-after', 'item')
+
+def test_the_line_stops_after_the_current_item_and_goes_on(small_cell: CellProcesses) -> None:
+    watch = small_cell.watch
+    run_long(small_cell)
+    ask(small_cell, 'queue', 'stop-after', 'item')
     watch.until_state('Stopped')
     assert not any(section.slot for section in watch.status.sections)
-    for verb in ('reset', 'start'):
-        ask(verb)
-    ask('queue stop-after', 'job')
-    ask('queue stop-after', 'never')
-    watch.until_status(lambda s: s.state == 'Execute' and not s.stop_after, 'no stop to come')
-    ask('queue stop-after', 'job')
-    assert watch.until_status(lambda s: s.stop_after == 'job', 'the stop that is to come')
-    pause()
-    ask('queue abort', 'long')
-    until('long', 'Aborted')
-    watch.until_state('Stopped')
-    ask('queue clear', 'long')
-    watch.until_status(lambda s: [j.id for j in s.jobs] == ['c', 'a'], 'long to be listed no more')
-    for verb in ('reset', 'start'):
-        ask(verb)
-    assert watch.until_ended('a').packed == 1
-    assert [e['job'] for e in watch.seen('job.started')] == ['long', 'c', 'a']
+    ask_to_begin(small_cell)
+    watch.until_state('Execute')
+    watch.until('item.placed', len(watch.seen('item.placed')) + 1)
+    assert decided(small_cell) == ['stop_after_item', 'reset', 'start']
+    small_cell.stop()
 
-    decided = [event for event in watch.seen('operator.decided') if event['answer'] != 'add']
-    assert [f'{event["answer"]} {event.get("job", "")}' for event in decided] == [
-        'next c',
-        'pause long',
-        'resume long',
-        'cancel b',
-        'stop_after_item ',
-        'reset ',
-        'start ',
-        'stop_after_job ',
-        'stop_after_never ',
-        'stop_after_job ',
+
+def test_a_stop_after_the_current_job_is_taken_back(small_cell: CellProcesses) -> None:
+    watch = small_cell.watch
+    run_long(small_cell)
+    ask(small_cell, 'queue', 'stop-after', 'job')
+    watch.until_status(lambda s: s.stop_after == 'job', 'the stop that is to come')
+    ask(small_cell, 'queue', 'stop-after', 'never')
+    watch.until_status(lambda s: s.state == 'Execute' and not s.stop_after, 'no stop to come')
+    assert decided(small_cell) == ['stop_after_job', 'stop_after_never']
+    small_cell.stop()
+
+
+def test_the_line_stops_after_an_aborted_job_which_is_cleared(small_cell: CellProcesses) -> None:
+    watch = small_cell.watch
+    run_long(small_cell)
+    assert run_verb(small_cell.folder, 'submit', *order_files(small_cell, 'a'))[0] == 0
+    ask(small_cell, 'queue', 'stop-after', 'job')
+    pause(small_cell, 'long')
+    ask(small_cell, 'queue', 'abort', 'long')
+    until_job(small_cell, 'long', 'Aborted')
+    watch.until_state('Stopped')
+    ask(small_cell, 'queue', 'clear', 'long')
+    until_listed(small_cell, 'a')
+    ask_to_begin(small_cell)
+    assert watch.until_ended('a').packed == 1
+    assert [event['job'] for event in watch.seen('job.started')] == ['long', 'a']
+    assert decided(small_cell) == [
+        'stop_after_job',
         'pause long',
         'abort long',
         'clear long',
-        'reset ',
-        'start ',
+        'reset',
+        'start',
     ]
-    assert {(event['who'], event['reason']) for event in decided} == {('Ada', 'rush')}
-    assert all(event['origin'].startswith('bt-orchestrator at ') for event in decided)
     small_cell.stop()

@@ -1,41 +1,18 @@
-"""Semantics 6.6: the queue, and what operators do with its jobs."""
+"""Semantics 6.6: the queue: orders that are added, put in order, changed, taken out, and held."""
 
 from __future__ import annotations
 
 import pytest
 from fakes.line import THREE, Line, with_section
+from fakes.queued_jobs import LINE, SCRIPT, begun, queue, queued
 from fakes.virtual_run import BY, VirtualRun
 
-from bt_orchestrator.model.job_commands import MoveJob, RunNext, StopAfter, UpdateJob
+from bt_orchestrator.model.job_commands import MoveJob, RunNext, UpdateJob
 from bt_orchestrator.model.job_folds import ENDED_KEPT
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.packml import Mode
-from bt_orchestrator.model.script import Script
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryStore
-
-LINE = Line()
-SCRIPT = LINE.script(THREE)
-TOLERANT = LINE.script(THREE.replace('qty_change: -1', 'qty_change: -1, runs_for: all'))
-"""Packs rejected items too."""
-
-
-def queued(names: str = 'KLM', script: Script = SCRIPT) -> VirtualRun:
-    """Give a line on which J runs, with jobs of one item behind it."""
-    run = VirtualRun(LINE.cell, LINE.types)
-    run.submit('J', script, 3)
-    assert run.add(*((name, script) for name in names)).accepted
-    return run
-
-
-def queue(run: VirtualRun) -> str:
-    return ''.join(job.job.id for job in run.state.queue)
-
-
-def begun(run: VirtualRun) -> list[str]:
-    """Return the jobs in the order in which they started."""
-    return run.order('job.started', 'job')
-
 
 # --- ids and batches ------------------------------------------------------------------------
 
@@ -252,167 +229,3 @@ def test_6_6_changed_initialization_is_done_in_whole() -> None:
     run.go()
     done = [(r['job'], r['name']) for r in run.all('task.started', task='home')]
     assert done == [('J', 'PREPARE'), ('K', 'TASK_B')]
-
-
-# --- jobs on the line -----------------------------------------------------------------------
-
-
-def test_6_6_a_paused_job_begins_no_item_and_keeps_the_line() -> None:
-    run = queued('K')
-    run.go(until=1.5)
-    assert run.control('pause', 'J').message == 'J begins no more items'
-    run.go(until=60.0)
-    assert run.counts()['packed'] == run.counts()['started'] == 2  # one was begun ahead
-    assert run.waits()['section 1'] == 'waiting for J to be resumed'
-    assert begun(run) == ['J']
-    run.control('resume', 'J')
-    run.go()
-    assert run.counts()['packed'] == 3
-    assert run.ended
-
-
-def test_6_6_a_stopped_job_ends_with_the_items_it_began() -> None:
-    run = queued('K')
-    run.go(until=1.5)
-    assert run.control('stop', 'J').accepted
-    run.go()
-    (end,) = run.all('job.completed', job='J')
-    assert end['exit_status'] == 'stopped'
-    assert end['reason'] == 'Ann decided stop: it was time'
-    assert (end['counts']['started'], end['counts']['packed']) == (2, 2)
-    assert begun(run) == ['J', 'K']
-    assert run.ended
-
-
-def test_6_6_a_job_stopped_before_its_first_item_prepares_no_more() -> None:
-    text = 'initialization: [{id: warm, @b1}, {id: light, @b3}]\n'
-    text += 'initialization_dependencies: [{upstream: warm, downstream: light}]\n'
-    run = LINE.begin(text + THREE)
-    run.control('stop', 'J')
-    run.go()
-    assert run.ended
-    assert run.order('task.skipped', 'reason') == ['job stopped']
-
-
-def test_6_6_a_stopped_job_prepares_what_its_items_need() -> None:
-    text = 'initialization: [{id: warm, @b3}, {id: light, @b3.TASK_B}]\n'
-    text += 'initialization_dependencies: [{upstream: warm, downstream: light}]\n'
-    run = Line(seconds={'b3': 20.0}).begin(text + THREE, 3)
-    run.go(until=1.5)
-    run.control('stop', 'J')
-    run.go()
-    assert run.all('task.skipped') == []
-    assert run.starts('light') == [20.0]
-    assert run.starts('pack')[0] == 40.0
-    assert run.ended
-
-
-def test_6_6_a_queued_job_is_aborted_at_once() -> None:
-    run = queued('KL')
-    assert run.control('abort', 'K').accepted
-    assert run.times('job.aborted', job='K') == [0.0]
-    assert run.state.ended['K'].progress.started == 0
-    run.go()
-    assert begun(run) == ['J', 'L']
-
-
-def test_6_6_a_held_job_with_preparation_is_aborted_at_once() -> None:
-    prepared = LINE.script(f'initialization: [{{id: ready, @lamp}}]{THREE}', 'prepared')
-    run = queued('')
-    run.add(('K', prepared), held=True)
-    run.control('abort', 'K')
-    assert run.times('job.aborted', job='K') == [0.0]
-    run.go()
-    assert run.ended
-
-
-def test_6_6_an_aborted_job_drains_and_the_next_follows() -> None:
-    run = queued('K', TOLERANT)
-    run.go(until=4.5)
-    run.control('abort', 'J')
-    run.go()
-    (end,) = run.all('job.aborted', job='J')
-    assert end['counts']['rejected'] == 2
-    assert run.ended
-
-
-def test_6_6_the_end_of_a_job_carries_its_counts() -> None:
-    run = queued('')
-    run.go()
-    (end,) = run.all('job.completed')
-    assert end['exit_status'] == 'completed'
-    assert end['counts'] == {
-        'started': 3,
-        'placed': 3,
-        'processed': 3,
-        'packed': 3,
-        'rejected': 0,
-        'nonconforming': 0,
-        'missing': 0,
-        'removed': 0,
-    }
-
-
-def test_6_6_a_cleared_job_is_listed_no_more() -> None:
-    run = queued('')
-    run.go()
-    assert run.control('clear', 'J').accepted
-    assert run.state.ended == {}
-    assert run.control('clear', 'J').message == 'J is listed no more; the journal has its history'
-
-
-# --- the line runs empty --------------------------------------------------------------------
-
-
-def test_6_6_the_cell_stops_after_the_current_item() -> None:
-    run = queued('K')
-    run.go(until=1.5)
-    assert run.ask(StopAfter('item', BY)).message == 'the cell stops after the current item'
-    assert run.state.stop_after == 'item'
-    run.go(until=60.0)
-    assert run.state.mode is Mode.STOPPED
-    assert len(run.all('queue.stop_reached')) == 1
-    assert (run.counts()['started'], run.counts()['packed']) == (2, 2)
-    assert begun(run) == ['J']
-
-
-def test_6_6_the_cell_stops_after_the_current_job() -> None:
-    run = queued('KL')
-    run.ask(StopAfter('job', BY))
-    run.go(until=60.0)
-    assert run.state.mode is Mode.STOPPED
-    assert begun(run) == ['J', 'K'][: len(begun(run))]
-    assert run.state.ended.keys() == set(begun(run))
-    reasons = [r.get('reason') for r in run.all('cell.state_changed', state='Stopping')]
-    assert reasons == ['stop after the current job']
-
-
-def test_6_6_a_stop_to_come_is_taken_back() -> None:
-    run = queued('K')
-    run.ask(StopAfter('item', BY))
-    run.go(until=3.0)
-    assert run.ask(StopAfter('never', BY)).message == 'the line goes on'
-    run.go()
-    assert run.ended
-    refused = run.ask(StopAfter('never', BY))
-    assert refused.message == 'there is nothing to take back: no stop was asked for'
-
-
-def test_6_6_a_stop_to_come_needs_something_to_stop_after() -> None:
-    run = VirtualRun(LINE.cell, LINE.types)
-    run.add(('K', SCRIPT), held=True)
-    assert not run.ask(StopAfter('job', BY)).accepted
-    run = queued('')
-    assert 'item, job, never' in run.ask(StopAfter('lunch', BY)).message
-
-
-def test_6_6_after_such_a_stop_the_line_goes_on_when_it_is_started() -> None:
-    run = queued('K')
-    run.go(until=1.5)
-    run.ask(StopAfter('item', BY))
-    run.go(until=60.0)
-    run.add(('L', SCRIPT))  # an order lets the cell start by itself
-    run.go()
-    assert begun(run) == ['J', 'K', 'L']
-    assert run.counts()['packed'] == 3
-    assert run.ended
