@@ -95,8 +95,9 @@ class RosGateway:
         """Take over a goal that an earlier process sent, by its UUID (semantics 9.2).
 
         Nothing is sent but questions for its result. It ends as the server says, or LOST if the
-        server does not know it, or if there is no server within the server timeout; it counts as
-        accepted when the server's status says that it runs.
+        server does not know it, or if there is no server within the server timeout, or SILENT if
+        one is there and does not answer; it counts as accepted when the server's status says that
+        it runs.
         """
         link = self._links[request.component]
         goal = link.adopt(request)

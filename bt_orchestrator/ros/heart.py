@@ -1,4 +1,4 @@
-"""What makes the engine settle: the heartbeat timer, and news (architecture rule 5)."""
+"""What makes the engine settle: the heartbeat timer, and news (architecture: one settle)."""
 
 from __future__ import annotations
 
