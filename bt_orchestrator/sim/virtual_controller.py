@@ -11,6 +11,7 @@ from bt_orchestrator.model.fault import Fault, FaultKind
 from bt_orchestrator.model.goal import Feedback, GoalEnd, GoalRequest, GoalStatus
 from bt_orchestrator.ports import Clock, Timer
 from bt_orchestrator.sim.fault_schedule import FaultSchedule, GoalFaults
+from bt_orchestrator.sim.readiness import Readiness
 from bt_orchestrator.sim.results import as_failed, not_ready_value, ready_value, simulated_result
 from bt_orchestrator.sim.virtual_goal import VirtualGoal
 
@@ -62,7 +63,7 @@ class VirtualController:
         self._schedule = FaultSchedule(component.faults)
         self._goal: VirtualGoal | None = None
         self._faults = GoalFaults()
-        self._ready_again: Timer | None = None
+        self._readiness = Readiness(self._schedule, self._announce, self._after)
         self._results: dict[str, Mapping[str, Any]] = {}
         """Of each task, once it was done; nobody changes them."""
         self.present = False
@@ -130,7 +131,7 @@ class VirtualController:
         goal.stop_timer()
         self._goal = None
         # Before the end is told, so that nobody who hears of it believes in readiness.
-        self._withdraw(self._faults.find(FaultKind.NOT_READY))
+        self._readiness.withdraw(self._faults.find(FaultKind.NOT_READY))
         self._observer.ended(goal, end)
 
     def _die(self, fault: Fault) -> None:
@@ -142,24 +143,12 @@ class VirtualController:
 
     def _appear(self, not_ready: Fault | None = None) -> None:
         self.present = True
-        if not_ready is None:
-            self._announce(ready=True)
-        self._withdraw(not_ready)
+        self._readiness.begin(not_ready)
         self._observer.appeared()
-
-    def _withdraw(self, fault: Fault | None) -> None:
-        """Become not ready, for as long as the fault says."""
-        if fault is None:
-            return
-        if self._ready_again is not None:
-            self._ready_again.cancel()
-        self._announce(ready=False)
-        if fault.seconds is not None:
-            self._ready_again = self._after(fault.seconds, lambda: self._announce(ready=True))
 
     def _announce(self, ready: bool) -> None:
         state = self._component.state
-        if state and self.present and self._schedule.at_start(FaultKind.SILENT) is None:
+        if state and self.present:
             self._observer.announced(ready_value(state) if ready else not_ready_value(state))
 
     def _after(self, seconds: float, then: Callable[[], None]) -> Timer:

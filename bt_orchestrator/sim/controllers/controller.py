@@ -15,6 +15,7 @@ from bt_orchestrator.sim.controllers.goal_log import GoalLog
 from bt_orchestrator.sim.controllers.presence import ActiveGoal, Answer, Presence
 from bt_orchestrator.sim.controllers.task_names import TaskNames
 from bt_orchestrator.sim.fault_schedule import FaultSchedule, GoalFaults
+from bt_orchestrator.sim.readiness import Readiness
 from bt_orchestrator.sim.results import as_failed, simulated_result
 
 
@@ -68,7 +69,7 @@ class Controller:
         self._schedule = FaultSchedule(component.faults)
         self._work: _Work | None = None
         self._accepted: tuple[str, str, GoalFaults] | None = None
-        self._ready_again: Timer | None = None
+        self._readiness = Readiness(self._schedule, presence.announce, self._after)
         self._leaving = False
 
     # --- life -------------------------------------------------------------------------------
@@ -91,10 +92,7 @@ class Controller:
     def _appear(self, not_ready: Fault | None = None) -> None:
         self._record('appeared')
         self._presence.appear()
-        if not_ready:
-            self._withdraw(not_ready)
-        else:
-            self._announce(ready=True)
+        self._readiness.begin(not_ready)
 
     def _die(self, fault: Fault) -> None:
         work = self._stop_work()
@@ -196,7 +194,7 @@ class Controller:
             return
         self._record('ended', goal=work.goal.id, task=work.task, status=status.value)
         # Before the end is told, so that nobody who hears of it believes in readiness.
-        self._withdraw(work.faults.find(FaultKind.NOT_READY))
+        self._readiness.withdraw(work.faults.find(FaultKind.NOT_READY))
         work.goal.end(status, result)
 
     def _stop_work(self) -> _Work | None:
@@ -206,21 +204,7 @@ class Controller:
                 timer.cancel()
         return work
 
-    # --- readiness, time, log ---------------------------------------------------------------
-
-    def _announce(self, ready: bool) -> None:
-        if self._schedule.at_start(FaultKind.SILENT) is None:
-            self._presence.announce(ready)
-
-    def _withdraw(self, fault: Fault | None) -> None:
-        """Become not ready, for as long as the fault says."""
-        if fault is None:
-            return
-        if self._ready_again:
-            self._ready_again.cancel()
-        self._announce(ready=False)
-        if fault.seconds is not None:
-            self._ready_again = self._after(fault.seconds, lambda: self._announce(ready=True))
+    # --- time, log --------------------------------------------------------------------------
 
     def _after(self, seconds: float, then: Callable[[], None]) -> Timer:
         return self._clock.call_at(self._clock.now() + seconds / self._pace.speed, then)
