@@ -139,6 +139,12 @@ class CellProcesses:
             self.script(small_script(options=options, task=task)), quantity=quantity, order=order
         )
 
+    def verb(self, *words: str) -> tuple[int, str, str]:
+        """Carry out a verb, hearing meanwhile what the node says; see `run_verb`."""
+        process = ProgramProcess(words, self.folder, f'verb_{words[0]}')
+        self.watch.ros.spin_until(lambda: not process.is_running, f'the end of {words}')
+        return _ended(process)
+
     def goals(self, **about: Any) -> list[Mapping[str, Any]]:
         """Return what really happened to goals, of the records with these values."""
         lines = self.log.read_text().splitlines() if self.log.exists() else []
@@ -163,9 +169,12 @@ StartCell = Callable[..., CellProcesses]
 """A fixture's function with the arguments of `CellProcesses`, but for `folder`: a name."""
 
 
-def run_verb(folder: Path, *words: str, within_s: float = 60.0) -> tuple[int, str, str]:
+def run_verb(folder: Path, *words: str) -> tuple[int, str, str]:
     """Carry out a verb and return exit status, output, and errors."""
-    process = ProgramProcess(words, folder, f'verb_{words[0]}')
-    status = process.wait(within_s)
-    assert 'Traceback' not in process.errors, process.errors
-    return status, process.output, process.errors
+    return _ended(ProgramProcess(words, folder, f'verb_{words[0]}'))
+
+
+def _ended(verb: ProgramProcess) -> tuple[int, str, str]:
+    status = verb.wait()
+    assert 'Traceback' not in verb.errors, verb.errors
+    return status, verb.output, verb.errors

@@ -20,7 +20,9 @@ from bt_orchestrator.ros.goal import RosGoal
 
 CHECK_S = 0.25
 SILENCE_S = 2.0
-"""Long enough for a fresh participant to find the server."""
+"""Long enough for a fresh participant to find the server, if the machine is not busy."""
+
+PATIENCE_S = 30.0
 
 
 @pytest.fixture(autouse=True)
@@ -108,11 +110,15 @@ def test_9_3_a_server_is_silent_while_a_goal_runs(bench: RosBench, servers: Thre
     ends.set()
 
 
-def test_9_3_a_client_that_has_gone_deaf_is_replaced(cell: RosBench) -> None:
+def test_9_3_a_client_that_has_gone_deaf_is_replaced(
+    cell: RosBench, monkeypatch: pytest.MonkeyPatch
+) -> None:
     goal = cell.gateway.send(goal_request('good'))
     other = cell.gateway.send(goal_request('other'))
     deafen(link(cell, 'good'))
     deafen(link(cell, 'other'))
+    cell.run_until(lambda: goal.renewed and other.renewed, 'fresh participants')
+    monkeypatch.setattr('bt_orchestrator.ros.server_watch.SILENCE_S', PATIENCE_S)
     assert end_of(cell, goal).status is GoalStatus.SUCCEEDED
     assert goal.end is not None
     assert goal.end.result['measurement'] == 1.5

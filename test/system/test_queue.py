@@ -8,7 +8,7 @@ from typing import Any
 from action_msgs.msg import GoalStatus
 from bt_orchestrator_interfaces.action import RunJob
 from bt_orchestrator_interfaces.msg import WorkOrder
-from cell_processes import CellProcesses, StartCell, run_verb, small_script
+from cell_processes import CellProcesses, StartCell, small_script
 
 WHY = ['--reason', 'rush', '--who', 'Ada']
 
@@ -24,7 +24,7 @@ def order_files(cell: CellProcesses, *names: str, quantity: int = 1) -> list[str
 
 def queue(cell: CellProcesses) -> list[str]:
     """Return the queue as the verb lists it."""
-    status, output, _ = run_verb(cell.folder, 'queue', '--json')
+    status, output, _ = cell.verb('queue', '--json')
     assert status == 0
     waiting = [job for job in json.loads(output)['jobs'] if job['position']]
     assert [job['position'] for job in waiting] == list(range(1, len(waiting) + 1))
@@ -32,37 +32,37 @@ def queue(cell: CellProcesses) -> list[str]:
 
 
 def test_the_queue_is_changed_while_a_job_runs(small_cell: CellProcesses) -> None:
-    watch, folder = small_cell.watch, small_cell.folder
+    watch = small_cell.watch
     small_cell.script(small_script())
     small_cell.run_small(quantity=500, order='long')
     watch.until('item.removed')
 
     orders = order_files(small_cell, 'a', 'b', 'c')
     broken = [*orders, *order_files(small_cell, 'long')]
-    status, _, errors = run_verb(folder, 'submit', *broken)
+    status, _, errors = small_cell.verb('submit', *broken)
     assert status == 1
     assert 'order long was given before' in errors
     assert 'a fits, but was not queued because of the others' in errors
-    assert run_verb(folder, 'submit', *orders)[0] == 0
+    assert small_cell.verb('submit', *orders)[0] == 0
     assert queue(small_cell) == [f'{name} AllowedToStart' for name in 'abc']
 
     for words in (['move', 'c', '1'], ['hold', 'a'], ['update', 'b', '--quantity', '2']):
-        status, _, errors = run_verb(folder, 'queue', *words, *WHY)
+        status, _, errors = small_cell.verb('queue', *words, *WHY)
         assert status == 0, errors
     assert queue(small_cell) == ['c AllowedToStart', 'a NotAllowedToStart', 'b AllowedToStart']
     moved = watch.until('operator.decided', answer='move')
     assert (moved['job'], moved['who'], moved['reason']) == ('c', 'Ada', 'rush')
     assert 'bt-orchestrator at ' in moved['origin']
 
-    refused = run_verb(folder, 'queue', 'hold', 'long', *WHY)
+    refused = small_cell.verb('queue', 'hold', 'long', *WHY)
     assert refused[0] == 1
     assert 'RevokeStart (hold) is for jobs that are AllowedToStart' in refused[2]
-    assert run_verb(folder, 'queue', 'stop', 'long', *WHY)[0] == 0
+    assert small_cell.verb('queue', 'stop', 'long', *WHY)[0] == 0
     assert watch.until('job.completed', job='long')['exit_status'] == 'stopped'
     assert watch.until('job.completed', job='b')['counts']['packed'] == 2
     assert [e['job'] for e in watch.seen('job.started')] == ['long', 'c', 'b']
 
-    assert run_verb(folder, 'queue', 'release', 'a', *WHY)[0] == 0
+    assert small_cell.verb('queue', 'release', 'a', *WHY)[0] == 0
     assert watch.until_ended('a').packed == 1
     small_cell.stop()
 
@@ -144,7 +144,7 @@ def run_long(cell: CellProcesses) -> None:
 
 def ask(cell: CellProcesses, *words: str) -> None:
     """Carry out a verb."""
-    status, _, errors = run_verb(cell.folder, *words, *WHY)
+    status, _, errors = cell.verb(*words, *WHY)
     assert status == 0, errors
 
 
@@ -184,9 +184,9 @@ def decided(cell: CellProcesses) -> list[str]:
 
 def test_an_order_is_added_held_run_next_and_another_cancelled(small_cell: CellProcesses) -> None:
     run_long(small_cell)
-    assert run_verb(small_cell.folder, 'submit', *order_files(small_cell, 'a', 'b'))[0] == 0
+    assert small_cell.verb('submit', *order_files(small_cell, 'a', 'b'))[0] == 0
     held = order_files(small_cell, 'c')
-    assert run_verb(small_cell.folder, 'queue', 'add', *held, '--held')[0] == 0
+    assert small_cell.verb('queue', 'add', *held, '--held')[0] == 0
     assert queue(small_cell)[-1] == 'c NotAllowedToStart'
     ask(small_cell, 'queue', 'next', 'c')
     assert queue(small_cell) == [f'{name} AllowedToStart' for name in 'cab']
@@ -234,7 +234,7 @@ def test_a_stop_after_the_current_job_is_taken_back(small_cell: CellProcesses) -
 def test_the_line_stops_after_an_aborted_job_which_is_cleared(small_cell: CellProcesses) -> None:
     watch = small_cell.watch
     run_long(small_cell)
-    assert run_verb(small_cell.folder, 'submit', *order_files(small_cell, 'a'))[0] == 0
+    assert small_cell.verb('submit', *order_files(small_cell, 'a'))[0] == 0
     ask(small_cell, 'queue', 'stop-after', 'job')
     pause(small_cell, 'long')
     ask(small_cell, 'queue', 'abort', 'long')
