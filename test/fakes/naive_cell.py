@@ -1,616 +1,400 @@
 """A second opinion on the rules: the cell as docs/semantics.md tells it, without a tree.
 
-Written from the page, not from the product. A round visits initialization, then the sections from
-the last to the first, then the belt; rounds follow until nothing changes, then time moves on.
-Yields the records of docs/formats.md, without words for people and without goal ids.
+Written from the page, not from the product; numbers are those of its rules. A round visits
+initialization, then the sections from the last to the first, then the belt; rounds follow until
+nothing changes, then time moves on. Yields the records of docs/formats.md, without words for
+people and without goal ids.
 """
 
 from __future__ import annotations
 
-import heapq
-import itertools
-from collections.abc import Callable, Sequence
-from types import SimpleNamespace
+from collections.abc import Collection
+from dataclasses import replace
 from typing import Any
 
-from fakes.naive_devices import NaiveDevices
-from fakes.naive_plan import (
-    Hold,
-    Item,
-    Job,
-    MissingResult,
-    Row,
-    Work,
-    needs_belt,
-    plan_of,
-    task_row,
-    value_of,
-    wanted,
-)
+from fakes.naive_plan import Row
+from fakes.naive_run import Item, Job, NaiveRun, Task
 
 GRACE_S = 5.0
-PASSING = {'Resetting': 'Idle', 'Starting': 'Execute', 'Unholding': 'Execute'}
-PASSING |= {'Completing': 'Complete'}
+CANCELED_FIRST, TIMES_LAST = -2, 2
+"""Ranks among what happens at one time."""
+ANSWERS = ['retry', 'mark_done', 'skip', 'reject', 'abort_job']
 
 
-class NaiveCell:
+class NaiveCell(NaiveRun):
     """One cell with its queue."""
 
-    def __init__(
-        self, cell: Row, scripts: Sequence[Row], duration: Callable[[str, int], float | None]
-    ) -> None:
-        self.devices = NaiveDevices(cell, duration)
-        self.size = cell['conveyor']['sections']
-        self.plans = {s['script']: plan_of(s, self.devices.by_action) for s in scripts}
-        keys = ('task', 'action', 'retries', 'on_failure')
-        move = {key: cell['conveyor'][key] for key in keys if key in cell['conveyor']}
-        self.move = Work(task_row(move, 'index', self.devices.by_action[move['action']]))
-        self.now, self.beat, self.moving, self.state, self.paused = 0.0, 1, False, 'Stopped', False
-        self.records: list[Row] = []
-        self.jobs: list[Job] = []
-        numbers = range(1, self.size + 1)
-        self.slots: dict[int, Item | None] = dict.fromkeys(numbers)
-        self.cycles: dict[int, Any] = dict.fromkeys(numbers)
-        self.last_beat = dict.fromkeys(numbers, 0)
-        self.flags: dict[str, int] = {}
-        self.work: dict[Any, Work] = {}
-        self.running: list[Work] = []
-        self.holds: dict[str, Hold] = {}
-        self.taken: dict[str, Work] = {}
-        self.once: set[str] = set()
-        self.agenda: list[Any] = []
-        self.unsent: list[Work] = []
-        self.notes, self.hold_ids = itertools.count(), itertools.count(1)
-
-    # --- time -------------------------------------------------------------------------------
-
-    def advance(self, until: float) -> None:
-        """Let everything happen up to a time."""
-        self.settle()
-        while self.live() and self.agenda and self.agenda[0][0] <= until:
-            self.now, due = self.agenda[0][0], []
-            while self.agenda and self.agenda[0][0] == self.now:
-                due.append(heapq.heappop(self.agenda)[2:])
-            for what, work, attempt, reason in sorted(due, key=lambda one: one[0] != 'end'):
-                if work.state == 'running' and work.attempt == attempt:
-                    self.happen(what, work, reason)
-            self.settle()
-        self.now = round(max(self.now, until), 6) if self.live() else self.now
-
-    def at(self, after: float, what: str, work: Work, reason: str = '', rank: int = 0) -> None:
-        """Note what happens to an attempt after a while; of one time the lower rank is first."""
-        order = rank * 10**9 + next(self.notes)
-        time = round(self.now + after, 6)
-        heapq.heappush(self.agenda, (time, order, what, work, work.attempt, reason))
-
-    def happen(self, what: str, work: Work, reason: str) -> None:
-        if what == 'timeout':
-            self.cancel(work, 'timeout')
-        elif what == 'grace':
-            self.fail(work, 'in_doubt')
-        elif reason:
-            late = reason == 'canceled' and work.cause == 'timeout'
-            self.fail(work, 'timeout' if late else reason)
-        elif what == 'end':
-            self.succeed(work)
-
     def settle(self) -> None:
+        """Let everything happen that can at this time (4.4)."""
         seen = -1
         while seen != len(self.records):
             seen = len(self.records)
-            for job in self.live():
-                for task in job.plan['first']:
-                    self.prepare(self.of(task, job))
-            for number in range(self.size, 0, -1):
+            for task in [task for job in self.jobs for task in job.first.values()]:
+                self.prepare(task)
+            for number in reversed(self.sections):
                 self.section(number)
             self.belt()
-            self.endings()
+            for job in list(self.jobs):
+                self.end_job(job)
             self.cell_state(still=seen == len(self.records))
-        for work in self.unsent:
-            self.at(work.task['timeout'], 'timeout', work)
-            work.deaf, ends = self.devices.answers(work.task, cancelled=bool(work.cause))
-            for seconds, reason, rank in ends:
-                self.at(seconds, 'end', work, reason, rank)
-        self.unsent = []
 
-    def say(self, event: str, where: Row | None = None, **fields: Any) -> None:
-        row = {'time': round(self.now, 6), 'event': event, **(where or {}), **fields}
-        self.records.append({name: value for name, value in row.items() if value is not None})
-
-    # --- the queue (6.1) --------------------------------------------------------------------
+    # --- jobs and items (6) -----------------------------------------------------------------
 
     def submit(self, id_: str, script: str, quantity: int) -> None:
-        plan = self.plans[script]
-        known = [link['flag'] for job in self.live() for link in job.plan['flags']]
-        self.jobs.append(Job(id_, plan, quantity))
-        self.say('job.queued', {'job': id_}, script=script, quantity=quantity)
-        for link in plan['flags']:
-            if link['flag'] not in known:
-                self.flags[link['flag']] = link['initial']
+        job = self.new_job(id_, script, quantity)
+        known = [link['flag'] for one in self.jobs[:-1] for link in one.plan.flags]
+        self.flags |= {f['flag']: f['initial'] for f in job.plan.flags if f['flag'] not in known}
+        self.say('job.queued', {'job': job}, script=script, quantity=quantity)
         self.settle()
 
-    def live(self) -> list[Job]:
-        return [job for job in self.jobs if not job.over]
+    def is_due(self, number: int, item: Item) -> bool:
+        """Tell whether a section has a list for an item and has not begun with it."""
+        return number in item.job.plan.lists and not self.said('cycle.started', item.at(number))
 
-    def begins(self, job: Job | None) -> None:
-        if job is not None and not job.started:
-            job.started = True
-            self.say('job.started', {'job': job.id})
-
-    def done(self, number: int, job: Job) -> bool:
-        """Tell whether a section is done with a job."""
-        if job.left:
-            return False
-        for place in range(1, number + 1):
-            cycle, item = self.cycles[place], self.slots[place]
-            here = cycle.item if cycle and cycle.item.job is job else None
-            if here and (place == number or not (here.standing or here.gone)):
-                return False
-            owed = number in job.plan['lists'] and item and number not in item.handled
-            if item and item.job is job and (place < number or owed):
+    def done_with_earlier(self, number: int, job: Job) -> bool:
+        """Tell whether a section is done with all jobs before this one (6.1)."""
+        for one in self.jobs[: self.jobs.index(job)]:
+            to_come = [i for i in one.items if 0 < i.place < number]
+            here = [i for i in one.items if i.place == number and self.is_due(number, i)]
+            in_hand = number in self.cycles and self.cycles[number].item.job is one
+            if one.left or to_come or here or in_hand:
                 return False
         return True
 
-    def done_with_earlier(self, number: int, job: Job) -> bool:
-        return all(self.done(number, one) for one in self.jobs[: self.jobs.index(job)])
+    def end_job(self, job: Job) -> None:
+        """End a job of which nothing remains (6.1)."""
+        items = any(item.place for item in job.items)
+        cycles = any(cycle.item.job is job for cycle in self.cycles.values())
+        tasks = any(task.state != 'done' for task in job.first.values())
+        if not (job.left or items or cycles or tasks):
+            self.jobs.remove(job)
+            self.say_once('job.started', {'job': job})
+            self.say('job.aborted' if job.aborting else 'job.completed', {'job': job})
 
-    def endings(self) -> None:
-        for job in self.live():
-            there = [i for i in self.slots.values() if i]
-            there += [cycle.item for cycle in self.cycles.values() if cycle]
-            first = [self.of(task, job) for task in job.plan['first']]
-            remains = any(i.job is job for i in there) or any(w.state != 'done' for w in first)
-            if not job.left and not remains:
-                job.over = True
-                self.begins(job)
-                self.say('job.aborted' if job.aborting else 'job.completed', {'job': job.id})
-
-    def abort_job(self, job: Job) -> None:
-        """Start no new source cycle, reject what there is, cancel what runs (4.3)."""
-        if not job.aborting:
-            job.aborting = True
-            self.say('job.aborting', {'job': job.id})
-            for item in job.items:
-                if not item.empty:
-                    self.reject(item)
-            for work in self.running:
-                if work.job is job:
-                    self.cancel(work, 'abort_job')
+    def abort_jobs(self, jobs: Collection[Job]) -> None:
+        """Abort jobs, in the order of the queue (3.5, 4.3)."""
+        for job in [job for job in self.jobs if job in jobs and not job.aborting]:
+            job.aborting, job.left = True, 0
+            self.say('job.aborting', {'job': job})
+            for item in [item for item in job.items if item.place and not item.empty]:
+                self.reject(item)
+            for task in [one for one in self.started if one.job is job]:
+                self.cancel(task, 'abort_job')
 
     def reject(self, item: Item) -> None:
-        if not item.rejected:
-            item.rejected = True
-            self.say('item.rejected', {'job': item.job.id, 'item': item.id})
+        item.rejected = True
+        self.say_once('item.rejected', {'job': item.job, 'item': item})
+
+    def take_out(self, item: Item, how: str) -> None:
+        """Take an item off the belt; before the sink it leaves an empty position (3.2)."""
+        self.say('item.removed', item.at(item.place), how=how)
+        if item.place == item.job.plan.sink and how != 'by_hand':
+            item.place = 0
+        else:
+            item.empty = True
 
     # --- initialization (5) -----------------------------------------------------------------
 
-    def prepare(self, work: Work) -> None:
-        job, task = work.job, work.task
-        assert job is not None
-        needless = job.aborting or (task['once'] and self.once_key(work) in self.once)
-        if work.state in ('new', 'waiting') and needless and not self.stopped(None):
-            self.say('task.skipped', work.where)
-            work.state = 'done'
-        if work.state == 'new':
-            before = [self.of(one, job).state for one in job.plan['first'] if one in task['after']]
-            earlier = all(self.done_with_earlier(n, job) for n in self.places(task))
-            if not earlier or set(before) - {'done'} or self.state != 'Execute' or self.holds:
-                return
-        self.visit(work)
-
-    def once_key(self, work: Work) -> str:
-        return repr((work.task['action'], work.task['task'], sorted(work.task['args'].items())))
-
-    def places(self, task: Row) -> Sequence[int]:
-        return self.devices.by_action[task['action']]['places'] or range(1, self.size + 1)
+    def prepare(self, task: Task) -> None:
+        """Let a task of an initialization go on (5.1, 5.2)."""
+        job = task.job
+        needless = job.aborting or (task.given.get('once') and task.does in self.once)
+        if needless and task.state in ('new', 'waiting') and not self.stopped(None):
+            self.carry_out(task, 'skip')
+        earlier = all(self.done_with_earlier(number, job) for number in task.device.places)
+        ordered = all(one.state == 'done' for one in task.after)
+        if task.state != 'new' or (earlier and ordered and self.may_begin()):
+            self.visit(task)
 
     def prepared(self, number: int, job: Job) -> bool:
         """Tell whether a section may begin a job's first cycle (5.2)."""
-        for task in job.plan['first']:
-            if self.of(task, job).state != 'done':
-                behind = max(self.waits_for(task)) > min(self.places(task))
-                if number in self.places(task) or (number == job.plan['source'] and behind):
-                    return False
+        for task in [task for task in job.first.values() if task.state != 'done']:
+            behind = max(task.waits_for) > min(task.device.places)
+            if number in task.device.places or (number == job.plan.source and behind):
+                return False
         return True
 
-    def waits_for(self, task: Row) -> set[int]:
-        return set(self.places(task)).union(*map(self.waits_for, task['after']))
-
-    # --- sections (3) -----------------------------------------------------------------------
+    # --- sections and belt (3) --------------------------------------------------------------
 
     def section(self, number: int) -> None:
-        cycle = self.cycles[number]
-        if cycle is None:
+        """Go through the steps of a section's cycle as far as it gets (3.1, 3.3, 3.7, 3.8)."""
+        if number not in self.cycles:
             self.begin(number)
             return
-        item, steps = cycle.item, cycle.item.job.plan['lists'][number]
-        where = {'job': item.job.id, 'section': number, 'item': item.id}
-        last = max([n for n, step in enumerate(steps) if needs_belt(step)], default=-1)
-        while True:
-            early = item.job.plan['early'][number] and cycle.step > last
-            if (early or cycle.step == len(steps)) and number not in item.turned:
-                item.turned.add(number)
-                self.say('turn.completed', where)
-            if cycle.step == len(steps):
-                break
-            if not self.step(number, cycle, steps[cycle.step]):
+        cycle = self.cycles[number]
+        rests = self.beat >= cycle.beat and not self.moving
+        for n, step in enumerate(cycle.steps):
+            if number in cycle.item.job.plan.early and not any(map(needs_belt, cycle.steps[n:])):
+                self.say_once('turn.completed', cycle.where)
+            may_begin = rests or not needs_belt(step)
+            ended = [all(self.visit(task, may_begin) for task in member) for member in step]
+            if not all(ended):
                 return
-            cycle.step += 1
-        item.handled.add(number)
-        self.cycles[number] = None
-        self.say('cycle.completed', where)
+        del self.cycles[number]
+        self.say_once('turn.completed', cycle.where)
+        self.say('cycle.completed', cycle.where)
 
-    def step(self, number: int, cycle: Any, step: list[list[Row]]) -> bool:
-        """Let a step go on; tell whether all its members ended."""
-        rests, ended = not self.moving and self.beat >= cycle.beat, True
-        for member in step:
-            for task in member:
-                work = self.of(task, cycle.item.job, number, cycle.item)
-                if work.state == 'new' and needs_belt(step) and not rests:
-                    return False
-                if not self.visit(work):
-                    ended = False
-                    break
-        return ended
+    def may_begin(self) -> bool:
+        return self.state == 'Execute' and not self.holds
 
     def begin(self, number: int) -> None:
-        if self.state != 'Execute' or self.holds:
+        """Begin a section's next cycle, perhaps ahead of its beat."""
+        job, item, beat = self.next_cycle(number)
+        if not job or not self.may_begin() or not self.prepared(number, job):
             return
-        job, item, beat = self.next_of(number)
-        if job is None or not self.prepared(number, job):
-            return
-        if item is None:
-            job.begun += 1
-            item = Item(job, job.begun)
-            job.items.append(item)
-        self.begins(job)
+        if not item:
+            item = self.new_item(job)
+        self.cycles[number] = self.new_cycle(number, item, beat)
         self.last_beat[number] = beat
-        self.cycles[number] = SimpleNamespace(item=item, beat=beat, step=0)
-        where = {'job': job.id, 'section': number, 'item': item.id}
-        self.say('cycle.started', where, beat=beat)
+        self.say_once('job.started', {'job': job})
+        self.say('cycle.started', item.at(number), beat=beat)
 
-    def next_of(self, number: int) -> tuple[Job | None, Item | None, int]:
-        """Return job, item (None at the source) and beat of a section's next cycle (3.4, 3.7)."""
-        item = self.slots.get(number - 1 if self.moving else number)
-        to_come = self.beat + 1 if self.moving else self.beat
-        if item and number != item.job.plan['source'] and self.owes(number, item.handled, item):
-            return item.job, item, to_come
-        job = self.source_job(number)
-        taken = not self.moving and self.slots[number] is not None
-        if taken or self.last_beat[number] >= to_come:
-            to_come += 1
-        fits = job and to_come <= self.beat + 1 and self.is_behind_all(number, to_come)
-        return (job, None, to_come) if fits else (None, None, 0)
+    def next_cycle(self, number: int) -> tuple[Job | None, Item | None, int]:
+        """Return job, item (None: a new one), beat of a section's next cycle (3.4, 3.7, 6.1)."""
+        beat = self.beat + self.moving
+        item = self.slots().get(number - self.moving)
+        if item and self.is_due(number, item):
+            return item.job, item, beat
+        if self.last_beat[number] >= beat or (item and not self.moving):
+            beat += 1
+        job = self.source_job()
+        in_the_way = [n for n, cycle in self.cycles.items() if cycle.beat - n >= beat - number]
+        if not job or job.plan.source != number or beat > self.beat + 1 or in_the_way:
+            return None, None, 0
+        return job, None, beat
 
-    def is_behind_all(self, number: int, beat: int) -> bool:
-        """Tell whether a new item stands behind every one that is worked on (6.1)."""
-        return all(c.beat - n < beat - number for n, c in self.cycles.items() if c)
-
-    def owes(self, number: int, marks: set[int], item: Item) -> bool:
-        return number in item.job.plan['lists'] and number not in marks
-
-    def source_job(self, number: int) -> Job | None:
-        job = next((job for job in self.live() if job.left), None)
-        if job is None or job.plan['source'] != number:
-            return None
-        return job if self.done_with_earlier(number, job) else None
-
-    # --- tasks (2) --------------------------------------------------------------------------
-
-    def of(
-        self, task: Row, job: Job, section: int | None = None, item: Item | None = None
-    ) -> Work:
-        key = (job.id, section, item and item.id, task['id'])
-        return self.work.setdefault(key, Work(task, job, section, item))
-
-    def visit(self, work: Work) -> bool:
-        """Let a task go on as far as it can; tell whether it ended."""
-        before = work.state
-        if before == 'failed':
-            self.decide(work)
-        elif before in ('new', 'waiting') and not self.stopped(work.section):
-            return self.try_start(work)
-        return before == 'done'
-
-    def stopped(self, number: int | None) -> bool:
-        """Tell whether a pause or a hold keeps a section from starting anything (7.1)."""
-        places = [h.where.get('section') for h in self.holds.values() if 'job' in h.where]
-        return self.paused or number in places
-
-    def try_start(self, work: Work) -> bool:
-        """Start a task, if nothing is in its way; tell whether it was skipped."""
-        task, missing = work.task, False
-        if work.item is not None:
-            if work.state == 'new' and not self.flags_allow(work):
-                return False
-            try:
-                skipped = not self.passes(work)
-                for value in () if skipped else task['args'].values():
-                    value_of(value, work.item)
-            except MissingResult:
-                skipped, missing = False, True
-            if skipped:
-                self.say('task.skipped', work.where)
-                self.executed(work, done=False)
-                return True
-        names = [task['device'], *(f'zone {zone}' for zone in task['zones'])]
-        if self.now < work.after or any(name in self.taken for name in names):
-            return False
-        work.attempt += 1
-        if missing:
-            self.fail(work, 'missing_result')
-            self.decide(work)
-            return False
-        self.begins(work.job)
-        work.state, work.cause, work.deaf = 'running', '', True
-        self.running.append(work)
-        self.unsent.append(work)
-        self.taken |= dict.fromkeys(names, work)
-        fields = {'name': task['task'], 'action': task['action'], 'component': task['device']}
-        self.say('task.started', work.where, attempt=work.attempt, **fields)
-        return False
-
-    def flags_allow(self, work: Work) -> bool:
-        for link in work.links:
-            if (
-                link['upstream'] == work.task['id']
-                and self.flags[link['flag']] >= link['capacity']
-            ):
-                return False
-            if link['downstream'] == work.task['id'] and self.flags[link['flag']] == 0:
-                return False
-        return True
-
-    def passes(self, work: Work) -> bool:
-        """Tell whether a task is not skipped (3.2, 6.4, 6.5)."""
-        assert work.item is not None
-        if work.item.empty and work.item.gone != 'sink':
-            return False
-        state = 'rejected' if work.item.rejected else 'good'
-        return work.task['runs_for'] in (state, 'all') and wanted(work.task, work.item)
-
-    def executed(self, work: Work, *, done: bool) -> None:
-        """Change flags, quantity and item as a task that ended does (2.7, 3.2, 4.2)."""
-        work.state, item, number = 'done', work.item, work.section
-        for side, event, change in (('upstream', 'raised', 1), ('downstream', 'lowered', -1)):
-            for link in work.links:
-                if link[side] == work.task['id']:
-                    self.flags[link['flag']] += change
-                    fields = {'flag': link['flag'], 'count': self.flags[link['flag']]}
-                    self.say(f'flag.{event}', work.where, **fields)
-        if item is None or number is None:
-            return
-        place = {'job': item.job.id, 'section': number, 'item': item.id}
-        if work.task['qty_change'] == 1:
-            item.standing, item.missing, self.slots[number] = True, not done, item
-            self.say('item.placed' if done else 'item.missing', place)
-        if work.task['qty_change'] == -1:
-            if done and not item.empty:
-                self.take_out(item, number, 'rejected' if item.rejected else 'packed')
-            elif item.empty and self.slots[number] is item and number == item.job.plan['sink']:
-                self.slots[number] = None
-                self.say('position.ended', place)
-
-    def take_out(self, item: Item, number: int, how: str) -> None:
-        at_sink = number == item.job.plan['sink'] and how != 'by_hand'
-        item.gone = 'sink' if at_sink else 'early'
-        if at_sink:
-            self.slots[number] = None
-        where = {'job': item.job.id, 'section': number, 'item': item.id}
-        self.say('item.removed', where, how=how)
-
-    def cancel(self, work: Work, cause: str) -> None:
-        if not work.cause:
-            work.cause = cause
-            self.say('task.cancel_requested', work.where, cause=cause)
-            self.at(GRACE_S, 'grace', work)
-            if not work.deaf:
-                self.at(0.0, 'end', work, 'canceled', -2)
-
-    def free(self, work: Work) -> None:
-        self.taken = {name: one for name, one in self.taken.items() if one is not work}
-
-    def succeed(self, work: Work) -> None:
-        self.running.remove(work)
-        self.free(work)
-        results = self.devices.results(work.task)
-        self.say('task.succeeded', work.where, attempt=work.attempt, results=results or None)
-        self.effects(work, results)
-
-    def effects(self, work: Work, results: Row) -> None:
-        if work is self.move:
-            self.moved()
-            return
-        if work.item is None:
-            self.once.add(self.once_key(work))
-        elif results:
-            work.item.results[work.task['id']] = results
-        self.executed(work, done=True)
-
-    def fail(self, work: Work, reason: str) -> None:
-        self.running = [one for one in self.running if one is not work]
-        work.state, work.reason = 'failed', reason
-        if reason not in ('in_doubt', 'server_lost'):
-            self.free(work)
-        self.say('task.failed', work.where, attempt=work.attempt, reason=reason)
-
-    # --- failures and operators (2.6, 2.7, 7.1) ---------------------------------------------
-
-    def decide(self, work: Work) -> None:
-        lost = work.reason == 'server_lost' and not work.task['repeatable']
-        if work.reason == 'in_doubt' or lost:
-            self.hold(work)
-        elif work.cause == 'abort_job':
-            self.go_on(work, 'abort_job')
-        elif work.attempt <= work.task['retries'] and work.reason != 'missing_result':
-            self.retry(work, work.task['retry_delay'])
-        elif work.task['policy'] == 'hold':
-            self.hold(work)
-        else:
-            self.go_on(work, work.task['policy'])
-
-    def retry(self, work: Work, delay_s: float) -> None:
-        self.free(work)
-        work.state, work.after = 'waiting', round(self.now + delay_s, 6)
-        self.at(delay_s, 'wake', work)
-        fields = {'attempt': work.attempt + 1, 'not_before': work.after}
-        self.say('task.retrying', work.where, **fields)
-
-    def go_on(self, work: Work, policy: str) -> None:
-        if policy == 'abort_job':
-            self.abort_jobs_of(work)
-        if policy == 'reject' and work.item:
-            self.reject(work.item)
-        if work is self.move:
-            self.hold(work)
-            return
-        self.free(work)
-        self.say('task.continued', work.where, policy=policy)
-        self.executed(work, done=False)
-
-    def abort_jobs_of(self, work: Work) -> None:
-        """Abort the job of a task; of the belt's move every job on it, in their order (3.5)."""
-        on_belt = [item.job for item in self.slots.values() if item]
-        for job in self.live():
-            if job is work.job or (work is self.move and job in on_belt):
-                self.abort_job(job)
-
-    def hold(self, work: Work) -> None:
-        work.state = 'held'
-        answers = ['retry', 'mark_done', 'skip', 'reject', 'abort_job']
-        if work.task['qty_change'] == -1 or work is self.move:
-            answers.remove('skip')
-        if work.item is None:
-            answers.remove('reject')
-        self.raise_hold(Hold(work.where, work.reason, answers, work))
-
-    def raise_hold(self, hold: Hold) -> None:
-        id_ = str(next(self.hold_ids))
-        self.holds[id_] = hold
-        self.say('hold.raised', hold.where, hold=id_, reason=hold.reason, answers=hold.answers)
-
-    def release(self, hold_id: str) -> None:
-        del self.holds[hold_id]
-        self.say('hold.released', hold=hold_id)
-
-    def answer(self, hold_id: str, answer: str) -> None:
-        work = self.holds[hold_id].work
-        assert work is not None
-        self.say('operator.decided', answer=answer, hold=hold_id)
-        if work is self.move and answer == 'abort_job':
-            self.abort_jobs_of(work)
-        else:
-            self.release(hold_id)
-            self.carry_out(work, answer)
-        self.settle()
-
-    def carry_out(self, work: Work, answer: str) -> None:
-        if answer == 'retry':
-            self.retry(work, 0.0)
-        elif answer == 'mark_done':
-            self.free(work)
-            self.say('task.marked_done', work.where)
-            self.effects(work, {})
-        elif answer == 'skip':
-            self.free(work)
-            self.say('task.skipped', work.where)
-            self.executed(work, done=False)
-        else:
-            self.go_on(work, answer)
-
-    def remove(self, item_id: str) -> None:
-        """Take an item off the belt by hand."""
-        for number, item in self.slots.items():
-            if item and item.id == item_id and not item.empty:
-                self.say('operator.decided', item=item_id, answer='remove_item')
-                self.take_out(item, number, 'by_hand')
-                for id_, hold in list(self.holds.items()):
-                    if hold.reason == 'overrun' and hold.where['item'] == item_id:
-                        self.release(id_)
-        self.settle()
-
-    def pause(self, paused: bool) -> None:
-        self.paused = paused
-        self.say('operator.decided', answer='pause' if paused else 'resume')
-        if paused:
-            self.raise_hold(Hold({}, 'paused', ['resume']))
-        else:
-            for id_ in [id_ for id_, hold in self.holds.items() if hold.reason == 'paused']:
-                self.release(id_)
-        self.settle()
-
-    # --- the belt (3.4 to 3.6) --------------------------------------------------------------
+    def source_job(self) -> Job | None:
+        """Return the job that the source may work on (5.2, 6.1)."""
+        job = next((job for job in self.jobs if job.left), None)
+        source = job.plan.source if job else 0
+        ready = job and self.done_with_earlier(source, job) and self.prepared(source, job)
+        return job if ready else None
 
     def belt(self) -> None:
+        """Move, or begin a beat without a move, once every turn is complete."""
         if self.moving:
             self.visit(self.move)
             return
-        if any(map(self.pending, self.slots)):
+        if any(map(self.has_turn, self.sections)):
             return
-        last = self.slots[self.size]
-        if last is not None and not last.empty:
-            where = {'job': last.job.id, 'section': self.size, 'item': last.id}
-            if all(hold.where != where for hold in self.holds.values()):
-                self.raise_hold(Hold(where, 'overrun', ['remove_item']))
-        elif self.state == 'Execute' and not self.holds:
-            if any(self.slots.values()):
-                self.moving = True
-                self.say('belt.index_started', beat=self.beat)
-                self.move = Work(self.move.task)
-                self.visit(self.move)
-            elif self.source_goes_on():
+        last = self.slots().get(self.sections[-1])
+        if last and not last.empty:
+            if not self.said('hold.raised', last.at(last.place)):
+                self.hold('overrun', last.at(last.place), ['remove_item'])
+        elif self.slots() and self.may_begin():
+            self.moving = True
+            self.say('belt.index_started', {}, beat=self.beat)
+            self.move = replace(self.move, state='new', attempt=0)
+            self.visit(self.move)
+        elif self.may_begin():
+            ahead = any(cycle.beat > self.beat for cycle in self.cycles.values())
+            if ahead or self.source_job():
                 self.beat += 1
-                self.say('beat.started', beat=self.beat)
+                self.say('beat.started', {}, beat=self.beat)
 
-    def source_goes_on(self) -> bool:
-        """Tell whether the source has a cycle for the next beat, begun ahead or to come."""
-        if any(cycle and cycle.beat > self.beat for cycle in self.cycles.values()):
+    def has_turn(self, number: int) -> bool:
+        """Tell whether a section still has its turn in this beat (3.4)."""
+        cycle = self.cycles.get(number)
+        if cycle and cycle.beat <= self.beat and not self.said('turn.completed', cycle.where):
             return True
-        return any((job := self.source_job(n)) and self.prepared(n, job) for n in self.slots)
-
-    def pending(self, number: int) -> bool:
-        """Tell whether a section still has its turn in this beat."""
-        item, cycle = self.slots[number], self.cycles[number]
-        if item and self.owes(number, item.turned, item):
-            return True
-        if cycle and cycle.beat <= self.beat and number not in cycle.item.turned:
-            return True
-        job = self.source_job(number)
-        if job is None or item or self.last_beat[number] >= self.beat:
-            return False
-        return self.is_behind_all(number, self.beat) and (
-            job.begun > 0 or self.prepared(number, job)
-        )
+        return self.next_cycle(number)[2] == self.beat
 
     def moved(self) -> None:
-        self.move.state = 'done'
-        for number in range(self.size, 0, -1):
-            item, self.slots[number] = self.slots[number], None
-            if item is not None:
-                ends = number == self.size
-                place = number if ends else number + 1
-                self.slots[place] = None if ends else item
-                where = {'job': item.job.id, 'section': place, 'item': item.id}
-                self.say('position.ended' if ends else 'item.moved', where)
+        for place, item in reversed(self.slots().items()):
+            ends = place == self.sections[-1]
+            item.place = 0 if ends else place + 1
+            self.say('position.ended' if ends else 'item.moved', item.at(item.place or place))
         self.moving, self.beat = False, self.beat + 1
-        self.say('belt.indexed', beat=self.beat)
+        self.say('belt.indexed', {}, beat=self.beat)
 
-    # --- the cell's state (7.1, 7.2) --------------------------------------------------------
+    # --- tasks (2, 4) -----------------------------------------------------------------------
+
+    def visit(self, task: Task, may_begin: bool = True) -> bool:
+        """Let a task go on as far as it can; tell whether it had ended, or is skipped."""
+        if task.state == 'failed':
+            self.decide(task)
+            return False
+        if task.state not in ('new', 'waiting') or self.stopped(task.section):
+            return task.state == 'done'
+        if task.state == 'new' and not (may_begin and self.flags_allow(task)):
+            return False
+        missing = False
+        try:
+            if task.item and is_skipped(task.given, task.item):
+                self.carry_out(task, 'skip')
+                return True
+        except KeyError:
+            missing = True
+        free = not any(task.needs & other.needs for other in self.started if other.busy)
+        if free and self.now >= task.not_before:
+            task.attempt += 1
+            if missing:
+                self.end(task, 'missing_result')
+                self.decide(task)
+            else:
+                self.start(task)
+        return False
+
+    def stopped(self, number: int | None) -> bool:
+        """Tell whether a pause or a hold keeps a section from starting anything (7.1)."""
+        places = [hold.where['section'] for hold in self.holds if hold.where.get('job')]
+        return number in places or any(hold.reason == 'paused' for hold in self.holds)
+
+    def flags_allow(self, task: Task) -> bool:
+        """Tell whether no flag of a task would sink below 0 or rise above its capacity (4.1)."""
+        changes = task.job.plan.changes[task.id] if task.item else ()
+        return all(0 <= self.flags[flag] + step <= most for flag, step, most in changes)
+
+    def start(self, task: Task) -> None:
+        if task.job:
+            self.say_once('job.started', {'job': task.job})
+        task.state, task.cancelled = 'running', ''
+        others = [one for one in self.started if one.state != 'done' and one is not task]
+        self.started = [*others, task]
+        action, name, _ = task.does
+        fields = {'name': name, 'action': action, 'component': task.device.name}
+        self.say('task.started', task.where, attempt=task.attempt, **fields)
+        task.deaf, ends = task.device.take(name)
+        timeout_s = {'timeout': 300.0, **task.device.given, **task.given}['timeout']
+        self.at(timeout_s, task, 'timeout', TIMES_LAST)
+        for seconds, end, rank in ends:
+            self.at(seconds, task, end, rank)
+
+    def cancel(self, task: Task, cause: str) -> None:
+        """Cancel a goal and await its end for a while (2.4)."""
+        if task.state == 'running' and not task.cancelled:
+            task.cancelled = cause
+            self.say('task.cancel_requested', task.where, cause=cause)
+            self.at(GRACE_S, task, 'in_doubt', TIMES_LAST)
+            if not task.deaf:
+                self.at(0.0, task, 'canceled', CANCELED_FIRST)
+
+    def end(self, task: Task, end: str) -> None:
+        """Let an attempt end with a reason or '' for success, or its time be over (2.2 to 2.4)."""
+        if end == 'timeout':
+            self.cancel(task, 'timeout')
+        elif end:
+            late = end == 'canceled' and task.cancelled == 'timeout'
+            task.state, task.reason = 'failed', 'timeout' if late else end
+            self.say('task.failed', task.where, attempt=task.attempt, reason=task.reason)
+        else:
+            results = task.device.results(task.given['task'])
+            self.say('task.succeeded', task.where, attempt=task.attempt, results=results or None)
+            self.executed(task, results)
+
+    def executed(self, task: Task, results: Row | None) -> None:
+        """Change flags, quantity and item; no results at all: it was not done (2.7, 3.2, 4.2)."""
+        done, item, change = results is not None, task.item, task.given.get('qty_change')
+        task.state = 'done'
+        if task is self.move:
+            self.moved()
+        elif item:
+            item.values |= {f'results.{task.id}.{key}': v for key, v in (results or {}).items()}
+            for flag, step, _ in item.job.plan.changes[task.id]:
+                self.flags[flag] += step
+                event = 'flag.raised' if step > 0 else 'flag.lowered'
+                self.say(event, task.where, flag=flag, count=self.flags[flag])
+        elif done:
+            self.once.append(task.does)
+        if change == 1:
+            item.placed, item.empty = True, not done
+            self.say('item.placed' if done else 'item.missing', item.at(task.section))
+        elif change == -1 and done and not item.empty:
+            self.take_out(item, 'rejected' if item.rejected else 'packed')
+        elif change == -1 and item.empty and task.section == item.place == item.job.plan.sink:
+            item.place = 0
+            self.say('position.ended', item.at(task.section))
+
+    # --- failures, operators, the cell's state (2.6, 2.7, 7) --------------------------------
+
+    def decide(self, task: Task) -> None:
+        """Do what is to be done about a failed attempt; what is said last counts (2.6, 2.7)."""
+        what = task.given.get('on_failure', 'hold')
+        if task.attempt <= task.given.get('retries', 0) and task.reason != 'missing_result':
+            what = 'retry'
+        if task.cancelled == 'abort_job':
+            what = 'abort_job'
+        lost = task.reason == 'server_lost' and not task.given.get('repeatable')
+        if task.reason == 'in_doubt' or lost:
+            what = 'hold'
+        self.carry_out(task, what, task.given.get('retry_delay', 0.0))
+
+    def carry_out(self, task: Task, what: str, delay_s: float = 0.0) -> None:
+        """Do what a rule, a policy or an operator says about a task; a move is never given up."""
+        if what == 'abort_job':
+            self.abort_jobs([task.job] if task.job else [i.job for i in self.slots().values()])
+        if what == 'reject':
+            self.reject(task.item)
+        if what == 'hold' or (what == 'abort_job' and task is self.move):
+            skips = task.job and task.given.get('qty_change') != -1
+            no = ['' if skips else 'skip', '' if task.item else 'reject']
+            if task.state != 'held':
+                task.state = 'held'
+                self.hold(task.reason, task.where, [a for a in ANSWERS if a not in no], task)
+        elif what == 'retry':
+            task.state, task.not_before = 'waiting', round(self.now + delay_s, 6)
+            self.at(delay_s, task, 'retry', TIMES_LAST)
+            times = {'attempt': task.attempt + 1, 'not_before': task.not_before}
+            self.say('task.retrying', task.where, **times)
+        elif what in ('mark_done', 'skip'):
+            self.say('task.skipped' if what == 'skip' else 'task.marked_done', task.where)
+            self.executed(task, {} if what == 'mark_done' else None)
+        else:
+            self.say('task.continued', task.where, policy=what)
+            self.executed(task, None)
+
+    def operate(self, answer: str, hold: Any = None, item: Item | None = None) -> None:
+        """Do what an operator says; jobs on the belt are aborted and the move stays held (3.5)."""
+        self.say('operator.decided', {}, answer=answer, hold=hold, item=item)
+        if item:
+            self.take_out(item, 'by_hand')
+        for one in list(self.holds):
+            meant = one.answers == [answer] and one.where.get('item') is item
+            if meant or (one is hold and (one.task is not self.move or answer != 'abort_job')):
+                self.holds.remove(one)
+                self.say('hold.released', {}, hold=one)
+        if hold:
+            self.carry_out(hold.task, answer)
+        if answer == 'pause':
+            self.hold('paused', {}, ['resume'])
 
     def cell_state(self, *, still: bool) -> None:
         """Make one transition, if one is due."""
-        passing = dict(PASSING)
-        if self.live():
-            passing |= {'Stopped': 'Resetting', 'Complete': 'Resetting', 'Idle': 'Starting'}
+        working = 'Holding' if self.holds else 'Execute'
+        due = {'Starting': working, 'Unholding': working}
+        due |= {'Resetting': 'Idle', 'Completing': 'Complete'}
+        if self.jobs:
+            due |= {'Stopped': 'Resetting', 'Complete': 'Resetting', 'Idle': 'Starting'}
         else:
-            passing['Execute'] = 'Completing'
-        if self.holds:
-            passing |= dict.fromkeys(('Execute', 'Starting', 'Unholding'), 'Holding')
-            later = [w for w in [self.move, *self.work.values()] if w.state == 'waiting']
-            if still and not self.running and all(work.after <= self.now for work in later):
-                passing['Holding'] = 'Held'
+            due['Execute'] = 'Completing'
+        if not self.holds:
+            due |= {'Holding': 'Held', 'Held': 'Unholding'}
         else:
-            passing |= {'Holding': 'Held', 'Held': 'Unholding'}
-        if self.state in passing:
-            state, self.state = self.state, passing[self.state]
-            self.say('cell.state_changed', state=self.state, previous=state)
+            due['Execute'] = 'Holding'
+            running = any(task.state == 'running' for task in self.started)
+            later = any(t.state == 'waiting' and t.not_before > self.now for t in self.started)
+            if still and not running and not later:
+                due['Holding'] = 'Held'
+        if self.state in due:
+            previous, self.state = self.state, due[self.state]
+            self.say('cell.state_changed', {}, state=self.state, previous=previous)
+
+
+def is_skipped(given: Row, item: Item) -> bool:
+    """Tell whether a task is skipped (3.2, 6.4, 6.5; KeyError: a result is missing, 6.3)."""
+    state = 'rejected' if item.rejected else 'good'
+    if item.empty or given.get('runs_for', 'good') not in ('all', state):
+        return True
+    for test, needed in ((given.get('when'), True), (given.get('unless'), False)):
+        if isinstance(test, dict) and (item.value(test['value']) == test['equals']) != needed:
+            return True
+        if isinstance(test, str) and item.value(test) != needed:
+            return True
+    for value in given.get('args', {}).values():
+        item.value(value)
+    return False
+
+
+def needs_belt(step: list[list[Task]]) -> bool:
+    """Tell whether a step requires the conveyor: a group does if any member does (3.3)."""
+    return any(task.given.get('requires_conveyor', True) for member in step for task in member)

@@ -76,31 +76,32 @@ class NaiveBench:
 
     @property
     def live(self) -> bool:
-        return bool(self.cell.live())
+        return bool(self.cell.jobs)
 
     @property
     def paused(self) -> bool:
-        return self.cell.paused
+        return any(hold.reason == 'paused' for hold in self.cell.holds)
 
     def wait(self, seconds: float | None) -> None:
         self.cell.advance(self.cell.now + (1e5 if seconds is None else seconds))
 
     def holds(self) -> list[tuple[str, Sequence[str], str | None]]:
-        holds = self.cell.holds.items()
-        return [(id_, h.answers, h.where.get('item')) for id_, h in holds if h.reason != 'paused']
+        holds = [hold for hold in self.cell.holds if hold.reason != 'paused']
+        items = [hold.where['item'] for hold in holds]
+        return [(h.id, h.answers, item and item.id) for h, item in zip(holds, items, strict=True)]
 
     def standing(self) -> list[str]:
-        items = [i for _, i in sorted(self.cell.slots.items()) if i]
-        return [item.id for item in items if not item.empty]
+        return [item.id for item in self.cell.slots().values() if not item.empty]
 
     def answer(self, hold: str, answer: str) -> None:
-        self.cell.answer(hold, answer)
+        self.cell.operate(answer, hold=next(h for h in self.cell.holds if h.id == hold))
 
     def remove(self, item: str) -> None:
-        self.cell.remove(item)
+        items = self.cell.slots().values()
+        self.cell.operate('remove_item', item=next(i for i in items if i.id == item))
 
     def pause(self, paused: bool) -> None:
-        self.cell.pause(paused)
+        self.cell.operate('pause' if paused else 'resume')
 
 
 class ProductBench:

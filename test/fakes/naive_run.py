@@ -1,0 +1,194 @@
+"""What the rules of the naive cell work on: its state, the time, and the records."""
+
+from __future__ import annotations
+
+import itertools
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+from typing import Any
+
+from fakes.naive_plan import NaiveDevice, Row, plan_of
+
+
+@dataclass(eq=False)
+class Job:
+    """A work order; `left`: source cycles that have not begun; `first`: its initialization."""
+
+    id: str
+    plan: SimpleNamespace
+    left: int
+    first: dict[str, Task] = field(default_factory=dict)
+    items: list[Item] = field(default_factory=list)
+    aborting: bool = False
+
+
+@dataclass(eq=False)
+class Item:
+    """What a source cycle makes, or an empty position."""
+
+    job: Job
+    id: str
+    values: Row
+    """What references to it stand for (6.3)."""
+    place: int
+    """A section, before it is placed too; 0: it has left the belt."""
+    placed: bool = False
+    empty: bool = False
+    rejected: bool = False
+
+    def value(self, text: Any) -> Any:
+        """Return what a reference stands for; KeyError: nothing; any other value is itself."""
+        return self.values[text[2:-1]] if str(text).startswith('${') else text
+
+    def at(self, section: int) -> Row:
+        return {'job': self.job, 'section': section, 'item': self}
+
+
+@dataclass(eq=False)
+class Task:
+    """A task of an item, of a job's initialization (no item), or the belt's move (no job).
+
+    It is `new`, `running`, `failed`, `held`, `waiting` for a further attempt, or `done`.
+    """
+
+    id: str
+    given: Row
+    device: NaiveDevice
+    needs: set[str]
+    """Its component and zones."""
+    job: Any = None
+    section: int | None = None
+    item: Any = None
+    after: list[Task] = field(default_factory=list)
+    state: str = 'new'
+    attempt: int = 0
+    not_before: float = 0.0
+    reason: str = ''
+    cancelled: str = ''
+    deaf: bool = True
+
+    @property
+    def busy(self) -> bool:
+        """Whether it has its component and zones: it runs, or nobody knows whether (2.6)."""
+        lost = self.reason in ('in_doubt', 'server_lost')
+        return self.state == 'running' or (self.state in ('failed', 'held') and lost)
+
+    @property
+    def waits_for(self) -> set[int]:
+        """The sections that it waits for, itself or through dependencies (5.2)."""
+        return set(self.device.places).union(*(one.waits_for for one in self.after))
+
+    @property
+    def does(self) -> tuple[Any, ...]:
+        """What two tasks that are one and the same for `once` have in common (5.1)."""
+        return self.given['action'], self.given['task'], self.given.get('args')
+
+    @property
+    def where(self) -> Row:
+        return {'job': self.job, 'section': self.section, 'item': self.item, 'task': self}
+
+
+class NaiveRun(ABC):
+    """The state of a cell, the time, and the records; all but the rules."""
+
+    def __init__(
+        self, cell: Row, scripts: Sequence[Row], duration: Callable[[str, int], float | None]
+    ) -> None:
+        self.sections = range(1, cell['conveyor']['sections'] + 1)
+        found = {**cell['components'], 'conveyor': cell['conveyor']}.items()
+        devices = [NaiveDevice(name, given, self.sections, duration) for name, given in found]
+        self.devices = {device.given['action']: device for device in devices}
+        self.plans = {script['script']: plan_of(script) for script in scripts}
+        self.now, self.beat, self.moving, self.state = 0.0, 1, False, 'Stopped'
+        self.move = Task('index', cell['conveyor'], devices[-1], {'conveyor'})
+        self.jobs: list[Job] = []
+        self.cycles: dict[int, Any] = {}
+        """Those that are not complete, by their sections."""
+        self.last_beat = dict.fromkeys(self.sections, 0)
+        """Of each section's last cycle that has begun."""
+        self.flags: dict[str, int] = {}
+        self.started: list[Task] = []
+        """Those that are not done, the one started last at the end."""
+        self.once: list[tuple[Any, ...]] = []
+        self.holds: list[Any] = []
+        self.records: list[Row] = []
+        self._facts: set[tuple[Any, ...]] = set()
+        self._agenda: list[tuple[float, int, int, Task, int, str]] = []
+        self._numbers, self._hold_ids = itertools.count(), itertools.count(1)
+
+    def say(self, event: str, where: Row, **fields: Any) -> None:
+        """Record an event; jobs, items, tasks and holds are named by their ids."""
+        self._facts.add((event, *where.values()))
+        row = {'time': round(self.now, 6), 'event': event, **where, **fields}
+        named = {key: getattr(value, 'id', value) for key, value in row.items()}
+        self.records.append({key: value for key, value in named.items() if value is not None})
+
+    def said(self, event: str, where: Row) -> bool:
+        return (event, *where.values()) in self._facts
+
+    def say_once(self, event: str, where: Row) -> None:
+        if not self.said(event, where):
+            self.say(event, where)
+
+    def slots(self) -> dict[int, Item]:
+        items = [item for job in self.jobs for item in job.items if item.placed and item.place]
+        return {item.place: item for item in sorted(items, key=lambda item: item.place)}
+
+    def new_job(self, id_: str, script: str, quantity: int) -> Job:
+        job = Job(id_, self.plans[script], quantity)
+        job.first = {given['id']: self.new_task(given, job) for given in job.plan.first}
+        for link in job.plan.order:
+            job.first[link['downstream']].after.append(job.first[link['upstream']])
+        self.jobs.append(job)
+        return job
+
+    def new_item(self, job: Job) -> Item:
+        number = len(job.items) + 1
+        item = Item(job, f'{job.id}/{number}', {'item.number': number}, job.plan.source)
+        job.items.append(item)
+        job.left -= 1
+        return item
+
+    def new_cycle(self, number: int, item: Item, beat: int) -> SimpleNamespace:
+        steps = [
+            [[self.new_task(task, item.job, number, item) for task in member] for member in step]
+            for step in item.job.plan.lists[number]
+        ]
+        return SimpleNamespace(item=item, where=item.at(number), beat=beat, steps=steps)
+
+    def new_task(self, given: Row, job: Job, section: int | None = None, item: Any = None) -> Task:
+        device = self.devices[given['action']]
+        zones = {f'zone {zone}' for zone, ids in job.plan.zones.items() if given['id'] in ids}
+        return Task(given['id'], given, device, {device.name} | zones, job, section, item)
+
+    def hold(self, reason: str, where: Row, answers: list[str], task: Task | None = None) -> None:
+        hold = SimpleNamespace(id=str(next(self._hold_ids)), reason=reason, where=where)
+        hold.answers, hold.task = answers, task
+        self.holds.append(hold)
+        self.say('hold.raised', where, hold=hold, reason=reason, answers=answers)
+
+    def at(self, after: float, task: Task, end: str, rank: int) -> None:
+        """Note how an attempt ends after a while; of one time the lower rank is first."""
+        time = round(self.now + after, 6)
+        self._agenda.append((time, rank, next(self._numbers), task, task.attempt, end))
+
+    def advance(self, until: float) -> None:
+        """Let everything happen up to a time."""
+        self.settle()
+        while self.jobs and self._agenda and min(self._agenda)[0] <= until:
+            self.now = min(self._agenda)[0]
+            due = sorted(note for note in self._agenda if note[0] == self.now)
+            self._agenda = [note for note in self._agenda if note[0] > self.now]
+            for _, _, _, task, attempt, end in due:
+                if task.state == 'running' and task.attempt == attempt:
+                    self.end(task, end)
+            self.settle()
+        self.now = round(max(self.now, until), 6) if self.jobs else self.now
+
+    @abstractmethod
+    def settle(self) -> None: ...
+
+    @abstractmethod
+    def end(self, task: Task, end: str) -> None: ...
