@@ -10,14 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import replace
+from math import inf
 from typing import Any
 
 from fakes.naive_plan import Row
 from fakes.naive_run import Item, Job, NaiveRun, Task
 
 GRACE_S = 5.0
-CANCELED_FIRST, TIMES_LAST = -2, 2
-"""Ranks among what happens at one time."""
+CANCELED_FIRST, TIMES_LAST = -inf, inf
 ANSWERS = ['retry', 'mark_done', 'skip', 'reject', 'abort_job']
 
 
@@ -257,8 +257,8 @@ class NaiveCell(NaiveRun):
         task.deaf, ends = task.device.take(name)
         timeout_s = {'timeout': 300.0, **task.device.given, **task.given}['timeout']
         self.at(timeout_s, task, 'timeout', TIMES_LAST)
-        for seconds, end, rank in ends:
-            self.at(seconds, task, end, rank)
+        for seconds, end, certain in ends:
+            self.at(seconds, task, end, certain)
 
     def cancel(self, task: Task, cause: str) -> None:
         """Cancel a goal and await its end for a while (2.4)."""

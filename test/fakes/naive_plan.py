@@ -11,6 +11,7 @@ from typing import Any
 Row = dict[str, Any]
 
 CHECK_S, CHECKS_OF_A_REQUEST = 2.0, 2
+BEFORE_OTHERS = -1e9
 REASONS = {'abort': 'aborted', 'cancel': 'canceled', 'false': 'task_result_false'}
 
 
@@ -26,29 +27,29 @@ class NaiveDevice:
         self.faults = dict(text[1:].split('=') for text in given.get('faults', []))
         self.goals, self.accepted, self.dead = 0, 0, False
 
-    def take(self, task: str) -> tuple[bool, list[tuple[float, str, int]]]:
+    def take(self, task: str) -> tuple[bool, list[tuple[float, str, float]]]:
         """Take a goal.
 
         :return: whether it is deaf to a cancel, and how it ends if left alone: after so many
-            seconds, with a reason ('': it succeeds) and a rank among what happens at one time
+            seconds, with a reason ('': it succeeds), and the seconds after which that is certain
         """
         self.goals += 1
         kind, _, extra_s = self.faults.get(str(self.goals), '').partition(':')
         if self.dead or kind == 'reject':
-            return True, [(0.0, 'goal_rejected', -1)]
+            return True, [(0.0, 'goal_rejected', BEFORE_OTHERS)]
         if kind == 'mute':
-            return True, [(CHECK_S * CHECKS_OF_A_REQUEST, 'server_lost', 0)]
+            return True, [(CHECK_S * CHECKS_OF_A_REQUEST, 'server_lost', 0.0)]
         self.accepted += 1
         seconds = self.duration(self.name, self.accepted)
         if seconds is None:
             seconds = self.given.get('durations', {}).get(task, self.given.get('duration', 1.0))
         if kind == 'die':
-            checks = max(1, ceil((seconds / 2 + float(extra_s)) / CHECK_S))
-            return False, [(CHECK_S * checks, 'server_lost', 1)]
+            back = seconds / 2 + float(extra_s)
+            return False, [(CHECK_S * max(1, ceil(back / CHECK_S)), 'server_lost', back)]
         if kind in ('hang', 'ignore_cancel'):
             self.dead = kind == 'ignore_cancel'
             return self.dead, []
-        return False, [(seconds + float(extra_s or 0), REASONS.get(kind, ''), 0)]
+        return False, [(seconds + float(extra_s or 0), REASONS.get(kind, ''), 0.0)]
 
     def results(self, task: str) -> Row:
         """Return the results of a task that succeeded."""

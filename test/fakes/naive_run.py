@@ -115,7 +115,7 @@ class NaiveRun(ABC):
         self.holds: list[Any] = []
         self.records: list[Row] = []
         self._facts: set[tuple[Any, ...]] = set()
-        self._agenda: list[tuple[float, int, int, Task, int, str]] = []
+        self._agenda: list[tuple[float, float, int, Task, int, str]] = []
         self._numbers, self._hold_ids = itertools.count(), itertools.count(1)
 
     def say(self, event: str, where: Row, **fields: Any) -> None:
@@ -169,10 +169,15 @@ class NaiveRun(ABC):
         self.holds.append(hold)
         self.say('hold.raised', where, hold=hold, reason=reason, answers=answers)
 
-    def at(self, after: float, task: Task, end: str, rank: int) -> None:
-        """Note how an attempt ends after a while; of one time the lower rank is first."""
+    def at(self, after: float, task: Task, end: str, certain: float) -> None:
+        """Note how an attempt ends after a while; of one time what was certain earlier is first.
+
+        :param certain: seconds from now after which nothing but a stop or a cancel can change it
+        """
         time = round(self.now + after, 6)
-        self._agenda.append((time, rank, next(self._numbers), task, task.attempt, end))
+        self._agenda.append(
+            (time, self.now + certain, next(self._numbers), task, task.attempt, end)
+        )
 
     def advance(self, until: float) -> None:
         """Let everything happen up to a time."""
