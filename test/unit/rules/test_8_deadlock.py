@@ -200,7 +200,7 @@ def test_8_2_the_graph_says_what_whole_runs_of_drawn_lines_show() -> None:
     """Verdict, item, beat and every wait of the circle, for even and for uneven durations."""
     seen: Counter[str] = Counter()
 
-    @examples(25, 20000)
+    @examples(25, 4000)
     @given(SEEDS)
     def holds(seed: int) -> None:
         drawn = FlaggedLine(seed)
@@ -226,7 +226,7 @@ def test_8_2_a_job_as_long_as_the_line_gets_stuck_or_none_does() -> None:
     """The bound of docs/deadlock_proof.md: sink - source items, and at least one."""
     seen: Counter[bool] = Counter()
 
-    @examples(30, 5000)
+    @examples(30, 2000)
     @given(SEEDS)
     def holds(seed: int) -> None:
         drawn = FlaggedLine(seed)
@@ -242,7 +242,7 @@ def test_8_2_a_job_as_long_as_the_line_gets_stuck_or_none_does() -> None:
 def test_8_2_the_remedy_frees_drawn_lines_and_nothing_smaller_does() -> None:
     seen: Counter[str] = Counter()
 
-    @examples(30, 5000)
+    @examples(30, 2000)
     @given(SEEDS)
     def holds(seed: int) -> None:
         drawn = FlaggedLine(seed, most_sections=5)
@@ -316,7 +316,7 @@ def test_8_2_scripts_that_share_flags_get_stuck_together_as_the_graph_says(
     @example(211)
     @example(867)
     @example(1741)
-    @examples(8, 20000)
+    @examples(8, 4000)
     @given(SEEDS)
     def holds(seed: int) -> None:
         drawn, order = SharingScripts(seed), random.Random(seed)
