@@ -118,7 +118,8 @@ def test_speed_divides_durations_and_the_log_tells_them(
     assert [record['event'] for record in records] == ['accepted', 'started', 'ended']
     assert {(record['component'], record['task']) for record in records} == {('good', 'TASK_B')}
     assert records[-1]['status'] == 'succeeded'
-    assert 2.0 <= records[2]['time'] - records[1]['time'] < 3.5
+    # 4 s at twice the speed; its start is written down a moment after it.
+    assert 1.9 <= records[2]['time'] - records[1]['time'] < 3.9
 
 
 def test_feedback_comes_at_the_start_and_at_intervals(ros: ActionCaller) -> None:
