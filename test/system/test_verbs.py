@@ -141,7 +141,7 @@ def test_without_a_node_every_verb_says_so(tmp_path: Path, words: list[str]) -> 
     assert (status, output) == (1, '')
     assert '/nobody/bt_orchestrator' in errors
     assert 'is the tree node running' in errors
-    assert time.monotonic() - before < 10.0
+    assert time.monotonic() - before < 30.0
 
 
 def test_submitting_without_a_node_says_so(tmp_path: Path) -> None:
