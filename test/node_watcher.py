@@ -33,12 +33,21 @@ class NodeWatcher:
         The events are subscribed to first: once the latched status has come, the node knows of
         both subscriptions, and no event is missed.
         """
-        node = self.ros.node
-        node.create_subscription(Event, f'{self.name}/events', self._on_event, EVENTS)
-        node.create_subscription(Status, f'{self.name}/status', self.statuses.append, LATCHED)
+        self._listen()
         self.ros.spin_until(lambda: self.statuses, f'the status of {self.name}')
         if wait_servers:
             self.wait_servers()
+
+    def connect_anew(self) -> None:
+        """Do what people do who hear nothing: begin again, in a fresh participant.
+
+        A participant that has seen dozens of nodes die may be discovered by the next one in part
+        only, for good (docs/decisions/0018).
+        """
+        self.ros.close()
+        self.ros = ActionCaller()
+        self._clients.clear()
+        self._listen()
 
     def wait_servers(self, but: str = '') -> None:
         """Wait until the node sees every action server, except that of one component."""
@@ -161,6 +170,11 @@ class NodeWatcher:
             name = f'{self.name}/{service}'
             self._clients[service] = self.ros.node.create_client(kind, name)
         return self._clients[service]
+
+    def _listen(self) -> None:
+        node = self.ros.node
+        node.create_subscription(Event, f'{self.name}/events', self._on_event, EVENTS)
+        node.create_subscription(Status, f'{self.name}/status', self.statuses.append, LATCHED)
 
     def _be_known(self) -> None:
         """Wait for the latched status once more: then the node knows what was made before it."""

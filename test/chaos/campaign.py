@@ -30,6 +30,12 @@ STUCK_S = 90.0
 ANSWERED_S = 2.0
 """An operator who hears nothing for that long answers again."""
 
+_MOST_ANSWERS = 5
+"""An operator who was not heard so often opens another terminal."""
+
+_QUIET_S = 15.0
+"""So does one who hears no status for that long: there is one a second."""
+
 _MOST_PASSES = 12
 """A crash point is passed at most so often before it kills: a few items' worth of settles."""
 
@@ -94,6 +100,8 @@ class Campaign:
         )
         self._asked: Any = _Answered()
         self._patient_until = 0.0
+        self._unheard = 0
+        self._heard, self._heard_s = 0, time.monotonic()
 
     def run(self) -> Tally:
         """Run the job to its end, and judge."""
@@ -157,7 +165,7 @@ class Campaign:
         self._cell.sims[place].wait_ready()
 
     def _start_node(self, crashing: Sequence[str] = ()) -> None:
-        self._asked = _Answered()
+        self._asked, self._unheard = _Answered(), 0
         self._cell.start_node(crashing)
         if crashing:
             self._cell.node.wait_ready_or_end()
@@ -182,8 +190,21 @@ class Campaign:
 
     def _live(self, seconds: float, unless: Callable[[], bool] = lambda: False) -> bool:
         """Let the line run and answer its holds; return whether the job is over."""
-        self._cell.watch.ros.spin_for(seconds, lambda: self._look() or unless())
-        return self._is_over()
+        until = time.monotonic() + seconds
+        while True:
+            self._cell.watch.ros.spin_for(
+                until - time.monotonic(),
+                lambda: self._look() or unless() or self._is_cut_off(),
+            )
+            if not self._is_cut_off():
+                return self._is_over()
+            self._cell.watch.connect_anew()
+            self._asked, self._unheard = _Answered(), 0
+
+    def _is_cut_off(self) -> bool:
+        if len(self._cell.watch.statuses) != self._heard or not self._cell.node.is_running:
+            self._heard, self._heard_s = len(self._cell.watch.statuses), time.monotonic()
+        return self._unheard > _MOST_ANSWERS or time.monotonic() - self._heard_s > _QUIET_S
 
     def _look(self) -> bool:
         for hold in self._cell.watch.status.holds:
@@ -201,6 +222,7 @@ class Campaign:
             return
         # Of a node that is no more, perhaps, or that had not discovered the operator yet.
         self._patient_until = time.monotonic() + ANSWERED_S
+        self._unheard = 0 if self._asked.done() else self._unheard + 1
         done = any(Controllers(self._cell.log).succeeded(goal) for goal in self._goals_of(hold))
         self._asked = self._cell.watch.send_answer(hold.id, 'mark_done' if done else 'retry')
 
