@@ -1,12 +1,13 @@
 """The circle of waits in which a line stands still, in the words that the line itself would use.
 
-Every part of the cell stands at the first thing that it cannot do, which waits for another part.
-Followed from the belt on, the waits come back to a part that was met before.
+Every part of the cell stands at something that it cannot do, which waits for another part, or for
+another track of the same group. Followed from the belt on, the waits come back to a place that was
+met before.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import NamedTuple
 
 from bt_orchestrator.model.wait import Wait, WaitKind
@@ -33,26 +34,34 @@ class Stand(NamedTuple):
 
 def circle_of_waits(script: Operations, line: Precedence, still: Standstill) -> tuple[Stand, ...]:
     """Return the shortest circle of who waits for whom; the belt, if it is in it, comes last."""
-    standing = _standing(line, still).items()
-    sections = {number: Stand(number, _wait(script, line, still, at)) for number, at in standing}
-    turns = _of_belt(script, line, still)
-    return min((_circle(Stand(None, turn), sections) for turn in turns), key=len)
+    return min(
+        (_circle(script, line, still, *turn) for turn in _of_belt(script, line, still)), key=len
+    )
 
 
-def _circle(belt: Stand, sections: Mapping[int, Stand]) -> tuple[Stand, ...]:
-    """Follow the waits, from one of the belt's on, until a part comes back."""
-    met: dict[int | None, Stand] = {}
-    stand = belt
-    while stand.section not in met:
-        met[stand.section] = stand
-        stand = sections[stand.wait.sections[0]] if stand.wait.sections else belt
-    ways = list(met.values())
-    circle = ways[ways.index(stand) :]
-    return (*circle[1:], belt) if stand is belt else tuple(circle)
+def _circle(
+    script: Operations, line: Precedence, still: Standstill, wait: Wait, turn: Operation
+) -> tuple[Stand, ...]:
+    """Follow the waits, from one of the belt's for a turn on, until a place comes back.
+
+    A place is the belt or an operation: the tracks of a group stand at several.
+    """
+    belt = Stand(None, wait)
+    met: dict[Operation | None, Stand] = {None: belt}
+    place: Operation | None = _standing(line, still, turn)
+    while place is not None and place not in met:
+        wait, missing = _wait(script, line, still, place)
+        met[place] = Stand(place.section, wait)
+        place = _standing(line, still, missing) if missing is not None else None
+    stands = list(met.values())
+    circle = stands[stands.index(met[place]) :]
+    return (*circle[1:], belt) if place is None else tuple(circle)
 
 
-def _of_belt(script: Operations, line: Precedence, still: Standstill) -> Iterator[Wait]:
-    """Yield which turns of the beat never become complete."""
+def _of_belt(
+    script: Operations, line: Precedence, still: Standstill
+) -> Iterator[tuple[Wait, Operation]]:
+    """Yield which turns of the beat never become complete, with the waits for them."""
     for number, turn in script.turns.items():
         item = line.item(turn, still.beat)
         if not still.never(turn, item):
@@ -64,35 +73,29 @@ def _of_belt(script: Operations, line: Precedence, still: Standstill) -> Iterato
         else:
             does = f'begin with item {item}'
         what = f'waiting for section {number} to {does}'
-        yield Wait(what, WaitKind.TURN, sections=(number,))
+        yield Wait(what, WaitKind.TURN, sections=(number,)), turn
 
 
-def _standing(line: Precedence, still: Standstill) -> dict[int, Operation]:
-    """Return the first thing that each section cannot do, although its list would let it."""
-    found: dict[int, Operation] = {}
-    for operation, item in sorted(still.first_never.items(), key=lambda one: (one[1], one[0])):
-        if operation.section not in found and not _waits_in_list(line, still, operation, item):
-            found[operation.section] = operation
-    return found
+def _standing(line: Precedence, still: Standstill, operation: Operation) -> Operation:
+    """Return what an operation waits for in its list, which the list itself would let happen."""
+    item = still.first_never[operation]
+    for relation in line.before[operation]:
+        if relation.dependency is None and still.never(relation.before, item - relation.items):
+            return _standing(line, still, relation.before)
+    return operation
 
 
-def _waits_in_list(line: Precedence, still: Standstill, operation: Operation, item: int) -> bool:
-    return any(
-        still.never(relation.before, item - relation.items)
-        for relation in line.before[operation]
-        if relation.dependency is None
-    )
-
-
-def _wait(script: Operations, line: Precedence, still: Standstill, operation: Operation) -> Wait:
-    """Say what an operation waits for: a flag, or what the belt brings."""
+def _wait(
+    script: Operations, line: Precedence, still: Standstill, operation: Operation
+) -> tuple[Wait, Operation | None]:
+    """Say what an operation waits for: a flag, and for whom; or what the belt brings."""
     item = still.first_never[operation]
     for relation in reversed(line.before[operation]):
         flag, other = relation.dependency, relation.before
         if flag is not None and still.never(other, item - relation.items):
             does = 'take' if operation.task == flag.upstream else 'set'
             what = f'waiting for {other.task} to {does} flag {flag.flag}'
-            return Wait(what, WaitKind.FLAG, flag.flag, (other.section,), other.task)
+            return Wait(what, WaitKind.FLAG, flag.flag, (other.section,), other.task), other
     if operation.section == script.source or (item > 1 and operation.section != script.sink):
-        return Wait('waiting for the belt to move', WaitKind.BELT)
-    return Wait('waiting for an item', WaitKind.ITEM)
+        return Wait('waiting for the belt to move', WaitKind.BELT), None
+    return Wait('waiting for an item', WaitKind.ITEM), None

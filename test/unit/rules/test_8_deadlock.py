@@ -114,6 +114,27 @@ lateral_dependencies:
     assert found.remedy == 'initial count 1 of flag own frees it'
 
 
+def test_8_2_a_circle_through_two_tracks_of_a_group_names_what_each_waits_for() -> None:
+    """The flag of the first is no remedy, which it would be alone."""
+    text = """
+sections:
+  1:
+    - {id: place, @a1, qty_change: 1}
+    - parallel: [[{id: hold, @a1}], [{id: turn, @b1}]]
+    - {id: pack, @b1, qty_change: -1}
+lateral_dependencies:
+  - {flag: turned, upstream: turn, downstream: hold}
+  - {flag: packed, upstream: pack, downstream: turn}
+"""
+    found = deadlock(Line(1).script(text))
+    assert found is not None
+    assert [str(stand) for stand in found.circle] == [
+        'section 1 is waiting for turn to set flag turned',
+        'section 1 is waiting for pack to set flag packed',
+    ]
+    assert found.remedy == 'initial count 1 of flag packed frees it'
+
+
 def test_8_2_the_shortest_of_several_circles_is_told() -> None:
     """Section 2 waits for section 3 in the same beat, and has no part in what keeps that."""
     text = """
@@ -242,6 +263,7 @@ def test_8_2_a_job_as_long_as_the_line_gets_stuck_or_none_does() -> None:
 def test_8_2_the_remedy_frees_drawn_lines_and_nothing_smaller_does() -> None:
     seen: Counter[str] = Counter()
 
+    @example(1199)
     @examples(30, 2000)
     @given(SEEDS)
     def holds(seed: int) -> None:
