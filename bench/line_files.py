@@ -21,17 +21,19 @@ def work_s(section: int, letter: str) -> float:
     return 0.028 + 0.022 * section if letter == 'a' else 0.055
 
 
-def cell_text(sections: int, letters: str = 'ab') -> str:
+def cell_text(
+    sections: int, letters: str = 'ab', *, result_timeout_s: float = RESULT_TIMEOUT_S
+) -> str:
     """Write a cell."""
     head = (
         f'cell: bench\nconveyor: {{sections: {sections}, action: /bench/belt, type: {BELT_TYPE}, '
-        f'task: MOVE_ONE_INDEX, duration: {BELT_S}, result_timeout: {RESULT_TIMEOUT_S}}}\n'
+        f'task: MOVE_ONE_INDEX, duration: {BELT_S}, result_timeout: {result_timeout_s}}}\n'
         'components:\n'
     )
     return head + ''.join(
         f'  {letter}{n}: {{section: {n}, action: /bench/{letter}{n}, type: {TYPE}, '
         f'durations: {{TASK_A: {work_s(min(n, 5), letter):.3f}}}, '
-        f'result_timeout: {RESULT_TIMEOUT_S}}}\n'
+        f'result_timeout: {result_timeout_s}}}\n'
         for n in range(1, sections + 1)
         for letter in letters
     )
