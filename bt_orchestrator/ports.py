@@ -78,7 +78,7 @@ class ActionGateway(Protocol):
         """
 
     def available(self, component: str) -> bool:
-        """Tell whether the component's action server is there, or was a second ago."""
+        """Tell whether the component's action server was there at the last look, for show."""
 
     def server(self, component: str) -> str | None:
         """Return an id of the instance of the component's server that was seen last.

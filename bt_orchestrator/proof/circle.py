@@ -78,11 +78,19 @@ def _of_belt(
 
 def _standing(line: Precedence, still: Standstill, operation: Operation) -> Operation:
     """Return what an operation waits for in its list, which the list itself would let happen."""
-    item = still.first_never[operation]
-    for relation in line.before[operation]:
-        if relation.dependency is None and still.never(relation.before, item - relation.items):
-            return _standing(line, still, relation.before)
+    while (before := _before_in_list(line, still, operation)) is not None:
+        operation = before
     return operation
+
+
+def _before_in_list(line: Precedence, still: Standstill, operation: Operation) -> Operation | None:
+    item = still.first_never[operation]
+    missing = (
+        relation.before
+        for relation in line.before[operation]
+        if relation.dependency is None and still.never(relation.before, item - relation.items)
+    )
+    return next(missing, None)
 
 
 def _wait(

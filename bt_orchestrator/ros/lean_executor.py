@@ -1,4 +1,4 @@
-"""rclpy's executor for one thread, at less cost. The only place that knows its inside."""
+"""rclpy's executor for one thread, at less cost. Only this and `wait_list` know its inside."""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import product
+from itertools import pairwise, product
 from typing import NamedTuple
 
 import pytest
@@ -133,6 +133,28 @@ lateral_dependencies:
         'section 1 is waiting for pack to set flag packed',
     ]
     assert found.remedy == 'initial count 1 of flag packed frees it'
+
+
+def test_8_2_a_circle_through_a_long_list_is_told() -> None:
+    inner = [f't{number}' for number in range(1500)]
+    tasks = ''.join(f'    - {{id: {task}, @a1}}\n' for task in inner)
+    flags = ''.join(
+        f'  - {{flag: after_{up}, upstream: {up}, downstream: {down}}}\n'
+        for up, down in pairwise(inner)
+    )
+    text = f"""
+sections:
+  1:
+    - {{id: place, @a1, qty_change: 1}}
+{tasks}    - {{id: pack, @a1, qty_change: -1}}
+lateral_dependencies:
+  - {{flag: own, upstream: pack, downstream: place}}
+{flags}"""
+    found = deadlock(Line(1).script(text))
+    assert found is not None
+    assert [str(stand) for stand in found.circle] == [
+        'section 1 is waiting for pack to set flag own'
+    ]
 
 
 def test_8_2_the_shortest_of_several_circles_is_told() -> None:
