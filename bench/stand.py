@@ -122,7 +122,7 @@ class Tail:
 
     def __init__(self, log: Path) -> None:
         self._log = log
-        self._offset = log.stat().st_size
+        self._offset = log.read_bytes().rfind(b'\n') + 1  # a line may be half written
         self.records: list[dict[str, Any]] = []
         self.ended = 0
         """How many tasks ended, the moves of the belt left out."""

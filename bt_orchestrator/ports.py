@@ -6,11 +6,11 @@ Every implementation of a port passes the contract tests of that port (test/cont
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from bt_orchestrator.model.action_type import ActionType
 from bt_orchestrator.model.events import Event
-from bt_orchestrator.model.goal import Feedback, GoalEnd, GoalRequest, StateReading
+from bt_orchestrator.model.goal import GoalEnd, GoalRequest, StateReading
 from bt_orchestrator.model.history import JobRecord
 
 
@@ -34,8 +34,8 @@ class Goal(Protocol):
         """How it ended; None while it has not."""
 
     @property
-    def feedback(self) -> Feedback | None:
-        """The last feedback message; None if none came."""
+    def feedback(self) -> Mapping[str, Any] | None:
+        """Fields of the last feedback message; None if none came."""
 
     def cancel(self) -> None:
         """Ask the server to cancel; returns at once and may be called again.

@@ -5,6 +5,8 @@ from __future__ import annotations
 import fcntl
 import os
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TextIO
 
@@ -26,6 +28,7 @@ class OwnDomain:
     def __init__(self) -> None:
         self._place = os.getpid() * APART % len(DOMAINS)
         self._lock: TextIO | None = None
+        self._kept: list[TextIO] = []
 
     def __enter__(self) -> OwnDomain:
         # Whatever the user's shell says, tests do not talk to other computers.
@@ -46,14 +49,31 @@ class OwnDomain:
             place = (self._place + step) % len(DOMAINS)
             lock = _lock(DOMAINS[place])
             if lock is not None:
-                self.__exit__()
+                if self._lock not in self._kept:
+                    self.__exit__()
                 self._place, self._lock = place, lock
                 os.environ['ROS_DOMAIN_ID'] = str(DOMAINS[place])
                 return
         raise pytest.UsageError(f'all ROS domains from {DOMAINS[0]} to {DOMAINS[-1]} are in use')
 
+    @contextmanager
+    def keep(self) -> Iterator[None]:
+        """Let nobody else into the present domain, wherever the tests go meanwhile."""
+        lock = self._lock
+        assert lock is not None
+        self._kept.append(lock)
+        try:
+            yield
+        finally:
+            self._kept.remove(lock)
+            if lock is not self._lock:
+                lock.close()
+
 
 _own = OwnDomain()
+
+kept_domain = _own.keep
+"""For a fixture that lives longer than one test."""
 
 
 def pytest_configure(config: pytest.Config) -> None:

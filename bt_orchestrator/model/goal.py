@@ -92,15 +92,6 @@ class GoalEnd:
 
 
 @dataclass(frozen=True)
-class Feedback:
-    """The last feedback of a goal."""
-
-    time: float
-    """Seconds, of the gateway's clock."""
-    fields: Mapping[str, Any]
-
-
-@dataclass(frozen=True)
 class StateReading:
     """A change seen on a component's state topic (semantics 2.5)."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from typing import Any
 
@@ -17,7 +17,7 @@ from bt_orchestrator.ros.callbacks import report
 from bt_orchestrator.ros.goal import RosGoal
 from bt_orchestrator.ros.goal_client import GoalClient
 from bt_orchestrator.ros.goal_follower import GoalFollower
-from bt_orchestrator.ros.messages import fill
+from bt_orchestrator.ros.messages import fill, to_plain
 from bt_orchestrator.ros.open_goals import OpenGoals
 from bt_orchestrator.ros.renewable_client import RenewableClient
 from bt_orchestrator.ros.seen_server import SeenServer
@@ -41,12 +41,10 @@ class ActionLink:
         action_type: ActionType,
         news: News,
         server_timeout_s: float,
-        now: Callable[[], float],
         fresh_node: Callable[[], Node],
     ) -> None:
         """Make the client.
 
-        :param now: seconds of the node's clock, for feedback
         :param fresh_node: returns a node with a fresh participant
         """
         self._action = component.action
@@ -57,7 +55,7 @@ class ActionLink:
         self._clients = RenewableClient(node, action_class, self._action, fresh_node)
         self._server = SeenServer(self._clients)
         self._goals = OpenGoals(self._clients, news)
-        self._follower = GoalFollower(self._clients, self._goals, self._server, now, self._logger)
+        self._follower = GoalFollower(self._clients, self._goals, self._server, self._logger)
         self._watch = ServerWatch(
             self._action, self._clients, self._goals, self._follower, self._logger
         )
@@ -74,7 +72,7 @@ class ActionLink:
     @property
     def available(self) -> bool:
         """Tell whether the server is in the ROS graph."""
-        return self._client.server_is_ready()
+        return self._client.server_is_there()
 
     @property
     def server(self) -> str | None:
@@ -93,11 +91,11 @@ class ActionLink:
 
     def send(self, request: GoalRequest) -> RosGoal:
         """Send a goal, or let it wait for the server."""
-        return self._open(RosGoal(request, self.cancel))
+        return self._open(RosGoal(request, self))
 
     def adopt(self, request: GoalRequest) -> RosGoal:
         """Take over a goal that an earlier process sent (semantics 9.2)."""
-        goal = RosGoal(request, self.cancel)
+        goal = RosGoal(request, self)
         goal.adopted = True
         return self._open(goal)
 
@@ -110,6 +108,11 @@ class ActionLink:
             self._goals.end(goal, GoalStatus.CANCELED, message='withdrawn before it was sent')
         elif goal.accepted or (goal.adopted and goal in self._goals.in_flight):
             self._client.request_cancel(goal.id)
+
+    def feedback(self, goal: RosGoal) -> Mapping[str, Any] | None:
+        """Return the last feedback of a goal, as plain values."""
+        message = self._client.feedback(goal.id)
+        return None if message is None else to_plain(message)
 
     def poll(self) -> None:
         """Send what waits, if the server has come; give up what waited too long."""
@@ -166,9 +169,8 @@ class ActionLink:
         fill(message, goal.request.args)
         if self._type.has_task_field:
             fill(message, {TASK: self._task_value(goal.request.task)})
-        feedback = partial(self._follower.on_feedback, goal)
-        goal.response = self._client.send_goal_async(message, feedback, goal.id)
-        goal.response.add_done_callback(partial(self._follower.on_response, goal))
+        answered = partial(self._follower.on_response, goal)
+        goal.question = self._client.send(message, goal.id, answered)
 
     def _task_value(self, task: str) -> Any:
         if task not in self._type.constants:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from rclpy.executors import Executor, SingleThreadedExecutor
 from rclpy.task import Future
 
@@ -31,6 +33,17 @@ def make_executor(kind: str) -> Executor:
             'parameter executor: the rclpy installed here has no events executor; use single'
         ) from None
     return EventsExecutor()
+
+
+def soon(executor: Executor, call: Callable[[], None]) -> None:
+    """Let an executor call something before it waits again.
+
+    EventsExecutor refuses guard conditions, so that it is a task there.
+    """
+    if isinstance(executor, LeanExecutor):
+        executor.soon(call)
+    else:
+        executor.create_task(call)
 
 
 def spin_once(executor: Executor, timeout_s: float | None = None) -> None:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
-from itertools import cycle, islice
 
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
@@ -30,12 +28,6 @@ _WATCH_PERIOD_S = 0.5
 
 _STATE_PERIOD_S = 1.0
 """Between two looks at the publishers of state topics."""
-
-_ROUND_PERIOD_S = 0.5
-"""Between two rounds of looks at servers, for those who only show whether they are there."""
-
-_ROUND_S = 0.02
-"""Longest time for a round; the next one goes on from there."""
 
 
 class RosGateway:
@@ -65,9 +57,6 @@ class RosGateway:
         components = cell.components.values()
         self._fresh = FreshParticipants(node)
         self._links = {component.name: self._link(component) for component in components}
-        self._there = dict.fromkeys(self._links, False)
-        self._rotation = cycle(self._links)
-        self._next_round_s = 0.0
         self._states = [
             StateWatch(node, component, component.state, self._news)
             for component in components
@@ -109,16 +98,8 @@ class RosGateway:
         return self._news.drain()
 
     def available(self, component: str) -> bool:
-        """Tell whether the component's server was in the ROS graph at the last look.
-
-        That was a second ago at most; longer in a very large cell, since each look goes through
-        the whole graph. A goal is sent after a look of its own.
-        """
-        now = time.monotonic()
-        if now >= self._next_round_s:
-            self._look_around(until_s=now + _ROUND_S)
-            self._next_round_s = time.monotonic() + _ROUND_PERIOD_S
-        return self._there[component]
+        """Tell whether the component's server is in the ROS graph."""
+        return self._links[component].available
 
     def server(self, component: str) -> str | None:
         """Return the id of the status publisher of the component's server, seen last."""
@@ -145,7 +126,6 @@ class RosGateway:
             self._types.action(component.type),
             self._news,
             self._server_timeout_s,
-            self._now,
             self._fresh_node,
         )
 
@@ -153,21 +133,12 @@ class RosGateway:
         self._fresh.keep({node for link in self._links.values() for node in link.nodes})
         return self._fresh.node()
 
-    def _now(self) -> float:
-        return float(self._node.get_clock().now().nanoseconds) / 1e9
-
     def _timer(self, period_s: float, callback: Callable[[], None]) -> Timer:
         return self._node.create_timer(
             period_s,
             guarded(callback, self._node.get_logger()),
             clock=Clock(clock_type=ClockType.STEADY_TIME),
         )
-
-    def _look_around(self, until_s: float) -> None:
-        for name in islice(self._rotation, len(self._links)):
-            self._there[name] = self._links[name].available
-            if time.monotonic() >= until_s:
-                break
 
     def _look_after(self, link: ActionLink) -> None:
         if link.is_waiting and self._poll_timer.is_canceled():

@@ -3,22 +3,30 @@
 from __future__ import annotations
 
 import uuid
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, Protocol
 
 from unique_identifier_msgs.msg import UUID
 
-from bt_orchestrator.model.goal import Feedback, GoalEnd, GoalRequest
-from bt_orchestrator.ros.messages import to_plain
+from bt_orchestrator.model.goal import GoalEnd, GoalRequest
+from bt_orchestrator.ros.questions import Question
+
+
+class Link(Protocol):
+    """The part of an `ActionLink` that a goal needs."""
+
+    def cancel(self, goal: RosGoal) -> None:
+        """Pass a cancel request on."""
+
+    def feedback(self, goal: RosGoal) -> Mapping[str, Any] | None:
+        """Return the last feedback."""
 
 
 class RosGoal:
     """States as in `ports.Goal`, which it implements. Only parts of its `ActionLink` change it."""
 
     __slots__ = (
-        '_cancel',
-        '_feedback',
-        '_feedback_message',
+        '_link',
         'accepted',
         'adopted',
         'cancel_requested',
@@ -28,14 +36,14 @@ class RosGoal:
         'id',
         'listed',
         'next_check_s',
+        'question',
         'refused',
         'renewed',
         'request',
-        'response',
         'unknown_count',
     )
 
-    def __init__(self, request: GoalRequest, cancel: Callable[[RosGoal], None]) -> None:
+    def __init__(self, request: GoalRequest, link: Link) -> None:
         self.request = request
         self.accepted = False
         self.end: GoalEnd | None = None
@@ -45,8 +53,8 @@ class RosGoal:
         self.cancel_requested = False
         self.refused = False
         """True once the server said no, and is asked whether it has the UUID already."""
-        self.response: Any = None
-        """Future of the server's answer to the request."""
+        self.question: Question | None = None
+        """The request; None: nothing was sent."""
         self.listed = False
         """True once the server's status topic listed it."""
         self.next_check_s = 0.0
@@ -59,29 +67,16 @@ class RosGoal:
         """How often the server did not know it."""
         self.denied_by: str | None = None
         """Instance of the server that was there when it did not."""
-        self._cancel = cancel
-        self._feedback: Feedback | None = None
-        self._feedback_message: tuple[float, Any] | None = None
+        self._link = link
 
     @property
-    def feedback(self) -> Feedback | None:
-        """The last feedback; converted when somebody looks, as servers may send a lot of it."""
-        if self._feedback_message is not None:
-            time, message = self._feedback_message
-            self._feedback = Feedback(time, to_plain(message))
-            self._feedback_message = None
-        return self._feedback
-
-    def keep_feedback(self, time: float, message: Any) -> None:
-        """Replace the last feedback.
-
-        :param time: seconds, of the gateway's clock
-        """
-        self._feedback_message = (time, message)
+    def feedback(self) -> Mapping[str, Any] | None:
+        """The last feedback; read when somebody looks, as servers may send a lot of it."""
+        return self._link.feedback(self)
 
     def __repr__(self) -> str:
         return f'RosGoal({self.request}, accepted={self.accepted}, end={self.end})'
 
     def cancel(self) -> None:
         """Ask the server to cancel; see `ports.Goal`."""
-        self._cancel(self)
+        self._link.cancel(self)

@@ -1,166 +1,106 @@
-"""rclpy's action client, for one who asks again by UUID. The only place that knows its inside."""
+"""An action client made of its parts, for one who asks again by UUID.
+
+An action is three services and two topics (design.ros2.org, article "Actions").
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
-from action_msgs.msg import GoalStatus
-from rclpy.action.client import ActionClient, ClientGoalHandle
+from action_msgs.msg import GoalInfo
+from action_msgs.srv import CancelGoal
 from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from rclpy.type_support import check_for_type_support
 from unique_identifier_msgs.msg import UUID
 
-from bt_orchestrator.ros.callbacks import report
-
-_ACTIVE = (GoalStatus.STATUS_ACCEPTED, GoalStatus.STATUS_EXECUTING, GoalStatus.STATUS_CANCELING)
-
-_ENDED = {
-    GoalStatus.STATUS_SUCCEEDED: 'succeeded',
-    GoalStatus.STATUS_CANCELED: 'was canceled',
-    GoalStatus.STATUS_ABORTED: 'was aborted',
-}
+from bt_orchestrator.ros.last_message import LastMessage
+from bt_orchestrator.ros.parted import PartedWaitable
+from bt_orchestrator.ros.questions import Answered, Question, Questions
+from bt_orchestrator.ros.server_status import ServerStatus
 
 
-class GoalClient(ActionClient):  # type: ignore[type-arg] # no Generic in Jazzy's rclpy
-    """An action client without the habits of rclpy's that hurt here.
+class GoalClient(PartedWaitable):
+    """What rclpy's action client does, without its habits that hurt here.
 
-    - Its futures are kept from the executor, which would make a task, and so another turn, of
-      each of their callbacks. They are called at once, in the executor's thread. That also ends
-      the leak of rclpy 7.1.6 and 9.1.2, where one future a goal stayed in the list for ever.
-    - A result may be asked for any number of times; for each question a small entry is kept,
-      no future, until the goal is forgotten.
-    - An exception while handling what was taken is reported, and does not end the spinning.
+    - Answers are called back at once, in the executor's thread; rclpy's futures make a turn of
+      each, and one a goal leaks in rclpy 7.1.6 and 9.1.2.
+    - Status and feedback wake nobody; they are read when somebody asks.
+    - A result may be asked for any number of times, whoever sent the goal.
+
+    :ivar node: the node that it belongs to
+    :ivar status: what the server says of its goals
     """
 
     def __init__(self, node: Node, action_class: Any, name: str) -> None:
-        self._asked: dict[bytes, list[int]] = {}
-        self._unconfirmed: dict[bytes, Callable[[bool], None]] = {}
-        self._listed: Any = ()
-        super().__init__(node, action_class, name)
-        self._entities: Any = super().get_num_entities()
+        """Make the parts; their names are remapped as any other."""
+        check_for_type_support(action_class)
+        wire = action_class.Impl
+        self.node = node
+        self.status = ServerStatus(node, name)
+        self._goal_request = wire.SendGoalService.Request
+        self._result_request = wire.GetResultService.Request
+        self._goals = Questions(node, wire.SendGoalService, f'{name}/_action/send_goal')
+        self._results = Questions(node, wire.GetResultService, f'{name}/_action/get_result')
+        self._cancels = Questions(node, CancelGoal, f'{name}/_action/cancel_goal')
+        self._feedback = LastMessage(
+            node, wire.FeedbackMessage, f'{name}/_action/feedback', QoSProfile(depth=1)
+        )
+        self._services = (self._goals, self._results, self._cancels)
+        self._asked: dict[bytes, list[Question]] = {}
+        self._is_whole = False
+        logger = node.get_logger().get_child('action_client')
+        super().__init__(node, logger, self._services)
 
-    @property
-    def node(self) -> Node:
-        """The node that it belongs to."""
-        return self._node
+    # --- the server -----------------------------------------------------------------------------
 
-    def get_num_entities(self) -> Any:
-        """Return what does not change, and what the executor asks for in every turn."""
-        return self._entities
+    def server_is_there(self) -> bool:
+        """Tell whether a server is there; costs next to nothing as long as it stays.
 
-    def add_future(self, future: Any) -> None:
-        """Do not tell the executor of a future (rclpy's Waitable interface)."""
-
-    def remove_future(self, future: Any) -> None:
-        """Do nothing: it was not told (rclpy's Waitable interface)."""
-
-    async def execute(self, taken_data: Any) -> None:
-        """Handle what was taken from the middleware (rclpy's Waitable interface)."""
-        for kind, data in taken_data.items():
-            try:
-                if kind == 'status':
-                    self._listed = data.status_list
-                    self._confirm()
-                elif kind == 'result':
-                    self._answer(*data)
-                else:
-                    one: Any = {kind: data}
-                    await super().execute(one)
-            except Exception:  # noqa: BLE001 - whatever it is, the other goals go on
-                report(self._logger)
-
-    def server_id(self) -> str | None:
-        """Return an id of the server's status publisher, which no other instance of it has.
-
-        None: there is no server, or more than one. Takes a tenth of a millisecond.
+        It has come when all its parts are in the ROS graph, and is gone without its status topic.
         """
-        topic = f'{self._action_name}/_action/status'
-        publishers = self._node.get_publishers_info_by_topic(topic)
-        return bytes(publishers[0].endpoint_gid).hex() if len(publishers) == 1 else None
+        self._is_whole = self.status.is_published and (
+            self._is_whole or all(service.is_served() for service in self._services)
+        )
+        return self._is_whole
 
-    def expect(self, goal_id: UUID, listed: Callable[[bool], None]) -> None:
-        """Call back, once, when the server's status topic lists a goal: it was accepted.
+    # --- goals ----------------------------------------------------------------------------------
 
-        The answer to a request can be lost, when the server had not discovered this client yet.
-        For a goal that is listed already it calls back at once.
+    def send(self, goal: Any, goal_id: UUID, answered: Answered) -> Question:
+        """Send a goal.
 
-        :param listed: gets whether the goal runs; of one that ended the server may know no more
-            than its latched status still says
+        :param answered: called with the answer, which has `accepted`
         """
-        self._unconfirmed[bytes(goal_id.uuid)] = listed
-        self._confirm()
+        return self._goals.ask(self._goal_request(goal_id=goal_id, goal=goal), answered)
 
-    @property
-    def is_busy(self) -> bool:
-        """Tell whether the server's last status lists a goal that runs, anybody's.
+    def feedback(self, goal_id: UUID) -> Any:
+        """Return the feedback of a goal of any client; None: the last message is not about it."""
+        message = self._feedback.read()
+        if message is None or bytes(message.goal_id.uuid) != bytes(goal_id.uuid):
+            return None
+        return message.feedback
 
-        Such a server may be silent for long: it answers for a goal at its end, and one that works
-        in the thread of its callbacks answers nothing meanwhile.
-        """
-        return any(status.status in _ACTIVE for status in self._listed)
-
-    def listed_end(self, goal_id: UUID) -> str | None:
-        """Return, in words, how a goal ended by the last status; None: that is not said."""
-        key = bytes(goal_id.uuid)
-        found = (s.status for s in self._listed if bytes(s.goal_info.goal_id.uuid) == key)
-        return _ENDED.get(next(found, GoalStatus.STATUS_UNKNOWN))
-
-    def follow(self, goal_id: UUID, on_feedback: Callable[[Any], None]) -> None:
-        """Hear the feedback of a goal that another client sent."""
-        self._feedback_callbacks[bytes(goal_id.uuid)] = on_feedback
-
-    def ask_result(self, goal_id: UUID, answered: Callable[[Any], None]) -> None:
+    def ask_result(self, goal_id: UUID, answered: Answered) -> None:
         """Ask for the result of a goal of any client; an unknown goal is answered at once.
 
-        :param answered: called with each answer, which has `status` and `result`
+        :param answered: called with the answer, which has `status` and `result`
         """
-        self._get_result_async(self._handle(goal_id))
-        sequence = next(reversed(self._pending_result_requests))
-        del self._result_sequence_number_to_goal_id[sequence]
-        pending: dict[int, Any] = self._pending_result_requests
-        pending[sequence] = answered  # where rclpy has a future
-        self._asked.setdefault(bytes(goal_id.uuid), []).append(sequence)
+        question = self._results.ask(self._result_request(goal_id=goal_id), answered)
+        self._asked.setdefault(bytes(goal_id.uuid), []).append(question)
 
     def request_cancel(self, goal_id: UUID) -> None:
         """Ask to cancel a goal of any client; the answer does not matter, its end will tell."""
-        self._cancel_goal_async(self._handle(goal_id))
+        self._cancels.tell(CancelGoal.Request(goal_info=GoalInfo(goal_id=goal_id)))
 
     def forget(self, goal_id: UUID) -> None:
-        """Free what was kept for a goal, open questions too: a busy server may drop some."""
-        key = bytes(goal_id.uuid)
-        self._feedback_callbacks.pop(key, None)
-        self._goal_handles.pop(key, None)
-        self._unconfirmed.pop(key, None)
-        for sequence in self._asked.pop(key, ()):
-            self._pending_result_requests.pop(sequence, None)
+        """Ask no more about a goal: a busy server may have dropped some of the questions."""
+        for question in self._asked.pop(bytes(goal_id.uuid), ()):
+            question.drop()
 
-    def forget_request(self, response: Any) -> None:
-        """Stop waiting for the answer to a goal request.
-
-        :param response: the future of `send_goal_async`
-        """
-        self._remove_pending_goal_request(response)
-
-    def forget_cancels(self) -> None:
-        """Stop waiting for answers to cancel requests."""
-        self._pending_cancel_requests.clear()
-
-    def _confirm(self) -> None:
-        if not self._unconfirmed:
-            return
-        for status in self._listed:
-            key = bytes(status.goal_info.goal_id.uuid)
-            listed = self._unconfirmed.pop(key, None)
-            if listed is not None:
-                listed(status.status in _ACTIVE)
-
-    def _answer(self, sequence: int, response: Any) -> None:
-        """Pass a result on; one more answer about a goal that has ended is no news."""
-        answered: Any = self._pending_result_requests.get(sequence)
-        if answered is not None:
-            answered(response)
-
-    def _handle(self, goal_id: UUID) -> Any:
-        """Make a goal handle by hand, the only way to speak of a goal that nobody answered for."""
-        response = self._action_type.Impl.SendGoalService.Response(accepted=True)
-        return ClientGoalHandle(self, goal_id, response)
+    def destroy(self) -> None:
+        """Leave the ROS graph."""
+        self.node.remove_waitable(self)
+        for service in self._services:
+            service.handle.destroy_when_not_in_use()
+        self._feedback.destroy()
+        self.status.destroy()

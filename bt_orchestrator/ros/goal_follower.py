@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
 from typing import Any
@@ -26,9 +26,15 @@ _ENDS = {
     WireStatus.STATUS_CANCELED: GoalStatus.CANCELED,
 }
 
+_SAID = {
+    WireStatus.STATUS_SUCCEEDED: 'succeeded',
+    WireStatus.STATUS_CANCELED: 'was canceled',
+    WireStatus.STATUS_ABORTED: 'was aborted',
+}
+
 
 class GoalFollower:
-    """Hears of goals by answer, status, feedback and result, and asks for the result by UUID.
+    """Hears of goals by answer, status and result, and asks for the result by UUID.
 
     Whatever comes for a goal that has ended is dropped; a late yes to a request is cancelled, so
     that no goal is orphaned (semantics 2.4).
@@ -39,31 +45,16 @@ class GoalFollower:
         clients: RenewableClient,
         goals: OpenGoals,
         server: SeenServer,
-        now: Callable[[], float],
         logger: RcutilsLogger,
     ) -> None:
-        """Follow no goal yet.
-
-        :param now: seconds of the node's clock, for feedback
-        """
         self._clients = clients
         self._goals = goals
         self._server = server
-        self._now = now
         self._logger = logger
 
     @property
     def _client(self) -> GoalClient:
         return self._clients.current
-
-    def expect(self, goal: RosGoal) -> None:
-        """Hear from the server's status topic that it has the goal."""
-        self._client.expect(goal.id, partial(self._on_listed, goal))
-
-    def follow_again(self, goal: RosGoal) -> None:
-        """Hear through the renewed client of a goal that the former one sent."""
-        self.expect(goal)
-        self._client.follow(goal.id, partial(self.on_feedback, goal))
 
     def ask(self, goal: RosGoal, *, is_check: bool) -> None:
         """Ask for the result.
@@ -80,36 +71,30 @@ class GoalFollower:
 
     def listed_end(self, goal: RosGoal) -> str:
         """Return what else is known of a goal whose result does not come, to end a message."""
-        end = self._client.listed_end(goal.id)
-        return f'; its status topic says that the goal {end}' if end else ''
+        status = self._client.status.of(goal.id)
+        return f'; its status topic says that the goal {_SAID[status]}' if status in _SAID else ''
+
+    def look_at_status(self, goal: RosGoal) -> None:
+        """Learn from the server's status topic that it has the goal; the answer may be lost."""
+        if not goal.listed and self._client.status.of(goal.id) is not None:
+            goal.listed = True
+            if not goal.adopted or self._client.status.is_active(goal.id):
+                self._on_accepted(goal)
 
     # --- what comes -------------------------------------------------------------------------
 
     def on_response(self, goal: RosGoal, response: Any) -> None:
-        """Take the answer to the request.
-
-        :param response: the future of the answer
-        """
+        """Take the answer to the request."""
         with self._failures_end(goal):
-            accepted = bool(response.result().accepted)
+            accepted = bool(response.accepted)
             if goal.end is not None:
-                self._on_late_response(goal, response, accepted)
+                self._on_late_response(goal, accepted)
             elif not accepted:
                 # It may have this UUID already: then it is no rejection (semantics 9.2).
                 goal.refused = True
                 self.ask(goal, is_check=True)
             else:
                 self._on_accepted(goal)
-
-    def on_feedback(self, goal: RosGoal, message: Any) -> None:
-        """Take a feedback message."""
-        if goal.end is None:
-            goal.keep_feedback(self._now(), message.feedback)
-
-    def _on_listed(self, goal: RosGoal, runs: bool) -> None:
-        goal.listed = True
-        if runs or not goal.adopted:
-            self._on_accepted(goal)
 
     def _on_accepted(self, goal: RosGoal) -> None:
         if goal.accepted or goal.end is not None:
@@ -120,8 +105,8 @@ class GoalFollower:
         self.ask(goal, is_check=False)
         self.repeat_cancel(goal)
 
-    def _on_late_response(self, goal: RosGoal, response: Any, accepted: bool) -> None:
-        self._goals.answered_late(response)
+    def _on_late_response(self, goal: RosGoal, accepted: bool) -> None:
+        self._goals.answered_late(goal)
         if accepted and goal.end is not None and goal.end.status in GIVEN_UP:
             text = f'goal {goal.request.id} was accepted after it was given up; it is cancelled'
             self._logger.warning(text)
@@ -148,11 +133,11 @@ class GoalFollower:
             denier = self._denier(goal)
             self._goals.end(goal, GoalStatus.LOST, message=message, denied_by=denier)
         else:
-            goal.denied_by = self._client.server_id()
+            goal.denied_by = self._client.status.publisher_id()
 
     def _denier(self, goal: RosGoal) -> str | None:
         """Return which server does not know a goal, if it was there at both answers."""
-        there = self._client.server_id()
+        there = self._client.status.publisher_id()
         return there if there == goal.denied_by else None
 
     @contextmanager

@@ -7,6 +7,8 @@ from collections.abc import Callable
 from rclpy.executors import Executor
 from rclpy.node import Node
 
+from bt_orchestrator.ros.executors import soon
+
 
 class Heart:
     """Settles at a steady rate and as soon as there is something new.
@@ -29,10 +31,10 @@ class Heart:
         self._node.create_timer(1.0 / rate_hz, self.beat)
 
     def wake(self) -> None:
-        """Settle soon. A task and not a guard condition: EventsExecutor refuses those."""
+        """Settle soon, before the executor waits again."""
         if not self._scheduled:
             self._scheduled = True
-            self._executor.create_task(self.beat)
+            soon(self._executor, self.beat)
 
     def beat(self) -> None:
         """Settle now."""

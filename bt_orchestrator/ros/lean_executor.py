@@ -1,10 +1,11 @@
-"""rclpy's executor for one thread, at less cost. Only this and `wait_list` know its inside."""
+"""rclpy's executor for one thread, at less cost. It knows its inside."""
 
 from __future__ import annotations
 
 import math
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -20,7 +21,17 @@ from rclpy.executors import (
 from rclpy.guard_condition import GuardCondition
 from rclpy.node import Node
 
-from bt_orchestrator.ros.wait_list import GUARD, WAITABLE, Member, WaitList
+from bt_orchestrator.ros.wait_list import (
+    CLIENT,
+    GUARD,
+    PARTED,
+    SERVICE,
+    SUBSCRIPTION,
+    TIMER,
+    WAITABLE,
+    Member,
+    WaitList,
+)
 
 _NS_PER_S = 1_000_000_000
 _FOR_EVER_NS = -1
@@ -33,6 +44,7 @@ class LeanExecutor(SingleThreadedExecutor):
       none does: the thread that would be woken is the one that runs the callback. But its next
       wait then returns at once with nothing, and each wait asks every entity of the node.
     - Each wait of rclpy's begins with nothing known; here what is waited for is kept.
+    - A `PartedWaitable` runs without a task of rclpy's around it.
     """
 
     def __init__(self, *, context: Context | None = None) -> None:
@@ -40,20 +52,35 @@ class LeanExecutor(SingleThreadedExecutor):
         assert self._guard is not None
         self._guard.destroy()
         self._guard = self._others = _GuardForOthers(context)
+        self._soon: deque[Callable[[], None]] = deque()
         self._wait_list = WaitList((), self._own_guards(), self._context)
         self._take: dict[str, Callable[[Any], Any]] = {
             WAITABLE: self._take_waitable,
-            'timer': self._take_timer,
-            'subscription': self._take_subscription,
+            TIMER: self._take_timer,
+            SUBSCRIPTION: self._take_subscription,
             GUARD: self._take_guard_condition,
-            'client': self._take_client,
-            'service': self._take_service,
+            CLIENT: self._take_client,
+            SERVICE: self._take_service,
         }
 
+    def soon(self, call: Callable[[], None]) -> None:
+        """Call something before the next wait; may be asked for by any thread.
+
+        :param call: raises nothing
+        """
+        self._soon.append(call)
+        self._others.trigger()
+
     def wait_for_ready_callbacks(self, *args: Any, **kwargs: Any) -> Any:
-        """Return the next callback to run; tasks that were made meanwhile come before a wait."""
+        """Return the next callback to run; what was asked for meanwhile comes before a wait."""
         self._others.spinner = threading.get_ident()
         return super().wait_for_ready_callbacks(*args, **kwargs)
+
+    def shutdown(self, timeout_sec: float | None = None) -> bool:
+        """End, and let go of what was waited for."""
+        ended = super().shutdown(timeout_sec)
+        self._wait_list.close()
+        return ended
 
     def _wait_for_ready_callbacks(
         self,
@@ -61,13 +88,15 @@ class LeanExecutor(SingleThreadedExecutor):
         nodes: list[Node] | None = None,
         condition: Callable[[], bool] = lambda: False,
     ) -> Any:
-        """Yield what to run: the open tasks and, once none of them gets on, what a wait finds.
+        """Yield what to run: what was asked for and, once no task gets on, what a wait finds.
 
         Whoever runs it begins again at its end.
 
         :raises TimeoutException: nothing came
         """
         assert nodes is None, 'it waits for the nodes that were added'
+        while self._soon:
+            yield _PlainTurn(self._soon.popleft()), None, None
         tasks = self._open_tasks()
         yield from tasks
         if any(task.done() for task, _, _ in tasks):
@@ -76,8 +105,7 @@ class LeanExecutor(SingleThreadedExecutor):
         while ready:
             one = ready.pop(0)
             if one.may_run():
-                handler = self._make_handler(one.entity, one.node, self._take[one.kind])
-                yield handler, one.entity, one.node
+                yield self._turn(one), one.entity, one.node
             if ready and not self._wait_list.is_of(self.get_nodes()):
                 return  # what is still there will be found again
 
@@ -88,8 +116,13 @@ class LeanExecutor(SingleThreadedExecutor):
             ]
             return tuple(self._tasks)
 
+    def _turn(self, one: Member) -> Any:
+        if one.kind == PARTED:
+            return _PlainTurn(one.entity.run)
+        return self._make_handler(one.entity, one.node, self._take[one.kind])
+
     def _wait(self, until: float, condition: Callable[[], bool]) -> list[Member]:
-        """Return what is ready; nothing if there is a task to run.
+        """Return what is ready; nothing if something else is to run.
 
         :param until: when to give up, on the steady clock
         """
@@ -98,13 +131,15 @@ class LeanExecutor(SingleThreadedExecutor):
                 raise ShutdownException
             if condition():
                 raise ConditionReachedException
+            if self._soon:
+                return []
             self._follow_nodes()
-            ready = self._wait_list.wait(_left_ns(until))
+            ready = list(self._wait_list.wait(_left_ns(until)))
             if self._is_shutdown:
                 raise ShutdownException
             if not self._context.ok():
                 raise ExternalShutdownException
-            if ready or self._tasks:
+            if ready or self._tasks or self._soon:
                 return ready
             if time.monotonic() >= until:
                 raise TimeoutException
@@ -112,10 +147,27 @@ class LeanExecutor(SingleThreadedExecutor):
     def _follow_nodes(self) -> None:
         nodes = self.get_nodes()
         if not self._wait_list.is_of(nodes):
+            self._wait_list.close()
             self._wait_list = WaitList(nodes, self._own_guards(), self._context)
 
     def _own_guards(self) -> Sequence[GuardCondition]:
         return [guard for guard in (self._guard, self._sigint_gc) if guard is not None]
+
+
+class _PlainTurn:
+    """A turn without a task of rclpy's: a call that awaits nothing and raises nothing."""
+
+    def __init__(self, call: Callable[[], None]) -> None:
+        self._call = call
+
+    def __call__(self) -> None:
+        self._call()
+
+    def exception(self) -> None:
+        """Return None: it raised nothing (rclpy asks after each turn)."""
+
+    def result(self) -> None:
+        """Return nothing (rclpy asks after each turn)."""
 
 
 class _GuardForOthers(GuardCondition):

@@ -7,6 +7,7 @@ from typing import Any
 from bt_orchestrator.model.goal import GoalEnd, GoalStatus
 from bt_orchestrator.news import News
 from bt_orchestrator.ros.goal import RosGoal
+from bt_orchestrator.ros.questions import Question
 from bt_orchestrator.ros.renewable_client import RenewableClient
 
 GIVEN_UP = (GoalStatus.LOST, GoalStatus.SILENT)
@@ -30,7 +31,7 @@ class OpenGoals:
         """
         self._clients = clients
         self._news = news
-        self._unanswered: list[Any] = []
+        self._unanswered: list[Question] = []
         self.waiting: dict[RosGoal, float] = {}
         self.in_flight: dict[RosGoal, None] = {}
 
@@ -57,26 +58,26 @@ class OpenGoals:
         self.waiting.pop(goal, None)
         self.in_flight.pop(goal, None)
         self._clients.forget(goal.id)
-        if goal.response is not None and not goal.response.done():
+        if goal.question is not None and goal.question.is_open:
             if status in GIVEN_UP:
-                self._remember_unanswered(goal.response)
+                self._remember_unanswered(goal.question)
             else:  # an answer that was lost on its way
-                self._clients.forget_request(goal.response)
+                goal.question.drop()
         goal.end = GoalEnd(status, result or {}, message, denied_by)
         self._news.add(goal)
 
-    def answered_late(self, response: Any) -> None:
+    def answered_late(self, goal: RosGoal) -> None:
         """Take note of the answer to the request of a goal that has ended."""
-        if response in self._unanswered:
-            self._unanswered.remove(response)
+        if goal.question in self._unanswered:
+            self._unanswered.remove(goal.question)
 
     def forget_unanswered(self) -> None:
         """Listen to no late answer any more: whoever would give it is gone."""
-        for response in self._unanswered:
-            self._clients.forget_request(response)
+        for question in self._unanswered:
+            question.drop()
         self._unanswered.clear()
 
-    def _remember_unanswered(self, response: Any) -> None:
-        self._unanswered.append(response)
+    def _remember_unanswered(self, question: Question) -> None:
+        self._unanswered.append(question)
         if len(self._unanswered) > _MOST_UNANSWERED:
-            self._clients.forget_request(self._unanswered.pop(0))
+            self._unanswered.pop(0).drop()

@@ -64,11 +64,6 @@ class RenewableClient:
         for client in self._clients:
             client.forget(goal_id)
 
-    def forget_request(self, response: Any) -> None:
-        """Stop waiting for the answer to a goal request; see `GoalClient`."""
-        for client in self._clients:
-            client.forget_request(response)
-
     def destroy(self) -> None:
         """Leave."""
         for client in self._clients:

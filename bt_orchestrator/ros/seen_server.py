@@ -22,11 +22,11 @@ class SeenServer:
     def id(self) -> str | None:
         """The id; None: no server was there, or more than one."""
         if self._id is None:
-            self._id = self._clients.current.server_id()
+            self._id = self._clients.current.status.publisher_id()
         return self._id
 
     def look(self) -> None:
         """Look again, unless that was done a moment ago."""
         now = time.monotonic()
         if self._id is None or now - self._seen_s >= _LOOK_S:
-            self._id, self._seen_s = self._clients.current.server_id(), now
+            self._id, self._seen_s = self._clients.current.status.publisher_id(), now

@@ -45,14 +45,15 @@ class ServerWatch:
         goal.heard_s = time.monotonic()
         goal.next_check_s = goal.heard_s + RESULT_CHECK_S
         self._goals.in_flight[goal] = None
-        self._follower.expect(goal)
 
     def look(self) -> None:
         """Do what is due; to be called a few times a second."""
         if not self._goals.any_sent:
             self._seen_missing = False
-        elif self._client.server_is_ready():
+        elif self._client.server_is_there():
             self._seen_missing = False
+            for goal in tuple(self._goals.in_flight):
+                self._follower.look_at_status(goal)
             self._check()
         elif self._clients.is_looking:
             pass
@@ -83,7 +84,7 @@ class ServerWatch:
         It may while its status says of any goal that it runs, and if it accepted this one and has
         no status.
         """
-        return self._client.is_busy or (goal.accepted and not goal.listed)
+        return self._client.status.is_busy or (goal.accepted and not goal.listed)
 
     def _renew(self) -> None:
         text = f'{self._action} does not answer; it is asked through a fresh participant'
@@ -94,7 +95,6 @@ class ServerWatch:
         for goal in self._goals.in_flight:
             goal.renewed = True
             goal.heard_s = now
-            self._follower.follow_again(goal)
 
     def _give_up(self, goal: RosGoal) -> None:
         said = self._follower.listed_end(goal)
@@ -106,4 +106,3 @@ class ServerWatch:
         for goal in tuple(self._goals.in_flight):
             self._goals.end(goal, GoalStatus.LOST, message=message)
         self._goals.forget_unanswered()
-        self._client.forget_cancels()

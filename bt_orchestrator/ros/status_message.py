@@ -138,9 +138,10 @@ def _component(orchestrator: Orchestrator, component: Component) -> ComponentSta
 
 def _feedback(orchestrator: Orchestrator, goal: str | None) -> str:
     flight = orchestrator.flights.goal(goal) if goal else None
-    if flight is None or flight.feedback is None:
+    feedback = flight.feedback if flight else None
+    if feedback is None:
         return ''
-    return json.dumps(flight.feedback.fields)
+    return json.dumps(feedback)
 
 
 def _from_now(ends_s: Mapping[str, float], now_s: float) -> dict[str, float]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from bt_orchestrator.model.action_type import ActionType
@@ -12,7 +12,6 @@ from bt_orchestrator.model.goal import (
     REQUEST_CHECKS,
     RESULT_CHECK_S,
     SERVER_LEASE_S,
-    Feedback,
     GoalEnd,
     GoalRequest,
     GoalStatus,
@@ -118,7 +117,7 @@ class VirtualClient:
             self._value = value
             self._news.add(StateReading(self._component.name, value))
 
-    def accepted(self, goal: VirtualGoal, feedback: Feedback | None) -> None:
+    def accepted(self, goal: VirtualGoal, feedback: Mapping[str, Any] | None) -> None:
         """Tell; cancel what was cancelled before."""
         goal.accepted = True
         goal.feedback = feedback

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 from bt_orchestrator.model.action_type import ActionType
 from bt_orchestrator.model.cell import Component
 from bt_orchestrator.model.fault import Fault, FaultKind
-from bt_orchestrator.model.goal import Feedback, GoalEnd, GoalRequest, GoalStatus
+from bt_orchestrator.model.goal import GoalEnd, GoalRequest, GoalStatus
 from bt_orchestrator.ports import Clock, Timer
 from bt_orchestrator.sim.fault_schedule import FaultSchedule, GoalFaults
 from bt_orchestrator.sim.readiness import Readiness
@@ -34,7 +34,7 @@ class Observer(Protocol):
     def announced(self, value: Any) -> None:
         """The state topic says a value."""
 
-    def accepted(self, goal: VirtualGoal, feedback: Feedback | None) -> None:
+    def accepted(self, goal: VirtualGoal, feedback: Mapping[str, Any] | None) -> None:
         """The server said yes."""
 
     def ended(self, goal: VirtualGoal, end: GoalEnd) -> None:
@@ -105,7 +105,7 @@ class VirtualController:
         # select a task has, by the convention of the examples, this field.
         tells = self._type.has_task_field
         fields = {'current_sub_task': task}
-        self._observer.accepted(goal, Feedback(self._clock.now(), fields) if tells else None)
+        self._observer.accepted(goal, fields if tells else None)
         self._arm_end(goal)
 
     def _arm_end(self, goal: VirtualGoal) -> None:

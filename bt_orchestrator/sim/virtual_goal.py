@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any
 
-from bt_orchestrator.model.goal import Feedback, GoalEnd, GoalRequest
+from bt_orchestrator.model.goal import GoalEnd, GoalRequest
 from bt_orchestrator.ports import Timer
 
 
@@ -26,7 +27,7 @@ class VirtualGoal:
         self.request = request
         self.accepted = False
         self.end: GoalEnd | None = None
-        self.feedback: Feedback | None = None
+        self.feedback: Mapping[str, Any] | None = None
         self.cancel_requested = False
         self.sent_s = 0.0
         """When the request left; the results are asked for again from then on."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 import pytest
@@ -15,6 +16,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 from rclpy.timer import Timer
 from rclpy.waitable import NumberOfEntities, Waitable
+from std_msgs.msg import Empty
 
 from bt_orchestrator.ros.executors import spin_once
 from bt_orchestrator.ros.lean_executor import LeanExecutor
@@ -126,6 +128,65 @@ class TestLeanExecutor:
         executor.add_node(node)
         spin_until(executor, lambda: seen, 'the task')
         assert seen == [0]
+
+    def test_what_is_asked_for_in_a_callback_comes_before_the_next_wait_and_once(
+        self, executor: LeanExecutor, node: Node
+    ) -> None:
+        seen: list[int] = []
+        counter = WaitCounter(node)
+
+        def call() -> None:
+            timer.cancel()
+            waits = counter.waits
+            executor.soon(lambda: executor.soon(lambda: seen.append(counter.waits - waits)))
+
+        timer = node.create_timer(0.01, call)
+        executor.add_node(node)
+        spin_until(executor, lambda: seen, 'the call')
+        spin_once(executor, 0.02)
+        assert seen == [0]
+
+    def test_what_another_thread_asks_for_ends_a_wait(
+        self, executor: LeanExecutor, node: Node
+    ) -> None:
+        executor.add_node(node)
+        done: list[int] = []
+        thread = threading.Timer(0.2, lambda: executor.soon(lambda: done.append(1)))
+        thread.start()
+        began = time.monotonic()
+        while not done and time.monotonic() < began + PATIENCE_S:
+            spin_once(executor, PATIENCE_S)
+        thread.join()
+        assert time.monotonic() < began + PATIENCE_S
+
+    def test_shutdown_by_another_thread_ends_a_wait(
+        self, executor: LeanExecutor, node: Node
+    ) -> None:
+        executor.add_node(node)
+        ended: list[bool] = []
+        thread = threading.Timer(0.2, lambda: ended.append(executor.shutdown(PATIENCE_S)))
+        thread.start()
+        began = time.monotonic()
+        spin_once(executor, PATIENCE_S)
+        thread.join()
+        assert ended == [True]
+        assert time.monotonic() < began + PATIENCE_S
+
+    def test_what_was_destroyed_leaves_the_graph_at_the_next_wait_or_at_the_end(
+        self, executor: LeanExecutor, node: Node
+    ) -> None:
+        subscriptions = [node.create_subscription(Empty, f'topic{n}', print, 1) for n in (1, 2)]
+        executor.add_node(node)
+        for number, subscription in enumerate(subscriptions, start=1):
+            there = partial(node.count_subscribers, f'topic{number}')
+            spin_once(executor, 0.0)
+            node.destroy_subscription(subscription)
+            assert there() == 1  # it is being waited for
+            if number == 1:
+                spin_once(executor, 0.0)
+            else:
+                executor.shutdown()
+            assert there() == 0
 
     def test_a_task_made_in_a_task_comes_before_the_next_wait(
         self, executor: LeanExecutor, node: Node

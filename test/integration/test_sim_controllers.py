@@ -11,6 +11,7 @@ from action_caller import ActionCaller
 from action_msgs.msg import GoalStatus
 from bt_orchestrator_interfaces.action import Component, Conveyor
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from ros_domain import kept_domain
 from sim_cell_process import SimCellProcess
 from std_msgs.msg import String
 from test_msgs.action import Fibonacci
@@ -59,13 +60,14 @@ def cell(tmp_path_factory: pytest.TempPathFactory) -> Iterator[SimCellProcess]:
     path = tmp_path_factory.mktemp('sim_cell') / 'cell.yaml'
     path.write_text(CELL + ''.join(ARM.format(name=name) for name in FAULTS))
     options = [f'--fail={name}.{fault}' for name, faults in FAULTS.items() for fault in faults]
-    process = SimCellProcess(path, '--speed=2', '--feedback=0.5', *options)
-    try:
-        line = process.wait_until_ready()
-        assert line == 'sim-cell ready: 15 action servers, 1 absent at first'
-        yield process
-    finally:
-        status = process.stop()
+    with kept_domain():
+        process = SimCellProcess(path, '--speed=2', '--feedback=0.5', *options)
+        try:
+            line = process.wait_until_ready()
+            assert line == 'sim-cell ready: 15 action servers, 1 absent at first'
+            yield process
+        finally:
+            status = process.stop()
     assert status == 0
     assert 'Traceback' not in ''.join(process.errors)
 

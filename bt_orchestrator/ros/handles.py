@@ -1,0 +1,29 @@
+"""Subscriptions and service clients as rclpy has them inside: no executor knows of them.
+
+Only this, `lean_executor` and `wait_list` know rclpy's inside.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
+from rclpy.node import Node
+from rclpy.qos import QoSProfile, qos_profile_services_default
+from rclpy.type_support import check_for_type_support
+
+
+def subscription(node: Node, message_class: Any, topic: str, qos: QoSProfile) -> Any:
+    """Return a subscription's handle: used within `with`, and destroyed when not in use."""
+    check_for_type_support(message_class)
+    profile: Any = qos.get_c_qos_profile()
+    with node.handle:
+        return _rclpy.Subscription(node.handle, message_class, topic, profile)
+
+
+def service_client(node: Node, service_class: Any, name: str) -> Any:
+    """Return a service client's handle: used within `with`, and destroyed when not in use."""
+    check_for_type_support(service_class)
+    profile: Any = qos_profile_services_default.get_c_qos_profile()
+    with node.handle:
+        return _rclpy.Client(node.handle, service_class, name, profile)
