@@ -19,6 +19,7 @@ from bt_orchestrator.cli.bootstrap import installed_types
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.proof.deadlock import deadlock
 from bt_orchestrator.runtime.orchestrator import Orchestrator
+from bt_orchestrator.runtime.recovery import stamp
 from bt_orchestrator.script.cell_file import parse_cell, read_cell
 from bt_orchestrator.script.script_file import parse_script, read_script
 from bt_orchestrator.sim.clock import VirtualClock
@@ -107,12 +108,7 @@ _STARTS = 5
 
 def restart(rounds: int, events: int) -> Iterator[Row]:
     """Start with a long journal, which is made once and kept, and with an empty one."""
-    kept = Path(tempfile.gettempdir()) / f'bt_orchestrator_bench_{os.getuid()}_{events}.sqlite3'
-    if not kept.exists():
-        part = kept.with_suffix('.part')
-        part.unlink(missing_ok=True)
-        make_long_journal(part, events)
-        part.rename(kept)
+    kept = _long_journal(events)
     with tempfile.TemporaryDirectory(prefix='bench_') as name:
         folder = Path(name)
         pairs = [
@@ -135,6 +131,19 @@ def restart(rounds: int, events: int) -> Iterator[Row]:
         'whole process, empty, s': statistics.median(empty for _, empty in whole),
     }
     yield Row('restart', ratios, notes)
+
+
+def _long_journal(events: int) -> Path:
+    """Return a journal that this very program has written: another one replays all of it."""
+    prefix = f'bt_orchestrator_bench_{os.getuid()}_{events}'
+    kept = Path(tempfile.gettempdir()) / f'{prefix}_{stamp(Line().cell)}.sqlite3'
+    if not kept.exists():
+        for other in kept.parent.glob(f'{prefix}[._]*'):
+            other.unlink()
+        part = kept.with_suffix('.part')
+        make_long_journal(part, events)
+        part.rename(kept)
+    return kept
 
 
 def _median_start_s(paths: Sequence[Path]) -> float:
