@@ -6,7 +6,7 @@ import json
 import os
 import platform
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from importlib.metadata import PackageNotFoundError, version
 from itertools import chain
@@ -79,38 +79,47 @@ def _shown(page: Path, plot: Path | None) -> Iterator[str]:
 
 
 def _table(rows: Sequence[Row]) -> Iterator[str]:
-    yield '| row | median | rounds: smallest .. largest | must | goal | holds |'
-    yield '|---|---|---|---|---|---|'
-    for row in rows:
-        target = row.target
-        bound = '≥' if target.at_least else '≤'
-        spread = f'{len(row.rounds)}: {row.spread}'
-        yield (
-            f'| {target.name} | {shown(row.value)} | {spread} | {bound} {target.must:,g} '
-            f'| {bound} {target.goal:,g} | {row.verdict} |'
-        )
-    yield ''
+    heads = ('row', 'median', 'rounds: smallest .. largest', 'must', 'goal', 'holds')
+    return _markdown(heads, map(_cells, rows))
+
+
+def _cells(row: Row) -> Sequence[str]:
+    target = row.target
+    bound = '≥' if target.at_least else '≤'
+    spread = f'{len(row.rounds)}: {row.spread}'
+    must, goal = (f'{bound} {limit:,g}' for limit in (target.must, target.goal))
+    return target.name, shown(row.value), spread, must, goal, row.verdict
 
 
 def _latencies(rows: Sequence[Row]) -> Iterator[str]:
     found = next((row.notes for row in rows if 'latencies, s' in row.notes), None)
     if found is None:
-        return
-    yield '| candidate | sequence p50 | p95 | wrap p50 | p95, all ms |'
-    yield '|---|---|---|---|---|'
-    for name, values in found['latencies, s'].items():
-        both = (values, found['wraps, s'][name])
-        figures = [f'{percentile(one, p) * 1e3:.2f}' for one in both for p in (0.5, 0.95)]
-        yield f'| {name} | {" | ".join(figures)} |'
-    yield ''
+        return iter(())
+    heads = ('candidate', 'sequence p50', 'p95', 'wrap p50', 'p95, all ms')
+    both = {n: (values, found['wraps, s'][n]) for n, values in found['latencies, s'].items()}
+    return _markdown(
+        heads,
+        (
+            (name, *(f'{percentile(one, p) * 1e3:.2f}' for one in two for p in (0.5, 0.95)))
+            for name, two in both.items()
+        ),
+    )
 
 
 def _figures(rows: Sequence[Row]) -> Iterator[str]:
     """Yield the figures behind the rows, except those that the table of latencies has."""
-    yield '| behind the row | figure | value |'
-    yield '|---|---|---|'
-    for row in rows:
-        for name, value in row.notes.items():
-            if isinstance(value, (int, float)) and not name.endswith(('p50, ms', 'p95, ms')):
-                yield f'| {row.key} | {name} | {shown(value)} |'
+    figures = (
+        (row.key, name, shown(value))
+        for row in rows
+        for name, value in row.notes.items()
+        if isinstance(value, (int, float)) and not name.endswith(('p50, ms', 'p95, ms'))
+    )
+    return _markdown(('behind the row', 'figure', 'value'), figures)
+
+
+def _markdown(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> Iterator[str]:
+    yield f'| {" | ".join(heads)} |'
+    yield '|---' * len(heads) + '|'
+    for cells in rows:
+        yield f'| {" | ".join(cells)} |'
     yield ''

@@ -1,4 +1,4 @@
-"""The executor that the node spins on, one thread in either case (performance: executors)."""
+"""The executor that the node spins on, one thread in either case."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What makes the engine settle: the heartbeat timer, and news (architecture: one settle)."""
+"""What makes the engine settle: the heartbeat timer, and news (architecture, "One settle")."""
 
 from __future__ import annotations
 

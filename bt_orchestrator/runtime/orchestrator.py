@@ -1,8 +1,8 @@
 """The orchestrator: one settle after another, whatever the outside world is.
 
 A settle is: drain commands and news into events, tick the tree until nothing changes, commit all
-of it as one transaction, then send the goals and hand the events to the outputs (architecture
-rules 5 to 7). Live, recovery, simulation and checking all run this same code.
+of it as one transaction, then send the goals and hand the events to the outputs (architecture,
+"One settle"). Live, recovery, simulation and checking all run this same code.
 """
 
 from __future__ import annotations
