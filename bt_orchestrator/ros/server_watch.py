@@ -52,7 +52,7 @@ class ServerWatch:
             self._seen_missing = False
         elif self._client.server_is_there():
             self._seen_missing = False
-            for goal in tuple(self._goals.in_flight):
+            for goal in [goal for goal in self._goals.in_flight if not goal.accepted]:
                 self._follower.look_at_status(goal)
             self._check()
         elif self._clients.is_looking:
@@ -67,6 +67,7 @@ class ServerWatch:
         now = time.monotonic()
         for goal in [goal for goal in self._goals.in_flight if goal.next_check_s <= now]:
             goal.next_check_s += RESULT_CHECK_S
+            self._follower.look_at_status(goal)
             if self._may_be_silent(goal):
                 goal.heard_s = now
             elif now - goal.heard_s >= SILENCE_S and goal.renewed:

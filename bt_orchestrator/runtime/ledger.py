@@ -13,7 +13,8 @@ from bt_orchestrator.ports import Clock, Timer
 class Ledger:
     """The state and its pending events. Implements `tree.subject.Recorder`.
 
-    An event applies at once and is committed at the end of the settle (architecture, "One settle").
+    An event applies at once and is committed at the end of the settle
+    (architecture, "One settle").
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""A part that is left out of a tick looks as if it had been ticked (architecture, "One settle")."""
+"""A part that is left out of a tick looks as if it had been ticked."""
 
 from __future__ import annotations
 
