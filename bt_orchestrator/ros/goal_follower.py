@@ -76,9 +76,10 @@ class GoalFollower:
 
     def look_at_status(self, goal: RosGoal) -> None:
         """Learn from the server's status topic that it has the goal; the answer may be lost."""
-        if not goal.listed and self._client.status.of(goal.id) is not None:
+        status = self._client.status
+        if not goal.listed and status.of(goal.id) is not None:
             goal.listed = True
-            if not goal.adopted or self._client.status.is_active(goal.id):
+            if not goal.adopted or status.is_active(goal.id):
                 self._on_accepted(goal)
 
     # --- what comes -------------------------------------------------------------------------

@@ -134,7 +134,7 @@ class LeanExecutor(SingleThreadedExecutor):
             if self._soon:
                 return []
             self._follow_nodes()
-            ready = list(self._wait_list.wait(_left_ns(until)))
+            ready = self._wait_list.wait(_left_ns(until))
             if self._is_shutdown:
                 raise ShutdownException
             if not self._context.ok():

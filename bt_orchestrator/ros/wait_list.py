@@ -79,7 +79,7 @@ class WaitList:
             entity for node in nodes for _, entities in _kinds(node) for entity in entities
         ]
 
-    def wait(self, timeout_ns: int) -> Sequence[Member]:
+    def wait(self, timeout_ns: int) -> list[Member]:
         """Wait until something is ready, and return that in the order in which it is to run.
 
         :param timeout_ns: for ever if negative
@@ -128,7 +128,7 @@ class WaitList:
         self._held.append(handle)
         self._adds.append((group, add))
 
-    def _ready(self, busy: set[Any]) -> Sequence[Member]:
+    def _ready(self, busy: set[Any]) -> list[Member]:
         parted: dict[Member, list[Part]] = {}
         simple: list[Member] = []
         for kind in (TIMER, SUBSCRIPTION, GUARD, CLIENT, SERVICE):

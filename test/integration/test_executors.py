@@ -101,11 +101,14 @@ class TestLeanExecutor:
         assert waits_for_callbacks(executor, node, 10) >= 18
         executor.shutdown()
 
-    def test_another_thread_ends_a_wait(self, executor: LeanExecutor, node: Node) -> None:
+    @pytest.mark.parametrize('ask', [LeanExecutor.create_task, LeanExecutor.soon])
+    def test_what_another_thread_asks_for_ends_a_wait(
+        self, executor: LeanExecutor, node: Node, ask: Callable[..., object]
+    ) -> None:
         executor.add_node(node)
         spin_once(executor, 0.0)
         done: list[int] = []
-        thread = threading.Timer(0.2, lambda: executor.create_task(lambda: done.append(1)))
+        thread = threading.Timer(0.2, lambda: ask(executor, lambda: done.append(1)))
         thread.start()
         began = time.monotonic()
         while not done and time.monotonic() < began + PATIENCE_S:
@@ -145,19 +148,6 @@ class TestLeanExecutor:
         spin_until(executor, lambda: seen, 'the call')
         spin_once(executor, 0.02)
         assert seen == [0]
-
-    def test_what_another_thread_asks_for_ends_a_wait(
-        self, executor: LeanExecutor, node: Node
-    ) -> None:
-        executor.add_node(node)
-        done: list[int] = []
-        thread = threading.Timer(0.2, lambda: executor.soon(lambda: done.append(1)))
-        thread.start()
-        began = time.monotonic()
-        while not done and time.monotonic() < began + PATIENCE_S:
-            spin_once(executor, PATIENCE_S)
-        thread.join()
-        assert time.monotonic() < began + PATIENCE_S
 
     def test_shutdown_by_another_thread_ends_a_wait(
         self, executor: LeanExecutor, node: Node
