@@ -17,3 +17,12 @@ def cpu_s(pid: int) -> float:
 def memory_mb(pid: int) -> float:
     """Return the resident memory of a process."""
     return int(Path(f'/proc/{pid}/statm').read_text().split()[1]) * _PAGE / 1e6
+
+
+def family_cpu_s(pid: int) -> float:
+    """Return the same of a process and its children, however deep."""
+    threads = Path(f'/proc/{pid}/task').iterdir()
+    children = {
+        int(one) for thread in threads for one in (thread / 'children').read_text().split()
+    }
+    return cpu_s(pid) + sum(family_cpu_s(child) for child in children)

@@ -85,9 +85,8 @@ def _table(rows: Sequence[Row]) -> Iterator[str]:
 
 def _cells(row: Row) -> Sequence[str]:
     target = row.target
-    bound = '≥' if target.at_least else '≤'
     spread = f'{len(row.rounds)}: {row.spread}'
-    must, goal = (f'{bound} {limit:,g}' for limit in (target.must, target.goal))
+    must, goal = (target.in_words(bound) for bound in (target.must, target.goal))
     return target.name, shown(row.value), spread, must, goal, row.verdict
 
 

@@ -8,7 +8,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from bench.chain import PLAIN
@@ -32,37 +32,24 @@ Rounds = list[dict[str, Measured]]
 def dispatch(rounds: int, cycles: int) -> Iterator[Row]:
     """Compare with a floor and with the convention."""
     with stand() as here:
-        found = [_round(here, cycles) for _ in range(rounds)]
+        found = [_round(here, cycles, number) for number in range(rounds)]
         synced = {'writing 4 kB to this disk for good, p50, ms': _sync_s(here.folder) * 1e3}
     p50 = _Ratios(found)
     latencies = {'latencies, s': _all(found, 'sequence'), 'wraps, s': _all(found, 'wrap')}
-    yield Row('dispatch', p50.sequence(OURS, CHAIN), {**_figures(found), **synced, **latencies})
-    yield Row(
-        'polling',
-        p50.sequence(POLLED, OURS),
-        {
-            '10 ms polling / ours': _p50(p50.sequence(POLLED_FAST, OURS)),
-        },
-    )
-    yield Row(
-        'wrap',
-        p50.wrap(POLLED, OURS),
-        {
-            '10 ms polling / ours': _p50(p50.wrap(POLLED_FAST, OURS)),
-        },
-    )
-    yield Row(
-        'cpu',
-        p50.cpu(OURS, CHAIN),
-        {
-            'events executor, ours / chain': _p50(p50.cpu(OURS_EVENTS, CHAIN_EVENTS)),
-            'ours / chain on our executor': _p50(p50.cpu(OURS, CHAIN_LEAN)),
-            **{
-                f'{name}, ms CPU a task': _p50([r[name].cpu_per_task for r in found]) * 1e3
-                for name in found[0]
-            },
-        },
-    )
+    figures = {**_figures(found), **synced, **latencies}
+    yield Row('dispatch', p50.sequence(OURS, CHAIN_LEAN), figures)
+    yield Row('wrap', p50.wrap(OURS, CHAIN_LEAN))
+    yield Row('polling', p50.sequence(POLLED, OURS), {'wrap': _p50(p50.wrap(POLLED, OURS))})
+    wrap_fast = {'wrap': _p50(p50.wrap(POLLED_FAST, OURS))}
+    yield Row('polling_fast', p50.sequence(POLLED_FAST, OURS), wrap_fast)
+    cpu_ms = {
+        f'{n}, ms CPU a task': _p50([r[n].cpu_per_task for r in found]) * 1e3 for n in found[0]
+    }
+    others = {
+        "ours / chain on rclpy's executor": _p50(p50.cpu(OURS, CHAIN)),
+        'events executor, ours / chain': _p50(p50.cpu(OURS_EVENTS, CHAIN_EVENTS)),
+    }
+    yield Row('cpu', p50.cpu(OURS, CHAIN_LEAN), {**others, **cpu_ms})
     yield Row('watcher', p50.sequence(WATCHED, OURS))
 
 
@@ -78,18 +65,22 @@ def _sync_s(folder: Path) -> float:
     return _p50(times)
 
 
-def _round(here: Stand, cycles: int) -> dict[str, Measured]:
-    return {
-        CHAIN: here.by_hand('chain', PLAIN, cycles),
-        OURS: here.ours(cycles, 'FULL', SINGLE),
-        CHAIN_LEAN: here.by_hand('chain', SINGLE, cycles),
-        WATCHED: here.ours(cycles, 'FULL', SINGLE, watched=True),
-        NORMAL: here.ours(cycles, 'NORMAL', SINGLE),
-        POLLED: here.by_hand('polling_tree', '0.1', cycles),
-        POLLED_FAST: here.by_hand('polling_tree', '0.01', cycles),
-        CHAIN_EVENTS: here.by_hand('chain', EVENTS, cycles),
-        OURS_EVENTS: here.ours(cycles, 'FULL', EVENTS),
-    }
+def _round(here: Stand, cycles: int, number: int) -> dict[str, Measured]:
+    """Let every candidate drive once; each round begins with another one."""
+    drives: list[tuple[str, Callable[[], Measured]]] = [
+        (CHAIN, lambda: here.by_hand('chain', PLAIN, cycles)),
+        (OURS, lambda: here.ours(cycles, 'FULL', SINGLE)),
+        (CHAIN_LEAN, lambda: here.by_hand('chain', SINGLE, cycles)),
+        (WATCHED, lambda: here.ours(cycles, 'FULL', SINGLE, watched=True)),
+        (NORMAL, lambda: here.ours(cycles, 'NORMAL', SINGLE)),
+        (POLLED, lambda: here.by_hand('polling_tree', '0.1', cycles)),
+        (POLLED_FAST, lambda: here.by_hand('polling_tree', '0.01', cycles)),
+        (CHAIN_EVENTS, lambda: here.by_hand('chain', EVENTS, cycles)),
+        (OURS_EVENTS, lambda: here.ours(cycles, 'FULL', EVENTS)),
+    ]
+    first = number % len(drives)
+    measured = {name: drive() for name, drive in [*drives[first:], *drives[:first]]}
+    return {name: measured[name] for name, _ in drives}
 
 
 class _Ratios:
@@ -118,9 +109,9 @@ def _p50(values: list[float]) -> float:
 def _figures(rounds: Rounds) -> dict[str, float]:
     ratios = _Ratios(rounds)
     figures = {
-        'NORMAL / chain': _p50(ratios.sequence(NORMAL, CHAIN)),
-        'FULL / chain on our executor': _p50(ratios.sequence(OURS, CHAIN_LEAN)),
-        'wrap, FULL / chain': _p50(ratios.wrap(OURS, CHAIN)),
+        'NORMAL / chain': _p50(ratios.sequence(NORMAL, CHAIN_LEAN)),
+        "FULL / chain on rclpy's executor": _p50(ratios.sequence(OURS, CHAIN)),
+        "wrap, FULL / chain on rclpy's executor": _p50(ratios.wrap(OURS, CHAIN)),
         'events executor, FULL / chain': _p50(ratios.sequence(OURS_EVENTS, CHAIN_EVENTS)),
     }
     for kind in ('sequence', 'wrap'):

@@ -17,7 +17,7 @@ from program_process import ProgramProcess
 from ros_domain import OwnDomain
 
 from bench.line_files import SECTIONS, cell_text, script_text
-from bench.process import cpu_s
+from bench.process import family_cpu_s
 from bt_orchestrator.ros.client import NodeClient
 
 TASKS_A_CYCLE = 10
@@ -34,6 +34,7 @@ class Measured(NamedTuple):
     wrap: list[float]
     """From the end of the belt's move to the arrival of the first goal of the next cycle."""
     cpu_per_task: float
+    """Of the driver and the processes it has started, the forecast's among them."""
 
 
 class Stand:
@@ -148,9 +149,9 @@ class Tail:
 def _measure(tail: Tail, pid: int, cycles: int) -> Measured:
     """Measure what a driver does after its first cycles, in which the order is taken in too."""
     tail.until_ended(WARM_UP * TASKS_A_CYCLE)
-    before_s, tasks, first = cpu_s(pid), tail.ended, len(tail.records)
+    before_s, tasks, first = family_cpu_s(pid), tail.ended, len(tail.records)
     tail.until_ended((WARM_UP + cycles) * TASKS_A_CYCLE, PATIENCE_S + cycles)
-    used_s, tasks = cpu_s(pid) - before_s, tail.ended - tasks
+    used_s, tasks = family_cpu_s(pid) - before_s, tail.ended - tasks
     records = tail.records[first:]
     return Measured(list(_sequences(records)), list(_wraps(records)), used_s / tasks)
 
