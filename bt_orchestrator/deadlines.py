@@ -1,4 +1,4 @@
-"""Callbacks in order of their deadlines: the heap under every clock."""
+"""Instants, and callbacks in order of their deadlines: the heap under every clock."""
 
 from __future__ import annotations
 
@@ -7,8 +7,24 @@ from collections.abc import Callable
 
 Callback = Callable[[], None]
 
+NS_PER_S = 1_000_000_000
+
 _FEW = 64
 """Cancelled deadlines that are not worth a clean-up."""
+
+
+def instant_ns(time_s: float) -> int:
+    """Return the nanosecond that a time in seconds means.
+
+    A sum of seconds may lie a rounding beside the time that a clock says there; as nanoseconds
+    both are the same. Clocks ring at this instant, so whoever asks `has_come` then hears yes.
+    """
+    return round(time_s * NS_PER_S)
+
+
+def has_come(due_s: float, now_s: float) -> bool:
+    """Tell whether a time has come, as the clock that is to ring then sees it."""
+    return instant_ns(due_s) <= instant_ns(now_s)
 
 
 class Deadline:

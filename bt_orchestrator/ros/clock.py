@@ -8,10 +8,9 @@ from typing import Any
 
 from rclpy.node import Node
 
-from bt_orchestrator.deadlines import Deadline, Deadlines
+from bt_orchestrator.deadlines import NS_PER_S, Deadline, Deadlines, instant_ns
 from bt_orchestrator.ros.callbacks import guarded
 
-NS_PER_S = 1_000_000_000
 _FAR_S = 3600.0
 """First period of the timer, which is never waited for."""
 
@@ -39,7 +38,7 @@ class RosClock:
 
     def call_at(self, time: float, callback: Callable[[], None]) -> Deadline:
         """Call back once `now()` has reached a time; never before this call has returned."""
-        deadline = self._deadlines.add(round(time * NS_PER_S), callback)
+        deadline = self._deadlines.add(instant_ns(time), callback)
         if self._armed_ns is None or deadline.time_ns < self._armed_ns:
             self._arm(deadline.time_ns)
         return deadline

@@ -10,6 +10,7 @@ from bt_orchestrator_interfaces.msg import Status
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 
+from bt_orchestrator.deadlines import instant_ns
 from bt_orchestrator.model.events import (
     BeatStarted,
     BeltIndexed,
@@ -21,7 +22,6 @@ from bt_orchestrator.model.events import (
 )
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.stop_reason import StopReason
-from bt_orchestrator.ros.clock import NS_PER_S
 from bt_orchestrator.ros.event_message import event_message
 from bt_orchestrator.ros.expected_ends import ExpectedEnds
 from bt_orchestrator.ros.heart import Heart
@@ -88,7 +88,7 @@ class StatusTopic:
         within_s = UNWATCHED_S if is_unheard else STATUS_PERIOD_S
         if within_s < self._within_s:
             self._within_s = within_s
-            self._timer.timer_period_ns = round(within_s * NS_PER_S)
+            self._timer.timer_period_ns = instant_ns(within_s)
             self._timer.reset()
 
     def _refresh(self) -> None:

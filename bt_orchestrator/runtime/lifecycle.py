@@ -9,13 +9,13 @@ from collections.abc import Iterator
 from dataclasses import asdict
 from typing import NamedTuple
 
+from bt_orchestrator.deadlines import has_come
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.line import is_complete
 from bt_orchestrator.model.packml import TRANSITIONS, Cause, Mode
 from bt_orchestrator.model.state import CellState, Phase
 from bt_orchestrator.model.stop_reason import WORDS, StopReason
 from bt_orchestrator.runtime.starvation import Starved
-from bt_orchestrator.tree.leaf import EARLY_S
 
 AUTOMATIC = 'an order arrived'
 
@@ -193,6 +193,6 @@ def _why_stopped(state: CellState, outlook: Outlook) -> str | None:
 
 def _will_retry(state: CellState, now: float) -> bool:
     return any(
-        task.phase is Phase.RETRYING and task.not_before > now + EARLY_S
+        task.phase is Phase.RETRYING and not has_come(task.not_before, now)
         for task in state.tasks.values()
     )

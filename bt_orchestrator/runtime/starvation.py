@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
+from bt_orchestrator.deadlines import has_come
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.runtime.ledger import Ledger
@@ -41,7 +42,7 @@ class Starvation:
         if found is None:
             return None
         due = self._since + SUSPEND_AFTER_S
-        if now >= due:
+        if has_come(due, now):
             return found
         self._ledger.wake_at(due)
         return None

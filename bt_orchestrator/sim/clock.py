@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from bt_orchestrator.deadlines import Deadline, Deadlines
-
-NS_PER_S = 1_000_000_000
+from bt_orchestrator.deadlines import NS_PER_S, Deadline, Deadlines, instant_ns
 
 
 class VirtualClock:
@@ -16,7 +14,7 @@ class VirtualClock:
     """
 
     def __init__(self, start_s: float = 0.0) -> None:
-        self._now_ns = round(start_s * NS_PER_S)
+        self._now_ns = instant_ns(start_s)
         self._now_s = self._now_ns / NS_PER_S
         self._deadlines = Deadlines()
 
@@ -26,7 +24,7 @@ class VirtualClock:
 
     def call_at(self, time: float, callback: Callable[[], None]) -> Deadline:
         """Call back in `advance` when time has come; a time that has passed means now."""
-        return self._deadlines.add(max(round(time * NS_PER_S), self._now_ns), callback)
+        return self._deadlines.add(max(instant_ns(time), self._now_ns), callback)
 
     def next_deadline(self) -> float | None:
         """Return the seconds to which `advance` would move; None when nothing is armed."""

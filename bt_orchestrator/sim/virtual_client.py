@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from bt_orchestrator.deadlines import has_come, instant_ns
 from bt_orchestrator.model.action_type import ActionType
 from bt_orchestrator.model.cell import Component
 from bt_orchestrator.model.goal import (
@@ -156,7 +156,8 @@ class VirtualClient:
     def _lose_at_check(self, goal: VirtualGoal) -> None:
         """End a goal when the server will have said often enough that it does not know it."""
         goal.stop_timer()
-        passed = math.ceil((self._clock.now() - goal.sent_s) / RESULT_CHECK_S)
+        out_ns = instant_ns(self._clock.now()) - instant_ns(goal.sent_s)
+        passed = -(-out_ns // instant_ns(RESULT_CHECK_S))  # rounded up
         checks = max(passed, 1) + (0 if goal.accepted else REQUEST_CHECKS - 1)
         end = GoalEnd(GoalStatus.LOST, message=_UNKNOWN)
         due_s = goal.sent_s + checks * RESULT_CHECK_S
@@ -179,7 +180,7 @@ class VirtualClient:
         for id_, (_, ended_s) in tuple(self._remembered.items()):
             if ended_s is None:
                 continue
-            if ended_s + self._component.result_timeout_s > self._clock.now():
+            if not has_come(ended_s + self._component.result_timeout_s, self._clock.now()):
                 break
             del self._remembered[id_]
 

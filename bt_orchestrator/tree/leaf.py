@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from py_trees.common import Status
 
+from bt_orchestrator.deadlines import has_come
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.goal import Reason
@@ -13,9 +14,6 @@ from bt_orchestrator.model.wait import Wait, WaitKind
 from bt_orchestrator.tree.subject import Subject
 from bt_orchestrator.tree.ticking import Ticked
 from bt_orchestrator.tree.waiter import TaskWaiter
-
-EARLY_S = 1e-6
-"""Seconds by which a deadline may be missed by rounding."""
 
 
 class ActionLeaf(TaskWaiter, Ticked):
@@ -110,7 +108,7 @@ class ActionLeaf(TaskWaiter, Ticked):
         return Wait(what, WaitKind.COMPONENT, task.component)
 
     def _delayed(self, progress: TaskState) -> bool:
-        return progress.not_before > self.subject.recorder.now + EARLY_S
+        return not has_come(progress.not_before, self.subject.recorder.now)
 
     def _start(self, attempt: int) -> Status:
         recorder, task, key = self.subject.recorder, self.subject.task, self.subject.key

@@ -33,6 +33,9 @@ from bt_orchestrator.tree.compile import CellTree
 
 BY = By('Ann', 'the test', 'it was time')
 
+MOST_SETTLES_AT_ONCE = 1000
+"""A line that settles more often than this without time going on never ends."""
+
 
 class VirtualRun:
     """A line at work. Every step forward is checked against `Invariants` and a replay.
@@ -76,10 +79,13 @@ class VirtualRun:
         """Let time pass until nothing more can happen, at most to a time."""
         orchestrator, clock = self.sim.orchestrator, self.sim.clock
         orchestrator.settle()
+        here = 0
         while self.sim.state.jobs:
             due = clock.next_deadline()
             if due is None or due > until:
                 break
+            here = here + 1 if due == clock.now() else 0
+            assert here < MOST_SETTLES_AT_ONCE, f'time stands still at {due!r}'
             clock.advance()
             orchestrator.settle()
             self._check_reasons()

@@ -3,7 +3,8 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bt_orchestrator.deadlines import Deadlines
+from bt_orchestrator.deadlines import Deadlines, has_come
+from bt_orchestrator.sim.clock import VirtualClock
 
 
 def pop_all(deadlines: Deadlines, now_ns: int) -> int:
@@ -69,3 +70,17 @@ def test_calls_exactly_those_that_were_not_cancelled(plan: list[tuple[int, bool]
     assert pop_all(deadlines, 20) == len(expected)
     assert called == expected
     assert deadlines.next_ns() is None
+
+
+EPOCHS_S = st.sampled_from([0.0, 1.7e9, 4.0e9])
+
+
+@given(EPOCHS_S, st.integers(0, 10**8), st.integers(0, 10**7), st.integers(-3, 3))
+def test_a_time_has_come_exactly_when_its_clock_rings(
+    epoch_s: float, began_ms: int, after_ms: int, beside_us: int
+) -> None:
+    clock = VirtualClock(epoch_s + began_ms / 1000)
+    due_s = clock.now() + after_ms / 1000
+    clock.call_at(due_s + beside_us / 1e6, lambda: None)
+    clock.advance()
+    assert has_come(due_s, clock.now()) is (beside_us >= 0 or after_ms == 0)

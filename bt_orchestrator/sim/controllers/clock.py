@@ -6,10 +6,9 @@ from collections.abc import Callable
 
 from rclpy.node import Node
 
-from bt_orchestrator.deadlines import Deadline, Deadlines
+from bt_orchestrator.deadlines import NS_PER_S, Deadline, Deadlines, instant_ns
 from bt_orchestrator.sim.controllers.guard import guarded
 
-NS_PER_S = 1_000_000_000
 _FAR_S = 3600.0
 
 
@@ -32,7 +31,7 @@ class NodeClock:
 
     def call_at(self, time: float, callback: Callable[[], None]) -> Deadline:
         """Call back once `now()` has reached a time; never before this call has returned."""
-        deadline = self._deadlines.add(round(time * NS_PER_S), callback)
+        deadline = self._deadlines.add(instant_ns(time), callback)
         self._arm()
         return deadline
 

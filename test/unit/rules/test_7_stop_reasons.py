@@ -5,6 +5,8 @@ from __future__ import annotations
 import pytest
 from fakes.line import THREE, Line, with_section
 from fakes.virtual_run import VirtualRun
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from bt_orchestrator.model.cell_commands import Abort, Pause, Resume, Stop
 from bt_orchestrator.model.isa95 import job_word
@@ -107,6 +109,21 @@ def test_7_2_starved_is_what_everything_else_waits_for() -> None:
     # Item 1 is placed at 1.0; it is packed at 15.0, when the belt waits for the source alone.
     worked = run.times('task.succeeded', task='work', item='J/1')[0]
     assert suspended[0] == worked + SUSPEND_AFTER_S
+
+
+ROUNDED_DOWN_MS = [ms for ms in range(3001, 9000) if (ms + 1000) / 1000 < ms / 1000 + 1.0]
+"""Instants behind which a second, added as a float, ends a little later than the clock says."""
+
+
+@given(began_ms=st.sampled_from(ROUNDED_DOWN_MS) | st.integers(3001, 9000))
+@settings(max_examples=50)
+def test_7_2_the_line_suspends_and_comes_back_whenever_it_began_to_wait(began_ms: int) -> None:
+    faults = {'a1': '#1=not_ready:20'}
+    # The first item is placed at 1.0 and comes to section 2 at 3.0.
+    line = Line(topics=('a1',), faults=faults, seconds={'a2': began_ms / 1000 - 3.0})
+    run = line.run(THREE, 2)
+    assert run.ended
+    assert run.times('cell.state_changed', state='Suspended')[0] == (began_ms + 1000) / 1000
 
 
 def test_7_2_a_component_that_is_busy_for_a_moment_suspends_nothing() -> None:
