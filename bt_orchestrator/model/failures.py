@@ -29,6 +29,13 @@ def may_retry(state: CellState, key: e.TaskKey, task: Task) -> bool:
     return _is_settled(failed, task) and not _is_own_cancel(failed)
 
 
+def will_hold(state: CellState, key: e.TaskKey, task: Task) -> bool:
+    """Tell whether an operator will be asked about a failed attempt."""
+    if may_retry(state, key, task):
+        return False
+    return key == e.INDEX_KEY or _policy(state, key, task) is OnFailure.HOLD
+
+
 def decide(state: CellState, key: e.TaskKey, task: Task) -> Iterator[e.Event]:
     """Decide about a task whose last attempt failed."""
     policy = _policy(state, key, task)

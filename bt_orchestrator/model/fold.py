@@ -9,8 +9,10 @@ from bt_orchestrator.model import cell_folds as cell
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model import job_folds as jobs
 from bt_orchestrator.model.cell import OnFailure
+from bt_orchestrator.model.failures import will_hold
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.goal import Reason
+from bt_orchestrator.model.script import index_task
 from bt_orchestrator.model.state import (
     CellState,
     Cycle,
@@ -21,9 +23,6 @@ from bt_orchestrator.model.state import (
     TaskState,
     signature,
 )
-
-STILL_RESERVED = (Reason.IN_DOUBT, Reason.SERVER_LOST)
-"""Ends after which the component may still be moving (semantics 2.6)."""
 
 ON_THE_BELT = {
     e.ItemPlaced,
@@ -139,13 +138,13 @@ def _task_failed(event: e.TaskFailed, state: CellState) -> None:
         reason=reason,
         message=event.message,
     )
-    if reason not in STILL_RESERVED:
+    # Where an operator is asked, the robot stands where it stopped (semantics 4.4).
+    if not will_hold(state, event.key, state.task(event.key) or index_task(state.cell)):
         _release(state, event.key)
 
 
 @_on(e.TaskRetrying)
 def _task_retrying(event: e.TaskRetrying, state: CellState) -> None:
-    _release(state, event.key)
     state.tasks[event.key] = changed(
         state.tasks[event.key],
         phase=Phase.RETRYING,

@@ -8,7 +8,7 @@ from enum import Enum
 from functools import cached_property
 from typing import Any
 
-from bt_orchestrator.model.cell import DEFAULT_TIMEOUT_S, OnFailure
+from bt_orchestrator.model.cell import DEFAULT_TIMEOUT_S, Cell, OnFailure
 from bt_orchestrator.model.reference import Template, references
 
 INDEX = 'index'
@@ -79,6 +79,20 @@ class Task:
         """Tell whether its arguments or its condition name values of the item or the order."""
         named = (self.args, self.condition.value if self.condition is not None else None)
         return any(True for _ in references(named))
+
+
+def index_task(cell: Cell) -> Task:
+    """Return the belt's own move as a task; it stands in no script."""
+    conveyor = cell.conveyor
+    return Task(
+        id=INDEX,
+        name=conveyor.task,
+        action=conveyor.component.action,
+        component=conveyor.component.name,
+        retries=conveyor.retries,
+        on_failure=conveyor.on_failure,
+        timeout_s=conveyor.component.timeout_s,
+    )
 
 
 @dataclass(frozen=True)

@@ -205,7 +205,7 @@ class TreeNode:
         """Yield the tasks whose goals may go on; those in doubt count as running no more."""
         state = self.orchestrator.state
         for key in state.reserved.values():
-            if state.tasks[key].reason is not Reason.SERVER_LOST:
+            if state.tasks[key].reason in (None, Reason.IN_DOUBT):
                 yield f'{key} (goal {state.tasks[key].goal})'
 
     def _spin_once(self, timeout_s: float | None = None) -> None:

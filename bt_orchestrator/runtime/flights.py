@@ -9,11 +9,10 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.action_type import TASK_RESULT
 from bt_orchestrator.model.failures import ABORT
 from bt_orchestrator.model.goal import GoalEnd, GoalRequest, GoalStatus, Reason, StateReading
-from bt_orchestrator.model.script import Task
+from bt_orchestrator.model.script import Task, index_task
 from bt_orchestrator.model.state import CellState, TaskState
 from bt_orchestrator.ports import ActionGateway, Clock, Goal, Timer
 from bt_orchestrator.runtime.ledger import Ledger
-from bt_orchestrator.tree.belt import index_task
 
 GRACE_S = 5.0
 """Seconds that a cancelled goal has to reach its terminal status (semantics 2.4)."""
@@ -179,7 +178,7 @@ class Flights:
         return GoalRequest(running.goal, task.component, task.name, running.args)
 
     def _task(self, key: e.TaskKey) -> Task:
-        return self._ledger.state.task(key) or index_task(self._ledger.state)
+        return self._ledger.state.task(key) or index_task(self._ledger.state.cell)
 
     def _watch(self, key: e.TaskKey) -> None:
         """Arm the time limit of a goal in flight, or the grace of one that is cancelled."""

@@ -6,8 +6,6 @@ from py_trees.common import Status
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.line import Advance, Overrun, end_of_beat
-from bt_orchestrator.model.script import INDEX, Task
-from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.wait import Wait, WaitKind
 from bt_orchestrator.tree.subject import Recorder
 from bt_orchestrator.tree.ticking import Ticked
@@ -68,17 +66,3 @@ class TurnsComplete(Ticked, Waiter):
             self.recorder.record([held])
         what = f'waiting for {item} to be removed'
         self.note(Wait(what, WaitKind.HOLD, item, sections=(state.cell.conveyor.sections,)))
-
-
-def index_task(state: CellState) -> Task:
-    """Return the belt's own move as a task."""
-    conveyor = state.cell.conveyor
-    return Task(
-        id=INDEX,
-        name=conveyor.task,
-        action=conveyor.component.action,
-        component=conveyor.component.name,
-        retries=conveyor.retries,
-        on_failure=conveyor.on_failure,
-        timeout_s=conveyor.component.timeout_s,
-    )

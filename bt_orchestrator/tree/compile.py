@@ -17,10 +17,10 @@ from py_trees.common import Status
 from py_trees.composites import Composite
 
 from bt_orchestrator.model.events import Event
-from bt_orchestrator.model.script import SectionList, Step, Task
+from bt_orchestrator.model.script import SectionList, Step, Task, index_task
 from bt_orchestrator.model.state import JobState
 from bt_orchestrator.tree.attention import BELT, INITIALIZATION, Attention
-from bt_orchestrator.tree.belt import TurnsComplete, index_task
+from bt_orchestrator.tree.belt import TurnsComplete
 from bt_orchestrator.tree.guards import (
     ConveyorGuard,
     FlagGuard,
@@ -52,7 +52,7 @@ class CellTree:
         self.sections = {
             number: Section(recorder, number) for number in sorted(state.sections, reverse=True)
         }
-        move = _decided(Subject(recorder, index_task(state)))
+        move = _decided(Subject(recorder, index_task(state.cell)))
         turns = Turns(state)
         self.belt = InOrder('belt', [TurnsComplete(recorder, turns), move])
         self._attention = Attention(state, turns, (INITIALIZATION, *self.sections, BELT))

@@ -7,9 +7,7 @@ from dataclasses import replace
 from itertools import accumulate, pairwise
 from typing import NamedTuple
 
-from bt_orchestrator.model.script import Dependency
-from bt_orchestrator.model.state import CellState
-from bt_orchestrator.tree.belt import index_task
+from bt_orchestrator.model.script import Dependency, index_task
 from bt_orchestrator.tree.draw_card import CARD_WIDTH, Sheet, card
 from bt_orchestrator.tree.draw_legend import LEGEND_WIDTH, TITLE_WIDTH
 from bt_orchestrator.tree.draw_plan import (
@@ -80,7 +78,7 @@ class Page:
             self.initialization_frame = _around(tasks).moved(left, top)
             left = self.initialization_frame.right + GUTTER
         self.initialization = tuple(_moved(one, 0, top) for one in tasks)
-        task = index_task(CellState(sheet.cell))
+        task = index_task(sheet.cell)
         label = card(sheet, task)
         move = Placed(task, label, Box(PADDING, TITLE, CARD_WIDTH, label.height))
         self.belt_frame = _around([move]).moved(left, top)

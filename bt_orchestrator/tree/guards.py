@@ -17,7 +17,7 @@ from bt_orchestrator.model.script import Dependency, Step
 from bt_orchestrator.model.state import Phase
 from bt_orchestrator.model.wait import Wait, WaitKind
 from bt_orchestrator.tree.blackboard import AT_REST, ReadKey
-from bt_orchestrator.tree.subject import Recorder, Subject, is_done
+from bt_orchestrator.tree.subject import Recorder, Subject, holder, is_done
 from bt_orchestrator.tree.ticking import Ticked, Wrapper, invalidate
 from bt_orchestrator.tree.waiter import TaskWaiter, Waiter
 
@@ -120,11 +120,13 @@ class ZoneGuard(TaskWaiter, Guard):
         self._there = ReadKey(client, zone)
 
     def waits_for(self) -> Wait | None:
-        """Wait while another task is in the zone."""
+        """Wait while another task is in the zone; its own is, from a hold to its new attempt."""
         there = self._there.read()
-        if not there or not self.subject.waits_to_start:
+        if not there or there == str(self.subject.key) or not self.subject.waits_to_start:
             return None
-        return Wait(f'waiting for zone {self.zone}, taken by {there}', WaitKind.ZONE, self.zone)
+        state = self.subject.state
+        what = f'waiting for zone {self.zone}, taken by {holder(state, state.zones[self.zone])}'
+        return Wait(what, WaitKind.ZONE, self.zone)
 
 
 class ReadyGuard(TaskWaiter, Guard):

@@ -11,7 +11,7 @@ from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.reference import resolve
 from bt_orchestrator.model.state import Phase, TaskState
 from bt_orchestrator.model.wait import Wait, WaitKind
-from bt_orchestrator.tree.subject import Subject
+from bt_orchestrator.tree.subject import Subject, holder
 from bt_orchestrator.tree.ticking import Ticked
 from bt_orchestrator.tree.waiter import TaskWaiter
 
@@ -102,9 +102,9 @@ class ActionLeaf(TaskWaiter, Ticked):
         if progress is not None and self._delayed(progress):
             return Wait(f'waiting to retry, attempt {progress.attempt + 1}', WaitKind.RETRY_DELAY)
         busy = state.reserved.get(task.component)
-        if busy is None:
+        if busy is None or busy == self.subject.key:  # still, until its new attempt (4.4)
             return None
-        what = f'waiting for {task.component}, busy with {busy}'
+        what = f'waiting for {task.component}, busy with {holder(state, busy)}'
         return Wait(what, WaitKind.COMPONENT, task.component)
 
     def _delayed(self, progress: TaskState) -> bool:

@@ -138,6 +138,16 @@ class Subject:
         return None
 
 
+def holder(state: CellState, key: e.TaskKey) -> str:
+    """Name the task that has a component or a zone, and why it does if no goal of it runs."""
+    has = state.tasks[key]
+    if has.phase is Phase.HELD:
+        return f'{key}, which waits for an answer to hold {has.hold}'
+    if has.phase is Phase.RETRYING:
+        return f'{key}, which is to be tried again'
+    return str(key)
+
+
 def is_done(subject: Subject) -> bool:
     """Tell whether the cycle has passed the task."""
     return subject.state.phase(subject.key) is Phase.DONE

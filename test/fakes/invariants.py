@@ -13,7 +13,7 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.packml import TRANSITIONS, Cause, Mode
 from bt_orchestrator.model.script import Script
 
-FREEING = (e.TaskSkipped, e.TaskContinued, e.TaskMarkedDone, e.TaskRetrying)
+FREEING = (e.TaskSkipped, e.TaskContinued, e.TaskMarkedDone)
 """Events after which a task has no component any more, whatever was in doubt."""
 
 AT_REST = (
@@ -49,6 +49,8 @@ class Invariants:
         self._flags: dict[str, tuple[int, int, int]] = {}
         """Count, capacity and initial count."""
         self._busy: dict[str, e.TaskKey] = {}
+        self._used: dict[e.TaskKey, str] = {}
+        """Tasks that had an attempt, with their components."""
         self._in_flight: set[str] = set()
         """Goals that were sent and have not ended."""
         self._zones: dict[str, e.TaskKey] = {}
@@ -116,12 +118,16 @@ class Invariants:
     def _started(self, event: e.TaskStarted) -> None:
         assert self._mode not in AT_REST, (event, self._mode)
         assert not self._pauses, (event, self._pauses)
-        assert event.component not in self._busy, (event, self._busy)
-        self._busy[event.component] = event.key
         self._in_flight.add(event.goal)
-        for zone in self._zones_of(event.key):
-            assert zone not in self._zones, (event, self._zones)
-            self._zones[zone] = event.key
+        self._used[event.key] = event.component
+        self._take_for(event.key)
+
+    def _take_for(self, key: e.TaskKey) -> None:
+        """Let a task have its component and zones, if nobody else has (2.5, 4.4)."""
+        component = self._used[key]
+        assert self._busy.setdefault(component, key) == key, (component, key, self._busy)
+        for zone in self._zones_of(key):
+            assert self._zones.setdefault(zone, key) == key, (zone, key, self._zones)
 
     def _succeeded(self, event: e.TaskSucceeded) -> None:
         self._in_flight.remove(event.goal)
@@ -129,11 +135,10 @@ class Invariants:
 
     def _failed(self, event: e.TaskFailed) -> None:
         self._in_flight.discard(event.goal or '')
-        if event.reason not in ('in_doubt', 'server_lost'):
-            self._free(event)
+        self._free(event)  # until it is held
 
     def _free(self, event: e.TaskEvent) -> None:
-        if not isinstance(event, e.TaskRetrying):
+        if not isinstance(event, e.TaskFailed):
             self._ended.add((event.item, event.task))
         for owners in (self._busy, self._zones):
             for name in [name for name, key in owners.items() if key == event.key]:
@@ -203,6 +208,9 @@ class Invariants:
     def _hold_raised(self, event: e.HoldRaised) -> None:
         if event.task is None and event.item is None:
             self._pauses.add(event.hold)
+        key = e.TaskKey(event.job, event.section, event.item, event.task or '')
+        if key in self._used:
+            self._take_for(key)
 
     def _hold_released(self, event: e.HoldReleased) -> None:
         self._pauses.discard(event.hold)

@@ -225,7 +225,8 @@ class NaiveCell(NaiveRun):
                 return True
         except KeyError:
             missing = True
-        free = not any(task.needs & other.needs for other in self.started if other.busy)
+        busy = [other for other in self.started if other.busy and other is not task]
+        free = not any(task.needs & other.needs for other in busy)
         if free and self.now >= task.not_before:
             task.attempt += 1
             if missing:
@@ -248,7 +249,7 @@ class NaiveCell(NaiveRun):
     def start(self, task: Task) -> None:
         if task.job:
             self.say_once('job.started', {'job': task.job})
-        task.state, task.cancelled = 'running', ''
+        task.state, task.cancelled, task.busy = 'running', '', True
         others = [one for one in self.started if one.state != 'done' and one is not task]
         self.started = [*others, task]
         action, name, _ = task.does
@@ -276,6 +277,8 @@ class NaiveCell(NaiveRun):
         elif end:
             late = end == 'canceled' and task.cancelled == 'timeout'
             task.state, task.reason = 'failed', 'timeout' if late else end
+            asks = ('hold', 'abort_job') if task is self.move else ('hold',)
+            task.busy &= self.verdict(task) in asks
             self.say('task.failed', task.where, attempt=task.attempt, reason=task.reason)
         else:
             results = task.device.results(task.given['task'])
@@ -285,7 +288,7 @@ class NaiveCell(NaiveRun):
     def executed(self, task: Task, results: Row | None) -> None:
         """Change flags, quantity and item; no results at all: it was not done (2.7, 3.2, 4.2)."""
         done, item, change = results is not None, task.item, task.given.get('qty_change')
-        task.state = 'done'
+        task.state, task.busy = 'done', False
         if task is self.move:
             self.moved()
         elif item:
@@ -308,7 +311,11 @@ class NaiveCell(NaiveRun):
     # --- failures, operators, the cell's state (2.6, 2.7, 7) --------------------------------
 
     def decide(self, task: Task) -> None:
-        """Do what is to be done about a failed attempt; what is said last counts (2.6, 2.7)."""
+        """Do what is to be done about a failed attempt."""
+        self.carry_out(task, self.verdict(task), task.given.get('retry_delay', 0.0))
+
+    def verdict(self, task: Task) -> str:
+        """Say what is to be done about a failed attempt; the last word counts (2.6, 2.7)."""
         what = task.given.get('on_failure', 'hold')
         if task.attempt <= task.given.get('retries', 0) and task.reason != 'missing_result':
             what = 'retry'
@@ -317,7 +324,7 @@ class NaiveCell(NaiveRun):
         lost = task.reason == 'server_lost' and not task.given.get('repeatable')
         if task.reason == 'in_doubt' or lost:
             what = 'hold'
-        self.carry_out(task, what, task.given.get('retry_delay', 0.0))
+        return str(what)
 
     def carry_out(self, task: Task, what: str, delay_s: float = 0.0) -> None:
         """Do what a rule, a policy or an operator says about a task; a move is never given up."""

@@ -68,12 +68,9 @@ class Task:
     reason: str = ''
     cancelled: str = ''
     deaf: bool = True
-
-    @property
-    def busy(self) -> bool:
-        """Whether it has its component and zones: it runs, or nobody knows whether (2.6)."""
-        lost = self.reason in ('in_doubt', 'server_lost')
-        return self.state == 'running' or (self.state in ('failed', 'held') and lost)
+    busy: bool = False
+    """Whether it has its component and zones: it runs, is held, or was, and is to be tried again
+    (2.5, 4.4)."""
 
     @property
     def waits_for(self) -> set[int]:

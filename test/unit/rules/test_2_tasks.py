@@ -130,6 +130,59 @@ def test_2_5_one_component_runs_one_task_at_a_time() -> None:
     assert run.waits()['section 2'] == 'waiting for arm, busy with three of J/1'
 
 
+SHARED = """
+sections:
+  1: [{id: place, @a1, qty_change: 1}]
+  2: [{id: two, @arm}]
+  3: [{id: three, @arm}, {id: pack, @a3, qty_change: -1, runs_for: all}]
+"""
+
+
+@pytest.mark.parametrize('fault', ['#2=abort', '#2=false', '#2=reject', '#2=cancel', '#2=hang'])
+def test_2_5_a_held_task_keeps_its_component(fault: str) -> None:
+    run = Line(faults={'arm': fault}).run(SHARED, 2)
+    assert run.state.mode.value == 'Held'
+    assert run.starts('two') == [3.0]
+    assert run.waits()['section 2'] == (
+        'waiting for arm, busy with three of J/1, which waits for an answer to hold 1'
+    )
+
+
+@pytest.mark.parametrize('answer', ['retry', 'mark_done', 'skip', 'reject', 'abort_job'])
+def test_2_5_the_line_goes_on_with_every_answer(answer: str) -> None:
+    run = Line(faults={'arm': '#2=abort'}).run(SHARED, 2)
+    at = run.now
+    run.answer(answer)
+    run.go()
+    assert run.ended
+    if answer == 'retry':
+        assert run.starts('three')[:2] == [6.0, at]
+        assert run.starts('two') == [3.0, at + 1]
+
+
+def test_2_5_the_held_move_keeps_the_conveyor() -> None:
+    run = Line(belt='on_failure: abort_job', faults={'conveyor': '#1=abort'}).run(SHARED, 2)
+    assert run.state.reserved['conveyor'].task == 'index'
+    run.answer('retry')
+    run.go()
+    assert run.ended
+    assert not run.state.reserved
+
+
+def test_2_5_what_never_took_its_component_keeps_none() -> None:
+    """An attempt that ends with `missing_result` ends before it begins (2.6)."""
+    text = """
+    sections:
+      1: [{id: place, @a1, qty_change: 1}]
+      2: [{id: look, @a2, on_failure: continue},
+          {id: two, @arm, args: {special_argument_2: "${results.look.measurement}"}}]
+      3: [{id: three, @arm}, {id: pack, @a3, qty_change: -1}]
+    """
+    run = Line(faults={'a2': '#1=abort'}).run(text)
+    assert [hold.reason for hold in run.state.holds.values()] == ['missing_result']
+    assert not run.state.reserved
+
+
 def test_2_5_a_component_that_is_not_ready_is_sent_no_goal() -> None:
     line = Line(topics=('a2',), faults={'a2': '#0=not_ready:8'})
     run = line.begin(work()).go(until=5.0)

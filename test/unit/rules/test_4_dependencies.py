@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 from fakes.line import THREE, Line
 from fakes.virtual_run import VirtualRun
@@ -306,14 +308,109 @@ def test_4_4_the_reason_names_zone_and_task() -> None:
     assert run.waits()['section 2'] == 'waiting for zone table, taken by three of J/1'
 
 
-def test_4_4_a_failed_task_leaves_its_zone_unless_it_is_in_doubt() -> None:
-    run = Line(faults={'a3': '#1=abort'}).run(TABLE, 2)
-    assert run.times('task.succeeded', task='two', item='J/2') == [8.0]
-    text = TABLE.replace('@a3', '@a3, timeout: 1')
-    run = Line(faults={'a3': '#1=ignore_cancel'}).run(text, 2)
+def held_on_the_table(more: str = '', fault: str = '#1=abort', **given: Any) -> VirtualRun:
+    """Let `three` fail in the zone of `two`, and go on to where the cell is Held."""
+    text = TABLE.replace('@a3', f'@a3{more}').replace('@b3', '@b3, runs_for: all')
+    return Line(faults={'a3': fault}, **given).run(text, 2)
+
+
+@pytest.mark.parametrize('fault', ['#1=abort', '#1=reject', '#0=absent', '#1=hang', '#1=die:1'])
+def test_4_4_a_held_task_keeps_its_zone(fault: str) -> None:
+    run = held_on_the_table(fault=fault)
+    assert run.state.mode.value == 'Held'
     assert run.starts('two', item='J/2') == []
+    assert run.waits()['section 2'] == (
+        'waiting for zone table, taken by three of J/1, which waits for an answer to hold 1'
+    )
+
+
+@pytest.mark.parametrize('answer', ['mark_done', 'skip', 'reject', 'abort_job'])
+def test_4_4_an_answer_that_ends_the_task_frees_its_zone(answer: str) -> None:
+    run = held_on_the_table()
+    at = run.now
+    run.answer(answer)
+    waits = answer == 'abort_job'  # item 2 is rejected, and not worked on any more
+    assert run.starts('two', item='J/2') == ([] if waits else [at])
+    assert not run.state.holds
+    assert set(run.state.zones.values()) <= set(run.state.running)
+
+
+@pytest.mark.parametrize('policy', ['continue', 'reject', 'abort_job'])
+def test_4_4_a_policy_that_goes_on_frees_the_zone_at_once(policy: str) -> None:
+    run = held_on_the_table(f', on_failure: {policy}')
+    assert run.times('task.continued', task='three') == [7.0]
+    assert run.starts('two', item='J/2') == ([] if policy == 'abort_job' else [7.0])
+
+
+def test_4_4_between_its_own_retries_a_task_is_in_no_zone() -> None:
+    run = held_on_the_table(', retries: 1, retry_delay: 0.5')
+    assert run.starts('two', item='J/2') == [7.0]
+    assert run.starts('three', item='J/1') == [6.0, 8.0]
+
+
+def test_4_4_with_its_last_retry_gone_a_held_task_keeps_the_zone() -> None:
+    run = held_on_the_table(', retries: 1', '#1=abort #2=abort', seconds={'a2': 0.25})
+    assert run.starts('two', item='J/2') == [7.0]
+    assert run.state.zones['table'].task == 'three'
+
+
+def test_4_4_nobody_moves_in_between_an_answer_and_its_new_attempt() -> None:
+    text = TABLE.replace('{id: three', '{id: look, @b3}, {id: three')
+    run = Line(faults={'a2': '#2=abort'}).run(text, 2)
+    # Downstream goes first, but `two` stands where it failed.
+    assert run.starts('three') == []
+    run.pause()
+    run.answer('retry', hold='1')
+    assert run.waits()['section 3'] == (
+        'waiting for zone table, taken by two of J/2, which is to be tried again'
+    )
+    run.resume()
+    assert run.starts('two', item='J/2') == [6.0, run.now]
+    run.go()
+    assert run.starts('three', item='J/1') == run.times('task.succeeded', task='two', item='J/2')
+    assert run.ended
+
+
+def test_4_4_an_item_that_is_removed_frees_the_zone_with_the_answer() -> None:
+    run = held_on_the_table()
+    run.remove('J/1')
+    assert run.starts('two', item='J/2') == []  # the robot still stands there
     run.answer('mark_done')
     assert run.starts('two', item='J/2') == [run.now]
+    run.go()
+    assert run.ended
+
+
+def test_4_4_a_retry_that_is_skipped_frees_the_zone() -> None:
+    text = TABLE.replace('{id: three, @a3}', 'parallel: [{id: three, @a3}, {id: bad, @b3}]')
+    text = text.replace('id: pack, @b3', 'id: pack, @b3, runs_for: all')
+    line = Line(faults={'a3': '#1=abort', 'b3': '#1=abort'})
+    run = line.run(text, 2)
+    assert [hold.task for hold in run.state.holds.values()] == ['three', 'bad']
+    run.answer('retry', hold='1')
+    assert run.state.zones['table'].task == 'three'  # it waits for the answer to `bad`
+    run.answer('reject', hold='2')
+    assert run.all('task.skipped', task='three', item='J/1') != []
+    assert run.starts('two', item='J/2') == [run.now]
+    run.go()
+    assert run.ended
+
+
+def test_4_4_a_held_initialization_task_keeps_its_zone() -> None:
+    text = """
+    initialization: [{id: light, @lamp}, {id: ready, @a2}]
+    sections:
+      1: [{id: place, @a1, qty_change: 1}]
+      2: [{id: work, @a2}]
+      3: [{id: pack, @a3, qty_change: -1}]
+    zones: {table: [light, ready]}
+    """
+    run = Line(faults={'lamp': '#1=abort'}).run(text, 1)
+    assert run.starts('ready') == []
+    assert run.state.zones['table'].task == 'light'
+    run.answer('skip')
+    run.go()
+    assert run.ended
 
 
 def test_4_4_nothing_is_held_while_waiting() -> None:
