@@ -10,8 +10,10 @@ from collections.abc import Iterator, Sequence
 from datetime import datetime
 from pathlib import Path
 
+from bt_orchestrator.cli.journal_output import shown
 from bt_orchestrator.cli.moments import add_period_options
 from bt_orchestrator.cli.tables import table
+from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.history import FOLLOWED, History, JobRecord, job_to_plain
 from bt_orchestrator.store.reader import JournalReader, Wanted
 
@@ -62,7 +64,7 @@ def _json(jobs: Sequence[JobRecord], args: argparse.Namespace) -> Iterator[str]:
         plain['counts'] = vars(job.counts)
         if not args.items:
             plain.pop('items', None)
-        yield json.dumps(plain, ensure_ascii=False)
+        yield json_of(plain)
 
 
 def _text(jobs: Sequence[JobRecord], args: argparse.Namespace) -> Iterator[str]:
@@ -97,7 +99,7 @@ def _items(job: JobRecord) -> Iterator[str]:
         when = f'  {_when(item.ended)}' if item.ended else ''
         yield f'  {item.item}  {item.how or "on the line"}{when}'
         for task, results in item.results.items():
-            yield f'    {task}: {json.dumps(results, ensure_ascii=False)}'
+            yield f'    {task}: {shown(results)}'
         for failure in job.failures:
             if failure.item == item.item:
                 yield f'    {failure.task} failed: {failure.reason}'

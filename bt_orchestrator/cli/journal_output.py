@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from datetime import datetime
 from typing import IO, Any, Protocol
 
+from bt_orchestrator.model.codec import from_plain
 from bt_orchestrator.store.csv_export import CsvExport
 from bt_orchestrator.store.xes_export import XesExport
 
@@ -49,7 +50,7 @@ class Text(JsonLines):
         if 'item' not in record and 'job' in record:
             place.insert(0, record['job'])
         more = [
-            f'{name}={_shown(value)}'
+            f'{name}={shown(value)}'
             for name, value in record.items()
             if name not in (*_SHOWN_FIRST, 'definition')
         ]
@@ -65,7 +66,10 @@ OUTPUTS: Mapping[str, Callable[[IO[str]], Output]] = {
 }
 
 
-def _shown(value: Any) -> str:
-    if isinstance(value, str):
-        return value if value and ' ' not in value else json.dumps(value, ensure_ascii=False)
-    return json.dumps(value, ensure_ascii=False)
+def shown(plain: Any) -> str:
+    """Return a value of a record for a person: `nan` as such, nothing that a terminal obeys."""
+    value = from_plain(Any, plain)
+    if isinstance(value, str) and value and ' ' not in value and value.isprintable():
+        return value
+    text = json.dumps(value, ensure_ascii=False)
+    return text if text.isprintable() else json.dumps(value).replace('\x7f', '\\u007f')

@@ -1,7 +1,8 @@
 """Frozen facts and events as plain data that JSON can carry, and back.
 
-Fields that equal their default are left out, enums are their values, and a text with references is
-`{"$": [...]}`. Records of events follow formats: events.
+Fields that equal their default are left out, enums are their values, a text with references is
+`{"$": [...]}`, and a float that JSON has no number for is `{"$float": "nan"}`, `inf` or `-inf`.
+No name in a ROS 2 message begins with `$`. Records of events follow formats: events.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
+import math
 import types
 import typing
 from collections.abc import Mapping, Sequence
@@ -23,8 +25,11 @@ from bt_orchestrator.model.script import Script
 
 _T = TypeVar('_T')
 _TEMPLATE = '$'
-_SCALARS = (str, int, float, bool, type(None))
-_encode = json.JSONEncoder(ensure_ascii=False).encode
+_NOT_FINITE = '$float'
+_SCALARS = (str, int, bool, type(None))
+"""What is written as it is; a float may be none that JSON has."""
+_encode = json.JSONEncoder(ensure_ascii=False, allow_nan=False).encode
+_encode_ascii = json.JSONEncoder(allow_nan=False).encode
 _FIRST = ('seq', 'time', 'event', 'job', 'section', 'item', 'task')
 
 
@@ -41,7 +46,26 @@ def to_record(event: e.Event) -> dict[str, Any]:
 
 def to_text(event: e.Event) -> str:
     """Return the record of an event as one line of JSON."""
-    return _encode(to_record(event))
+    return _json(to_record(event))
+
+
+def json_of(value: Any) -> str:
+    """Return any value as strict JSON, on one line, that can be written as UTF-8."""
+    return _json(to_plain(value))
+
+
+def _json(plain: Any) -> str:
+    text = _encode(plain)
+    # Half of a surrogate pair has no UTF-8; only then is all that is not ASCII escaped.
+    return text if text.isascii() or _has_utf8(text) else _encode_ascii(plain)
+
+
+def _has_utf8(text: str) -> bool:
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 @lru_cache(maxsize=256)
@@ -80,6 +104,11 @@ def digest(definition: Script | Cell) -> str:
 
 def to_plain(value: Any) -> Any:
     """Return a value as dicts, lists and scalars."""
+    kind = type(value)
+    if kind in _SCALARS:
+        return value
+    if kind is float:
+        return value if math.isfinite(value) else {_NOT_FINITE: repr(value)}
     if isinstance(value, Template):
         parts = [p if isinstance(p, str) else to_plain(p) for p in value.parts]
         return {_TEMPLATE: parts}
@@ -148,10 +177,21 @@ def _read_free(value: Any) -> Any:
         if list(value) == [_TEMPLATE]:
             parts = value[_TEMPLATE]
             return Template(tuple(p if isinstance(p, str) else _read(Reference, p) for p in parts))
+        if list(value) == [_NOT_FINITE]:
+            return not_finite(value[_NOT_FINITE])
         return {key: _read_free(member) for key, member in value.items()}
     if isinstance(value, (list, tuple)):
         return [_read_free(member) for member in value]
     return value
+
+
+def not_finite(name: str) -> float:
+    """Return nan, inf or -inf by its name; nan is one object, so that a state equals its copy.
+
+    :raises ValueError: it is none of them
+    """
+    value = float(name)
+    return math.nan if math.isnan(value) else value
 
 
 @lru_cache(maxsize=256)

@@ -48,7 +48,8 @@ def fill(message: Any, fields: Mapping[str, Any]) -> None:
 def to_plain(message: Any) -> dict[str, Any]:
     """Return a message's fields as plain values, which JSON can carry.
 
-    A byte becomes a number, an array a list. Floats that are no numbers stay so (nan, inf).
+    A byte becomes a number, an array a list. Floats that are no numbers stay so (nan, inf), and
+    every nan becomes `math.nan`, so that equal messages have equal values.
     """
     return {name: _plain(getattr(message, name)) for name in message.get_fields_and_field_types()}
 
@@ -125,14 +126,18 @@ def _check_encodable(text: str, place: str) -> None:
 
 
 def _plain(value: Any) -> Any:
-    if isinstance(value, (bool, int, float, str)):
+    if isinstance(value, float):
+        return math.nan if math.isnan(value) else value
+    if isinstance(value, (bool, int, str)):
         return value
     if isinstance(value, bytes):
         return value[0]
     if hasattr(value, 'get_fields_and_field_types'):
         return to_plain(value)
     if hasattr(value, 'tolist'):
-        return value.tolist()
+        numbers = value.tolist()
+        has_nan = any(isinstance(one, float) and math.isnan(one) for one in numbers)
+        return [_plain(one) for one in numbers] if has_nan else numbers
     return [_plain(member) for member in value]
 
 

@@ -6,7 +6,6 @@ requests are commands in the inbox of the cell, the ends of jobs come as events.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -19,6 +18,7 @@ from rclpy.node import Node
 
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.by import By
+from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.events import Event, TaskFailed
 from bt_orchestrator.model.job_commands import AddJobs, ControlJob
@@ -181,7 +181,7 @@ def _item(item: ItemReport) -> ItemMessage:
         id=item.id,
         outcome=item.outcome,
         nonconforming=item.nonconforming,
-        results=json.dumps(item.results, ensure_ascii=False),
+        results=json_of(item.results),
     )
 
 

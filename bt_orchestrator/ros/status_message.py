@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 
 from bt_orchestrator_interfaces.msg import (
@@ -16,6 +15,7 @@ from bt_orchestrator_interfaces.msg import (
 )
 
 from bt_orchestrator.model.cell import Component
+from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.events import TaskKey
 from bt_orchestrator.model.packml import VERBS, possible_in
 from bt_orchestrator.model.state import CellState, Cycle, Phase, SectionState, TaskState
@@ -141,7 +141,7 @@ def _feedback(orchestrator: Orchestrator, goal: str | None) -> str:
     feedback = flight.feedback if flight else None
     if feedback is None:
         return ''
-    return json.dumps(feedback)
+    return json_of(feedback)
 
 
 def _from_now(ends_s: Mapping[str, float], now_s: float) -> dict[str, float]:

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from collections.abc import Mapping
 from datetime import datetime, timezone
 from typing import IO, Any
+
+from bt_orchestrator.model.codec import json_of
 
 COLUMNS = (
     *('seq', 'time', 'event', 'job', 'section', 'item', 'task', 'name', 'action', 'component'),
@@ -48,11 +51,15 @@ def iso_time(seconds: float) -> str:
 def _cell(value: Any) -> Any:
     """Return a value for one cell of a table.
 
-    A text that a spreadsheet would take for a formula gets an apostrophe in front: names and
-    messages come from devices and operators.
+    A text that a spreadsheet would take for a formula gets an apostrophe in front, and characters
+    that a terminal would obey are escaped: names and messages come from devices and operators.
     """
-    if isinstance(value, (Mapping, list)):
-        return json.dumps(value, ensure_ascii=False)
-    if isinstance(value, str) and value.startswith(('=', '+', '-', '@', '\t', '\r')):
-        return f"'{value}"
-    return value
+    text = json_of(value) if isinstance(value, (Mapping, list)) else value
+    if not isinstance(text, str):
+        return text
+    text = _CONTROLS.sub(lambda found: f'\\u{ord(found[0]):04x}', text)
+    return f"'{text}" if text.startswith(('=', '+', '-', '@', '\t', '\r')) else text
+
+
+_CONTROLS = re.compile('[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff]')
+"""All but tabs and ends of lines, which a cell may hold; half of a surrogate pair too."""

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import IO
 
 from bt_orchestrator.errors import JournalFailed
-from bt_orchestrator.model.codec import from_record, to_text
+from bt_orchestrator.model.codec import from_record, json_of, to_text
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.history import JobRecord, job_to_plain
 from bt_orchestrator.ports import Snapshot
@@ -120,10 +120,7 @@ class SqliteStore:
 
         :raises JournalFailed: neither is kept
         """
-        rows = [
-            (job.job, job.queued, json.dumps(job_to_plain(job), ensure_ascii=False))
-            for job in ended
-        ]
+        rows = [(job.job, job.queued, json_of(job_to_plain(job))) for job in ended]
         with self._writing():
             snapshots.keep_snapshot(self._database, snapshot)
             self._database.executemany('INSERT OR REPLACE INTO jobs VALUES (?, ?, ?)', rows)

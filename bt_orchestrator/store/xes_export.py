@@ -8,10 +8,12 @@ Initialization and moves of the belt belong to no item and are not in the log.
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping
 from typing import IO, Any
 from xml.sax.saxutils import quoteattr
 
+from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.store.csv_export import iso_time
 
 _HEAD = """\
@@ -108,7 +110,7 @@ class XesExport:
         attributes['lifecycle:transition'] = _transition(record)
         attributes |= {name: record[name] for name in _KEPT if name in record}
         if record.get('results'):
-            attributes['results'] = json.dumps(record['results'], ensure_ascii=False)
+            attributes['results'] = json_of(record['results'])
         date = f'      <date key="time:timestamp" value="{iso_time(record["time"])}"/>\n'
         lines = ''.join(_attribute(key, value, 6) for key, value in attributes.items())
         return f'    <event>\n{lines}{date}    </event>\n'
@@ -131,4 +133,8 @@ def _attribute(key: str, value: Any, indent: int) -> str:
 
 def _xml(text: str) -> str:
     """Return a text without characters that XML 1.0 cannot carry, whatever a device sent."""
-    return ''.join(c if c in '\t\n\r' or c >= ' ' else '\N{REPLACEMENT CHARACTER}' for c in text)
+    return _NOT_XML.sub('\N{REPLACEMENT CHARACTER}', text)
+
+
+_NOT_XML = re.compile('[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]')
+"""Characters outside production 2 of XML 1.0."""
