@@ -68,7 +68,7 @@ class NodeParameters:
         ),
     ] = True
     auto_resume: Annotated[
-        bool, Words('after a restart with unfinished work, go on without waiting for `resume`')
+        bool, Words('after a restart with unfinished work, go on without the hold `restarted`')
     ] = False
     journal: Annotated[
         Path | None,

@@ -6,19 +6,26 @@ import argparse
 
 from bt_orchestrator.cli.cell_command import command_cell
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options
+from bt_orchestrator.model.pauses import NAMED
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of the verb."""
     parser.description = (
-        'Release your own pauses, and the wait after a restart of the node. The cell goes on when '
-        'no pause and no other hold is left.'
+        'Release your own pauses. The cell goes on when no pause and no other hold is left. The '
+        f'holds {", ".join(sorted(NAMED))} ask somebody to look at the line first: each is '
+        'released only by --hold.'
     )
     which = parser.add_mutually_exclusive_group()
     which.add_argument(
-        '--hold', default='', metavar='N', help='release this pause, whoever paused'
+        '--hold',
+        default='',
+        metavar='N',
+        help='release this pause or hold of the cell, whoever paused',
     )
-    which.add_argument('--all', action='store_true', help='release every pause, whoever paused')
+    which.add_argument(
+        '--all', action='store_true', help='release every pause of a person, whoever paused'
+    )
     add_who_options(parser)
     add_node_options(parser)
 

@@ -41,13 +41,13 @@ class Pause(CellCommand):
 
 @dataclass(frozen=True)
 class Resume(CellCommand):
-    """Release pauses: one's own and those of nobody, unless it says which."""
+    """Release pauses: one's own, unless it says which (semantics 7.3)."""
 
     cause = Cause.UNHOLD
     hold: str | None = None
     """Id of the one to release, whoever owns it."""
     everyones: bool = False
-    """Release every pause, whoever owns it."""
+    """Release every pause, whoever owns it, but for those that must be named."""
 
 
 @dataclass(frozen=True)

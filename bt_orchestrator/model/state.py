@@ -14,6 +14,7 @@ from bt_orchestrator.model.initialization import Preparation
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.order_ids import OrderIds
 from bt_orchestrator.model.packml import Mode
+from bt_orchestrator.model.pauses import NAMED
 from bt_orchestrator.model.reference import Scope
 from bt_orchestrator.model.script import Script, Task
 from bt_orchestrator.model.stop_reason import StopReason
@@ -197,6 +198,11 @@ class Hold:
     def is_pause(self) -> bool:
         """Tell whether it is about no task and no item, but about the whole cell."""
         return self.task is None and self.item is None
+
+    @property
+    def must_be_named(self) -> bool:
+        """Tell whether only naming it releases it (semantics 7.3)."""
+        return self.is_pause and self.reason in NAMED
 
     @property
     def key(self) -> TaskKey | None:

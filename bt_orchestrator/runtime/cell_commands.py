@@ -21,6 +21,7 @@ from bt_orchestrator.model.cell_commands import (
 )
 from bt_orchestrator.model.failures import ABORT
 from bt_orchestrator.model.packml import VERBS, Cause, refusal
+from bt_orchestrator.model.pauses import PAUSED, release_command
 from bt_orchestrator.model.state import CellState, Hold
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.runtime.command_record import decided
@@ -30,9 +31,6 @@ from bt_orchestrator.runtime.operators import released_with
 
 RESUME = VERBS[Cause.UNHOLD]
 """What ends a pause."""
-
-PAUSED = 'paused'
-"""Reason of the hold that a pause is."""
 
 
 def carry_out(command: CellCommand, ledger: Ledger) -> str:
@@ -119,15 +117,25 @@ def _to_release(state: CellState, command: Resume) -> list[Hold]:
     if command.hold is not None:
         chosen = [hold for hold in state.pauses if hold.id == command.hold]
     else:
-        ours = ('', command.by.who or 'unknown')
-        chosen = [h for h in state.pauses if command.everyones or h.owner in ours]
+        chosen = [hold for hold in state.pauses if _is_meant(hold, command)]
     if chosen:
         return chosen
-    there = '; '.join(_pause_in_words(hold) for hold in state.pauses)
-    whose = 'there is no such pause' if command.hold else 'no pause is yours'
+    there = '; '.join(map(_pause_in_words, state.pauses))
+    if command.hold is not None:
+        raise CommandRefused(f'there is no pause {command.hold}; {there}')
+    if all(hold.must_be_named for hold in state.pauses):
+        raise CommandRefused(f'nothing was released; {there}')
     raise CommandRefused(
-        f'{whose}; {there}; whoever paused resumes, or name the hold to release it for them'
+        f'no pause is yours; {there}; whoever paused resumes, or name the hold to release it '
+        'for them'
     )
+
+
+def _is_meant(hold: Hold, command: Resume) -> bool:
+    """Tell whether a pause is meant by a command that names none."""
+    if hold.must_be_named:
+        return False
+    return command.everyones or hold.owner in ('', command.by.who or 'unknown')
 
 
 def _instead(state: CellState) -> str:
@@ -136,7 +144,10 @@ def _instead(state: CellState) -> str:
 
 
 def _pause_in_words(hold: Hold) -> str:
-    return f'hold {hold.id} ({hold.reason}{f", {hold.message}" if hold.message else ""})'
+    words = f'hold {hold.id} ({hold.reason}{f", {hold.message}" if hold.message else ""})'
+    if not hold.must_be_named:
+        return words
+    return f'{words}, which only its number releases: {release_command(hold.id)}'
 
 
 # --- answers ----------------------------------------------------------------------------------
@@ -144,7 +155,7 @@ def _pause_in_words(hold: Hold) -> str:
 
 def _after_resume(state: CellState) -> str:
     if state.pauses:
-        return 'still paused: ' + '; '.join(_pause_in_words(hold) for hold in state.pauses)
+        return 'still paused: ' + '; '.join(map(_pause_in_words, state.pauses))
     if state.holds:
         return f'no longer paused; {_instead(state)}'
     return 'the cell goes on'

@@ -10,6 +10,7 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.commands import AnswerHold, RemoveItem
 from bt_orchestrator.model.failures import abort_all_on_the_belt, pass_over
+from bt_orchestrator.model.pauses import release_command
 from bt_orchestrator.model.state import CellState, Hold
 from bt_orchestrator.runtime.command_record import decided
 
@@ -58,7 +59,9 @@ def _offering(state: CellState, command: AnswerHold) -> Hold:
         there = ', '.join(state.holds) or 'none'
         raise CommandRefused(f'there is no hold {command.hold}; holds now: {there}')
     if hold.is_pause:
-        raise CommandRefused(f'hold {hold.id} ({hold.reason}) takes no answer; resume the cell')
+        raise CommandRefused(
+            f'hold {hold.id} ({hold.reason}) takes no answer; {release_command(hold.id)}'
+        )
     if hold.task is None:
         raise CommandRefused(
             f'hold {hold.id} takes no answer; take {hold.item} off the belt and say so with '

@@ -16,6 +16,7 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.packml import Mode
+from bt_orchestrator.model.pauses import RESTARTED
 from bt_orchestrator.model.snapshot import state_from_plain
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import EventStore, Snapshot
@@ -25,9 +26,6 @@ log = logging.getLogger(__name__)
 
 _UNREADABLE = (AttributeError, IndexError, KeyError, TypeError, ValueError)
 """What reading a state that is damaged, or of another program, may raise."""
-
-RESTARTED = 'restarted'
-"""Reason of the hold with which an orchestrator waits after a restart with unfinished work."""
 
 
 def restore(cell: Cell, store: EventStore) -> CellState:
@@ -110,7 +108,8 @@ def _replay(state: CellState, events: Iterable[e.Event]) -> None:
 def take_over(state: CellState, *, auto_resume: bool) -> Iterator[e.Event]:
     """Note that a new orchestrator is there, and what it found.
 
-    :param auto_resume: go on at once; otherwise start nothing until somebody resumes the cell
+    :param auto_resume: go on at once; otherwise start nothing until somebody has looked and
+        releases the hold `restarted`, which stacks with every other one
     """
     yield e.OrchestratorStarted(cell=state.cell.name, digest=digest(state.cell))
     for name, component in state.cell.components.items():
@@ -120,7 +119,10 @@ def take_over(state: CellState, *, auto_resume: bool) -> Iterator[e.Event]:
     for key, task in adopted:
         assert task.goal is not None
         yield e.TaskAdopted(**key._asdict(), attempt=task.attempt, goal=task.goal)
-    if state.jobs and not auto_resume and not state.pauses and _would_go_on(state):
+    waits = [hold for hold in state.pauses if hold.reason == RESTARTED]
+    if auto_resume:
+        yield from (e.HoldReleased(hold=hold.id) for hold in waits)
+    elif state.jobs and not waits and _would_go_on(state):
         jobs = f'{len(state.jobs)} unfinished job{"s" if len(state.jobs) > 1 else ""}'
         goals = f'{len(adopted)} goal{"s" if len(adopted) != 1 else ""} in flight'
         yield e.HoldRaised(

@@ -36,7 +36,8 @@ class Progress:
         elif isinstance(event, e.ItemRemoved):
             yield f'section {event.section:<3} {event.item} {event.how.replace("_", " ")}'
         elif isinstance(event, e.HoldRaised):
-            yield f'HOLD {event.hold}: {event.task or event.item}, {event.reason}'
+            about = event.task or event.item or event.message
+            yield f'HOLD {event.hold}: {about}, {event.reason}'
         elif isinstance(event, e.CellStateChanged):
             self.held = event.state == 'Held'
             reason = f' ({event.reason})' if event.reason else ''

@@ -7,6 +7,7 @@ from typing import Any
 
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.pauses import release_command
 from bt_orchestrator.model.script import INDEX, Script, SectionList, Task
 from bt_orchestrator.tree.draw_state import LineState, Mark, SectionMark, TaskMark
 
@@ -65,7 +66,12 @@ class _Reader:
         belt = 'the belt moves' if status['belt_moving'] else 'the belt rests'
         count = len(status['holds'])
         held = f', {count} {"hold" if count == 1 else "holds"}' if count else ''
-        return f'{status["state"]}, {belt}{held}, after event {status["seq"]}'
+        of_cell = ''.join(
+            f'; hold {hold["id"]} ({hold["reason"]}): {release_command(hold["id"])}'
+            for hold in status['holds']
+            if not hold['task'] and not hold['item']
+        )
+        return f'{status["state"]}, {belt}{held}, after event {status["seq"]}{of_cell}'
 
     # --- before the line ----------------------------------------------------------------------
 

@@ -75,7 +75,11 @@ def test_9_2_without_auto_resume_it_waits_and_says_what_it_found(
     hold = cell.watch.until_held()
     assert (hold.reason, list(hold.answers)) == ('restarted', ['resume'])
     assert hold.message == '1 unfinished job, 1 goal in flight'
-    verb = ('resume', '--reason', 'looked at it', '--who', 'Ann', '--timeout', '20')
+    plain = ('resume', '--all', '--reason', 'back', '--who', 'Ann', '--timeout', '20')
+    refused = ProgramProcess(plain, cell.folder, 'verb_resume_all')
+    assert refused.wait() == 1
+    assert f'resume --hold {hold.id} --reason WHY' in refused.errors
+    verb = ('resume', '--hold', hold.id, '--reason', 'looked at it', '--who', 'Ann')
     resumed = ProgramProcess(verb, cell.folder, 'verb_resume')
     assert resumed.wait() == 0, resumed.errors
     cell.watch.until_ended('WO-1')

@@ -33,7 +33,7 @@ class HoldRaised(Event):
     message: str = ''
     answers: tuple[str, ...] = ()
     owner: str = ''
-    """Who paused the cell; empty: it is nobody's, anyone may end it."""
+    """Who paused the cell; empty: nobody in particular."""
 
 
 @dataclass(frozen=True, kw_only=True)

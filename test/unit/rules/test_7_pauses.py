@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
+import pytest
 from fakes.line import THREE, Line
+from fakes.operator import ann
 from fakes.virtual_run import VirtualRun
 
+from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell_commands import Pause, Resume
+from bt_orchestrator.model.commands import AnswerHold
+from bt_orchestrator.runtime.orchestrator import Orchestrator
+from bt_orchestrator.sim.clock import VirtualClock
+from bt_orchestrator.sim.gateway import VirtualGateway
+from bt_orchestrator.store.memory import MemoryStore
 
 
 def paused(*who: str) -> VirtualRun:
@@ -40,7 +48,10 @@ def test_7_3_nobody_resumes_for_others_by_mistake() -> None:
 
 def test_7_3_a_pause_can_be_named() -> None:
     run = paused('Ann', 'Bob')
-    assert not run.command(Resume, who='Cat', hold='7').accepted
+    wrong = run.command(Resume, who='Cat', hold='7')
+    assert wrong.message == (
+        'there is no pause 7; hold 1 (paused, Ann: it is so); hold 2 (paused, Bob: it is so)'
+    )
     assert run.command(Resume, who='Cat', hold='2').accepted
     assert list(run.state.holds) == ['1']
 
@@ -75,3 +86,64 @@ def test_7_3_a_pause_releases_nothing_that_is_held() -> None:
     run = Line(faults={'a2': '#1=abort'}).run()
     run.command(Pause)
     assert run.command(Resume).message == 'no longer paused; it waits for answers to hold 1'
+
+
+# --- holds that must be named -----------------------------------------------------------------
+
+NAMED = ('restarted', 'restored', 'twin')
+
+
+def held_by(*reasons: str) -> Orchestrator:
+    """Return an orchestrator whose journal ends with holds of the whole cell, numbered from 1."""
+    line, clock, store = Line(), VirtualClock(), MemoryStore()
+    store.append(
+        [
+            e.HoldRaised(seq=n, hold=str(n), reason=why, message='look', answers=('resume',))
+            for n, why in enumerate(reasons, 1)
+        ]
+    )
+    return Orchestrator(line.cell, VirtualGateway(line.cell, line.types, clock), clock, store)
+
+
+@pytest.mark.parametrize('everyones', [False, True])
+@pytest.mark.parametrize('reason', NAMED)
+def test_7_3_a_hold_that_asks_for_a_look_is_released_by_its_number_only(
+    reason: str, everyones: bool
+) -> None:
+    cell = held_by(reason)
+    answer = cell.ask(Resume(ann('a visitor left'), everyones=everyones))
+    assert not answer.accepted
+    assert answer.message == (
+        f'nothing was released; hold 1 ({reason}, look), which only its number releases: '
+        'bt-orchestrator resume --hold 1 --reason WHY'
+    )
+    assert list(cell.state.holds) == ['1']
+    assert cell.ask(Resume(ann('looked'), hold='1')).accepted
+    assert not cell.state.holds
+
+
+@pytest.mark.parametrize('everyones', [False, True])
+def test_7_3_resume_says_which_hold_is_left_and_how_it_ends(everyones: bool) -> None:
+    cell = held_by('restarted')
+    assert cell.ask(Pause(ann('a visitor'))).accepted
+    answer = cell.ask(Resume(ann('gone'), everyones=everyones))
+    assert answer.accepted
+    assert answer.message == (
+        'still paused: hold 1 (restarted, look), which only its number releases: '
+        'bt-orchestrator resume --hold 1 --reason WHY'
+    )
+    assert list(cell.state.holds) == ['1']
+
+
+def test_7_3_holds_that_must_be_named_are_named_one_by_one() -> None:
+    cell = held_by(*NAMED)
+    for left in (2, 1, 0):
+        assert cell.ask(Resume(ann('looked'), hold=next(iter(cell.state.holds)))).accepted
+        assert len(cell.state.holds) == left
+
+
+def test_7_3_an_answer_to_a_pause_is_told_how_it_is_released() -> None:
+    answer = held_by('twin').ask(AnswerHold('1', 'resume', ann()))
+    assert answer.message == (
+        'hold 1 (twin) takes no answer; bt-orchestrator resume --hold 1 --reason WHY'
+    )

@@ -96,6 +96,6 @@ def test_work_that_was_shut_down_goes_on_when_a_new_orchestrator_is_told_to() ->
     run.sim.close()
     again = Simulation(line.cell, line.types, run.store)  # its faults strike anew
     assert again.run() is Outcome.HELD
-    assert again.orchestrator.ask(Resume(ann('all is well'))).accepted
+    assert again.orchestrator.ask(Resume(ann('all is well'), hold='1')).accepted
     assert again.run() is Outcome.FINISHED
     assert again.state.ended['J'].progress.packed == 1

@@ -154,10 +154,40 @@ def test_9_2_without_auto_resume_nothing_new_starts_until_resume() -> None:
     assert (hold.reason, hold.message) == ('restarted', '1 unfinished job, 2 goals in flight')
 
     answer = second.ask(AnswerHold(hold.id, 'resume', ann()))
-    assert answer.message == 'hold 1 (restarted) takes no answer; resume the cell'
-    assert second.ask(Resume(ann('the line was looked at'))).accepted
+    assert answer.message.startswith('hold 1 (restarted) takes no answer; ')
+    assert not second.ask(Resume(ann('back from lunch'))).accepted
+    assert second.ask(Resume(ann('the line was looked at'), hold=hold.id)).accepted
     world.go(second)
     assert second.state.ended['J'].progress.packed == 3
+
+
+def test_9_2_a_pause_does_not_hide_a_restart() -> None:
+    line = Line()
+    world = World(line.cell)
+    first = begun(world, line.script(THREE), 3)
+    assert first.ask(Pause(ann('a visitor'))).accepted
+    first.close()
+    second = world.orchestrator(auto_resume=False)
+    assert [hold.reason for hold in second.state.holds.values()] == ['paused', 'restarted']
+    assert second.ask(Resume(ann('the visitor left'))).accepted
+    world.go(second)
+    assert [hold.reason for hold in second.state.holds.values()] == ['restarted']
+    assert len(world.events(e.TaskStarted)) == 1, 'nobody has looked at the line yet'
+    second.close()
+
+    third = world.orchestrator(auto_resume=False)
+    assert [hold.reason for hold in third.state.holds.values()] == ['restarted'], 'one is enough'
+
+
+@pytest.mark.parametrize(
+    ('reason', 'left'), [('restarted', []), ('restored', ['1']), ('twin', ['1'])]
+)
+def test_9_2_auto_resume_ends_the_wait_after_a_restart_and_no_other(
+    reason: str, left: list[str]
+) -> None:
+    world = World(Line().cell)
+    world.store.append([e.HoldRaised(seq=1, hold='1', reason=reason, answers=('resume',))])
+    assert list(world.orchestrator(auto_resume=True).state.holds) == left
 
 
 @pytest.mark.parametrize(('repeatable', 'ends'), [('true', True), ('false', False)])

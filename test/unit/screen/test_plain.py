@@ -85,6 +85,18 @@ def test_a_hold_is_told_with_what_to_type() -> None:
     ]
 
 
+def test_a_hold_of_the_whole_cell_is_told_by_its_message() -> None:
+    said: list[str] = []
+    hold = e.HoldRaised(
+        seq=1, time=0.0, hold='1', reason='restarted', message='1 job', answers=('resume',)
+    )
+    PlainView(NODE, said.append).on_event(hold)
+    assert [line.strip() for line in said] == [
+        '0.00 s  HOLD 1: 1 job, restarted',
+        'bt-orchestrator resume --hold 1 --reason "WHY"',
+    ]
+
+
 def test_events_alone() -> None:
     said: list[str] = []
     view = EventLines(said.append)

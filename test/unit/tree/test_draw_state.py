@@ -139,6 +139,14 @@ def test_a_hold_says_what_may_be_answered() -> None:
     assert 'BORDER="3"' in picture.nodes['task.look']['label']
 
 
+def test_a_hold_of_the_whole_cell_stands_at_the_top() -> None:
+    of_cell = hold(job='', reason='restarted', answers=['resume'])
+    found = line_state(status(holds=[of_cell]), Line().script(SCRIPT), Line().cell)
+    assert found.headline.endswith(
+        '1 hold, after event 17; hold 1 (restarted): bt-orchestrator resume --hold 1 --reason WHY'
+    )
+
+
 def test_cards_stay_where_they_are() -> None:
     before = drawn(status())
     long = ['a very long reason indeed ' * 8]

@@ -1,0 +1,20 @@
+"""Reasons of the holds under which nothing starts anywhere, and how each ends (semantics 7.3)."""
+
+from __future__ import annotations
+
+PAUSED = 'paused'
+"""An operator paused the cell."""
+RESTARTED = 'restarted'
+"""An orchestrator has taken over unfinished work."""
+RESTORED = 'restored'
+"""The journal was brought back from a backup: the line may be further than it says."""
+TWIN = 'twin'
+"""Another node answers under the name of this one."""
+
+NAMED = frozenset((RESTARTED, RESTORED, TWIN))
+"""Somebody has to look at the line first, so these are released only by naming the hold."""
+
+
+def release_command(hold: str) -> str:
+    """Return what to type to release one hold, whoever's it is."""
+    return f'bt-orchestrator resume --hold {hold} --reason WHY'
