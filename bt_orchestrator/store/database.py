@@ -43,10 +43,30 @@ def unusable_otherwise(path: Path) -> Iterator[None]:
         ) from error
 
 
+_WRITTEN: set[Path] = set()
+"""Journals that this process writes. It must open none of them in any other way: with the first
+descriptor that it closes it loses all its locks on that file, as POSIX has it."""
+
+
+def is_written(path: Path) -> None:
+    """Note that this process writes a journal."""
+    _WRITTEN.add(path.resolve())
+
+
+def no_longer_written(path: Path) -> None:
+    """Note that it has closed it."""
+    _WRITTEN.discard(path.resolve())
+
+
+def log_of(path: Path) -> Path:
+    """Return the write-ahead log beside a journal."""
+    journal = path.resolve()
+    return journal.with_name(journal.name + '-wal')
+
+
 def has_log(path: Path) -> bool:
     """Tell whether events may be in the write-ahead log beside a journal, and not yet in it."""
-    journal = path.resolve()
-    log = journal.with_name(journal.name + '-wal')
+    log = log_of(path)
     return log.exists() and log.stat().st_size > 0
 
 
@@ -57,6 +77,7 @@ def unchanging(path: Path) -> sqlite3.Connection:
     a log the file is opened as one that cannot change. With one, SQLite keeps the index in memory
     if it has the file to itself; it asks for no lock, for it gets none on what it only reads.
     """
+    assert path.resolve() not in _WRITTEN, f'who writes {path} would lose its locks by this'
     uri = f'{path.resolve().as_uri()}?mode=ro'
     if not has_log(path):
         return sqlite3.connect(f'{uri}&immutable=1', uri=True)

@@ -2,30 +2,26 @@
 
 from __future__ import annotations
 
-import errno
-import fcntl
 import json
-import os
 import sqlite3
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import chain
 from pathlib import Path
-from typing import IO
 
 from bt_orchestrator.errors import JournalFailed
 from bt_orchestrator.model.codec import from_record, json_of, to_text
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.history import JobRecord, job_to_plain
 from bt_orchestrator.ports import Snapshot
-from bt_orchestrator.store import retention, snapshots
+from bt_orchestrator.store import opening, retention, snapshots
 from bt_orchestrator.store.database import (
     JournalUnusable,
     transaction,
     unchanging,
     unusable_otherwise,
 )
-from bt_orchestrator.store.schema import SCHEMA, bring_up_to_date, schema_of
+from bt_orchestrator.store.files_in_use import FilesInUse
 
 _AT_ONCE = 50
 """Most events that are written with one statement; a settle has a few."""
@@ -55,12 +51,15 @@ class SqliteStore:
             raise JournalUnusable(f'a journal is written with {known}; found {synchronous!r}')
         self._path = path
         self._synchronous = synchronous
-        self._lock = _locked(path)
+        self._lock = opening.take_lock(path)
+        self._files: FilesInUse | None = None
+        """None: it is only read so far."""
         try:
             with unusable_otherwise(path):
-                found = _found(path)
-                self._database = found or _opened(path, synchronous)
-                self._is_writable = found is None
+                found = opening.to_read(path)
+                self._database = found or opening.to_write(path, synchronous)
+                if found is None:
+                    self._files = FilesInUse(path)
         except BaseException:
             self._lock.close()
             raise
@@ -156,6 +155,8 @@ class SqliteStore:
     def close(self) -> None:
         """Close the file and let others have it."""
         self._database.close()
+        if self._files is not None:
+            self._files.release()
         self._lock.close()
 
     @contextmanager
@@ -166,85 +167,49 @@ class SqliteStore:
     @contextmanager
     def _writable(self) -> Iterator[None]:
         try:
-            self._be_writable()
+            files = self._files or self._begin_to_write()
             yield
-        except sqlite3.Error as error:
+            files.check()
+        except (sqlite3.Error, JournalUnusable) as error:
             raise JournalFailed(f'the journal {self._path} cannot be written: {error}') from error
 
-    def _be_writable(self) -> None:
-        if not self._is_writable:
-            database = _opened(self._path, self._synchronous)
-            self._database.close()
-            self._database = database
-            self._is_writable = True
+    def _begin_to_write(self) -> FilesInUse:
+        """Open for writing what was only read so far.
 
+        First close, then open: a process that closes any descriptor of a file loses all its locks
+        on that file, and the next program that looks into the journal takes the log away.
+        """
+        read = self._end()
+        self._database.close()
+        try:
+            self._database = opening.to_write(self._path, self._synchronous)
+            self._files = FilesInUse(self._path)
+            self._refuse_another_end(read)
+        except BaseException:
+            self._only_read_again()
+            raise
+        return self._files
 
-def _locked(path: Path) -> IO[str]:
-    """Take the lock beside a journal."""
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        lock = path.with_name(path.name + '.lock').open('a+')
-    except OSError as error:
-        raise JournalUnusable(f'the journal {path} cannot be opened: {error.strerror}') from error
-    try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        lock.seek(0)
-        owner = lock.read().strip() or 'unknown'
-        lock.close()
-        raise JournalUnusable(
-            f'the journal {path} is in use by another orchestrator (process {owner}); stop that '
-            'one, or name another file'
-        ) from None
-    _sign(lock)
-    return lock
+    def _refuse_another_end(self, read: int) -> None:
+        """See that nobody wrote between the two connections.
 
+        :raises JournalUnusable: what was read is not what is there
+        """
+        found = self._end()
+        if found != read:
+            raise JournalUnusable(
+                f'it ended with event {read} when it was read, and ends with event {found} now; '
+                'another program writes it'
+            )
 
-def _sign(lock: IO[str]) -> None:
-    """Say who has the lock, for people; it holds even where that cannot be written."""
-    try:
-        lock.truncate(0)
-        lock.write(f'{os.getpid()}\n')
-        lock.flush()
-    except OSError:
-        pass
+    def _only_read_again(self) -> None:
+        self._database.close()
+        if self._files is not None:
+            self._files.release()
+            self._files = None
+        self._database = unchanging(self._path)
 
-
-def _found(path: Path) -> sqlite3.Connection | None:
-    """Open a journal of today for reading; None: it has to be made, or to be brought up to date.
-
-    :raises JournalUnusable: it is not ours, newer, or may not be written; an older one: damaged
-    """
-    if not path.exists() or not path.stat().st_size:
-        return None
-    if not (os.access(path, os.R_OK | os.W_OK) and os.access(path.parent, os.W_OK)):
-        raise JournalUnusable(f'the journal {path} cannot be opened: {os.strerror(errno.EACCES)}')
-    database = unchanging(path)
-    try:
-        version = schema_of(database, path)
-        if version == SCHEMA:
-            return database
-        # An older one is about to be changed, which takes longer than looking at all of it.
-        (found,) = database.execute('PRAGMA quick_check(1)').fetchone()
-        if found != 'ok':
-            raise JournalUnusable(f'the journal {path} cannot be used: {found}')
-    except BaseException:
-        database.close()
-        raise
-    database.close()
-    return None
-
-
-def _opened(path: Path, synchronous: str) -> sqlite3.Connection:
-    """Open a journal for writing, of today's schema from here on."""
-    database = sqlite3.connect(path, isolation_level=None, timeout=10.0)
-    try:
-        version = schema_of(database, path)
-        database.execute('PRAGMA journal_mode = WAL')
-        database.execute(f'PRAGMA synchronous = {synchronous}')
-        if version < SCHEMA:
-            bring_up_to_date(database, version)
-    except BaseException:
-        database.close()
-        raise
-    return database
+    def _end(self) -> int:
+        """Return the seq of the last event; 0: there is none."""
+        (last,) = self._database.execute('SELECT coalesce(max(seq), 0) FROM events').fetchone()
+        return int(last)

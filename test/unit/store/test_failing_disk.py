@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import subprocess
-import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,6 +14,7 @@ from fakes import until_broken
 from fakes.line import Line
 from fakes.long_journal import LongRun
 from fakes.operator import ann
+from fakes.other_python import run_python
 
 from bt_orchestrator.model.commands import AnswerHold
 from bt_orchestrator.runtime.recovery import restore
@@ -34,19 +33,6 @@ try:
 except OrchestratorError as error:
     print(error)
 """
-
-
-def run_python(*words: str) -> str:
-    """Run Python in a process of its own, with the modules of this one."""
-    done = subprocess.run(
-        [sys.executable, *words],
-        env={**os.environ, 'PYTHONPATH': os.pathsep.join(sys.path)},
-        capture_output=True,
-        text=True,
-        check=True,
-        timeout=50,
-    )
-    return done.stdout.strip()
 
 
 @pytest.fixture

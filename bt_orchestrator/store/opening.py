@@ -1,0 +1,84 @@
+"""Opening a journal: the lock beside it, then to read, and only for the first write to write."""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+import os
+import sqlite3
+from pathlib import Path
+from typing import IO
+
+from bt_orchestrator.store.database import JournalUnusable, unchanging
+from bt_orchestrator.store.schema import SCHEMA, bring_up_to_date, schema_of
+
+
+def take_lock(path: Path) -> IO[str]:
+    """Take the lock beside a journal."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        lock = path.with_name(path.name + '.lock').open('a+')
+    except OSError as error:
+        raise JournalUnusable(f'the journal {path} cannot be opened: {error.strerror}') from error
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        lock.seek(0)
+        owner = lock.read().strip() or 'unknown'
+        lock.close()
+        raise JournalUnusable(
+            f'the journal {path} is in use by another orchestrator (process {owner}); stop that '
+            'one, or name another file'
+        ) from None
+    _sign(lock)
+    return lock
+
+
+def _sign(lock: IO[str]) -> None:
+    """Say who has the lock, for people; it holds even where that cannot be written."""
+    try:
+        lock.truncate(0)
+        lock.write(f'{os.getpid()}\n')
+        lock.flush()
+    except OSError:
+        pass
+
+
+def to_read(path: Path) -> sqlite3.Connection | None:
+    """Open a journal of today for reading; None: it has to be made, or to be brought up to date.
+
+    :raises JournalUnusable: it is not ours, newer, or may not be written; an older one: damaged
+    """
+    if not path.exists() or not path.stat().st_size:
+        return None
+    if not (os.access(path, os.R_OK | os.W_OK) and os.access(path.parent, os.W_OK)):
+        raise JournalUnusable(f'the journal {path} cannot be opened: {os.strerror(errno.EACCES)}')
+    database = unchanging(path)
+    try:
+        version = schema_of(database, path)
+        if version == SCHEMA:
+            return database
+        # An older one is about to be changed, which takes longer than looking at all of it.
+        (found,) = database.execute('PRAGMA quick_check(1)').fetchone()
+        if found != 'ok':
+            raise JournalUnusable(f'the journal {path} cannot be used: {found}')
+    except BaseException:
+        database.close()
+        raise
+    database.close()
+    return None
+
+
+def to_write(path: Path, synchronous: str) -> sqlite3.Connection:
+    """Open a journal for writing, of today's schema from here on."""
+    database = sqlite3.connect(path, isolation_level=None, timeout=10.0)
+    try:
+        version = schema_of(database, path)
+        database.execute('PRAGMA journal_mode = WAL')
+        database.execute(f'PRAGMA synchronous = {synchronous}')
+        if version < SCHEMA:
+            bring_up_to_date(database, version)
+    except BaseException:
+        database.close()
+        raise
+    return database

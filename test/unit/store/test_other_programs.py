@@ -1,0 +1,164 @@
+"""What other programs do to a journal while it is written: nothing that was committed is lost.
+
+A process has one POSIX lock on a file, and loses it when it closes any descriptor of that file.
+Then the next program that opens the journal and closes it takes its log away.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from fakes.other_python import run_python
+
+from bt_orchestrator.errors import JournalFailed
+from bt_orchestrator.model.events import Event, JobStarted
+from bt_orchestrator.store import opening
+from bt_orchestrator.store.database import unchanging
+from bt_orchestrator.store.sqlite import SqliteStore
+
+BACKUP = """
+import sqlite3, sys
+journal, copy = map(sqlite3.connect, sys.argv[1:])
+journal.backup(copy)
+copy.close()
+journal.close()
+"""
+"""What `sqlite3 FILE ".backup COPY"` does."""
+
+LAST = """
+import sqlite3, sys
+print(sqlite3.connect(sys.argv[1]).execute('SELECT max(seq) FROM events').fetchone()[0])
+"""
+
+ADD = """
+import sqlite3, sys
+database = sqlite3.connect(sys.argv[1])
+database.execute('INSERT INTO events SELECT max(seq) + 1, record FROM events')
+database.commit()
+"""
+
+
+def events(first: int, last: int) -> list[Event]:
+    return [JobStarted(seq=n, time=n / 2, job=f'WO-{n}') for n in range(first, last + 1)]
+
+
+def back_up(path: Path) -> Path:
+    copy = path.with_name('copy.sqlite3')
+    run_python('-c', BACKUP, str(path), str(copy))
+    return copy
+
+
+def last_for_others(path: Path) -> int:
+    """Return the last event that another process finds."""
+    return int(run_python('-c', LAST, str(path)))
+
+
+def log_of(path: Path) -> Path:
+    return path.with_name(path.name + '-wal')
+
+
+@pytest.fixture
+def killed(tmp_path: Path) -> Path:
+    """Give a journal of 100 events whose writer was killed: they are in its log."""
+    written = tmp_path / 'written.sqlite3'
+    store = SqliteStore(written)
+    for first in range(1, 100, 10):
+        store.append(events(first, first + 9))
+    path = tmp_path / 'left' / 'journal.sqlite3'
+    path.parent.mkdir()
+    shutil.copy(written, path)
+    shutil.copy(log_of(written), log_of(path))
+    store.close()
+    return path
+
+
+@pytest.fixture
+def store(killed: Path) -> Iterator[SqliteStore]:
+    """Give the store of the next process, which has written one event."""
+    opened = SqliteStore(killed)
+    assert list(opened.read(after=99)) == events(100, 100)
+    opened.append(events(101, 101))
+    yield opened
+    opened.close()
+
+
+def test_a_writer_keeps_its_lock_after_a_take_over(store: SqliteStore, killed: Path) -> None:
+    place = killed.stat()
+    file = f'{os.major(place.st_dev):02x}:{os.minor(place.st_dev):02x}:{place.st_ino}'
+    locks = [line.split() for line in Path('/proc/locks').read_text().splitlines()]
+    mine = [words for words in locks if words[1] == 'POSIX' and words[4] == str(os.getpid())]
+    assert [words[3] for words in mine if words[5] == file] == ['READ']
+
+
+def test_a_backup_after_a_take_over_takes_nothing_away(store: SqliteStore, killed: Path) -> None:
+    copy = back_up(killed)
+    assert last_for_others(copy) == 101
+    store.append(events(102, 300))
+    assert last_for_others(killed) == 300
+    assert last_for_others(back_up(killed)) == 300
+    store.append(events(301, 301))
+    assert log_of(killed).stat().st_size > 0
+    assert last_for_others(killed) == 301
+
+
+def test_a_backup_between_reading_and_the_first_write(killed: Path) -> None:
+    store = SqliteStore(killed)
+    assert len(list(store.read())) == 100
+    back_up(killed)  # the only one that has the file open for writing: it empties the log
+    assert not log_of(killed).exists()
+    assert list(store.read()) == events(1, 100)
+    store.append(events(101, 101))
+    assert last_for_others(killed) == 101
+    assert list(store.read(after=1)) == events(2, 101)
+    store.close()
+
+
+def test_a_backup_between_the_two_connections(
+    killed: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    opened = opening.to_write
+
+    def interrupted(path: Path, synchronous: str) -> object:
+        back_up(path)
+        return opened(path, synchronous)
+
+    store = SqliteStore(killed)
+    monkeypatch.setattr(opening, 'to_write', interrupted)
+    store.append(events(101, 101))
+    assert list(store.read()) == events(1, 101)
+    assert last_for_others(killed) == 101
+    store.close()
+
+
+def test_a_journal_that_another_program_wrote_meanwhile_is_refused(killed: Path) -> None:
+    store = SqliteStore(killed)
+    assert len(list(store.read())) == 100
+    run_python('-c', ADD, str(killed))
+    with pytest.raises(JournalFailed, match=r'ended with event 100 .* ends with event 101 now'):
+        store.append(events(101, 101))
+    assert len(list(store.read())) == 101  # it can still be looked at
+    store.close()
+
+
+@pytest.mark.parametrize('ending', ['', '-wal'])
+@pytest.mark.parametrize('how', ['removed', 'replaced'])
+def test_a_file_that_is_taken_away_is_noticed_at_once(
+    store: SqliteStore, killed: Path, ending: str, how: str
+) -> None:
+    file = killed.with_name(killed.name + ending)
+    other = file.rename(file.with_name('away'))
+    if how == 'replaced':
+        shutil.copy(other, file)
+    with pytest.raises(JournalFailed, match=f'{file.name} was {how}'):
+        store.append(events(102, 102))
+
+
+def test_the_writing_process_does_not_open_the_file_a_second_time(
+    store: SqliteStore, killed: Path
+) -> None:
+    with pytest.raises(AssertionError, match='would lose its locks'):
+        unchanging(killed)
