@@ -8,6 +8,7 @@ import logging
 from collections.abc import Iterable, Iterator
 from functools import lru_cache
 from importlib.resources import files
+from typing import TYPE_CHECKING
 
 from bt_orchestrator import model
 from bt_orchestrator.errors import JournalMismatch
@@ -21,6 +22,9 @@ from bt_orchestrator.model.snapshot import state_from_plain
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import EventStore, Snapshot
 from bt_orchestrator.runtime.cell_commands import RESUME
+
+if TYPE_CHECKING:
+    from importlib.abc import Traversable  # its place depends on the version of Python
 
 log = logging.getLogger(__name__)
 
@@ -58,11 +62,25 @@ def stamp(cell: Cell) -> str:
 
 @lru_cache(maxsize=1)
 def _program() -> str:
+    return program_in(files(model))
+
+
+def program_in(folder: Traversable) -> str:
+    """Name the program in a folder, and in those below it, by its text."""
     rules = hashlib.sha256()
-    for file in sorted(files(model).iterdir(), key=lambda file: file.name):
-        if file.name.endswith('.py'):
-            rules.update(file.read_bytes())
+    for name, text in _sources(folder):
+        rules.update(f'{name} {len(text)} '.encode() + text)
     return rules.hexdigest()[:16]
+
+
+def _sources(folder: Traversable, within: str = '') -> Iterator[tuple[str, bytes]]:
+    """Yield the path and the text of every source file, in an order that never changes."""
+    for entry in sorted(folder.iterdir(), key=lambda entry: entry.name):
+        path = f'{within}/{entry.name}'
+        if entry.is_dir():
+            yield from _sources(entry, path)
+        elif entry.name.endswith('.py'):
+            yield path, entry.read_bytes()
 
 
 def _from_snapshot(cell: Cell, snapshot: Snapshot, store: EventStore) -> CellState | None:

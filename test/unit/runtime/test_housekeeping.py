@@ -5,7 +5,9 @@ from __future__ import annotations
 import itertools
 import json
 import logging
+import shutil
 import sqlite3
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +16,7 @@ from fakes.line import THREE, Line, with_section
 from fakes.long_journal import LongRun
 from fakes.virtual_run import snapshot
 
+from bt_orchestrator import model
 from bt_orchestrator.errors import JournalFailed, JournalMismatch
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.fold import apply
@@ -354,3 +357,20 @@ def test_a_snapshot_that_fails_harms_nothing(path: Path, caplog: pytest.LogCaptu
     full.close()
     assert 'disk full: no snapshot, nothing removed; tried again later' in caplog.text
     assert restored(path).ended.keys() == {'J1', 'J2', 'J3'}
+
+
+def test_every_file_of_the_rules_names_the_program(tmp_path: Path) -> None:
+    folder = Path(shutil.copytree(Path(str(files(model))), tmp_path / 'model'))
+    before = recovery.program_in(folder)
+    sources = list(folder.rglob('*.py'))
+    assert folder / 'events' / 'base.py' in sources
+    for file in sources:
+        text = file.read_text()
+        file.write_text(f'{text}\n# changed\n')
+        assert recovery.program_in(folder) != before, file
+        file.write_text(text)
+        assert recovery.program_in(folder) == before
+        moved = file.rename(file.with_name('moved.py'))
+        assert recovery.program_in(folder) != before, file
+        moved.rename(file)
+    assert recovery.program_in(folder) == before == recovery._program()
