@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple, TypeVar
@@ -17,7 +17,7 @@ from bt_orchestrator.ports import ActionTypes, EventSink, EventStore, Foresight,
 from bt_orchestrator.script.admission import admit
 from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.script.lookup import find_script
-from bt_orchestrator.script.order_file import OrderFile, OrderPlaces, bind_order, read_order
+from bt_orchestrator.script.order_file import OrderFile, OrderPlaces, bind_order, draft_order
 from bt_orchestrator.script.parameter_uses import action_types
 from bt_orchestrator.script.script_file import read_script
 from bt_orchestrator.sim.simulation import Simulation
@@ -53,8 +53,12 @@ class Findings:
         try:
             return read()
         except Refused as refused:
-            self._findings.update(dict.fromkeys(refused.findings))
+            self.add(refused.findings)
             return None
+
+    def add(self, findings: Iterable[Finding]) -> None:
+        """Add mistakes; each is told once."""
+        self._findings.update(dict.fromkeys(findings))
 
     def refuse(self) -> None:
         """End here if there was any mistake.
@@ -145,9 +149,11 @@ def load_jobs(
     """
     findings = Findings()
     cell = findings.of(partial(load_cell, cell_file, types))
-    read = [findings.of(partial(read_order, path)) for path in orders]
+    read = [findings.of(partial(draft_order, path)) for path in orders]
     files = [file for file in read if file is not None]
     findings.of(partial(_refuse_duplicates, files))
+    for file in files:
+        findings.add(file.places.findings)
     jobs = (
         None
         if cell is None
@@ -233,6 +239,8 @@ def _bind(files: Sequence[OrderFile], shelf: _ScriptShelf, findings: Findings) -
     given = []
     for file in files:
         job_id = file.order.order or next(ids)
+        if not file.places.is_sure('script'):
+            continue
         job = findings.of(partial(_job, file, job_id, shelf))
         if job is not None:
             given.append(Given(job, file.places))

@@ -13,7 +13,12 @@ from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.admission import admit
 from bt_orchestrator.script.lookup import find_script
-from bt_orchestrator.script.order_file import bind_order, params_from_text, parse_order
+from bt_orchestrator.script.order_file import (
+    OrderPlaces,
+    bind_order,
+    params_from_text,
+    parse_draft,
+)
 from bt_orchestrator.script.parameter_uses import action_types
 from bt_orchestrator.script.script_file import read_script
 
@@ -48,9 +53,15 @@ class OrderReader:
 
         :raises Refused: with every mistake
         """
-        order = parse_order(text, 'order').order
-        script = self._script(order.script)
-        return self._bound(order, script, self._free_ids({order.order or ''}))
+        draft = parse_draft(text, 'order')
+        order, places = draft.order, draft.places
+        if not places.is_sure('script'):
+            raise Refused(places.findings)
+        try:
+            script = self._script(order.script)
+        except Refused as refused:
+            raise Refused([*places.findings, *refused.findings]) from None
+        return self._bound(order, script, self._free_ids({order.order or ''}), places)
 
     def changed(self, name: str, request: Any) -> Job | None:
         """Make of a queued job what a request (srv/QueueUpdate) wants it to be.
@@ -89,9 +100,15 @@ class OrderReader:
         admit(path, script)
         return script
 
-    def _bound(self, order: WorkOrder, script: Script, ids: Iterator[str]) -> Job:
+    def _bound(
+        self,
+        order: WorkOrder,
+        script: Script,
+        ids: Iterator[str],
+        places: OrderPlaces | None = None,
+    ) -> Job:
         name = order.order or next(ids)
-        return bind_order(order, script, name, types=self._types_by_component)
+        return bind_order(order, script, name, places, types=self._types_by_component)
 
     def _free_ids(self, taken: Collection[str]) -> Iterator[str]:
         return (name for name in self._state.order_ids.free(PREFIX) if name not in taken)

@@ -23,15 +23,23 @@ def check_balance(script: ScriptDraft, report: Report) -> None:
     runs for rejected items only, or that no item on the belt can reach. Where a `-1` runs in
     parallel to a task that may reject, nobody could tell which comes first: refused.
     """
-    if not _is_readable(script):
-        return
-    placing = [task for task in script.listed if task.task.qty_change > 0]
-    taking = [task for task in script.listed if task.task.qty_change < 0]
+    lists = [one for one in script.lists if not one.is_repeated]
+    changing = [task for one in lists for task in one.tasks if _changes(task)]
+    placing = [task for task in changing if task.task.qty_change > 0]
+    taking = [task for task in changing if task.task.qty_change < 0]
     for task in placing:
         _check_placing(task, report)
     for task in taking:
         _check_taking(task, report)
-    if _check_presence(script, placing, taking, report):
+    for task in placing[1:]:
+        what = f'items are placed twice, by `{placing[0].id}` and by `{task.id}`'
+        report.add(task.place('qty_change'), what, 'keep one `qty_change: 1`')
+    if not _is_readable(script):
+        return
+    strays = [task for one in script.strays.values() for task in one.tasks if _changes(task)]
+    placing = [*placing, *(task for task in strays if task.task.qty_change > 0)]
+    taking = [*taking, *(task for task in strays if task.task.qty_change < 0)]
+    if _check_presence(script, placing, taking, report) and not strays:
         _Balance(script, placing[0], taking, report).check()
 
 
@@ -142,8 +150,12 @@ class _Balance:
 
 def _is_readable(script: ScriptDraft) -> bool:
     return script.tasks_are_complete and all(
-        task.fields.is_sure('qty_change') for task in script.listed
+        task.fields.is_sure('qty_change') for one in script.lists for task in one.tasks
     )
+
+
+def _changes(task: TaskDraft) -> bool:
+    return task.task.qty_change != 0 and task.fields.is_sure('qty_change')
 
 
 def _check_presence(
@@ -156,9 +168,6 @@ def _check_presence(
     if not taking and script.sections:
         what = 'no task takes items out'
         report.add(place, what, 'give a task of the last section `qty_change: -1`')
-    for task in placing[1:]:
-        what = f'items are placed twice, by `{placing[0].id}` and by `{task.id}`'
-        report.add(task.place('qty_change'), what, 'keep one `qty_change: 1`')
     return len(placing) == 1 and bool(taking)
 
 

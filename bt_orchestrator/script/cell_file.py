@@ -82,6 +82,8 @@ class _CellReader:
             component = self._component(entry, sections)
             if component is not None:
                 components[component.name] = component
+        for entry in node.repeated if node else ():
+            self._component(entry, sections)
         return components
 
     def _component(self, entry: Entry, sections: int | None) -> Component | None:

@@ -217,8 +217,7 @@ class ComponentReader:
     def _check_fault(self, fault: Fault, item: Scalar) -> None:
         if self._type is not None:
             has_state = self._fields.has('state')
-            reason = unseen(fault, self._name, self._type, has_state=has_state)
-            if reason is not None:
+            for reason in unseen(fault, self._name, self._type, has_state=has_state):
                 self._report.add(item.place, reason.what, reason.hint)
 
     def _check_task(self, key: Scalar) -> None:

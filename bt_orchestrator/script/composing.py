@@ -183,11 +183,14 @@ class _Entries:
         self._entries: dict[str, Entry] = {}
         self._merged: list[Entry] = []
         self._doubtful: set[str] = set()
+        self._repeated: list[Entry] = []
+        self._lost: list[Node] = []
 
     def add(self, key: Node, value: Node) -> None:
         """Add a key and its value."""
         if not isinstance(key, Scalar):
             self._drop(MERGE, key.place, 'a key must be a plain name', 'write `name: value`')
+            self._lost += (key, value)
         elif key.text == MERGE and not key.is_text:
             self._merge(key, value)
         elif key.text in self._entries:
@@ -198,6 +201,7 @@ class _Entries:
                 f'the key {quoted(key.text)} is given twice',
                 f'keep one; the first is in line {line}',
             )
+            self._repeated.append(Entry(key, value))
         else:
             self._entries[key.text] = Entry(key, value)
 
@@ -205,12 +209,19 @@ class _Entries:
         """Return the mapping; a key's own value goes before a merged one."""
         for entry in self._merged:
             self._entries.setdefault(entry.key.text, entry)
-        return MapNode(place, tuple(self._entries.values()), frozenset(self._doubtful))
+        return MapNode(
+            place,
+            tuple(self._entries.values()),
+            frozenset(self._doubtful),
+            tuple(self._repeated),
+            tuple(self._lost),
+        )
 
     def _merge(self, key: Scalar, value: Node) -> None:
         for source in value.items if isinstance(value, ListNode) else (value,):
             if not isinstance(source, MapNode):
                 self._drop(MERGE, key.place, 'only mappings can be merged', 'write `<<: *name`')
+                self._lost.append(value)
                 return
             self._merged.extend(source.entries)
 

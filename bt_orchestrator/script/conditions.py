@@ -63,14 +63,17 @@ class ConditionReader:
     def _comparison(self, key: str, node: MapNode) -> Condition | None:
         fields = Fields(node, CONDITION, self._report)
         value, equals = fields.value('value'), fields.value('equals')
+        read = self._template('value', value) if isinstance(value, Scalar) else None
         if value is not None and not isinstance(value, Scalar):
             self._report.add(value.place, f'`value` must be text, not {found(value)}', _HINT)
+        if equals is None:
             return None
-        read = self._template('value', value) if value is not None else None
-        if read is None or equals is None:
+        place = value.place if value else equals.place
+        if read is None:
+            self._compared(Template(()), None, equals, place)
             return None
         template, type_ = read
-        compared = self._compared(template, type_, equals, value.place if value else equals.place)
+        compared = self._compared(template, type_, equals, place)
         return Condition(template, compared, negated=key == 'unless')
 
     def _template(self, key: str, node: Scalar) -> tuple[Template, FieldType | None] | None:

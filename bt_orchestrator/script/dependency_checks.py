@@ -121,7 +121,7 @@ class DependencyReader:
     def _initialization_task(self, fields: Fields, key: str) -> str | None:
         name = fields.text(key)
         known = [task.id for task in self._script.initialization]
-        if name is None or name in known or not self._script.knows_all_ids:
+        if name is None or name in known or self._script.may_have(name):
             return name
         if name in self._script.by_id:
             what = f'`{name}` is no initialization task'
@@ -137,7 +137,7 @@ class DependencyReader:
 
     def _known(self, name: str, place: Place) -> TaskDraft | None:
         task = self._script.by_id.get(name)
-        if task is None and self._script.knows_all_ids:
+        if task is None and not self._script.may_have(name):
             hint = did_you_mean(name, self._script.by_id, 'name the id of a task of this script')
             self._report.add(place, f'there is no task {quoted(name)}', hint)
         return task

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from bt_orchestrator.model.action_type import TASK_RESULT, ActionType, FieldType
@@ -10,6 +11,9 @@ from bt_orchestrator.model.cell import Component, OnFailure
 from bt_orchestrator.model.script import Parameter, Release, Task
 from bt_orchestrator.script.fields import Fields
 from bt_orchestrator.script.report import Place
+from bt_orchestrator.script.yaml_nodes import Node, words
+
+_DEFAULT_ID = re.compile(r'(init|[0-9]+)\.[0-9]+')
 
 
 @dataclass(frozen=True)
@@ -17,14 +21,19 @@ class Position:
     """Where a task stands in the sections' lists; all but the section count from 0."""
 
     section: int
+    """Below 1: of a list whose section is not known (`ScriptDraft.strays`)."""
     step: int
     track: int
     index: int
 
+    def is_comparable(self, other: Position) -> bool:
+        """Tell whether it is known which of two tasks here and there is first."""
+        return self.section == other.section or min(self.section, other.section) > 0
+
     def precedes(self, other: Position) -> bool:
-        """Tell whether a task here has ended before a task there starts, for one item."""
+        """Tell whether a task here has surely ended before one there starts, for one item."""
         if self.section != other.section:
-            return self.section < other.section
+            return self.is_comparable(other) and self.section < other.section
         if self.step != other.step:
             return self.step < other.step
         return self.track == other.track and self.index < other.index
@@ -73,6 +82,12 @@ class TaskDraft:
             return False
         return self.position.precedes(other.position)
 
+    def may_precede(self, other: TaskDraft) -> bool:
+        """Tell whether that cannot be ruled out: it is so, or a section is not known."""
+        if self.position is None or other.position is None:
+            return False
+        return self.precedes(other) or not self.position.is_comparable(other.position)
+
     def is_beside(self, other: TaskDraft) -> bool:
         """Tell whether both are in different tracks of one parallel group."""
         if self.position is None or other.position is None:
@@ -96,12 +111,16 @@ class SectionDraft:
     """One section's list as far as it could be read."""
 
     section: int
+    name: str
+    """Its number as written."""
     place: Place
     """Of the section's key."""
     release: Release
     release_place: Place
     steps: tuple[tuple[tuple[TaskDraft, ...], ...], ...]
     """Steps of tracks of tasks."""
+    is_repeated: bool = False
+    """Whether its section was given before; `number` is then below 1."""
 
     @property
     def tasks(self) -> Iterator[TaskDraft]:
@@ -124,20 +143,45 @@ class ScriptDraft:
 
     fields: Fields
     params: dict[str, Parameter] = field(default_factory=dict)
-    params_are_complete: bool = True
+    unread_params: set[str] = field(default_factory=set)
+    """Words in what might be parameters and could not be read."""
     initialization: list[TaskDraft] = field(default_factory=list)
     sections: dict[int, SectionDraft] = field(default_factory=dict)
+    strays: dict[int, SectionDraft] = field(default_factory=dict)
+    """Lists whose section is not on the belt, or was given before; by numbers below 1."""
     tasks_are_complete: bool = True
     """False if something that might be a task could not be read."""
-    ids_are_complete: bool = True
-    """False if, beyond that, an id could not be read."""
+    has_lost_id: bool = False
+    """Whether some task should have an id of which nothing could be read."""
     by_id: dict[str, TaskDraft] = field(default_factory=dict)
     """The first task of every id."""
+    _unread: set[str] = field(default_factory=set)
 
-    @property
-    def knows_all_ids(self) -> bool:
-        """Tell whether an id that is not here is a mistake."""
-        return self.tasks_are_complete and self.ids_are_complete
+    def note_unread(self, node: Node) -> None:
+        """Note that there may be tasks in something that could not be read."""
+        self.note_unread_words(words(node))
+
+    def note_unread_words(self, found: Iterable[str]) -> None:
+        """Note that there may be tasks, with these words in them, that could not be read."""
+        self.tasks_are_complete = False
+        self._unread.update(found)
+
+    def note_unread_id(self, found: Iterable[str]) -> None:
+        """Note that the id of a task could not be read."""
+        ids = [word for word in found if word]
+        self._unread.update(ids)
+        self.has_lost_id |= not ids
+
+    def may_have(self, task: str) -> bool:
+        """Tell whether there may be a task of that id in what could not be read.
+
+        Only then an id that is not known is no mistake. A default id counts the tasks of a list,
+        so none is sure while any list is not.
+        """
+        if self.has_lost_id or task in self._unread:
+            return True
+        is_whole = self.tasks_are_complete and not self.strays
+        return not is_whole and bool(_DEFAULT_ID.fullmatch(task))
 
     @property
     def listed(self) -> Iterator[TaskDraft]:
@@ -145,9 +189,16 @@ class ScriptDraft:
         for number in sorted(self.sections):
             yield from self.sections[number].tasks
 
+    @property
+    def lists(self) -> Iterator[SectionDraft]:
+        """All lists of tasks, those whose section is not known behind the others."""
+        yield from self.sections.values()
+        yield from self.strays.values()
+
     def trailing(self, task: TaskDraft) -> bool:
         """Tell whether a task runs after its section's turn is complete (semantics 3.8)."""
-        section = self.sections.get(task.section or 0)
+        number = 1 if task.section is None else task.section
+        section = self.sections.get(number) or self.strays.get(number)
         return section is not None and any(task is one for one in section.trailing)
 
 

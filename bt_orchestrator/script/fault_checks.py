@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 from bt_orchestrator.model.action_type import TASK_RESULT, ActionType
@@ -20,19 +21,17 @@ class Unseen(NamedTuple):
 
 def unseen(
     fault: Fault, component: str, action_type: ActionType, *, has_state: bool
-) -> Unseen | None:
-    """Say why a fault of a component could never be seen; None: it can."""
-    if fault.task is not None:
-        wrong_task = _wrong_task(fault.task, component, action_type)
-        if wrong_task is not None:
-            return wrong_task
+) -> Iterator[Unseen]:
+    """Yield why a fault of a component could never be seen; nothing: it can."""
+    wrong_task = _wrong_task(fault.task, component, action_type) if fault.task else None
+    if wrong_task is not None:
+        yield wrong_task
     if fault.kind in _OF_STATE and not has_state:
         what = f'component `{component}` has no state topic in the cell file'
-        return Unseen(what, 'remove the fault, or give the component a `state`')
+        yield Unseen(what, 'remove the fault, or give the component a `state`')
     if fault.kind is FaultKind.FALSE and TASK_RESULT not in action_type.result.fields:
         what = f'the Result of {action_type.name} has no field `{TASK_RESULT}`'
-        return Unseen(what, 'let it `abort` instead')
-    return None
+        yield Unseen(what, 'let it `abort` instead')
 
 
 def _wrong_task(task: str, component: str, action_type: ActionType) -> Unseen | None:

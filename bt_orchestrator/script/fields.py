@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from itertools import chain
 from typing import cast
 
 from bt_orchestrator.errors import Refused
@@ -18,6 +19,7 @@ from bt_orchestrator.script.yaml_nodes import (
     Scalar,
     found,
     quoted,
+    words,
 )
 
 
@@ -35,6 +37,7 @@ class Fields:
         self._table = table
         self._unsure: set[str] = set(node.doubtful)
         self._entries: dict[str, Entry] = {}
+        self._misread: dict[str, Node] = {}
         self._sort()
         self._report_missing()
 
@@ -49,6 +52,12 @@ class Fields:
     def doubt(self, key: str) -> None:
         """Note that a key's value turned out to be wrong, so that nothing is built on it."""
         self._unsure.add(key)
+
+    def unread_words(self, key: str) -> Iterator[str]:
+        """Yield the words in what was written for a key, and perhaps for a misspelt one."""
+        entry = self._entries.get(key)
+        for node in (entry.value if entry else None, self._misread.get(key)):
+            yield from words(node) if node else ()
 
     def place(self, key: str) -> Place:
         """Return the place of a key's value; of the mapping, if the key is absent."""
@@ -127,7 +136,9 @@ class Fields:
         """Return the members of a list; none if it is absent."""
         node = self.value(key)
         if isinstance(node, ListNode):
-            return node.items
+            again = (one.value for one in self._repeated(key))
+            more = (one.items for one in again if isinstance(one, ListNode))
+            return tuple(chain(node.items, *more))
         if node is not None:
             self._wrong_kind(key, node)
         return ()
@@ -139,7 +150,7 @@ class Fields:
             self._wrong_kind(key, node)
         elif node is not None and not node.is_complete:
             self.doubt(key)
-        return node if isinstance(node, MapNode) else None
+        return self._whole_mapping(key, node) if isinstance(node, MapNode) else None
 
     def table(self, key: str) -> Fields | None:
         """Return a cursor over the mapping that is a key's value."""
@@ -155,6 +166,16 @@ class Fields:
                 self.doubt(key)
             else:
                 yield fields
+
+    def _repeated(self, key: str) -> tuple[Entry, ...]:
+        return tuple(one for one in self.node.repeated if one.key.text == key)
+
+    def _whole_mapping(self, key: str, node: MapNode) -> MapNode:
+        """Return a mapping with what was written for the same key again."""
+        for again in self._repeated(key):
+            if isinstance(again.value, MapNode):
+                node = node.joined(again.value)
+        return node
 
     def _sort(self) -> None:
         for entry in self.node.entries:
@@ -184,6 +205,8 @@ class Fields:
         """Take a misspelt key for the known one; not if its value is of another kind."""
         if _is_plausible(self._table.by_name[key].kind, entry.value):
             self._entries[key] = entry
+        else:
+            self._misread[key] = entry.value
         if key not in self._entries or entry.key.text in self.node.doubtful:
             self.doubt(key)
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from bt_orchestrator.errors import Finding, Refused
 from bt_orchestrator.model.action_type import ActionType
 from bt_orchestrator.model.order import Job, WorkOrder
 from bt_orchestrator.model.script import Parameter, Script
@@ -29,12 +30,20 @@ class OrderPlaces:
     """File name, or a word for an order that came in another way."""
     places: Mapping[tuple[str, ...], Place] = field(default_factory=dict)
     """By path: ('quantity',), ('params', 'lot')."""
+    findings: tuple[Finding, ...] = ()
+    """Mistakes that the file has, whatever its script is."""
+    doubted: frozenset[tuple[str, ...]] = frozenset()
+    """Paths of what these mistakes are about: nothing is built on it."""
 
     def place(self, *path: str) -> Place:
         """Return the place of a key, or of the nearest one around it."""
         while path and path not in self.places:
             path = path[:-1]
         return self.places.get(path, START)
+
+    def is_sure(self, *path: str) -> bool:
+        """Tell whether a key, and all around it, has been read as it was meant."""
+        return not any(path[:length] in self.doubted for length in range(1, len(path) + 1))
 
 
 @dataclass(frozen=True)
@@ -50,7 +59,15 @@ def read_order(path: Path) -> OrderFile:
 
     :raises Refused: with every mistake in it
     """
-    return parse_order(read_text(path), str(path))
+    return _without_mistakes(draft_order(path))
+
+
+def draft_order(path: Path) -> OrderFile:
+    """Read a work order that may have mistakes; `bind_order` tells them with its own.
+
+    :raises Refused: it is no work order at all
+    """
+    return parse_draft(read_text(path), str(path))
 
 
 def parse_order(text: str, file: str) -> OrderFile:
@@ -58,18 +75,35 @@ def parse_order(text: str, file: str) -> OrderFile:
 
     :raises Refused: with every mistake in it
     """
+    return _without_mistakes(parse_draft(text, file))
+
+
+def parse_draft(text: str, file: str) -> OrderFile:
+    """Read the text of a work order as `draft_order` does.
+
+    :raises Refused: it is no work order at all
+    """
     report = Report(file)
     fields = file_fields(text, ORDER, report)
     places = _places(fields)
-    params = _params(fields, places, report)
+    doubted: set[tuple[str, ...]] = set()
+    params = _params(fields, places, doubted, report)
     order_id = fields.text('order')
     if order_id is not None:
         check_order_id(order_id, fields.place('order'), report)
     order = WorkOrder(
         fields.text('script') or '', order_id, fields.optional_whole('quantity'), params
     )
-    report.refuse()
-    return OrderFile(order, OrderPlaces(file, places))
+    doubted |= {(key,) for key in ORDER.by_name if not fields.is_sure(key)}
+    if params:
+        doubted.discard(('params',))
+    return OrderFile(order, OrderPlaces(file, places, report.findings, frozenset(doubted)))
+
+
+def _without_mistakes(order: OrderFile) -> OrderFile:
+    if order.places.findings:
+        raise Refused(order.places.findings)
+    return order
 
 
 def bind_order(
@@ -89,6 +123,7 @@ def bind_order(
     """
     places = places or OrderPlaces(f'order {quoted(order.order or job_id)[1:-1]}')
     report = Report(places.file)
+    report.take(places.findings)
     if order.order is not None:
         check_order_id(order.order, places.place('order'), report)
     quantity = _quantity(order, script, places, report)
@@ -135,16 +170,22 @@ def _places(fields: Fields) -> dict[tuple[str, ...], Place]:
 
 
 def _params(
-    fields: Fields, places: dict[tuple[str, ...], Place], report: Report
+    fields: Fields,
+    places: dict[tuple[str, ...], Place],
+    doubted: set[tuple[str, ...]],
+    report: Report,
 ) -> dict[str, Any]:
     node = fields.mapping('params')
+    doubted |= {('params', name) for name in (node.doubtful if node else ())}
     params: dict[str, Any] = {}
     for entry in node.entries if node else ():
         name = entry.key.text
+        places['params', name] = entry.value.place
         if isinstance(entry.value, Scalar) and entry.value.value is not None:
             params[name] = entry.value.value
-            places['params', name] = entry.value.place
         else:
+            doubted.add(('params', name))
+            params[name] = None
             what = (
                 f'the parameter {quoted(name)} must be one plain value, not {found(entry.value)}'
             )
@@ -154,6 +195,8 @@ def _params(
 
 def _quantity(order: WorkOrder, script: Script, places: OrderPlaces, report: Report) -> int:
     quantity = script.quantity if order.quantity is None else order.quantity
+    if not places.is_sure('quantity'):
+        return 1
     if quantity is None:
         what = f'the order names no quantity, and the script `{script.name}` has no default'
         report.add(places.place('quantity'), what, 'add for instance `quantity: 12`')
@@ -161,6 +204,7 @@ def _quantity(order: WorkOrder, script: Script, places: OrderPlaces, report: Rep
     if type(quantity) is not int or not 1 <= quantity <= LARGEST_WHOLE:
         what = f'`quantity` must be from 1 to {LARGEST_WHOLE}, not {found_value(quantity)}'
         report.add(places.place('quantity'), what, 'order at least one item')
+        return 1
     return quantity
 
 
@@ -183,6 +227,8 @@ def _check_names(
 def _bound(parameter: Parameter, order: WorkOrder, places: OrderPlaces, report: Report) -> Any:
     """Return a parameter's value: the order's, else the default."""
     name = parameter.name
+    if not places.is_sure('params', name):
+        return parameter.default
     if name not in order.params:
         if parameter.required:
             what = f'the parameter `{name}` is missing'

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from bt_orchestrator.model.script import Parameter
@@ -11,17 +12,25 @@ from bt_orchestrator.script.fields import Fields, fields_of
 from bt_orchestrator.script.names import check_name
 from bt_orchestrator.script.report import Report
 from bt_orchestrator.script.script_keys import PARAMETER
-from bt_orchestrator.script.yaml_nodes import Entry, Scalar, found
+from bt_orchestrator.script.yaml_nodes import Entry, Scalar, found, words
 
 
 def read_parameters(draft: ScriptDraft, report: Report) -> None:
     """Read `params` into the draft."""
     node = draft.fields.mapping('params')
-    draft.params_are_complete = draft.fields.is_sure('params')
-    for entry in node.entries if node else ():
+    if node is None:
+        draft.unread_params.update(draft.fields.unread_words('params'))
+        return
+    for entry in node.entries:
         name = entry.key.text
         check_name(name, 'parameter name', entry.key.place, report)
-        draft.params[name] = _parameter(entry, report)
+        parameter = _parameter(entry, report)
+        is_sure = name not in node.doubtful
+        draft.params[name] = parameter if is_sure else replace(parameter, type='', default=None)
+    for entry in node.repeated:
+        _parameter(entry, report)
+    for value in node.lost:
+        draft.unread_params.update(words(value))
 
 
 def _parameter(entry: Entry, report: Report) -> Parameter:

@@ -73,13 +73,9 @@ class ReferenceReader:
 
         A string that is exactly one reference keeps the referenced type; any other is text.
         """
-        try:
-            parts = list(split(node.text))
-            typed = [(part, TEXT) if isinstance(part, str) else self._find(part) for part in parts]
-        except ReferenceFault as fault:
-            self._report.add(node.place, fault.what, fault.hint)
-            return None
-        except _UnknownReference:
+        parts = [self._typed(part, node) for part in split(node.text)]
+        typed = [part for part in parts if part is not None]
+        if len(typed) < len(parts):
             return None
         template = Template(tuple(part for part, _ in typed))
         if is_single(template):
@@ -89,6 +85,22 @@ class ReferenceReader:
                 what = f'{quoted(f"${{{part}}}")} is {in_words(type_)} and cannot be put into text'
                 self._report.add(node.place, what, 'refer to one of its fields')
         return template, TEXT
+
+    def _typed(
+        self, part: str | Path | ReferenceFault, node: Scalar
+    ) -> tuple[str | Reference, FieldType | None] | None:
+        """Return a part of a string with its type; None if it is wrong."""
+        if isinstance(part, str):
+            return part, TEXT
+        try:
+            if isinstance(part, ReferenceFault):
+                raise part
+            return self._find(part)
+        except ReferenceFault as fault:
+            self._report.add(node.place, fault.what, fault.hint)
+        except _UnknownReference:
+            pass
+        return None
 
     def _find(self, written: Path) -> tuple[Reference, FieldType | None]:
         if written.source == 'params':
@@ -105,7 +117,7 @@ class ReferenceReader:
         if written.rest in params:
             type_ = PARAMETER_TYPES.get(params[written.rest].type)
             return Reference('params', written.rest), type_
-        if not self._script.params_are_complete:
+        if written.rest in self._script.unread_params:
             raise _UnknownReference
         known = listing(params)
         otherwise = f'the parameters are {known}' if known else f'declare it: {_declared(written)}'
@@ -122,7 +134,7 @@ class ReferenceReader:
             if giver is not None:
                 self._check_order(giver, written)
                 return self._field(giver, tuple(words[length:]), written)
-        if not self._script.knows_all_ids:
+        if any(self._script.may_have('.'.join(words[:n])) for n in range(1, len(words) + 1)):
             raise _UnknownReference
         hint = did_you_mean(
             '.'.join(words[:-1]) or words[0], self._script.by_id, 'name a task of this script'
@@ -144,7 +156,7 @@ class ReferenceReader:
             return f'`{giver.id}` is an initialization task and has no item'
         if giver.is_beside(task):
             return f'`{giver.id}` runs in parallel'
-        if not giver.precedes(task):
+        if not giver.may_precede(task):
             return f'`{giver.id}` runs later'
         if giver.section != task.section and self._script.trailing(giver):
             return f'`{giver.id}` runs after its section has released the conveyor'

@@ -49,20 +49,24 @@ def has_reference(node: Scalar) -> bool:
     return isinstance(node.value, str) and OPEN in node.text
 
 
-def split(text: str) -> Iterator[str | Path]:
+def split(text: str) -> Iterator[str | Path | ReferenceFault]:
     """Yield the plain parts and the references of a string, in order.
 
-    :raises ReferenceFault: a reference cannot be read
+    In place of a reference that cannot be read it yields what is wrong with it.
     """
     rest = text
     while OPEN in rest:
         before, _, after = rest.partition(OPEN)
         inside, closing, rest = after.partition('}')
         if not closing:
-            raise ReferenceFault(f'`{OPEN}` has no closing `}}`', 'close the reference with `}`')
+            yield ReferenceFault(f'`{OPEN}` has no closing `}}`', 'close the reference with `}`')
+            return
         if before:
             yield before
-        yield path(inside)
+        try:
+            yield path(inside)
+        except ReferenceFault as fault:
+            yield fault
     if rest:
         yield rest
 

@@ -47,6 +47,10 @@ class Report:
         """All mistakes, in the order of the file."""
         return tuple(sorted(self._findings))
 
+    def take(self, findings: Iterable[Finding]) -> None:
+        """Take over mistakes that were found before."""
+        self._findings.update(findings)
+
     def refuse(self) -> None:
         """End the reading if there was any mistake.
 

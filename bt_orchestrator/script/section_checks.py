@@ -9,7 +9,7 @@ from bt_orchestrator.script.report import Report
 
 def check_sections(script: ScriptDraft, report: Report) -> None:
     """Report groups that would wait for themselves, and turns that would never be complete."""
-    for section in script.sections.values():
+    for section in script.lists:
         for step in section.steps:
             _check_group(step, report)
         _check_release(section, report)
@@ -33,10 +33,8 @@ def _check_release(section: SectionDraft, report: Report) -> None:
     if section.release is Release.END_OF_CYCLE:
         return
     tasks = list(section.tasks)
-    if not all(task.fields.is_sure('requires_conveyor') for task in tasks):
-        return
     if tasks and not any(task.task.requires_conveyor for task in tasks):
-        what = f'section {section.section} has no task that requires the conveyor'
+        what = f'section {section.name} has no task that requires the conveyor'
         hint = 'remove `release_conveyor`, or let a task require the conveyor'
         report.add(section.release_place, what, hint)
     for task in section.trailing:

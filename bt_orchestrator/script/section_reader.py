@@ -30,50 +30,72 @@ class SectionReader:
         self._tasks = tasks
         self._sections = sections
         self._report = report
+        self._prefix = ''
+        """Of the default ids of the list that is read; `_counter` is their end."""
+        self._counter = count(1)
+        self._is_repeated = False
 
     def read(self) -> None:
         """Read the initialization list and the sections."""
         self._read_initialization()
         node = self._draft.fields.mapping('sections')
-        if node is None or not node.is_complete:
-            self._draft.tasks_are_complete = False
-        if node is not None and not node.entries and node.is_complete:
+        if node is None:
+            self._draft.note_unread(self._draft.fields.node)
+            return
+        if not node.entries and node.is_complete:
             what = 'the script has no sections'
             self._report.add(node.place, what, 'give the task list of at least one section')
-        for entry in node.entries if node else ():
+        for entry in node.entries:
             self._read_section(entry)
+        for entry in node.repeated:
+            self._read_stray(entry, is_repeated=True)
+        for lost in node.lost:
+            self._draft.note_unread(lost)
 
     def _read_initialization(self) -> None:
-        for number, node in enumerate(self._draft.fields.items('initialization'), 1):
-            fields = self._task_fields(node, initialization=True)
-            if fields is not None:
-                task = self._tasks.initialization(fields, f'init.{number}')
+        number = count(1)
+        for node in self._draft.fields.items('initialization'):
+            for fields in self._task_fields(node, is_initialization=True):
+                task = self._tasks.initialization(fields, f'init.{next(number)}')
                 self._draft.initialization.append(task)
                 self._note_id(task)
         if not self._draft.fields.is_sure('initialization'):
-            self._draft.tasks_are_complete = False
+            self._draft.note_unread_words(self._draft.fields.unread_words('initialization'))
 
     # --- sections -------------------------------------------------------------------------
 
     def _read_section(self, entry: Entry) -> None:
         number = self._number(entry)
         if number is None:
-            self._draft.tasks_are_complete &= _is_empty(entry.value)
-            return
+            self._read_stray(entry)
+        else:
+            self._draft.sections[number] = self._section(entry, number)
+
+    def _read_stray(self, entry: Entry, is_repeated: bool = False) -> None:
+        """Read a list whose section is not known, for the mistakes in it and the ids.
+
+        Where the list is there twice, so are perhaps its ids, which is no further mistake.
+        """
+        if not _is_empty(entry.value):
+            number = -len(self._draft.strays)
+            self._draft.strays[number] = self._section(entry, number, is_repeated)
+
+    def _section(self, entry: Entry, number: int, is_repeated: bool = False) -> SectionDraft:
         fields = self._section_fields(entry)
-        nodes = self._steps(entry.value, fields, number)
-        if nodes is None:
-            self._draft.tasks_are_complete = False
-            return
-        counter = count(1)
-        release = Release(
-            (fields.choice('release_conveyor') if fields else None) or 'end_of_cycle'
-        )
-        steps = tuple(
-            tuple(self._tracks(node, number, step, counter)) for step, node in enumerate(nodes)
-        )
+        nodes = self._steps(entry, fields)
+        word = fields.choice('release_conveyor') if fields else None
         place = fields.place('release_conveyor') if fields else entry.key.place
-        self._draft.sections[number] = SectionDraft(number, entry.key.place, release, place, steps)
+        self._is_repeated, self._prefix, self._counter = is_repeated, entry.key.text, count(1)
+        steps = tuple(tuple(self._tracks(node, number, step)) for step, node in enumerate(nodes))
+        return SectionDraft(
+            number,
+            entry.key.text,
+            entry.key.place,
+            Release(word or 'end_of_cycle'),
+            place,
+            steps,
+            is_repeated,
+        )
 
     def _number(self, entry: Entry) -> int | None:
         """Return a section's number; its key is the text as written."""
@@ -91,81 +113,95 @@ class SectionReader:
             return None
         return Fields(node, SECTION, self._report)
 
-    def _steps(self, node: Node, fields: Fields | None, number: int) -> tuple[Node, ...] | None:
-        items = node.items if isinstance(node, ListNode) else None
-        place = node.place
+    def _steps(self, entry: Entry, fields: Fields | None) -> tuple[Node, ...]:
+        node = entry.value
         if fields is not None:
             items = fields.items('tasks')
-            place = fields.place('tasks')
             if not fields.is_sure('tasks'):
-                return None
-        if _is_empty(node):
-            items = ()
-        if items is None:
+                self._draft.note_unread(node)
+                return items
+        elif isinstance(node, ListNode) or _is_empty(node):
+            items = node.items if isinstance(node, ListNode) else ()
+        else:
             what = f'a section must be a list of tasks, not {found(node)}'
-            self._report.add(place, what, _STEP_HINT)
-        elif not items:
-            what = f'section {number} has no tasks'
+            self._report.add(node.place, what, _STEP_HINT)
+            if isinstance(node, MapNode):
+                return (node,)
+            self._draft.note_unread(node)
+            return ()
+        if not items:
+            place = fields.place('tasks') if fields else node.place
+            what = f'section {entry.key.text} has no tasks'
             self._report.add(place, what, 'give it a task, or leave the section out')
         return items
 
     # --- steps ----------------------------------------------------------------------------
 
-    def _tracks(self, node: Node, section: int, step: int, counter: count[int]) -> Iterator[Track]:
+    def _tracks(self, node: Node, section: int, step: int) -> Iterator[Track]:
         """Yield the tracks of one step; a task alone is one track."""
         if not _is_group(node):
-            yield tuple(self._track((node,), Position(section, step, 0, 0), counter))
+            yield tuple(self._track((node,), Position(section, step, 0, 0)))
             return
         members = fields_of(node, PARALLEL, self._report)
         items = members.items('parallel') if members else ()
         if members and not members.is_sure('parallel'):
-            self._draft.tasks_are_complete = False
+            self._draft.note_unread(node)
         elif members and len(items) < 2:
             what = 'a parallel group needs at least two members'
             self._report.add(members.place('parallel'), what, 'add one, or write a plain task')
         for track, member in enumerate(items):
-            yield self._member(member, Position(section, step, track, 0), counter)
+            yield self._member(member, Position(section, step, track, 0))
 
-    def _member(self, node: Node, position: Position, counter: count[int]) -> Track:
+    def _member(self, node: Node, position: Position) -> Track:
         nodes = node.items if isinstance(node, ListNode) else (node,)
         if not nodes:
             what = 'this member of a parallel group has no tasks'
             self._report.add(node.place, what, 'give it a task, or remove it')
-        return tuple(self._track(nodes, position, counter))
+        return tuple(self._track(nodes, position))
 
-    def _track(
-        self, nodes: tuple[Node, ...], start: Position, counter: count[int]
-    ) -> Iterator[TaskDraft]:
-        for index, node in enumerate(nodes):
-            default_id = f'{start.section}.{next(counter)}'
-            fields = self._task_fields(node)
-            if fields is not None:
-                task = self._tasks.listed(fields, default_id, replace(start, index=index))
-                self._note_id(task)
-                yield task
+    def _track(self, nodes: tuple[Node, ...], start: Position) -> Iterator[TaskDraft]:
+        each = (fields for node in nodes for fields in self._task_fields(node))
+        for index, fields in enumerate(each):
+            default_id = f'{self._prefix}.{next(self._counter)}'
+            task = self._tasks.listed(fields, default_id, replace(start, index=index))
+            self._note_id(task)
+            yield task
 
-    def _task_fields(self, node: Node, initialization: bool = False) -> Fields | None:
-        """Return the cursor of a task; None if it is none (reported)."""
+    def _task_fields(self, node: Node, is_initialization: bool = False) -> Iterator[Fields]:
+        """Yield the cursor of a task; of each, where a list or a group stands (reported)."""
         if _is_group(node):
             what = 'a parallel group cannot stand here'
             hint = 'tasks that are not ordered run side by side here anyway'
             nested = 'a member is a task, or a list of tasks run in order'
-            self._report.add(node.place, what, hint if initialization else nested)
+            self._report.add(node.place, what, hint if is_initialization else nested)
         elif not isinstance(node, MapNode):
             self._report.add(
                 node.place, f'a task must be a mapping, not {found(node)}', _STEP_HINT
             )
+        table = INITIALIZATION_TASK if is_initialization else TASK
+        for task in self._tasks_in(node):
+            yield Fields(task, table, self._report)
+
+    def _tasks_in(self, node: Node) -> Iterator[MapNode]:
+        """Yield the tasks in a step, whatever their order."""
+        if isinstance(node, Scalar):
+            if node.value is not None:
+                self._draft.note_unread(node)
+        elif isinstance(node, ListNode):
+            for item in node.items:
+                yield from self._tasks_in(item)
+        elif _is_group(node):
+            for item in Fields(node, PARALLEL, self._report).items('parallel'):
+                yield from self._tasks_in(item)
         else:
-            table = INITIALIZATION_TASK if initialization else TASK
-            return Fields(node, table, self._report)
-        self._draft.tasks_are_complete = False
-        return None
+            yield node
 
     def _note_id(self, task: TaskDraft) -> None:
         """Report a second task of one id: results, flags and journals go by it."""
-        self._draft.ids_are_complete &= task.fields.is_sure('id')
+        if not task.fields.is_sure('id'):
+            self._draft.note_unread_id(task.fields.unread_words('id'))
         other = self._draft.by_id.setdefault(task.id, task)
-        if other is task:
+        if other is task or (task.section is not None and self._is_repeated):
             return
         first, second = sorted((other, task), key=lambda one: one.fields.node.place)
         if second.fields.has('id'):

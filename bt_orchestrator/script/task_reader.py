@@ -138,7 +138,9 @@ class TaskReader:
     def _check_section(self, draft: TaskDraft, section: int) -> None:
         """A component of no section may be used anywhere (formats: cell file)."""
         component = draft.component
-        if component is None or not component.sections or section in component.sections:
+        if component is None or not component.sections:
+            return
+        if section < 1 or section in component.sections:
             return
         here = [c.action for c in self._cell.components.values() if section in c.sections]
         hint = f'section {section} has {listing(here)}' if here else 'move the task'

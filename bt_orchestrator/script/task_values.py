@@ -11,8 +11,9 @@ from bt_orchestrator.script.argument_checks import MessageReader
 from bt_orchestrator.script.conditions import ConditionReader
 from bt_orchestrator.script.drafts import ScriptDraft, TaskDraft
 from bt_orchestrator.script.reference_checks import ReferenceReader
+from bt_orchestrator.script.references import has_reference
 from bt_orchestrator.script.report import Report
-from bt_orchestrator.script.yaml_nodes import MapNode
+from bt_orchestrator.script.yaml_nodes import ListNode, MapNode, Node, Scalar
 
 
 def complete_task(script: ScriptDraft, draft: TaskDraft, report: Report) -> Task:
@@ -27,11 +28,27 @@ def complete_task(script: ScriptDraft, draft: TaskDraft, report: Report) -> Task
 
 def _args(draft: TaskDraft, references: ReferenceReader, report: Report) -> dict[str, Any]:
     node = draft.fields.mapping('args')
-    if node is None or draft.type is None:
+    if node is None:
+        return {}
+    if draft.type is None:
+        _check_references(node, references)
         return {}
     if draft.type.has_task_field:
         node = _without_task_field(node, report)
     return MessageReader(report, references).read(node, _settable(draft.type))
+
+
+def _check_references(node: Node, references: ReferenceReader) -> None:
+    """Check the references in arguments whose types are not known."""
+    if isinstance(node, Scalar):
+        if has_reference(node):
+            references.template(node)
+    elif isinstance(node, ListNode):
+        for item in node.items:
+            _check_references(item, references)
+    else:
+        for entry in node.entries:
+            _check_references(entry.value, references)
 
 
 def _without_task_field(node: MapNode, report: Report) -> MapNode:

@@ -7,7 +7,7 @@ no text can name a Python object.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -70,11 +70,28 @@ class MapNode:
     entries: tuple[Entry, ...]
     doubtful: frozenset[str] = frozenset()
     """Keys of which something had to be left out (and was reported)."""
+    repeated: tuple[Entry, ...] = ()
+    """Keys that were written before, with their further values (reported)."""
+    lost: tuple[Node, ...] = ()
+    """Values that belong to no key (reported)."""
 
     @property
     def is_complete(self) -> bool:
         """Tell whether nothing had to be left out."""
         return not self.doubtful
+
+    def joined(self, other: MapNode) -> MapNode:
+        """Return this mapping with the entries of another one, its own first."""
+        known = {entry.key.text for entry in self.entries}
+        new = tuple(entry for entry in other.entries if entry.key.text not in known)
+        again = tuple(entry for entry in other.entries if entry.key.text in known)
+        return MapNode(
+            self.place,
+            self.entries + new,
+            self.doubtful | other.doubtful | {entry.key.text for entry in again},
+            self.repeated + other.repeated + again,
+            self.lost + other.lost,
+        )
 
     def find(self, key: str) -> Entry | None:
         """Return the entry of a key."""
@@ -91,6 +108,21 @@ def as_data(node: Node) -> object:
     if isinstance(node, ListNode):
         return [as_data(item) for item in node.items]
     return {entry.key.text: as_data(entry.value) for entry in node.entries}
+
+
+def words(node: Node) -> Iterator[str]:
+    """Yield every text in a node, keys too."""
+    if isinstance(node, Scalar):
+        yield node.text
+    elif isinstance(node, ListNode):
+        for item in node.items:
+            yield from words(item)
+    else:
+        for entry in (*node.entries, *node.repeated):
+            yield entry.key.text
+            yield from words(entry.value)
+        for value in node.lost:
+            yield from words(value)
 
 
 def plain_value(text: str) -> Value:

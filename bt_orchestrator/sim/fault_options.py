@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.cell import CONVEYOR, Cell, Component
 from bt_orchestrator.model.fault import Fault, parse_fault
 from bt_orchestrator.ports import ActionTypes
-from bt_orchestrator.script.fault_checks import unseen
+from bt_orchestrator.script.fault_checks import Unseen, unseen
 from bt_orchestrator.script.report import did_you_mean, listing
 
 _OPTION = re.compile(r'(?P<component>[\w-]+)\.?(?P<fault>.*)', re.DOTALL)
@@ -45,10 +45,12 @@ def add_faults(
     for option in options:
         try:
             component, fault = _read(option, cell, chosen)
-            _check(fault, component, types)
         except ValueError as error:
             mistakes.append(f'--fail {option}: {error}')
-        else:
+            continue
+        reasons = list(_reasons(fault, component, types))
+        mistakes += [f'--fail {option}: {one.what}; {one.hint}' for one in reasons]
+        if not reasons:
             chosen[component.name] = replace(component, faults=(*component.faults, fault))
     return mistakes
 
@@ -71,12 +73,11 @@ def _read(option: str, cell: Cell, chosen: Mapping[str, Component]) -> tuple[Com
     return chosen[name], parse_fault(match['fault'])
 
 
-def _check(fault: Fault, component: Component, types: ActionTypes) -> None:
-    reason = unseen(
+def _reasons(fault: Fault, component: Component, types: ActionTypes) -> Iterator[Unseen]:
+    """Yield why a fault could never be seen."""
+    return unseen(
         fault,
         component.name,
         types.action(component.type),
         has_state=component.state is not None,
     )
-    if reason is not None:
-        raise ValueError(f'{reason.what}; {reason.hint}')

@@ -154,6 +154,16 @@ def test_the_mistakes_of_all_orders_are_told(tmp_path: Path) -> None:
     assert found[2].startswith(f'{nowhere}:1:9: there is no script `referenc_process`')
 
 
+def test_what_is_wrong_with_an_order_hides_nothing_of_its_script(tmp_path: Path) -> None:
+    wrong = order(tmp_path, 'wrong', script='referenc_process', quantity=0)
+    with pytest.raises(Refused) as refused:
+        simulated(wrong)
+
+    script, quantity = sorted(finding.what for finding in refused.value.findings)[::-1]
+    assert script.startswith('there is no script `referenc_process`')
+    assert quantity.startswith('`quantity` must be at least 1')
+
+
 def test_scripts_that_disagree_about_a_flag_are_refused_at_the_later_order(
     stuck: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -35,9 +35,14 @@ def test_a_string_is_split_into_text_and_references(text: str, parts: list[str |
 
 
 @pytest.mark.parametrize('text', ['${', '${a', 'x ${order.id} ${', '${}', '${order.}', '${.id}'])
-def test_a_broken_reference_is_refused(text: str) -> None:
-    with pytest.raises(ReferenceFault):
-        list(split(text))
+def test_a_broken_reference_is_a_fault(text: str) -> None:
+    assert isinstance(list(split(text))[-1], ReferenceFault)
+
+
+def test_what_is_behind_a_broken_reference_is_read_too() -> None:
+    before, fault, between, behind = split('a ${x} b ${order.id}')
+    assert (before, between, behind) == ('a ', ' b ', Path('order', 'id'))
+    assert isinstance(fault, ReferenceFault)
 
 
 def test_a_path_prints_as_it_was_written() -> None:

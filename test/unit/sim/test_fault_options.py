@@ -37,3 +37,12 @@ def test_all_mistakes_are_told_at_once() -> None:
     unknown, unseen = str(refused.value).splitlines()
     assert unknown.endswith('no component `pres` in cell `test_cell`; did you mean `press`?')
     assert unseen.startswith('--fail cart=false: the Result of nav_interfaces/action/DriveTo has')
+
+
+def test_both_mistakes_of_one_option_are_told() -> None:
+    with pytest.raises(WrongFaults) as refused:
+        with_faults(BARE, ['press.TSK_A=not_ready'], TYPES)
+
+    task, state = str(refused.value).splitlines()
+    assert task.endswith('has no task `TSK_A`; did you mean `TASK_A`?')
+    assert 'has no state topic' in state

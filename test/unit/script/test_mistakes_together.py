@@ -1,0 +1,229 @@
+"""Two mistakes in one file are both told, and nothing that only follows from one of them (8.1)."""
+
+from __future__ import annotations
+
+import random
+import re
+from collections.abc import Callable, Iterator
+from functools import cache
+from typing import NamedTuple, cast
+
+import pytest
+from fakes.action_types import FakeActionTypes
+from fakes.mistake_tables import table
+from fakes.mistakes_together import CELL_FRAME, ORDER_FRAME, RICH, SCRIPT_FRAME, Frame, Plant
+from fakes.profiles import PROFILE
+from fakes.script_texts import LINE, line, mistakes, script
+
+from bt_orchestrator.script.cell_file import parse_cell
+from bt_orchestrator.script.order_file import bind_order, parse_draft
+
+PAIRS = 1_000_000 if PROFILE == 'nightly' else 500
+"""Of each kind of file; there are about 22,000 in scripts."""
+
+LOST_ID = 'task_options: empty id'
+"""The task may have had any id, so a name that no other task has is perhaps right."""
+
+UNKNOWN_ID = re.compile(r'.*(there is no .*task|names no task|is no initialization task)')
+
+ORDERED = line(
+    'params: {lot: {type: str}, n: {type: int, default: 3}, '
+    'x: {type: float, default: 1}, b: {type: bool, default: false}}\n'
+)
+
+
+class Kind(NamedTuple):
+    """A kind of file: where mistakes can be in it, and who reads it."""
+
+    frame: Frame
+    read: Callable[[str], object]
+
+
+def read_cell(text: str) -> object:
+    return parse_cell(text, 'cell.yaml', FakeActionTypes())
+
+
+def read_order(text: str) -> object:
+    file = parse_draft(text, 'order.yaml')
+    return bind_order(file.order, ORDERED, 'J1', file.places)
+
+
+KINDS = {
+    'script': Kind(SCRIPT_FRAME, script),
+    'cell': Kind(CELL_FRAME, read_cell),
+    'order': Kind(ORDER_FRAME, read_order),
+}
+
+
+@cache
+def told(kind: str, *plants: Plant) -> frozenset[str]:
+    """Return the mistakes that a file with these plants is told, without the hints.
+
+    A hint lists what there is, and that may be another plant's.
+    """
+    frame, read = KINDS[kind]
+    found = mistakes(lambda: read(frame.planted(*plants)))
+    return frozenset(one.partition('; ')[0] for one in found)
+
+
+def chosen(frame: Frame) -> list[tuple[Plant, Plant]]:
+    pairs = list(frame.pairs())
+    return random.Random(0).sample(pairs, min(PAIRS, len(pairs)))
+
+
+@pytest.mark.parametrize('kind', KINDS)
+def test_every_place_is_told_of_its_own_mistakes(kind: str) -> None:
+    assert told(kind) == frozenset()
+    for plant in KINDS[kind].frame.plants():
+        assert told(kind, plant), plant
+
+
+@pytest.mark.parametrize('kind', KINDS)
+def test_two_mistakes_are_told_and_nothing_that_follows(kind: str) -> None:
+    for first, second in chosen(KINDS[kind].frame):
+        both = told(kind, first, second)
+        each = told(kind, first) | told(kind, second)
+        if LOST_ID in (first.name, second.name):
+            each = frozenset(one for one in each if one in both or not UNKNOWN_ID.match(one))
+        assert both == each, (first.name, second.name)
+
+
+HOLDERS = {
+    'unknown action': '    - {{task: RUN, action: /nowhere{}}}\n',
+    'unknown task': '    - {{task: RN, action: /lamp/task{}}}\n',
+    'further key': '    - {{task: RUN, action: /lamp/task, colour: red{}}}\n',
+    'list in a list': '    - [{{task: RUN, action: /lamp/task{}}}]\n',
+    'group of one': '    - {{parallel: [{{task: RUN, action: /lamp/task{}}}]}}\n',
+    'group in a group': '    - {{parallel: [{{action: /cart/drive}}, {{parallel: ['
+    '{{task: RUN, action: /lamp/task{}}}, {{task: TASK_A, action: /press/task}}]}}]}}\n',
+    'misspelt group': '    - {{paralel: [{{task: RUN, action: /lamp/task{}}}, '
+    '{{action: /cart/drive}}]}}\n',
+}
+"""Wrong things around the options of a task."""
+
+SECTIONS = {
+    'unknown section': '  9:\n',
+    'text for a section': '  two:\n',
+    'section given twice': '  1:\n',
+    'misspelt release': '  3:\n    release_conveyer: end_of_cycle\n    tasks:\n',
+}
+"""Wrong things around the options of a task and two tasks that others refer to."""
+
+AROUND_OPTIONS = {
+    **{name: f'  3:\n{holder}' for name, holder in HOLDERS.items()},
+    **{name: f'{section}{RICH}' for name, section in SECTIONS.items()},
+    'task without a list': f'  3: {RICH.strip()[2:]}\n',
+    'group in initialization': 'initialization:\n'
+    '  - {{parallel: [{{task: RUN, action: /lamp/task{}}}, {{action: /cart/drive}}]}}\n',
+}
+
+
+def whats(text: str) -> list[str]:
+    """Return what is told of a script, without places and hints."""
+    found = mistakes(lambda: script(text))
+    return sorted(one.partition(': ')[2].partition('; ')[0] for one in found)
+
+
+def options() -> Iterator[tuple[str, str]]:
+    """Yield the wrong options of tasks that initialization has too."""
+    for case in table('task_options'):
+        text, findings = cast(tuple[str, list[str]], case.values)
+        if findings and not re.search('qty_change|when|runs_for|on_failure|once|colour', text):
+            yield cast(str, case.id), text
+
+
+@pytest.mark.parametrize('around', AROUND_OPTIONS.values(), ids=AROUND_OPTIONS)
+def test_what_is_wrong_around_a_task_hides_nothing_in_it(around: str) -> None:
+    outside = whats(LINE + around.format(''))
+    assert outside
+    for name, text in options():
+        inside = whats(LINE + '  3:\n' + RICH.format(text))
+        found = [
+            one.replace('an initialization task', 'a task')
+            for one in whats(LINE + around.format(text))
+        ]
+        assert found == sorted(outside + inside), name
+
+
+@pytest.mark.parametrize('section', SECTIONS.values(), ids=SECTIONS)
+def test_a_wrong_section_hides_no_unknown_id(section: str) -> None:
+    tasks = '    - {id: look, task: RUN, action: /lamp/task}\n'
+    flags = 'lateral_dependencies: [{flag: f, upstream: look, downstream: pck}]\n'
+    (unknown,) = set(whats(LINE + section + tasks + flags)) - set(whats(LINE + section + tasks))
+    assert unknown == 'there is no task `pck`'
+
+
+@pytest.mark.parametrize(
+    'unreadable',
+    ['  2: [look]\n', '  2: look\n', '  2: {steps: [{id: look}]}\n', '  2: [{id: [look]}]\n'],
+)
+def test_what_cannot_be_read_hides_only_the_ids_in_it(unreadable: str) -> None:
+    zones = 'zones: {t: [look, place], u: [nowhere, place]}\n'
+    found = [one for one in whats(LINE + unreadable + zones) if 'there is no' in one]
+    assert found == ['there is no task `nowhere`']
+
+
+TAIL = """\
+initialization: [{id: home, task: HOME, action: /belt/index, once: 3}]
+lateral_dependencies: [{flag: a b, upstream: home, downstream: nowhere}]
+zones: {t: [nowhere, home]}
+"""
+
+
+@pytest.mark.parametrize(('text', 'expected'), table('balance'))
+def test_quantities_and_relations_are_told_together(text: str, expected: list[str]) -> None:
+    tail = set(whats(LINE + TAIL))
+    assert set(whats(f'{text}\n{TAIL}')) == tail | set(whats(text))
+
+
+def test_quantities_are_told_beside_what_cannot_be_read() -> None:
+    found = whats(
+        LINE + '  2: [{id: also, task: RUN, action: /camera/task, qty_change: 1,\n'
+        '    when: "${order.id}"}, {task: RUN, action: /camera/task, qty_change: 2}, RUN]\n'
+    )
+    assert [one for one in found if 'item' in one] == [
+        'a task that places the item cannot have `when`',
+        'items are placed twice, by `place` and by `also`',
+    ]
+
+
+def test_every_broken_reference_of_a_text_is_told() -> None:
+    found = whats(
+        LINE + '  3: [{task: TASK_A, action: /press/task, '
+        'args: {special_argument_1: "${param.x} ${results.no.x} ${order.x}"}}]\n'
+    )
+    assert found == [
+        '`${order.x}` does not exist',
+        '`${param.x}` has an unknown source',
+        '`${results.no.x}` names no task of the script',
+    ]
+
+
+def test_references_are_checked_where_the_action_is_unknown() -> None:
+    found = whats(LINE + '  3: [{action: /nowhere, args: {a: [{b: "${results.no.x}"}]}}]\n')
+    assert found[0] == '`${results.no.x}` names no task of the script'
+
+
+def test_both_sides_of_a_comparison_are_told() -> None:
+    found = whats(
+        LINE + '  3: [{action: /cart/drive, when: {value: "${params.no}", equals: [3]}}]\n'
+    )
+    assert found == [
+        '`equals` must be a plain value, not a list',
+        'the script has no parameter `no`',
+    ]
+
+
+def test_what_is_given_again_is_read_too() -> None:
+    found = whats(
+        LINE + 'zones: {t: [place, pack]}\n'
+        'zones: {u: [place, nowhere]}\n'
+        'params: {a: {type: str}, a: {type: text}, a b: {type: int}}\n'
+    )
+    assert found == [
+        '`a b` cannot be a parameter name: only letters, digits, `_` and `-` are allowed',
+        '`type` cannot be `text`',
+        'the key `a` is given twice',
+        'the key `zones` is given twice',
+        'there is no task `nowhere`',
+    ]
