@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -29,12 +30,31 @@ class Finding:
         return f'{text}; {self.hint}' if self.hint else text
 
 
+_TOLD, _LONGEST = 3, 300
+"""Mistakes that are told in short, and the characters of each."""
+
+
 class Refused(OrchestratorError):
     """A file was refused; carries every mistake that was found, in the order of the file."""
 
     def __init__(self, findings: Sequence[Finding]) -> None:
         self.findings = tuple(findings)
         super().__init__('\n'.join(str(finding) for finding in self.findings))
+
+    @property
+    def count(self) -> str:
+        """How many mistakes there are, in words."""
+        return f'refused with {len(self.findings)} findings'
+
+    @property
+    def in_short(self) -> str:
+        """How many mistakes there are, and the first of them without their hints."""
+        first = self.findings[:_TOLD]
+        places = [f'{one.file}:{one.line}:{one.column}: {one.what}' for one in first]
+        more = len(self.findings) - len(first)
+        rest = [f'and {more} more'] if more else []
+        told = (textwrap.shorten(place, _LONGEST, placeholder=' …') for place in places)
+        return f'{self.count}: {"; ".join([*told, *rest])}'
 
 
 class UnknownActionType(OrchestratorError):

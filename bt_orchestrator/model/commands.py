@@ -32,7 +32,24 @@ class Shutdown:
     """Cancel every goal and start nothing more (semantics 2.6)."""
 
 
-OnRecord = AnswerHold | RemoveItem | CellCommand | JobCommand
+@dataclass(frozen=True)
+class RefusedRequest:
+    """What came to nothing before it was a command: an order with mistakes, an unknown word.
+
+    It changes nothing, and is put on record like any command that is refused.
+    """
+
+    verb: str
+    by: By
+    message: str
+    """Why it is refused."""
+    jobs: tuple[str, ...] = ()
+    """Ids of the jobs it is about; empty for an order that has none."""
+    each: tuple[str, ...] = ()
+    """What is to be said of each job, if that is not the same of all."""
+
+
+OnRecord = AnswerHold | RemoveItem | CellCommand | JobCommand | RefusedRequest
 """Commands that somebody is responsible for."""
 
 Command = OnRecord | Shutdown

@@ -120,6 +120,7 @@ def job_ended(event: e.JobCompleted | e.JobAborted, state: CellState) -> None:
     _forget_initialization(state, ended)
     state.ended[event.job] = ended
     if len(state.ended) > ENDED_KEPT:
+        # Only in journals of before, which have no `job.cleared` for it.
         del state.ended[next(iter(state.ended))]
     _forget_unused(state, ended.digest)
 

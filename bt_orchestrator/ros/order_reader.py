@@ -7,10 +7,14 @@ from pathlib import Path
 from typing import Any
 
 from bt_orchestrator.errors import Refused
+from bt_orchestrator.model.by import By
+from bt_orchestrator.model.commands import RefusedRequest
 from bt_orchestrator.model.order import Job, WorkOrder
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.runtime.command_record import ADD
+from bt_orchestrator.runtime.orders import FITS
 from bt_orchestrator.script.admission import admit
 from bt_orchestrator.script.lookup import find_script
 from bt_orchestrator.script.order_file import (
@@ -112,6 +116,24 @@ class OrderReader:
 
     def _free_ids(self, taken: Collection[str]) -> Iterator[str]:
         return (name for name in self._state.order_ids.free(PREFIX) if name not in taken)
+
+
+def name_of(order: Any) -> str:
+    """Return the words by which a client knows its order (msg/WorkOrder)."""
+    return str(order.order or order.script or 'the order')
+
+
+def refused_orders(orders: Sequence[Any], read: Sequence[Job | Refused], by: By) -> RefusedRequest:
+    """Return what is put on record of orders that were read, some of them with mistakes."""
+    each = [
+        f'{one.id} {FITS}' if isinstance(one, Job) else f'{name_of(order)} is {one.in_short}'
+        for order, one in zip(orders, read, strict=True)
+    ]
+    ids = tuple(
+        one.id if isinstance(one, Job) else order.order
+        for order, one in zip(orders, read, strict=True)
+    )
+    return RefusedRequest(ADD, by, '; '.join(each), ids, tuple(each))
 
 
 def _texts(params: Sequence[Any]) -> Mapping[str, str]:

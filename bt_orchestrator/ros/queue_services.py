@@ -18,7 +18,7 @@ from rclpy.node import Node
 
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.by import By
-from bt_orchestrator.model.commands import Answer
+from bt_orchestrator.model.commands import Answer, RefusedRequest
 from bt_orchestrator.model.job_commands import (
     AddJobs,
     ControlJob,
@@ -28,8 +28,9 @@ from bt_orchestrator.model.job_commands import (
     UpdateJob,
 )
 from bt_orchestrator.model.order import Job
-from bt_orchestrator.ros.order_reader import OrderReader
+from bt_orchestrator.ros.order_reader import OrderReader, name_of, refused_orders
 from bt_orchestrator.ros.serving import by, serve, tell
+from bt_orchestrator.runtime.command_record import ADD, UPDATE
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.runtime.orders import FITS
 
@@ -57,7 +58,7 @@ class QueueServices:
 
     def _add(self, request: Any, response: Any) -> None:
         if not request.orders:
-            response.message = 'name at least one order'
+            tell(response, self._refuse(ADD, request, 'name at least one order'))
             return
         position = request.position or None
         answer, response.answers = self._queue(
@@ -71,6 +72,7 @@ class QueueServices:
         read = self._orders.jobs(orders)
         jobs = tuple(job for job in read if isinstance(job, Job))
         if len(jobs) < len(read):
+            self._orchestrator.ask(refused_orders(orders, read, by))
             count = sum(len(one.findings) for one in read if isinstance(one, Refused))
             answer = Answer(accepted=False, message=f'refused with {count} findings')
             return answer, [
@@ -90,14 +92,20 @@ class QueueServices:
         try:
             job = self._orders.changed(request.job, request)
         except Refused as refused:
-            response.message = f'refused with {len(refused.findings)} findings'
+            self._refuse(UPDATE, request, refused.in_short, request.job)
+            response.message = refused.count
             response.findings = [str(finding) for finding in refused.findings]
             return
         if job is None:
             there = ', '.join(one.job.id for one in self._orchestrator.state.queue) or 'nothing'
-            response.message = f'{request.job} is not there; in the queue: {there}'
+            message = f'{request.job} is not there; in the queue: {there}'
+            tell(response, self._refuse(UPDATE, request, message, request.job))
             return
         tell(response, self._orchestrator.ask(UpdateJob(job, by(request))))
+
+    def _refuse(self, verb: str, request: Any, message: str, *jobs: str) -> Answer:
+        """Put a request on record that cannot be made a command."""
+        return self._orchestrator.ask(RefusedRequest(verb, by(request), message, jobs))
 
     def _command(self, request: Any, response: Any) -> None:
         command = (
@@ -114,8 +122,7 @@ class QueueServices:
 def _of_reading(order: Any, read: Job | Refused) -> OrderAnswer:
     if isinstance(read, Job):
         return OrderAnswer(message=f'{read.id} {FITS}')
-    name = order.order or order.script
     return OrderAnswer(
-        message=f'{name} is refused with {len(read.findings)} findings',
+        message=f'{name_of(order)} is {read.count}',
         findings=[str(finding) for finding in read.findings],
     )

@@ -25,7 +25,7 @@ from bt_orchestrator.model.job_commands import AddJobs, ControlJob
 from bt_orchestrator.model.job_report import ItemReport, JobReport
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.ros.job_message import job_messages
-from bt_orchestrator.ros.order_reader import OrderReader
+from bt_orchestrator.ros.order_reader import OrderReader, refused_orders
 from bt_orchestrator.ros.serving import by
 from bt_orchestrator.ros.stamps import to_time
 from bt_orchestrator.runtime.orchestrator import Orchestrator
@@ -96,8 +96,8 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
         goal, who = handle.request, by(handle.request, 'run_job')
         read = self._read(goal)
         if isinstance(read, Refused):
-            message = f'refused with {len(read.findings)} findings'
-            self._refuse(handle, message, [str(finding) for finding in read.findings])
+            self._orchestrator.ask(refused_orders([goal.order], [read], who))
+            self._refuse(handle, read.count, [str(finding) for finding in read.findings])
             return
         # From now on its events are its own: it is queued within `ask`, and may even end there.
         # An order that was given before is refused there, and the events are not those of a goal.

@@ -33,8 +33,8 @@ class Services:
 
     def _command(self, request: Any, response: Any) -> None:
         try:
-            answer = self._orchestrator.ask(command_of(request))
+            command: commands.Command = command_of(request)
         except CommandRefused as refused:
-            answer = commands.Answer(accepted=False, message=str(refused))
-        tell(response, answer)
+            command = commands.RefusedRequest(request.command, by(request), str(refused))
+        tell(response, self._orchestrator.ask(command))
         response.state = self._orchestrator.state.mode.value

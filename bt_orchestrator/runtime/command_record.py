@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.cell_commands import CellCommand
-from bt_orchestrator.model.commands import AnswerHold, OnRecord, RemoveItem
+from bt_orchestrator.model.commands import AnswerHold, OnRecord, RefusedRequest, RemoveItem
 from bt_orchestrator.model.job_commands import (
     AddJobs,
     ControlJob,
@@ -19,7 +20,7 @@ from bt_orchestrator.model.job_commands import (
 )
 from bt_orchestrator.model.packml import VERBS
 
-ADD = 'add'
+ADD, UPDATE = 'add', 'update'
 
 
 def decided(command: OnRecord) -> Iterator[e.Event]:
@@ -35,14 +36,29 @@ def decided_to_add(job: str, by: By | None) -> Iterator[e.Event]:
         yield e.OperatorDecided(answer=ADD, **vars(by), job=job)
 
 
-def refused(command: OnRecord, message: str) -> Iterator[e.Event]:
-    """Yield the record of a command that was not carried out.
+def refused(command: OnRecord, why: CommandRefused) -> Iterator[e.Event]:
+    """Yield the record of a command that was not carried out; each of several jobs has its own."""
+    if command.by is None:
+        return
+    verb, about = _what(command)
+    for job, message in _each(command, why):
+        told = {'job': job, **about} if job else about
+        yield e.OperatorRefused(command=verb, **vars(command.by), **told, message=message)
 
-    :param message: why not
-    """
-    if command.by is not None:
-        verb, about = _what(command)
-        yield e.OperatorRefused(command=verb, **vars(command.by), **about, message=message)
+
+def _each(command: OnRecord, why: CommandRefused) -> list[tuple[str, str]]:
+    """Return the jobs that were to be added or changed, and what is to be said of each."""
+    match command:
+        case AddJobs(jobs):
+            names = tuple(job.id for job in jobs)
+        case RefusedRequest(jobs=names):
+            pass
+        case _:
+            names = ()
+    if not names:
+        return [('', str(why))]
+    each = why.each or (str(why),) * len(names)
+    return list(zip(names, each, strict=True))
 
 
 def _what(command: OnRecord) -> tuple[str, dict[str, Any]]:
@@ -54,8 +70,8 @@ def _what(command: OnRecord) -> tuple[str, dict[str, Any]]:
             return 'remove_item', {'item': item}
         case CellCommand():
             return VERBS[command.cause], {}
-        case AddJobs((job,)):
-            return ADD, {'job': job.id}
+        case RefusedRequest(verb):
+            return verb, {}
         case AddJobs():
             return ADD, {}
         case MoveJob(name):
@@ -63,7 +79,7 @@ def _what(command: OnRecord) -> tuple[str, dict[str, Any]]:
         case RunNext(name):
             return 'next', {'job': name}
         case UpdateJob(job):
-            return 'update', {'job': job.id}
+            return UPDATE, {'job': job.id}
         case ControlJob(verb, name):
             return verb, {'job': name}
         case StopAfter(after):

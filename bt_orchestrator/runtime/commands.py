@@ -6,7 +6,14 @@ from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell_commands import CellCommand
-from bt_orchestrator.model.commands import AnswerHold, Command, OnRecord, RemoveItem, Shutdown
+from bt_orchestrator.model.commands import (
+    AnswerHold,
+    Command,
+    OnRecord,
+    RefusedRequest,
+    RemoveItem,
+    Shutdown,
+)
 from bt_orchestrator.model.failures import ABORT, SHUTDOWN
 from bt_orchestrator.model.packml import TRANSITIONS, Cause
 from bt_orchestrator.runtime import cell_commands, command_record, job_queue, operators
@@ -24,7 +31,7 @@ def answer_to(command: Command, ledger: Ledger) -> str:
     try:
         return _carry_out(command, ledger)
     except CommandRefused as refused:
-        ledger.record(command_record.refused(command, str(refused)))
+        ledger.record(command_record.refused(command, refused))
         raise
 
 
@@ -37,6 +44,8 @@ def _carry_out(command: OnRecord, ledger: Ledger) -> str:
         return f'{command.item} is off the belt'
     if isinstance(command, CellCommand):
         return cell_commands.carry_out(command, ledger)
+    if isinstance(command, RefusedRequest):
+        raise CommandRefused(command.message, command.each)
     message, events = job_queue.carry_out(command, ledger.state)
     ledger.record(events)
     return message

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from bt_orchestrator.deadlines import has_come
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.job_folds import ENDED_KEPT
 from bt_orchestrator.model.line import is_complete
 from bt_orchestrator.model.packml import TRANSITIONS, Cause, Mode
 from bt_orchestrator.model.state import CellState, Phase
@@ -66,6 +67,13 @@ def jobs_ended(state: CellState) -> Iterator[e.JobCompleted | e.JobAborted]:
                 reason=job.end_reason,
                 counts=asdict(job.progress),
             )
+
+
+def clear_oldest(state: CellState) -> Iterator[e.JobCleared]:
+    """Make room for one more ended job."""
+    if len(state.ended) >= ENDED_KEPT:
+        reason = f'the last {ENDED_KEPT} that ended are listed'
+        yield e.JobCleared(job=next(iter(state.ended)), reason=reason)
 
 
 # --- the stop reason --------------------------------------------------------------------------

@@ -147,7 +147,7 @@ class Orchestrator:
         if self._look_for_ends:
             self._look_for_ends = False
             for ended in lifecycle.jobs_ended(self.state):
-                self._ledger.record([ended])
+                self._ledger.record([*lifecycle.clear_oldest(self.state), ended])
                 self.tree.prune(ended.job)
         self._ledger.record(job_queue.stop_when_empty(self.state))
         outlook = self._outlook(quiet=quiet)

@@ -6,6 +6,7 @@ import json
 from typing import Any
 
 from action_msgs.msg import GoalStatus
+from bt_orchestrator_interfaces import srv
 from bt_orchestrator_interfaces.action import RunJob
 from bt_orchestrator_interfaces.msg import WorkOrder
 from cell_processes import CellProcesses, StartCell, small_script
@@ -102,6 +103,57 @@ def test_a_job_is_run_as_an_action(start_cell: StartCell) -> None:
     assert {'Running'} <= {message.feedback.status.state for message in feedback}
     assert cell.watch.ros.result(other).result.exit_status == 'completed'
     cell.stop()
+
+
+def test_what_is_refused_at_any_door_is_on_record(small_cell: CellProcesses) -> None:
+    watch = small_cell.watch
+    path = str(small_cell.script(small_script()))
+    wrong = str(small_cell.script(small_script(options=', retires: 2'), 'wrong'))
+    by = {'who': 'Ada', 'origin': 'the test', 'reason': 'rush'}
+    good = WorkOrder(order='A', script=path, quantity=1)
+    held = srv.QueueAdd.Request(orders=[good], held=True, **by)
+    assert watch.call(srv.QueueAdd, 'queue/add', held).accepted
+    asked = [
+        ('submit_order', srv.SubmitOrder.Request(order='B', script=wrong, quantity=1, **by)),
+        ('submit_order', srv.SubmitOrder.Request(order='C', script='smal', **by)),
+        ('queue/add', srv.QueueAdd.Request(orders=[], **by)),
+        (
+            'queue/add',
+            srv.QueueAdd.Request(
+                orders=[WorkOrder(order='D', script=path, quantity=1), WorkOrder(script=wrong)],
+                **by,
+            ),
+        ),
+        ('queue/update', srv.QueueUpdate.Request(job='A', script='smal', **by)),
+        ('queue/update', srv.QueueUpdate.Request(job='Z', **by)),
+        ('command', srv.Command.Request(command='dance', **by)),
+        ('command', srv.Command.Request(command='clear', **by)),
+    ]
+    for service, request in asked:
+        kind = getattr(srv, type(request).__name__.removesuffix('_Request'))
+        assert not watch.call(kind, service, request).accepted, service
+    for fields in ({'order': WorkOrder(order='E', script=wrong)}, {'text': '{order: F'}):
+        end = watch.ros.result(run_job(small_cell, [], **fields)).result
+        assert (end.exit_status, bool(end.findings)) == ('refused', True)
+
+    watch.until('operator.refused', count=11)
+    recorded = watch.seen('operator.refused')
+    assert [(one['command'], one.get('job'), one['who']) for one in recorded] == [
+        *(('add', job, 'Ada') for job in ('B', 'C', None, 'D', None)),
+        *(('update', job, 'Ada') for job in 'AZ'),
+        *((word, None, 'Ada') for word in ('dance', 'clear')),
+        *(('add', job, 'Ada') for job in ('E', None)),
+    ]
+    assert {one['origin'] for one in recorded} == {'the test', 'run_job'}
+    told = [one['message'] for one in recorded]
+    assert told[0].startswith(f'B is refused with 1 findings: {wrong}:')
+    assert 'a task has no key `retires`' in told[0]
+    assert 'there is no script `smal`' in told[1]
+    assert told[3] == 'D fits, but was not queued because of the others'
+    assert told[4].startswith(f'{wrong} is refused with 1 findings: ')
+    assert 'there is no script `smal`' in told[5]
+    assert told[6] == 'Z is not there; in the queue: A'
+    small_cell.stop()
 
 
 def test_cancelling_the_action_aborts_the_job(small_cell: CellProcesses) -> None:

@@ -154,6 +154,7 @@ class JobCleared(Event):
 
     event: ClassVar[str] = 'job.cleared'
     job: str
+    reason: str = ''
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -60,3 +60,9 @@ def test_the_oldest_ended_jobs_are_forgotten() -> None:
     run.go()
     assert len(run.state.ended) == ENDED_KEPT
     assert 'J' not in run.state.ended
+
+    older = CellState(line.cell)
+    for event in run.store.read():
+        if not isinstance(event, e.JobCleared):  # journals of before have none
+            apply(older, replace(event, seq=older.seq + 1))
+    assert older.ended == run.state.ended

@@ -47,8 +47,25 @@ def test_6_6_of_several_orders_all_are_queued_or_none() -> None:
         'M fits, but was not queued because of the others',
         'order M was given before; choose another id',
     )
-    (record,) = run.records[before:]
-    assert (queue(run), record['event'], record['command']) == ('K', 'operator.refused', 'add')
+    assert queue(run) == 'K'
+    recorded = run.records[before:]
+    assert {(one['event'], one['command']) for one in recorded} == {('operator.refused', 'add')}
+    assert [(one['job'], one['message']) for one in recorded] == list(
+        zip('LKMM', answer.each, strict=True)
+    )
+
+
+def test_6_6_the_oldest_ended_job_is_cleared_before_the_list_would_be_too_long() -> None:
+    run = VirtualRun(LINE.cell, LINE.types)
+    for number in range(ENDED_KEPT + 2):
+        run.submit(f'K{number}', SCRIPT)
+    run.go()
+    assert list(run.state.ended) == [f'K{number}' for number in range(2, ENDED_KEPT + 2)]
+    cleared = run.all('job.cleared')
+    assert [record['job'] for record in cleared] == ['K0', 'K1']
+    assert {record['reason'] for record in cleared} == {'the last 100 that ended are listed'}
+    ends = run.all('job.completed')[-2:]
+    assert [record['time'] for record in cleared] == [end['time'] for end in ends]
 
 
 def test_6_6_orders_given_together_agree_on_flags() -> None:
