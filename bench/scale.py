@@ -77,6 +77,7 @@ class LargeLine:
         yield f'controllers ready after {time.monotonic() - begun:.1f} s'
         begun = time.monotonic()
         options = ['--executor', self._args.executor, '--journal', str(self._journal)]
+        options += ['--trees', str(self._cell.parent)]
         self._node = self._run('node', ['run', *cell, *options])
         _wait_ready(self._node)
         yield f'tree node ready after {time.monotonic() - begun:.1f} s'

@@ -100,7 +100,7 @@ class Stand:
 
         :param program: the module that Python runs
         """
-        words = ['run', '--cell', str(self.cell), *options]
+        words = ['run', '--cell', str(self.cell), '--trees', str(self.folder), *options]
         process = ProgramProcess(words, self.folder, self.name('node'), ('-m', program))
         try:
             process.wait_ready()

@@ -47,6 +47,13 @@ class NodeParameters:
         tuple[Path, ...],
         Words('folders in which scripts are looked up by name, in order', metavar='DIR'),
     ] = ()
+    script_paths: Annotated[
+        bool,
+        Words(
+            'orders may name scripts outside these folders by their path; then every participant '
+            'of the ROS 2 domain can have the node read any file as a script'
+        ),
+    ] = False
     tick_rate_hz: Annotated[
         float,
         Words(

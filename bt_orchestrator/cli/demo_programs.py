@@ -84,7 +84,7 @@ class DemoPrograms:
                     verb += ['--fail', fault]
             yield f'controllers {number}', verb
         verb = ['run', '--cell', self._record.cell, '--executor', args.executor]
-        verb += ['--journal', str(self._folder.journal), '--auto-resume']
+        verb += ['--journal', str(self._folder.journal), '--auto-resume', '--script-paths']
         for trees in args.trees:
             verb += ['--trees', str(trees)]
         yield NODE, verb

@@ -170,7 +170,8 @@ class TreeNode:
 
     def _take_requests(self, types: InstalledActionTypes, store: EventStore) -> RunJobServer:
         """Offer the services and the action, which has to be destroyed."""
-        orders = OrderReader(self.orchestrator.state, types, self.parameters.trees)
+        parameters, state = self.parameters, self.orchestrator.state
+        orders = OrderReader(state, types, parameters.trees, any_path=parameters.script_paths)
         Services(self.node, self.orchestrator)
         QueueServices(self.node, self.orchestrator, orders)
         EventsService(self.node, self.orchestrator.state, store)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.runtime.command_record import ADD
 from bt_orchestrator.runtime.orders import FITS
 from bt_orchestrator.script.admission import admit
-from bt_orchestrator.script.lookup import find_script
+from bt_orchestrator.script.lookup import find_below, find_script
 from bt_orchestrator.script.order_file import (
     OrderPlaces,
     bind_order,
@@ -29,6 +30,9 @@ from bt_orchestrator.script.script_file import read_script
 PREFIX = 'WO-'
 """Of the ids that are assigned to orders without one."""
 
+ANY_PATH = '--script-paths'
+"""The option of the node that allows paths outside its folders."""
+
 
 class OrderReader:
     """Makes jobs of what clients ask for. Nothing is changed here."""
@@ -38,11 +42,20 @@ class OrderReader:
         state: CellState,
         types: ActionTypes,
         trees: Sequence[Path],
+        *,
+        any_path: bool,
     ) -> None:
+        """Read scripts for clients.
+
+        :param trees: folders in which scripts are looked up
+        :param any_path: whether a client may also name a script elsewhere by its path; any
+            participant of the ROS 2 domain is a client
+        """
         self._state = state
         self._types = types
         self._types_by_component = action_types(state.cell, types)
         self._trees = trees
+        self._find = find_script if any_path else partial(find_below, option=ANY_PATH)
 
     def jobs(self, orders: Sequence[Any]) -> list[Job | Refused]:
         """Make a job of each order (bt_orchestrator_interfaces/msg/WorkOrder), or say why not.
@@ -99,7 +112,7 @@ class OrderReader:
 
         :raises Refused: with every mistake in it
         """
-        path = find_script(name, self._trees)
+        path = self._find(name, self._trees)
         script = read_script(path, self._state.cell, self._types)
         admit(path, script)
         return script

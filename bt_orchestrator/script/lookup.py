@@ -33,6 +33,31 @@ def find_script(
     raise Refused([Finding(asked_in or name_or_path, place.line, place.column, what, hint)])
 
 
+def find_below(name_or_path: str, folders: Sequence[Path], option: str) -> Path:
+    """Return the path of a script for somebody who may not look anywhere else.
+
+    A name is looked up as above; a path has to lead below one of the folders. Of a file elsewhere
+    nothing is told, not even whether it exists.
+
+    :param option: what would allow every path
+    :raises Refused: there is no such file, or it is elsewhere
+    """
+    if is_path(name_or_path) and not _is_below(Path(name_or_path), folders):
+        where = ', '.join(map(str, folders)) or 'none'
+        what = f'the path {quoted(name_or_path)} is in none of the folders of this node ({where})'
+        hint = f'put the script there, or start the node with {option}'
+        raise Refused([Finding(name_or_path, START.line, START.column, what, hint)])
+    return find_script(name_or_path, folders)
+
+
+def _is_below(path: Path, folders: Sequence[Path]) -> bool:
+    try:
+        real = path.resolve()
+        return any(real.is_relative_to(folder.resolve()) for folder in folders)
+    except (OSError, ValueError, RuntimeError):  # a NUL in it, a circle of links
+        return False
+
+
 def is_path(name_or_path: str) -> bool:
     """Tell whether a script is named by its path."""
     separators = [separator for separator in (os.sep, os.altsep) if separator]

@@ -182,7 +182,7 @@ ORDER = Table(
         Key(
             'script',
             Kind.TEXT,
-            'name of a script, or a path',
+            'name of a script, or a path; for a node, below its folders of scripts',
             'my_process',
             required=True,
             rule='8.1',

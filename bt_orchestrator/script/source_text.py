@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import stat
 from pathlib import Path
 
 from bt_orchestrator.errors import Finding, Refused
@@ -12,13 +14,16 @@ LARGEST_FILE = 4_000_000
 
 
 def read_text(path: Path) -> str:
-    """Return the text of a file.
+    """Return the text of a file; never waits for whoever may fill it.
 
-    :raises Refused: it cannot be read, is too large, or is not UTF-8
+    :raises Refused: it is no ordinary file, cannot be read, is too large, or is not UTF-8
     """
     try:
-        with path.open('rb') as file:
-            data = file.read(LARGEST_FILE + 1)
+        with open(path, 'rb', opener=_open_at_once) as file:
+            if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+                hint = 'save it as a file'
+                raise _refused(path, 'this is a pipe or a device, and no ordinary file', hint)
+            data = file.read(LARGEST_FILE + 1) or b''
     except FileNotFoundError:
         raise _refused(path, 'the file does not exist', _neighbour(path)) from None
     except IsADirectoryError:
@@ -31,6 +36,11 @@ def read_text(path: Path) -> str:
         megabytes = LARGEST_FILE // 1_000_000
         raise _refused(path, f'the file is larger than {megabytes} MB', 'is this the right file?')
     return _decoded(data, path)
+
+
+def _open_at_once(path: str, flags: int) -> int:
+    """Open a file that may be a pipe without a writer, or be leased to another process."""
+    return os.open(path, flags | os.O_NONBLOCK | os.O_NOCTTY)
 
 
 def _decoded(data: bytes, path: Path) -> str:

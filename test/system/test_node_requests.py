@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from bt_orchestrator_interfaces.srv import AnswerHold, RemoveItem, SubmitOrder
@@ -89,6 +90,22 @@ def test_an_order_id_is_taken_once(small_cell: CellProcesses) -> None:
     first, second = (watch.submit(path, order='').job for _ in range(2))
     assert len({first, second, 'WO-1'}) == 3, 'an id is assigned that is free'
     watch.until_ended(second)
+    small_cell.stop()
+
+
+def test_no_file_outside_the_folders_is_read(small_cell: CellProcesses, tmp_path: Path) -> None:
+    watch = small_cell.watch
+    secret = tmp_path / 'secret.yaml'
+    secret.write_text('root: hidden\n')
+    os.mkfifo(small_cell.folder / 'pipe.yaml')
+    for path in ('/etc/shadow', '/proc/kmsg', str(secret), '../secret.yaml'):
+        (told,) = refusal(watch, path)
+        assert 'is in none of the folders of this node' in told, path
+        assert 'hidden' not in told
+    (pipe,) = refusal(watch, 'pipe')
+    assert 'there is no script `pipe`' in pipe
+    watch.submit(small_cell.script(small_script()), order='WO-1')
+    assert watch.until_ended('WO-1').packed == 1
     small_cell.stop()
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from bt_orchestrator.errors import Refused
-from bt_orchestrator.script.lookup import find_script, is_path
+from bt_orchestrator.script.lookup import find_below, find_script, is_path
 from bt_orchestrator.script.report import Place
 
 
@@ -36,6 +36,32 @@ def test_a_name_is_looked_up_in_each_folder_in_turn(folders: list[Path]) -> None
 def test_a_path_is_taken_as_it_is(folders: list[Path]) -> None:
     path = str(folders[1] / 'inspect.yaml')
     assert find_script(path, []) == Path(path)
+
+
+def test_below_the_folders_a_path_is_as_good_as_a_name(folders: list[Path]) -> None:
+    path = folders[1] / 'inspect.yaml'
+    for asked in ('inspect', str(path), f'{folders[0]}/../installed/inspect.yaml'):
+        found = find_below(asked, folders, '--any')
+        assert found.resolve() == path.resolve()
+
+
+@pytest.mark.parametrize('path', ['/etc/shadow', '/etc/nothing.yaml', '../x.yaml', 'a/\0b', '/'])
+def test_of_a_file_elsewhere_nothing_is_told(folders: list[Path], path: str) -> None:
+    with pytest.raises(Refused) as caught:
+        find_below(path, folders, '--any')
+    (finding,) = caught.value.findings
+    assert finding.what.startswith('the path `')
+    assert finding.what.endswith(
+        f'` is in none of the folders of this node ({folders[0]}, {folders[1]})'
+    )
+    assert finding.hint == 'put the script there, or start the node with --any'
+
+
+def test_a_link_that_leads_elsewhere_is_elsewhere(folders: list[Path], tmp_path: Path) -> None:
+    (tmp_path / 'secret.yaml').touch()
+    (folders[0] / 'link.yaml').symlink_to(tmp_path / 'secret.yaml')
+    with pytest.raises(Refused):
+        find_below(str(folders[0] / 'link.yaml'), folders, '--any')
 
 
 @pytest.mark.parametrize(

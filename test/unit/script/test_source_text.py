@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import fcntl
+import os
+import signal
+import time
 from pathlib import Path
 
 import pytest
@@ -48,6 +52,28 @@ def test_a_file_as_folder_cannot_be_read(tmp_path: Path) -> None:
     assert 'the file cannot be read: Not a directory' in refusal(tmp_path / 'a' / 'b.yaml')
 
 
+def test_a_pipe_is_not_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / 'a')
+    told = '1:1: this is a pipe or a device, and no ordinary file; save it as a file'
+    assert refusal(tmp_path / 'a') == told
+    assert refusal(Path('/dev/zero')) == told
+
+
+def test_a_file_that_another_process_has_leased_is_not_waited_for(tmp_path: Path) -> None:
+    path = tmp_path / 'a.yaml'
+    path.write_text('a: 1')
+    leased = os.open(path, os.O_RDWR)
+    before = signal.signal(signal.SIGIO, signal.SIG_IGN)
+    try:
+        fcntl.fcntl(leased, fcntl.F_SETLEASE, fcntl.F_WRLCK)
+        began = time.monotonic()
+        assert 'the file cannot be read: ' in refusal(path)
+        assert time.monotonic() - began < 10.0  # a lease is broken after 45 s
+    finally:
+        os.close(leased)
+        signal.signal(signal.SIGIO, before)
+
+
 def test_a_name_that_no_file_can_have() -> None:
     assert 'the file cannot be read' in refusal(Path('a\x00b'))
     assert 'File name too long' in refusal(Path('a' * 5000))
@@ -66,7 +92,3 @@ def test_a_large_file_is_not_read_whole(tmp_path: Path, monkeypatch: pytest.Monk
     assert refusal(tmp_path / 'a.yaml') == (
         '1:1: the file is larger than 1 MB; is this the right file?'
     )
-
-
-def test_an_endless_device_ends() -> None:
-    assert 'the file is larger than 4 MB' in refusal(Path('/dev/zero'))
