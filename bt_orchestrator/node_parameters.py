@@ -70,8 +70,8 @@ class NodeParameters:
     auto_start: Annotated[
         bool,
         Words(
-            'the cell resets and starts by itself when an order arrives, and does not wait for '
-            '`reset` and `start`'
+            'the cell resets and starts by itself when an order arrives, unless an operator '
+            'stopped it, and does not wait for `reset` and `start`'
         ),
     ] = True
     auto_resume: Annotated[

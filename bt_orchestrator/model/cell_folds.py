@@ -6,11 +6,10 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.packml import Mode
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.stop_reason import StopReason
+from bt_orchestrator.model.wish import STAND, START, STOP_AFTER, Wish
 
 _FORGET_ONCE = (Mode.STOPPED, Mode.ABORTED)
 """States in which somebody may have moved anything by hand (semantics 5.1)."""
-
-_ORDERED_TO_STAND = (Mode.STOPPING, Mode.STOPPED, Mode.ABORTING, Mode.ABORTED)
 
 
 def orchestrator_started(event: e.OrchestratorStarted, state: CellState) -> None:
@@ -41,10 +40,23 @@ def cell_state_changed(event: e.CellStateChanged, state: CellState) -> None:
     if state.mode in _FORGET_ONCE:
         state.done_once.clear()
     if state.mode is Mode.STARTING:
-        state.order_arrived = state.has_work
-    # A shutdown is nobody's wish that the cell stands: the next orchestrator goes on.
-    elif state.mode in _ORDERED_TO_STAND and not state.shutting_down:
-        state.order_arrived = False
+        state.had_work = state.has_work
+
+
+def operator_decided(event: e.OperatorDecided, state: CellState) -> None:
+    """Keep what is wished of the cell as a whole; what else a decision means follows as events.
+
+    A shutdown of the node is no such decision: the next orchestrator goes on.
+    """
+    if (event.hold, event.job, event.item) != (None, None, None):
+        return
+    wish = Wish(event.answer, event.who, event.reason, event.time)
+    if event.answer in STAND:
+        state.stopped_by = wish
+    elif event.answer == START:
+        state.stopped_by = None
+    elif event.answer.startswith(STOP_AFTER):
+        state.stop_after_by = wish  # `never` is taken back by the event that follows it
 
 
 def _stay(state: CellState, until: float) -> None:

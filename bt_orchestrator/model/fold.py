@@ -77,7 +77,8 @@ _on(e.JobHeld)(jobs.job_held)
 _on(e.JobReleased)(jobs.job_released)
 _on(e.JobRemoved)(jobs.job_removed)
 _on(e.QueueStopRequested)(jobs.queue_stop_requested)
-_on(e.QueueStopCancelled, e.QueueStopReached)(jobs.queue_stop_over)
+_on(e.QueueStopCancelled)(jobs.queue_stop_cancelled)
+_on(e.QueueStopReached)(jobs.queue_stop_reached)
 _on(e.JobStarted)(jobs.job_started)
 _on(e.JobPaused)(jobs.job_paused)
 _on(e.JobResumed)(jobs.job_resumed)
@@ -372,11 +373,12 @@ def _hold_released(event: e.HoldReleased, state: CellState) -> None:
     del state.holds[event.hold]
 
 
-@_on(e.OperatorDecided, e.OperatorRefused)
-def _operator_spoke(_: e.OperatorDecided | e.OperatorRefused, state: CellState) -> None:
-    """Change nothing: what a decision means follows as events of its own."""
+@_on(e.OperatorRefused)
+def _operator_refused(_: e.OperatorRefused, state: CellState) -> None:
+    """Change nothing."""
 
 
+_on(e.OperatorDecided)(cell.operator_decided)
 _on(e.OrchestratorStarted)(cell.orchestrator_started)
 _on(e.OrchestratorStopping)(cell.orchestrator_stopping)
 _on(e.StopReasonChanged)(cell.stop_reason_changed)

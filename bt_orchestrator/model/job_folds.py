@@ -7,6 +7,7 @@ from bt_orchestrator.model.initialization import Preparation
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState, FlagState, JobState
+from bt_orchestrator.model.wish import STOP_AFTER, Wish
 
 ENDED_KEPT = 100
 """How many ended jobs the state remembers; the journal has them all."""
@@ -31,7 +32,7 @@ def job_queued(event: e.JobQueued, state: CellState) -> None:
     if event.position is not None:
         _put(state, event.job, event.position)
     if not event.held:
-        state.order_arrived = True
+        state.had_work = True
 
 
 def job_moved(event: e.JobMoved, state: CellState) -> None:
@@ -58,7 +59,7 @@ def job_held(event: e.JobHeld, state: CellState) -> None:
 def job_released(event: e.JobReleased, state: CellState) -> None:
     """Let it start in its turn; to the cell it is as if an order had arrived."""
     _queued(state, event.job).held = False
-    state.order_arrived = True
+    state.had_work = True
 
 
 def job_removed(event: e.JobRemoved, state: CellState) -> None:
@@ -74,9 +75,15 @@ def queue_stop_requested(event: e.QueueStopRequested, state: CellState) -> None:
     state.stop_after = event.after
 
 
-def queue_stop_over(_: e.QueueStopCancelled | e.QueueStopReached, state: CellState) -> None:
-    """Let the line go on, at once or when the cell is started again."""
-    state.stop_after = None
+def queue_stop_cancelled(_: e.QueueStopCancelled, state: CellState) -> None:
+    """Let the line go on."""
+    state.stop_after = state.stop_after_by = None
+
+
+def queue_stop_reached(event: e.QueueStopReached, state: CellState) -> None:
+    """Let the line go on when an operator starts the cell again."""
+    state.stopped_by = state.stop_after_by or Wish(STOP_AFTER + event.after)
+    state.stop_after = state.stop_after_by = None
 
 
 # --- jobs on the line -----------------------------------------------------------------------

@@ -49,9 +49,11 @@ _BEGIN = (Mode.EXECUTE, Mode.SUSPENDING, Mode.SUSPENDED, Mode.UNSUSPENDING)
 _WORK = (*_BEGIN, Mode.HOLDING, Mode.HELD, Mode.UNHOLDING, Mode.STOPPING)
 
 MEANINGS: Mapping[Mode, str] = {
-    Mode.STOPPED: 'nothing runs and nothing starts; waits for `reset`, or for an order',
+    Mode.STOPPED: (
+        'nothing runs, nothing starts; waits for `reset`, or, if nobody stopped it, for an order'
+    ),
     Mode.RESETTING: 'gets ready to start',
-    Mode.IDLE: 'ready; waits for `start`, or for an order',
+    Mode.IDLE: 'ready; waits for `start`, or, if nobody stopped it, for an order',
     Mode.STARTING: 'begins to work',
     Mode.EXECUTE: 'works',
     Mode.COMPLETING: 'the last job has ended',

@@ -22,8 +22,10 @@ from typing import Any
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import from_plain, hints_of, to_plain
 from bt_orchestrator.model.initialization import Preparation
+from bt_orchestrator.model.packml import VERBS, Cause, Mode
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState
+from bt_orchestrator.model.wish import STOP_AFTER
 
 SCALARS = (str, int, float, bool)
 
@@ -53,13 +55,35 @@ def state_from_plain(cell: Cell, plain: Mapping[str, Any]) -> CellState:
     """
     state = CellState(cell)
     reader, hints, kept = _Reader(plain['objects']), hints_of(CellState), kept_fields()
-    for name, value in plain['state'].items():
+    for name, value in _of_today(plain['state']).items():
         if name not in kept:
             raise TypeError(f'the state has no field {name}')
         setattr(state, name, reader.read(hints[name], value))
     _fit(state)
     state.preparations = {d: Preparation(script, cell) for d, script in state.scripts.items()}
     return state
+
+
+def _of_today(fields: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return the fields that an older program kept, as this one does.
+
+    `order_arrived` was false from an operator's stop to the next order, or start.
+    """
+    if 'order_arrived' not in fields:
+        return fields
+    arrived, mode = fields['order_arrived'], Mode(fields['mode'])
+    stands = not arrived and mode in _STANDS
+    wish = {'command': VERBS[Cause.ABORT if mode in _ABORTED else Cause.STOP]}
+    after = fields.get('stop_after')
+    return {name: value for name, value in fields.items() if name != 'order_arrived'} | {
+        'had_work': arrived,
+        'stopped_by': wish if stands else None,
+        'stop_after_by': {'command': STOP_AFTER + after} if after else None,
+    }
+
+
+_ABORTED = (Mode.ABORTING, Mode.ABORTED, Mode.CLEARING)
+_STANDS = (Mode.STOPPING, Mode.STOPPED, Mode.RESETTING, Mode.IDLE, *_ABORTED)
 
 
 def _fit(state: CellState) -> None:

@@ -18,6 +18,7 @@ from bt_orchestrator.model.pauses import NAMED
 from bt_orchestrator.model.reference import Scope
 from bt_orchestrator.model.script import Script, Task
 from bt_orchestrator.model.stop_reason import StopReason
+from bt_orchestrator.model.wish import Wish
 
 DERIVED: Mapping[str, bool] = {'derived': True}
 """Marks a field of the state that follows from the others, or from the cell file."""
@@ -233,9 +234,10 @@ class CellState:
     seq: int = 0
     """Last event applied."""
     mode: Mode = Mode.STOPPED
-    order_arrived: bool = False
-    """There is work that nobody stopped: since an operator last stopped or aborted the cell a job
-    was queued, or an operator started it. Then it may start by itself."""
+    stopped_by: Wish | None = None
+    """An operator stopped, aborted or cleared the cell, and none has started it since."""
+    had_work: bool = False
+    """There was a job that may start since the cell was started; until then it waits for one."""
     mode_since: float = 0.0
     """When the mode was entered, or the orchestrator started in it; seconds."""
     mode_times: dict[Mode, float] = field(default_factory=dict)
@@ -265,6 +267,8 @@ class CellState:
     """Of every job there ever was: an id is used once."""
     stop_after: str | None = None
     """`item` or `job`: the line runs empty, and the cell stops (semantics 6.6)."""
+    stop_after_by: Wish | None = None
+    """Who asked for that; none while nobody does."""
     items: dict[str, ItemState] = field(default_factory=dict)
     tasks: dict[TaskKey, TaskState] = field(default_factory=dict)
     running: dict[TaskKey, TaskState] = field(default_factory=dict)
@@ -319,6 +323,11 @@ class CellState:
     def move(self) -> TaskState | None:
         """The belt's own move, if one was begun in this beat."""
         return self.tasks.get(INDEX_KEY)
+
+    @property
+    def wish(self) -> Wish | None:
+        """An operator's wish that the cell stands, now or soon; only a start ends it (7.2)."""
+        return self.stopped_by or self.stop_after_by
 
     @property
     def pauses(self) -> list[Hold]:

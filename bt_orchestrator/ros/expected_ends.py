@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from rclpy.node import Node
 
 from bt_orchestrator.model.snapshot import state_to_plain
+from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import Foresight
 from bt_orchestrator.ros.pulse import Pulse
 from bt_orchestrator.runtime.observed_durations import ObservedDurations
@@ -39,8 +40,8 @@ class ExpectedEnds:
 
     @property
     def ends_s(self) -> Mapping[str, float]:
-        """Seconds since the epoch, by job; nothing while somebody has to answer first."""
-        return {} if self._orchestrator.state.holds else self._foresight.ends_s
+        """Seconds since the epoch, by job; nothing while somebody has to answer or start first."""
+        return {} if _waits(self._orchestrator.state) else self._foresight.ends_s
 
     def close(self) -> None:
         """Ask no more."""
@@ -48,7 +49,7 @@ class ExpectedEnds:
 
     def _look(self) -> None:
         state = self._orchestrator.state
-        if not state.jobs or state.holds:
+        if not state.jobs or _waits(state):
             self._asked_about = None
             return
         now_s = self._node.get_clock().now().nanoseconds / 1e9
@@ -58,3 +59,8 @@ class ExpectedEnds:
             self._asked_s, self._asked_seq, self._asked_about = now_s, state.seq, about
             text = json.dumps(state_to_plain(state))
             self._foresight.ask(text, self._durations.seconds(), now_s)
+
+
+def _waits(state: CellState) -> bool:
+    """Tell whether a person has to do something first: nobody knows how long that takes."""
+    return bool(state.holds) or state.stopped_by is not None

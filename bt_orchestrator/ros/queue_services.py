@@ -31,6 +31,7 @@ from bt_orchestrator.model.order import Job
 from bt_orchestrator.ros.order_reader import OrderReader, name_of, refused_orders
 from bt_orchestrator.ros.serving import by, serve, tell
 from bt_orchestrator.runtime.command_record import ADD, UPDATE
+from bt_orchestrator.runtime.job_queue import standing
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.runtime.orders import FITS
 
@@ -80,7 +81,8 @@ class QueueServices:
             ]
         answer = self._orchestrator.ask(AddJobs(jobs, by, position, held))
         if answer.accepted:
-            return answer, [OrderAnswer(job=job.id, message='queued') for job in jobs]
+            message = '; '.join(['queued', *standing(self._orchestrator.state)])
+            return answer, [OrderAnswer(job=job.id, message=message) for job in jobs]
         each = answer.each or (answer.message,) * len(jobs)
         return answer, [OrderAnswer(message=message) for message in each]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 from bt_orchestrator_interfaces.msg import (
     ComponentStatus,
@@ -19,6 +20,7 @@ from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.events import TaskKey
 from bt_orchestrator.model.packml import VERBS, possible_in
 from bt_orchestrator.model.state import CellState, Cycle, Phase, SectionState, TaskState
+from bt_orchestrator.model.wish import way_to_work
 from bt_orchestrator.ros.job_message import job_messages
 from bt_orchestrator.ros.stamps import to_time
 from bt_orchestrator.runtime.orchestrator import Orchestrator
@@ -43,6 +45,7 @@ def status_message(
         cell=state.cell.name,
         state=state.mode.value,
         stop_after=state.stop_after or '',
+        **_wish(state),
         journal_failure=orchestrator.broken or '',
         state_since=to_time(state.mode_since),
         state_times=[StateTime(state=m.value, seconds=s) for m, s in state.times(now).items()],
@@ -63,6 +66,19 @@ def status_message(
         ],
         holds=_holds(state),
     )
+
+
+def _wish(state: CellState) -> dict[str, Any]:
+    wish = state.wish
+    if wish is None:
+        return {}
+    return {
+        'stopped_by': wish.who,
+        'stopped_with': wish.command,
+        'stopped_why': wish.reason,
+        'stopped_at': to_time(wish.time),
+        'waits_for': way_to_work(state.mode) if state.stopped_by is not None else '',
+    }
 
 
 def _section(orchestrator: Orchestrator, section: SectionState) -> SectionStatus:

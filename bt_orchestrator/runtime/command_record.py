@@ -19,6 +19,7 @@ from bt_orchestrator.model.job_commands import (
     UpdateJob,
 )
 from bt_orchestrator.model.packml import VERBS
+from bt_orchestrator.model.wish import STOP_AFTER
 
 ADD, UPDATE = 'add', 'update'
 
@@ -83,4 +84,4 @@ def _what(command: OnRecord) -> tuple[str, dict[str, Any]]:
         case ControlJob(verb, name):
             return verb, {'job': name}
         case StopAfter(after):
-            return f'stop_after_{after}', {}
+            return STOP_AFTER + after, {}

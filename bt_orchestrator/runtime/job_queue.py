@@ -20,6 +20,7 @@ from bt_orchestrator.model.job_commands import (
 )
 from bt_orchestrator.model.packml import Cause, Mode
 from bt_orchestrator.model.state import CellState, JobState
+from bt_orchestrator.model.wish import way_to_work
 from bt_orchestrator.runtime import orders
 from bt_orchestrator.runtime.command_record import decided
 from bt_orchestrator.runtime.lifecycle import transition
@@ -58,7 +59,7 @@ def _add(command: AddJobs, state: CellState) -> tuple[str, list[e.Event]]:
         state, command.jobs, position=command.position, held=command.held, by=command.by
     )
     how = 'is queued and held' if command.held else 'is queued'
-    return '\n'.join(f'{job.id} {how}' for job in command.jobs), queued
+    return '\n'.join([*(f'{job.id} {how}' for job in command.jobs), *standing(state)]), queued
 
 
 @_carry_out.register
@@ -66,6 +67,14 @@ def _update(command: UpdateJob, state: CellState) -> tuple[str, list[e.Event]]:
     new = command.job
     _allowed(state, job_control.UPDATE, new.id)
     return f'{new.id} is updated', orders.change(state, new)
+
+
+def standing(state: CellState) -> Iterator[str]:
+    """Say that what was queued waits for an operator, if so (semantics 7.2)."""
+    if state.wish is not None:
+        way = way_to_work(state.mode)
+        soon = 'when it has stopped, ' if state.stopped_by is None else ''
+        yield f'{soon}the cell waits for {way}, for {state.wish}'
 
 
 # --- places ---------------------------------------------------------------------------------
@@ -86,7 +95,7 @@ def _run_next(command: RunNext, state: CellState) -> tuple[str, list[e.Event]]:
     events: list[e.Event] = [e.JobMoved(job=name, position=1)]
     if job.held:
         events.append(e.JobReleased(job=name))
-    return f'{name} is next', events
+    return '\n'.join([f'{name} is next', *standing(state)]), events
 
 
 # --- methods of a job -----------------------------------------------------------------------
@@ -96,8 +105,9 @@ def _run_next(command: RunNext, state: CellState) -> tuple[str, list[e.Event]]:
 def _control(command: ControlJob, state: CellState) -> tuple[str, list[e.Event]]:
     method, answer, act = _method(command.verb)
     job = _allowed(state, method, command.job)
-    why = command.by.deciding(command.verb)
-    return f'{command.job} {answer}', list(act(state, job, why))
+    events = list(act(state, job, command.by.deciding(command.verb)))
+    stands = standing(state) if any(isinstance(event, e.JobReleased) for event in events) else ()
+    return '\n'.join([f'{command.job} {answer}', *stands]), events
 
 
 def _method(verb: str) -> _Control:

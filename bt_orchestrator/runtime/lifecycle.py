@@ -117,7 +117,8 @@ def next_mode(
 ) -> e.CellStateChanged | None:
     """Return the transition that is due.
 
-    :param auto_start: the cell resets and starts by itself when an order arrives
+    :param auto_start: the cell resets and starts by itself when an order arrives, unless an
+        operator wants it to stand
     """
     due = _by_stop_reason(state) or _by_itself(state, outlook, auto_start=auto_start)
     if due is None:
@@ -165,8 +166,8 @@ def _by_itself(
 ) -> tuple[Cause, str] | None:
     cause = _AUTOMATIC.get(state.mode)
     if cause is not None:
-        wished = auto_start and state.order_arrived and not state.shutting_down
-        return (cause, AUTOMATIC) if wished and state.has_work else None
+        may = auto_start and state.wish is None and not state.shutting_down
+        return (cause, AUTOMATIC) if may and state.has_work else None
     done = _why_done(state, outlook)
     return (Cause.DONE, done) if done is not None else None
 
@@ -181,7 +182,7 @@ def _why_done(state: CellState, outlook: Outlook) -> str | None:
         return None
     if mode is Mode.EXECUTE:
         # Started before an order came, the cell waits for one.
-        return 'every job ended' if state.order_arrived and not state.has_work else None
+        return 'every job ended' if state.had_work and not state.has_work else None
     if mode is Mode.ABORTING:
         return 'every goal ended' if outlook.still else None
     if mode is Mode.STOPPING:

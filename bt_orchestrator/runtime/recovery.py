@@ -151,9 +151,12 @@ def take_over(state: CellState, *, auto_resume: bool) -> Iterator[e.Event]:
         )
 
 
-_STANDS = (Mode.STOPPED, Mode.ABORTING, Mode.ABORTED, Mode.CLEARING)
+_STANDS = (
+    *(Mode.STOPPED, Mode.RESETTING, Mode.IDLE),
+    *(Mode.ABORTING, Mode.ABORTED, Mode.CLEARING),
+)
 
 
 def _would_go_on(state: CellState) -> bool:
     """Tell whether the cell starts anything without a command."""
-    return state.mode not in _STANDS or state.order_arrived
+    return state.mode not in _STANDS or state.wish is None

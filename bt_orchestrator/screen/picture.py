@@ -65,6 +65,8 @@ class Picture:
             yield words.silence(self.node, self.silent_s)
         if self.view.failure:
             yield self.view.failure
+        if self.view.stopped:
+            yield self.view.stopped
 
     def _blocks(self, width: int, glyphs: Glyphs) -> dict[str, Block]:
         view = self.view

@@ -50,6 +50,7 @@ class PlainView(EventLines):
         self._hearing = Hearing(time.monotonic())
         self._is_away = True
         self._troubles: list[str] = []
+        self._stopped = ''
         self._behaviours: dict[str, str] = {}
         self._variables: dict[str, str] = {}
 
@@ -64,6 +65,9 @@ class PlainView(EventLines):
             self._say_all(text for text in troubles if text not in self._troubles)
             gone = [text for text in self._troubles if text not in troubles]
             self._say_all(f'over: {text}' for text in gone)
+            if words.stopped(status) != self._stopped:
+                self._say_all(text for text in [words.stopped(status)] if text)
+        self._stopped = words.stopped(status)
         self._troubles = troubles
 
     def on_event(self, event: e.Event) -> None:

@@ -63,6 +63,8 @@ class CellView:
     state: str
     failure: str
     """Why nothing is done any more; empty: all is well."""
+    stopped: str
+    """Who wants the cell to stand; empty: nobody."""
     belt: str
     belt_waiting: tuple[str, ...]
     made_at: float
@@ -91,6 +93,7 @@ def cell_view(status: Any, node: str) -> CellView:
         cell=words.one_line(status.cell),
         state=status.state,
         failure=words.failure(status),
+        stopped=words.stopped(status),
         belt=words.belt(status),
         belt_waiting=tuple(map(words.one_line, status.belt_waiting)),
         made_at=_seconds(status.stamp),

@@ -34,6 +34,8 @@ def status_lines(status: Any, node: str) -> Iterator[str]:
         yield f'  {failure(status)}'
     if status.stop_after:
         yield f'  the cell stops after the current {status.stop_after}'
+    if status.stopped_with:
+        yield f'  {stopped(status)}'
     if status.stop_reason:
         yield f'  stands still: {status.stop_reason}, {one_line(status.stop_message)}'
     for job in status.jobs:
@@ -48,6 +50,17 @@ def status_lines(status: Any, node: str) -> Iterator[str]:
     for hold in status.holds:
         yield f'  {hold_text(hold)}'
         yield from (f'    {text}' for text in hold_advice(hold, node))
+
+
+def stopped(status: Any) -> str:
+    """Say who wants the cell to stand, and what lets it work again; nothing if nobody does."""
+    if not status.stopped_with:
+        return ''
+    who, why = one_line(status.stopped_by) or 'an operator', one_line(status.stopped_why)
+    since = status.stopped_at.sec
+    at = f' at {datetime.fromtimestamp(since):%H:%M:%S}' if since else ''
+    said = f'{who} said {status.stopped_with.replace("_", " ")}{at}{f": {why}" if why else ""}'
+    return f'{said}; orders wait for {status.waits_for or "a start after that"}'
 
 
 def failure(status: Any) -> str:

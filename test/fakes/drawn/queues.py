@@ -12,6 +12,7 @@ from bt_orchestrator.model.cell_commands import Abort, Clear, Reset, Resume, Sta
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.job_commands import AddJobs, MoveJob, RunNext, StopAfter, UpdateJob
 from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.packml import Mode
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.runtime.job_queue import CONTROLS
 
@@ -48,7 +49,7 @@ class QueueOperator:
             run.remove(self._chance.choice(standing))
 
     def let_everything_end(self, run: VirtualRun) -> None:
-        """Take back whatever keeps jobs from ending; the cell starts for an order."""
+        """Take back whatever keeps jobs from ending, and start a cell that somebody stopped."""
         run.ask(StopAfter('never', BY))
         for name in list(run.state.jobs):
             run.control('resume', name)
@@ -61,6 +62,13 @@ class QueueOperator:
         run.command(Resume, everyones=True)
         run.go()
         assert run.ask(AddJobs((self._job('last'),), BY)).accepted
+        run.go()
+        if run.state.wish is not None:
+            mode = run.state.mode
+            assert mode in (Mode.STOPPED, Mode.IDLE), 'no order starts it'
+            if mode is Mode.STOPPED:
+                assert run.command(Reset).accepted
+            assert run.command(Start).accepted
 
     def _act(self, run: VirtualRun) -> Answer:
         chance = self._chance

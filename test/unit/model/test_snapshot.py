@@ -125,6 +125,31 @@ def test_a_field_that_a_record_lacks_has_its_default() -> None:
     assert again.jobs['J'].items == state.jobs['J'].items
 
 
+@pytest.mark.parametrize(
+    ('mode', 'arrived', 'wish'),
+    [
+        ('Stopped', False, 'stop'),
+        ('Idle', False, 'stop'),
+        ('Aborted', False, 'abort'),
+        ('Stopped', True, None),
+        ('Execute', True, None),
+        ('Execute', False, None),
+    ],
+)
+def test_what_an_older_program_knew_of_a_stop_is_an_operators_wish(
+    mode: str, arrived: bool, wish: str | None
+) -> None:
+    plain = state_to_plain(CellState(LINE.cell))
+    for name in ('had_work', 'stopped_by', 'stop_after_by'):
+        del plain['state'][name]
+    plain['state'] |= {'order_arrived': arrived, 'mode': mode, 'stop_after': 'job'}
+    state = state_from_plain(LINE.cell, plain)
+    assert state.had_work is arrived
+    assert (state.stopped_by and state.stopped_by.command) == wish
+    assert state.stop_after_by is not None
+    assert state.stop_after_by.command == 'stop_after_job'
+
+
 def test_a_field_that_nobody_knows_is_refused() -> None:
     plain = state_to_plain(CellState(LINE.cell))
     plain['state']['speed'] = 3

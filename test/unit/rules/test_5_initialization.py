@@ -6,7 +6,7 @@ import pytest
 from fakes.line import THREE, Line
 from fakes.operator import ann
 
-from bt_orchestrator.model.cell_commands import Stop
+from bt_orchestrator.model.cell_commands import Reset, Start, Stop
 
 SECTIONS = THREE.strip('\n')
 
@@ -103,6 +103,8 @@ def test_5_1_once_is_forgotten_in_stopped() -> None:
     run.ask(Stop(ann('a break')))
     assert run.state.mode.value == 'Stopped'
     run.submit('K', line.script(HOME), 1)
+    run.command(Reset)
+    run.command(Start)
     run.go()
     assert [r['job'] for r in run.all('task.started', task='home')] == ['J', 'K']
 

@@ -6,6 +6,7 @@ from fakes.line import THREE, Line
 from fakes.queued_jobs import LINE, SCRIPT, begun, queued
 from fakes.virtual_run import BY, VirtualRun
 
+from bt_orchestrator.model.cell_commands import Reset, Start
 from bt_orchestrator.model.job_commands import StopAfter
 from bt_orchestrator.model.packml import Mode
 
@@ -175,7 +176,9 @@ def test_6_6_after_such_a_stop_the_line_goes_on_when_it_is_started() -> None:
     run.go(until=1.5)
     run.ask(StopAfter('item', BY))
     run.go(until=60.0)
-    run.add(('L', SCRIPT))  # an order lets the cell start by itself
+    run.add(('L', SCRIPT))
+    run.command(Reset)
+    run.command(Start)
     run.go()
     assert begun(run) == ['J', 'K', 'L']
     assert run.counts()['packed'] == 3

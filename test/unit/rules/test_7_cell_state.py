@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from fakes.line import THREE, Line, with_section
 from fakes.operator import ann
-from fakes.virtual_run import VirtualRun
+from fakes.virtual_run import BY, VirtualRun
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.belt_statement import AsShown
@@ -19,11 +19,15 @@ from bt_orchestrator.model.cell_commands import (
     Start,
     Stop,
 )
+from bt_orchestrator.model.commands import AnswerHold, Shutdown
 from bt_orchestrator.model.fold import apply
+from bt_orchestrator.model.job_commands import StopAfter
+from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.packml import TRANSITIONS, Mode
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.gateway import VirtualGateway
+from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryStore
 
 # --- the table --------------------------------------------------------------------------------
@@ -208,14 +212,126 @@ def test_7_2_what_was_stopped_goes_on_after_reset_and_start() -> None:
     assert run.counts()['packed'] == 4
 
 
-def test_7_2_after_a_stop_a_new_order_starts_the_cell_with_auto_start() -> None:
+def test_7_2_no_order_starts_what_an_operator_stopped() -> None:
     run = stopped()
-    run.submit('K', Line().script(THREE, 'other'))
-    run.go()
-    assert run.state.mode.value == 'Stopped', 'it came before the cell was Stopped'
-    run.submit('L', Line().script(THREE, 'other'))
+    script = Line().script(THREE, 'other')
+    for job, mode in (('K', 'Stopped'), ('L', 'Stopped')):
+        answer = run.submit(job, script)
+        assert answer.message == (
+            f'{job} is queued\nthe cell waits for reset and start, for Ann said stop: it is so'
+        )
+        assert run.go().state.mode.value == mode
+    assert run.command(Reset).accepted
+    assert run.submit('M', script).message.endswith('waits for start, for Ann said stop: it is so')
+    assert run.go().state.mode.value == 'Idle', 'a reset is no start'
+    assert run.command(Start).accepted
+    assert run.submit('N', script).message == 'N is queued'
     run.go()
     assert run.ended
+
+
+def test_7_2_no_order_starts_what_an_operator_aborted_and_cleared() -> None:
+    run = Line().run()
+    script = Line().script(THREE, 'other')
+    run.command(Abort)
+    assert 'waits for clear, reset and start' in run.submit('K', script).message
+    run.command(Clear, belt=AsShown(run.state.seq))
+    assert 'for Ann said clear' in run.submit('L', script).message
+    assert run.go().state.mode.value == 'Stopped'
+    run.command(Reset)
+    run.command(Start)
+    run.go()
+    assert run.ended
+
+
+def test_7_2_no_order_starts_what_was_stopped_after_a_job() -> None:
+    run = Line().begin(TWO_STEPS, 2).go(until=2.0)
+    script = Line().script(THREE, 'other')
+    run.ask(StopAfter('job', BY))
+    answer = run.submit('K', script)
+    assert answer.message.endswith(
+        'when it has stopped, the cell waits for reset and start, '
+        'for Ann said stop after job: it was time'
+    )
+    run.go()
+    assert run.state.mode.value == 'Stopped'
+    run.submit('L', script)
+    assert run.go().state.mode.value == 'Stopped'
+    run.command(Reset)
+    run.command(Start)
+    run.go()
+    assert run.ended
+
+
+def test_7_2_a_stop_after_that_was_taken_back_is_no_wish() -> None:
+    run = Line().begin(TWO_STEPS, 2).go(until=2.0)
+    run.ask(StopAfter('job', BY))
+    run.ask(StopAfter('never', BY))
+    assert run.submit('K', Line().script(THREE, 'other')).message == 'K is queued'
+    run.go()
+    assert run.ended
+
+
+def test_7_2_to_take_a_stop_after_back_does_not_take_back_a_stop() -> None:
+    run = stopped()
+    run.ask(StopAfter('job', BY))
+    run.ask(StopAfter('never', BY))
+    run.submit('K', Line().script(THREE, 'other'))
+    assert run.go().state.mode.value == 'Stopped'
+
+
+def test_7_2_a_job_that_is_released_is_told_that_it_waits() -> None:
+    run = stopped()
+    run.add(('K', Line().script(THREE, 'other')), held=True)
+    assert run.control('release', 'K').message == (
+        'K is released\nthe cell waits for reset and start, for Ann said stop: it is so'
+    )
+    assert run.go().state.mode.value == 'Stopped'
+
+
+@pytest.mark.parametrize('reset', [False, True])
+@pytest.mark.parametrize('how', ['stop', 'stop_after', 'stop_after_not_reached'])
+def test_7_2_a_new_orchestrator_does_not_start_what_an_operator_stopped(
+    how: str, reset: bool
+) -> None:
+    line = Line()
+    run = line.begin(TWO_STEPS, 4).go(until=4.0)
+    if how == 'stop':
+        run.command(Stop)
+    else:
+        run.ask(StopAfter('item', BY))
+    if how == 'stop_after_not_reached':
+        run.ask(Shutdown())
+    run.go()
+    for _ in range(reset):
+        run.command(Reset)
+    run.sim.close()
+    again = Simulation(line.cell, line.types, run.store)
+    again.run()
+    for hold in list(again.state.holds):
+        again.orchestrator.ask(AnswerHold(hold, 'retry', ann()))
+    again.submit([Job('K', line.script(THREE, 'other'), 1)])
+    again.run()
+    assert again.state.mode.value == ('Idle' if reset else 'Stopped')
+    assert not [x for x in run.store.read() if isinstance(x, e.TaskStarted) and x.job == 'K']
+    if not reset:
+        assert again.orchestrator.ask(Reset(ann())).accepted
+    assert again.orchestrator.ask(Start(ann())).message == 'the cell starts'
+    assert again.state.stopped_by is None
+
+
+def test_7_2_after_a_shutdown_the_next_orchestrator_goes_on() -> None:
+    line = Line()
+    run = line.begin(TWO_STEPS, 4).go(until=4.0)
+    run.ask(Shutdown())
+    run.go()
+    run.sim.close()
+    again = Simulation(line.cell, line.types, run.store)
+    again.orchestrator.ask(Resume(ann(), hold=list(again.state.holds)[-1]))
+    for hold in list(again.state.holds):
+        again.orchestrator.ask(AnswerHold(hold, 'mark_done', ann()))
+    again.run()
+    assert not again.state.jobs
 
 
 def test_7_2_stop_waits_for_a_component_that_is_busy_for_a_moment() -> None:
@@ -310,6 +426,8 @@ def test_7_2_homing_is_done_again_after_an_abort() -> None:
     run.command(Abort)
     run.command(Clear, belt=AsShown(run.state.seq))
     run.submit('K', line.script(home + THREE))
+    run.command(Reset)
+    run.command(Start)
     run.go()
     assert [r['job'] for r in run.all('task.started', task='home')] == ['J', 'K']
 

@@ -75,6 +75,17 @@ def test_the_first_status_is_told_and_then_only_what_changes() -> None:
     assert said == ['NOTHING IS DONE ANY MORE: disk full']
 
 
+def test_who_stopped_the_cell_is_told_when_it_changes() -> None:
+    said: list[str] = []
+    view = PlainView(NODE, said.append)
+    view.on_status(statuses.status())
+    said.clear()
+    for _ in range(2):
+        view.on_status(statuses.status(stopped_with='stop', waits_for='start'))
+    view.on_status(statuses.status())
+    assert said == ['an operator said stop; orders wait for start']
+
+
 def test_a_hold_is_told_with_what_to_type() -> None:
     said: list[str] = []
     PlainView(NODE, said.append).on_event(raised())

@@ -37,6 +37,22 @@ def test_a_whole_status() -> None:
     ]
 
 
+def stopped(**fields: Any) -> Any:
+    usual = {'stopped_by': 'Ann', 'stopped_with': 'stop', 'stopped_why': 'end\nof shift'}
+    return statuses.status(**{**usual, 'waits_for': 'reset and start', **fields})
+
+
+def test_who_stopped_the_cell_is_said_with_what_lets_it_work_again() -> None:
+    words_of = list(words.status_lines(stopped(stopped_at=statuses.stamp(3600)), NODE))
+    at = datetime.fromtimestamp(3600).strftime('%H:%M:%S')
+    said = f'Ann said stop at {at}: end of shift; orders wait for reset and start'
+    assert words_of[1] == f'  {said}'
+    soon = stopped(stopped_with='stop_after_job', waits_for='', stopped_why='')
+    assert words.stopped(soon) == 'Ann said stop after job; orders wait for a start after that'
+    unknown = stopped(stopped_by='', stopped_why='')
+    assert words.stopped(unknown) == 'an operator said stop; orders wait for reset and start'
+
+
 def test_a_stop_to_come_is_said() -> None:
     status = statuses.status(stop_after='job')
     assert '  the cell stops after the current job' in list(words.status_lines(status, NODE))

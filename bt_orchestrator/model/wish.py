@@ -1,0 +1,41 @@
+"""What an operator wants of the cell as a whole, until an operator starts it (semantics 7.2)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from bt_orchestrator.model.packml import VERBS, Cause, Mode
+
+STOP_AFTER = 'stop_after_'
+"""How the command begins that lets the line run empty first; `item` or `job` follows."""
+
+START = VERBS[Cause.START]
+STAND = tuple(VERBS[cause] for cause in (Cause.STOP, Cause.ABORT, Cause.CLEAR))
+"""Commands after which only an operator's `start` moves the cell."""
+
+
+@dataclass(frozen=True)
+class Wish:
+    """An operator wants the cell to stand."""
+
+    command: str
+    """As it is recorded: stop, abort, clear, stop_after_item or stop_after_job."""
+    who: str = ''
+    """Empty: not known."""
+    reason: str = ''
+    time: float = 0.0
+    """Seconds, when it was said; 0: not known."""
+
+    def __str__(self) -> str:
+        why = f': {self.reason}' if self.reason else ''
+        return f'{self.who or "an operator"} said {self.command.replace("_", " ")}{why}'
+
+
+def way_to_work(mode: Mode) -> str:
+    """Return the commands that lead a cell that stands, or is going to, to work again."""
+    if mode in (Mode.RESETTING, Mode.IDLE):
+        return 'start'
+    return 'clear, reset and start' if mode in _ABORTED else 'reset and start'
+
+
+_ABORTED = (Mode.ABORTING, Mode.ABORTED)
