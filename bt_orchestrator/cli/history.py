@@ -45,7 +45,8 @@ def run(args: argparse.Namespace) -> int:
     if args.job is not None and not jobs:
         print(f'the journal {args.journal} knows no job {args.job}', file=sys.stderr)
         return 1
-    print('\n'.join(_json(jobs, args) if args.json else _text(jobs, args)))
+    for line in _json(jobs, args) if args.json else _text(jobs, args):
+        print(line)
     return 0
 
 

@@ -60,6 +60,12 @@ def test_history_for_programs(journal: str, capsys: pytest.CaptureFixture[str]) 
     assert list(only['items']) == ['J2/1', 'J2/2']
 
 
+def test_history_for_programs_without_a_job_is_nothing(
+    journal: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert said(capsys, 'history', '--journal', journal, '--json', '--from', '2100-01-01') == ''
+
+
 def test_history_by_time(journal: str, capsys: pytest.CaptureFixture[str]) -> None:
     since = ('--from', '1970-01-01T00:00:05+00:00')
     assert 'J1' not in said(capsys, 'history', '--journal', journal, *since)
