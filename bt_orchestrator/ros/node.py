@@ -115,6 +115,7 @@ class TreeNode:
         """Run the cell until a stop signal comes."""
         settle = self._inspected(self._ticks.timed(self.orchestrator.settle))
         self.heart.start(lambda: self._beat(settle), self.parameters.tick_rate_hz)
+        self.heart.beat()  # nobody is told what a take-over has noted before it is kept
         self._status.publish_now()
         while not stop.requested:
             self._spin_once()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +20,10 @@ from bt_orchestrator.cli.bootstrap import (
     memory_store,
     open_journal,
 )
+from bt_orchestrator.model.events import Event
 from bt_orchestrator.node_parameters import NodeParameters
 from bt_orchestrator.ros.node import NODE_NAME, Parts, TreeNode
+from bt_orchestrator.ros.outputs import StatusTopic
 from bt_orchestrator.stop_signals import StopSignals
 
 PATIENCE_S = 60.0
@@ -54,6 +56,15 @@ class Failing:
     def __call__(self, *_: object) -> Any:
         self.calls += 1
         raise RuntimeError('broken on purpose')
+
+
+class Kept:
+    """An output: it is told of an event as soon as that is kept."""
+
+    seq = 0
+
+    def publish(self, events: Sequence[Event]) -> None:
+        self.seq = events[-1].seq
 
 
 @pytest.fixture(params=EXECUTORS)
@@ -106,6 +117,22 @@ def test_a_settle_that_raises_is_counted_and_tried_again(
     assert failing.calls == tree_node.heart.failures
 
     assert 'nothing' in ask(tree_node).message
+
+
+def test_the_first_status_tells_of_nothing_that_is_not_kept(
+    tree_node: TreeNode, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kept = Kept()
+    tree_node.orchestrator.add_sink(kept)
+    told: list[tuple[int, int]] = []
+
+    def tell(_: StatusTopic) -> None:
+        told.append((tree_node.orchestrator.state.seq, kept.seq))
+
+    monkeypatch.setattr(StatusTopic, 'publish_now', tell)
+    tree_node.serve(StopWhen(lambda: told))
+    (shown, durable) = told[0]
+    assert 0 < shown <= durable
 
 
 def test_a_service_that_raises_answers_so(
