@@ -16,6 +16,7 @@ from bt_orchestrator.cli.demo_folder import DemoFolder, DemoRecord, default_fold
 from bt_orchestrator.cli.demo_programs import READY_S, DemoPrograms
 from bt_orchestrator.cli.folders import add_trees_option, shipped
 from bt_orchestrator.cli.forecast_text import forecast_lines
+from bt_orchestrator.cli.numbers import factor
 from bt_orchestrator.cli.programs import ProgramFailed
 from bt_orchestrator.cli.submit import submit
 from bt_orchestrator.cli.watch import follow, live_or, say
@@ -49,7 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_trees_option(parser)
     parser.add_argument(
         '--speed',
-        type=float,
+        type=factor,
         default=4.0,
         metavar='N',
         help='divide all simulated seconds by N (default 4)',

@@ -13,6 +13,7 @@ from importlib import util
 from pathlib import Path
 
 from bt_orchestrator.cli import bootstrap
+from bt_orchestrator.cli.numbers import seconds
 from bt_orchestrator.diagnosis import machine
 from bt_orchestrator.diagnosis.check import Check, Verdict, fail, ok, worst
 from bt_orchestrator.diagnosis.domain import domain, domain_id, other_domains, reach
@@ -53,7 +54,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         '--timeout',
-        type=float,
+        type=seconds,
         default=5.0,
         metavar='SECONDS',
         help='longest time to wait for what is missing on the graph (default 5)',

@@ -15,6 +15,7 @@ from typing import IO
 from bt_orchestrator.cli.journal_output import OUTPUTS
 from bt_orchestrator.cli.moments import add_period_options
 from bt_orchestrator.cli.node_options import add_node_options
+from bt_orchestrator.cli.numbers import whole
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.stop_signals import StopSignals
 from bt_orchestrator.store.reader import JournalReader, Wanted
@@ -38,9 +39,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    parser.add_argument('--count', type=int, metavar='N', help='end after N events')
+    parser.add_argument('--count', type=whole, metavar='N', help='end after N events')
     parser.add_argument(
-        '--since-seq', type=int, metavar='SEQ', help='begin after this sequence number'
+        '--since-seq', type=whole, metavar='SEQ', help='begin after this sequence number'
     )
     parser.add_argument('--journal', type=Path, metavar='FILE', help='read this journal file')
     parser.add_argument('--job', metavar='JOB', help='with --journal: of this job only')

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import io
 import os
 import sys
 from collections.abc import Mapping, Sequence
@@ -56,6 +57,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     0: done, 1: something is refused or did not work out, 2: wrong use.
     """
     words = list(sys.argv[1:] if argv is None else argv)
+    _print_anything()
     try:
         status = _carry_out(words)
         sys.stdout.flush()
@@ -64,6 +66,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         _silence_output()
         return PIPE_CLOSED
+    except OSError as error:  # a full disk, a folder that went away
+        _silence_output()
+        where = f'{error.filename}: ' if error.filename else ''
+        return _complain(_verb(words), f'{where}{error.strerror or error}', 1)
     return status
 
 
@@ -163,8 +169,18 @@ def _complain(verb: str | None, what: str, status: int) -> int:
     return status
 
 
+def _print_anything() -> None:
+    """Escape what the output has no characters for, as the errors do anyway."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors='backslashreplace')
+
+
 def _silence_output() -> None:
     """Let nobody write into the closed pipe any more, not even Python at its exit."""
+    try:
+        output = sys.stdout.fileno()
+    except io.UnsupportedOperation:  # no file: whoever put that there reads it
+        return
     nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, sys.stdout.fileno())
+    os.dup2(nowhere, output)
     os.close(nowhere)

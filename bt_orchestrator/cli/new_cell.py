@@ -9,6 +9,7 @@ from pathlib import Path
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.folders import shipped
 from bt_orchestrator.cli.main import PROGRAM
+from bt_orchestrator.cli.numbers import seconds
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.errors import OrchestratorError, Refused
 from bt_orchestrator.ports import ActionTypes
@@ -63,7 +64,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         '--timeout',
-        type=float,
+        type=seconds,
         default=5.0,
         metavar='SECONDS',
         help='longest time to look for action servers (default 5)',

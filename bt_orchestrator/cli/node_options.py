@@ -9,6 +9,7 @@ import socket
 import sys
 from typing import Any
 
+from bt_orchestrator.cli.numbers import node_name, seconds
 from bt_orchestrator.screen.words import DEFAULT_NODE, PROGRAM
 
 
@@ -16,13 +17,14 @@ def add_node_options(parser: argparse.ArgumentParser) -> None:
     """Declare which node is meant and how long to wait for it."""
     parser.add_argument(
         '--node',
+        type=node_name,
         default=DEFAULT_NODE,
         metavar='NAME',
         help=f'full name of the tree node (default {DEFAULT_NODE})',
     )
     parser.add_argument(
         '--timeout',
-        type=float,
+        type=seconds,
         default=5.0,
         metavar='SECONDS',
         help='longest time to wait for the node (default 5)',

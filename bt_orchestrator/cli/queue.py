@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options, origin
+from bt_orchestrator.cli.numbers import whole_32
 from bt_orchestrator.cli.order_request import add_request, key_values, script_name, show_orders
 from bt_orchestrator.cli.wrong_use import WrongUse
 
@@ -53,9 +54,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         'action', nargs='?', default='list', choices=actions, help='what to do (default: list)'
     )
     parser.add_argument('what', nargs='*', metavar='WHAT', help='orders, a job, a place')
-    parser.add_argument('--at', type=int, default=0, metavar='N', help='add: place, from 1')
+    parser.add_argument('--at', type=whole_32, default=0, metavar='N', help='add: place, from 1')
     parser.add_argument('--held', action='store_true', help='add: keep them from starting')
-    parser.add_argument('--quantity', type=int, default=0, metavar='N', help='update: quantity')
+    parser.add_argument(
+        '--quantity', type=whole_32, default=0, metavar='N', help='update: quantity'
+    )
     parser.add_argument(
         '--param',
         action='append',
@@ -134,8 +137,6 @@ def _has_ended(job: Any) -> bool:
 def _add(args: argparse.Namespace) -> int:
     if not args.what:
         raise WrongUse('queue add: name at least one order')
-    if args.at < 0:
-        raise WrongUse(f'queue add: --at counts from 1; found {args.at}')
     from bt_orchestrator_interfaces.srv import QueueAdd
 
     request = add_request([Path(name) for name in args.what])
@@ -145,17 +146,17 @@ def _add(args: argparse.Namespace) -> int:
 
 def _move(args: argparse.Namespace) -> int:
     job, place = _expect(args, 2, 'a job and its place')
-    if not place.isdigit():
-        raise WrongUse(f'queue move: the place is a number from 1; found {place!r}')
+    try:
+        position = whole_32(place)
+    except argparse.ArgumentTypeError as error:
+        raise WrongUse(f'queue move: the place: {error}') from None
     from bt_orchestrator_interfaces.srv import QueueMove
 
-    return _ask(args, QueueMove, 'move', job=job, position=int(place))
+    return _ask(args, QueueMove, 'move', job=job, position=position)
 
 
 def _update(args: argparse.Namespace) -> int:
     (job,) = _expect(args, 1, 'one job')
-    if args.quantity < 0:
-        raise WrongUse(f'queue update: --quantity is at least 1; found {args.quantity}')
     params = dict(_pair(text) for text in args.param)
     if not (params or args.quantity or args.script):
         raise WrongUse('queue update: say what to change: --quantity, --param or --script')

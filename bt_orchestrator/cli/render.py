@@ -10,6 +10,7 @@ from bt_orchestrator.cli.check import add_cell_options
 from bt_orchestrator.cli.folders import script_folders
 from bt_orchestrator.cli.live_picture import Status, follow, node_status, saved_status
 from bt_orchestrator.cli.node_options import add_node_options
+from bt_orchestrator.cli.numbers import seconds
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.ports import ActionTypes
@@ -65,7 +66,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         '--every',
-        type=float,
+        type=seconds,
         metavar='SECONDS',
         help='with --live: draw again when something changed, at most so often, until the jobs of '
         'the script have ended, or Ctrl-C; the file is replaced as a whole',
@@ -117,8 +118,6 @@ def _refuse_nonsense(args: argparse.Namespace) -> None:
         raise WrongUse(f'--view {args.view} shows no state; leave it out')
     if args.every is not None and not args.live:
         raise WrongUse('--every is for --live')
-    if args.every is not None and not args.every >= 0:
-        raise WrongUse(f'--every: expected seconds, found {args.every:g}')
 
 
 def _write(path: Path, content: bytes) -> None:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import math
 import re
 import sys
 from pathlib import Path
 
+from bt_orchestrator.cli.numbers import factor, seconds
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.stop_signals import StopSignals
 
@@ -63,7 +63,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _add_selection(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--speed',
-        type=_factor,
+        type=factor,
         default=1.0,
         metavar='N',
         help='divide all simulated seconds by N, those of faults too (default 1)',
@@ -96,7 +96,7 @@ def _add_ros_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         '--feedback',
-        type=_seconds,
+        type=seconds,
         default=0.5,
         metavar='SECONDS',
         help='real seconds between feedback messages of a goal; 0: only the one at its start '
@@ -104,7 +104,7 @@ def _add_ros_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         '--result-timeout',
-        type=_seconds,
+        type=seconds,
         metavar='SECONDS',
         help='real seconds for which a server remembers an ended goal (default: the cell file)',
     )
@@ -165,31 +165,6 @@ def sim_cell_main() -> int:
 
 def _say_ready(what: str) -> None:
     print(f'sim-cell ready: {what}', flush=True)
-
-
-def _factor(text: str) -> float:
-    """Read a number that durations can be divided by."""
-    number = _number(text)
-    if number <= 0:
-        raise argparse.ArgumentTypeError(f'expected a number greater than 0, found {text!r}')
-    return number
-
-
-def _seconds(text: str) -> float:
-    number = _number(text)
-    if number < 0:
-        raise argparse.ArgumentTypeError(f'expected seconds, 0 or more, found {text!r}')
-    return number
-
-
-def _number(text: str) -> float:
-    try:
-        number = float(text)
-    except ValueError:
-        number = math.nan
-    if not math.isfinite(number):
-        raise argparse.ArgumentTypeError(f'expected a number, found {text!r}')
-    return number
 
 
 def _namespace(text: str) -> str:

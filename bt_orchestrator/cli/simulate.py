@@ -9,6 +9,7 @@ from pathlib import Path
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.check import add_cell_options, as_json
 from bt_orchestrator.cli.folders import script_folders
+from bt_orchestrator.cli.numbers import seconds
 from bt_orchestrator.cli.virtual_run import RunOptions, lines_of, plain, run_jobs
 from bt_orchestrator.cli.what_if import change_lines, plain_change, what_if_jobs
 from bt_orchestrator.cli.wrong_use import WrongUse
@@ -76,21 +77,11 @@ def _add_hold_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         '--answer-after',
-        type=_seconds,
+        type=seconds,
         default=0.0,
         metavar='SECONDS',
         help='virtual seconds from a hold to the answer of --on-hold (default 0)',
     )
-
-
-def _seconds(text: str) -> float:
-    try:
-        seconds = float(text)
-    except ValueError:
-        seconds = -1.0
-    if not 0.0 <= seconds < float('inf'):
-        raise argparse.ArgumentTypeError(f'expected seconds, 0 or more, found {text!r}')
-    return seconds
 
 
 def run(args: argparse.Namespace) -> int:

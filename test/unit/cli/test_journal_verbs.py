@@ -129,3 +129,8 @@ def _append_from_elsewhere(journal: str) -> None:
     store = SqliteStore(Path(journal))
     store.append([JobStarted(seq=157, time=30.0, job='J3')])
     store.close()
+
+
+def test_a_full_disk_is_told(journal: str, capsys: pytest.CaptureFixture[str]) -> None:
+    told = said(capsys, 'events', '--journal', journal, '-o', '/dev/full', status=1)
+    assert told == 'bt-orchestrator events: error: No space left on device\n'

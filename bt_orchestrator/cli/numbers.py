@@ -1,0 +1,79 @@
+"""Numbers and names on the command line, for argparse: what is wrong is said in words."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import re
+
+from bt_orchestrator.script.ros_names import NAME_FORM
+
+LARGEST, LARGEST_32 = 2**63 - 1, 2**32 - 1
+"""What a journal can carry, and a quantity or a place in a request."""
+
+LONGEST_S = 1e9
+"""Thirty years: as good as no limit, and any clock can still add it."""
+
+
+def whole(text: str, largest: int = LARGEST) -> int:
+    """Read a count or a sequence number, from 0.
+
+    :raises ArgumentTypeError: it is none, or too large
+    """
+    digits = text.isascii() and text.isdecimal() and len(text) < 20
+    if not digits or int(text) > largest:
+        raise argparse.ArgumentTypeError(
+            f'expected a whole number from 0 to {largest}, found {text!r}'
+        )
+    return int(text)
+
+
+def whole_32(text: str) -> int:
+    """Read a quantity or a place in the queue; 0 where none is meant.
+
+    :raises ArgumentTypeError: it is none, or too large
+    """
+    return whole(text, LARGEST_32)
+
+
+def seconds(text: str) -> float:
+    """Read seconds, from 0.
+
+    :raises ArgumentTypeError: they are none
+    """
+    number = _finite(text)
+    if not 0 <= number <= LONGEST_S:
+        raise argparse.ArgumentTypeError(f'expected seconds, 0 or more, found {text!r}')
+    return number
+
+
+def factor(text: str) -> float:
+    """Read a number that durations can be divided by.
+
+    :raises ArgumentTypeError: it is none
+    """
+    number = _finite(text)
+    if not 0 < number <= LONGEST_S:
+        raise argparse.ArgumentTypeError(f'expected a number greater than 0, found {text!r}')
+    return number
+
+
+def node_name(text: str) -> str:
+    """Read the full name of a node.
+
+    :raises ArgumentTypeError: ROS 2 has no such names
+    """
+    if not re.fullmatch(NAME_FORM, text):
+        raise argparse.ArgumentTypeError(
+            f'expected a name such as /line_1/bt_orchestrator, found {text!r}'
+        )
+    return text
+
+
+def _finite(text: str) -> float:
+    """Return a number; -1 for what is none."""
+    try:
+        number = float(text)
+    except ValueError:
+        return -1.0
+    return number if math.isfinite(number) else -1.0
