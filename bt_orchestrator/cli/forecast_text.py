@@ -17,9 +17,12 @@ def forecast_lines(forecast: Forecast) -> Iterator[str]:
     yield ''
     yield f'total time     {forecast.total_s:.1f} s'
     if forecast.per_item_s is not None:
-        yield f'time per item  {forecast.per_item_s:.1f} s in steady state'
+        of_mix = ', the mean of the mix' if forecast.is_mix else ''
+        yield f'time per item  {forecast.per_item_s:.1f} s in steady state{of_mix}'
     if forecast.bottleneck is not None:
         yield f'bottleneck     {bottleneck_words(forecast.bottleneck)}'
+    if forecast.is_mix:
+        yield from _each_of_mix(forecast.jobs)
     yield ''
     headers = ('section', 'cycles', 'busy', 'per cycle', 'at best an item every')
     yield from table(headers, [_section(load) for load in forecast.sections])
@@ -46,6 +49,14 @@ def bottleneck_words(bottleneck: Bottleneck) -> str:
     return (
         f'{text}; section {bottleneck.next_section} is next, {margin_s:.1f} s ({share:.0%}) faster'
     )
+
+
+def _each_of_mix(jobs: Sequence[JobForecast]) -> Iterator[str]:
+    """Yield how fast each product is made, and what keeps it from being made faster."""
+    for job in jobs:
+        if job.bottleneck is not None:
+            per_item = _seconds(job.per_item_s)
+            yield f'  {job.job}: {per_item}; bottleneck {bottleneck_words(job.bottleneck)}'
 
 
 def _wait_lines(forecast: Forecast) -> Iterator[str]:

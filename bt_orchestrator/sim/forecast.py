@@ -4,8 +4,20 @@ from __future__ import annotations
 
 import itertools
 import statistics
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Bottleneck:
+    """What keeps a line from being faster."""
+
+    section: int
+    pace_s: float
+    next_section: int | None
+    """The section that would be the next; None: there is no other."""
+    margin_s: float
+    """Seconds by which the next one is faster."""
 
 
 @dataclass(frozen=True)
@@ -27,6 +39,8 @@ class JobForecast:
     aborted: bool = False
     per_item_s: float | None = None
     """In steady state; None with fewer than two items packed."""
+    bottleneck: Bottleneck | None = None
+    """What keeps the line from making this job faster; None: nothing of it was worked on."""
 
 
 @dataclass(frozen=True)
@@ -79,25 +93,13 @@ class ComponentLoad:
 
 
 @dataclass(frozen=True)
-class Bottleneck:
-    """What keeps a line from being faster."""
-
-    section: int
-    pace_s: float
-    next_section: int | None
-    """The section that would be the next; None: there is no other."""
-    margin_s: float
-    """Seconds by which the next one is faster."""
-
-
-@dataclass(frozen=True)
 class Forecast:
     """What a run says; of a run that did not end, up to its last event."""
 
     total_s: float
     """From the first event to the last."""
     per_item_s: float | None
-    """Seconds between two packed items in steady state, all jobs together."""
+    """Seconds between two packed items in steady state; of a mix of scripts the mean."""
     jobs: tuple[JobForecast, ...]
     """In the order queued."""
     sections: tuple[SectionLoad, ...]
@@ -106,18 +108,58 @@ class Forecast:
     """All of the cell, in the order of its file."""
 
     @property
+    def is_mix(self) -> bool:
+        """Tell whether the jobs are of several scripts."""
+        return are_mix(self.jobs)
+
+    @property
     def bottleneck(self) -> Bottleneck | None:
         """The section with the slowest pace; of equals the first. None: nothing was worked on."""
-        ranking = sorted(self.sections, key=lambda load: -load.pace_s)
-        if not ranking:
-            return None
-        slowest, *others = ranking
-        return Bottleneck(
-            section=slowest.section,
-            pace_s=slowest.pace_s,
-            next_section=others[0].section if others else None,
-            margin_s=slowest.pace_s - (others[0].pace_s if others else 0.0),
-        )
+        return slowest_section(self.sections)
+
+
+def slowest_of(pace_s: Mapping[int, float]) -> Bottleneck | None:
+    """Return the slowest of some sections, in the order of the belt; of equals the first."""
+    ranking = sorted(pace_s, key=lambda section: -pace_s[section])
+    if not ranking:
+        return None
+    slowest, *others = ranking
+    return Bottleneck(
+        section=slowest,
+        pace_s=pace_s[slowest],
+        next_section=others[0] if others else None,
+        margin_s=pace_s[slowest] - (pace_s[others[0]] if others else 0.0),
+    )
+
+
+def are_mix(jobs: Iterable[JobForecast]) -> bool:
+    """Tell whether jobs are of several scripts."""
+    return len({job.script for job in jobs}) > 1
+
+
+def slowest_section(loads: Iterable[SectionLoad]) -> Bottleneck | None:
+    """Return the section with the slowest pace."""
+    return slowest_of({load.section: load.pace_s for load in loads})
+
+
+def mean_per_item_s(jobs: Iterable[JobForecast]) -> float | None:
+    """Return the mean of some jobs, each item with the steady state of its own job.
+
+    Between two jobs nothing is steady: the items of one leave while those of the other come.
+    """
+    known = [(job.packed, job.per_item_s) for job in jobs if job.per_item_s is not None]
+    items = sum(packed for packed, _ in known)
+    return sum(packed * seconds for packed, seconds in known) / items if items else None
+
+
+def at_best(interval_s: float | None, bottleneck: Bottleneck | None) -> float | None:
+    """Return an interval that a line can hold: none is shorter than its bottleneck's.
+
+    Where a line drains items leave it faster than they came.
+    """
+    if interval_s is None or bottleneck is None:
+        return interval_s
+    return max(interval_s, bottleneck.pace_s)
 
 
 def steady_interval_s(times_s: Sequence[float]) -> float | None:

@@ -11,11 +11,17 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell, OnFailure
 from bt_orchestrator.sim.causes import Cause
 from bt_orchestrator.sim.forecast import (
+    Bottleneck,
     ComponentLoad,
     Forecast,
     JobForecast,
     SectionLoad,
     WaitLoad,
+    are_mix,
+    at_best,
+    mean_per_item_s,
+    slowest_of,
+    slowest_section,
     steady_interval_s,
 )
 from bt_orchestrator.sim.intervals import Span, covered_s
@@ -41,7 +47,7 @@ class _Job:
     missing: int = 0
     nonconforming: set[str] = field(default_factory=set)
 
-    def forecast(self) -> JobForecast:
+    def forecast(self, bottleneck: Bottleneck | None) -> JobForecast:
         return JobForecast(
             job=self.queued.job,
             script=self.queued.script,
@@ -53,7 +59,8 @@ class _Job:
             started_s=self.started_s,
             finished_s=self.finished_s,
             aborted=self.aborted,
-            per_item_s=steady_interval_s(self.packed_s),
+            per_item_s=at_best(steady_interval_s(self.packed_s), bottleneck),
+            bottleneck=bottleneck,
         )
 
 
@@ -61,6 +68,11 @@ class _Attempt(NamedTuple):
     start_s: float
     component: str
     section: int | None
+    job: str | None
+
+
+_SpansByList = defaultdict[tuple[int, str], list[Span]]
+"""When tasks ran, by section and job."""
 
 
 class ForecastFold:
@@ -75,7 +87,8 @@ class ForecastFold:
         """Seconds since the first event; so are all times here."""
         self._jobs: dict[str, _Job] = {}
         self._packed_s: list[float] = []
-        self._cycles: dict[int, int] = defaultdict(int)
+        self._cycles: dict[tuple[int, str], int] = defaultdict(int)
+        """By section and job."""
         self._open: dict[e.TaskKey, _Attempt] = {}
         self._ended: list[tuple[_Attempt, float]] = []
         """Attempts with their ends."""
@@ -95,7 +108,7 @@ class ForecastFold:
         if isinstance(event, e.TaskEvent):
             self._follow_task(event)
         elif isinstance(event, e.CycleStarted):
-            self._cycles[event.section] += 1
+            self._cycles[event.section, event.job] += 1
         elif isinstance(event, e.ItemEvent):
             self._follow_item(event)
         else:
@@ -103,7 +116,9 @@ class ForecastFold:
 
     def _follow_task(self, event: e.TaskEvent) -> None:
         if isinstance(event, e.TaskStarted):
-            self._open[event.key] = _Attempt(self._now_s, event.component, event.section)
+            self._open[event.key] = _Attempt(
+                self._now_s, event.component, event.section, event.job
+            )
         elif isinstance(event, (e.TaskSucceeded, e.TaskFailed)):
             attempt = self._open.pop(event.key, None)
             if attempt is not None:  # a task may fail without having been sent
@@ -144,37 +159,58 @@ class ForecastFold:
 
         :param waits: of the same run, if somebody looked
         """
-        running = [(attempt, self._now_s) for attempt in self._open.values()]
-        by_section: dict[int, list[Span]] = defaultdict(list)
+        by_list: _SpansByList = defaultdict(list)
         by_component: dict[str, list[Span]] = defaultdict(list)
-        for attempt, end_s in (*self._ended, *running):
+        for attempt, end_s in (*self._ended, *((one, self._now_s) for one in self._open.values())):
             span = Span(attempt.start_s, end_s)
             by_component[attempt.component].append(span)
-            if attempt.section is not None:
-                by_section[attempt.section].append(span)
+            if attempt.section is not None and attempt.job is not None:
+                by_list[attempt.section, attempt.job].append(span)
+        sections = tuple(
+            self._section(n, by_list, waits.of_section(n))
+            for n in sorted({section for section, _ in self._cycles})
+        )
+        jobs = tuple(
+            job.forecast(self._bottleneck_of(name, by_list)) for name, job in self._jobs.items()
+        )
         return Forecast(
             total_s=self._now_s,
-            per_item_s=steady_interval_s(self._packed_s),
-            jobs=tuple(job.forecast() for job in self._jobs.values()),
-            sections=tuple(
-                self._section(n, by_section[n], waits.of_section(n)) for n in sorted(self._cycles)
-            ),
+            per_item_s=at_best(self._per_item_s(jobs), slowest_section(sections)),
+            jobs=jobs,
+            sections=sections,
             components=tuple(
                 _component(name, by_component[name], self._now_s, waits.of_component(name))
                 for name in cell.components
             ),
         )
 
-    def _section(self, number: int, spans: list[Span], waits: Sequence[WaitSpan]) -> SectionLoad:
-        cycles, busy_s = self._cycles[number], covered_s(spans)
+    def _per_item_s(self, jobs: Sequence[JobForecast]) -> float | None:
+        return mean_per_item_s(jobs) if are_mix(jobs) else steady_interval_s(self._packed_s)
+
+    def _section(
+        self, number: int, by_list: _SpansByList, waits: Sequence[WaitSpan]
+    ) -> SectionLoad:
+        jobs = [job for section, job in self._cycles if section == number]
+        spans = [span for job in jobs for span in by_list[number, job]]
+        busy_s = covered_s(spans)
         return SectionLoad(
             section=number,
-            cycles=cycles,
+            cycles=sum(self._cycles[number, job] for job in jobs),
             busy_s=busy_s,
-            pace_s=max(busy_s, self._turns.work_s(number, spans)) / cycles,
+            pace_s=self._pace_s(number, jobs, spans),
             utilisation=busy_s / self._now_s if self._now_s else 0.0,
             waits=_loads(waits, self._now_s),
         )
+
+    def _bottleneck_of(self, job: str, by_list: _SpansByList) -> Bottleneck | None:
+        sections = sorted(section for section, name in self._cycles if name == job)
+        return slowest_of({n: self._pace_s(n, [job], by_list[n, job]) for n in sections})
+
+    def _pace_s(self, section: int, jobs: Sequence[str], spans: Sequence[Span]) -> float:
+        """Return the seconds that a section needs for an item of some jobs."""
+        cycles = sum(self._cycles[section, job] for job in jobs)
+        work_s = self._turns.work_s(section, cycles, spans)
+        return max(covered_s(spans), work_s) / cycles
 
 
 def _component(

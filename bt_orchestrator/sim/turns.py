@@ -18,14 +18,12 @@ class TurnFold:
         self._open: dict[int, tuple[int, float]] = {}
         """Beat of the turn that a section has begun, and since when it keeps the belt."""
         self._owed: dict[int, list[Span]] = defaultdict(list)
-        self._cycles: dict[int, int] = defaultdict(int)
         self._move_began_s: float | None = None
         self._moves_s: list[float] = []
 
     def follow(self, event: e.Event, now_s: float) -> None:
         """Take in the next event."""
         if isinstance(event, e.CycleStarted):
-            self._cycles[event.section] += 1
             self._open[event.section] = (event.beat, now_s)
         elif isinstance(event, e.TurnCompleted):
             self._complete(event.section, now_s)
@@ -34,18 +32,17 @@ class TurnFold:
         elif isinstance(event, (e.BeltIndexed, e.BeatStarted)):
             self._begin_beat(event.beat, now_s)
 
-    def work_s(self, section: int, worked: Sequence[Span]) -> float:
-        """Return the seconds that a section needs for all its cycles if it waits for nobody.
+    def work_s(self, section: int, cycles: int, worked: Sequence[Span]) -> float:
+        """Return the seconds that a section needs for some cycles if it waits for nobody.
 
         In each, the belt is kept for as long as its work in the turn lasts, and then moves; steps
         that run while the belt moves cost nothing here.
 
-        :param worked: when its tasks ran
+        :param worked: when the tasks of these cycles ran
         """
-        owed = [*self._owed[section]]
-        kept_s = covered_s(common(worked, owed))
+        kept_s = covered_s(common(worked, self._owed[section]))
         move_s = statistics.median(self._moves_s) if self._moves_s else 0.0
-        return kept_s + self._cycles[section] * move_s
+        return kept_s + cycles * move_s
 
     def _complete(self, section: int, now_s: float) -> None:
         beat, since_s = self._open.pop(section)

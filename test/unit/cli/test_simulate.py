@@ -66,6 +66,17 @@ def test_the_prediction_as_json(capsys: pytest.CaptureFixture[str]) -> None:
     assert answer['forecast']['jobs'][0]['packed'] == 3
 
 
+def test_a_mix_is_told_by_its_jobs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    other = order(tmp_path, 'other', order='WO-2', script='inspect_and_assemble', quantity=6)
+    assert simulated(REFERENCE_ORDER, other) == 0
+    lines = capsys.readouterr().out.splitlines()
+    at = next(n for n, line in enumerate(lines) if line.startswith('time per item'))
+
+    assert lines[at].endswith(' s in steady state, the mean of the mix')
+    assert lines[at + 2].startswith('  WO-1001: 7.0 s; bottleneck section 4, an item every 6.5 s')
+    assert lines[at + 3].startswith('  WO-2: 8.5 s; bottleneck section 2, an item every 5.0 s')
+
+
 def test_a_line_that_gets_stuck_says_who_waits_for_whom(
     stuck: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -243,7 +254,7 @@ def test_another_cell_is_compared(quick_cell: Path, capsys: pytest.CaptureFixtur
     lines = [' '.join(line.split()) for line in capsys.readouterr().out.splitlines()]
 
     assert lines[0] == 'before after change'
-    assert 'time per item 6.5 s 4.4 s -32.7 %' in lines
+    assert 'time per item 6.5 s 5.0 s -23.1 %' in lines
     assert 'section 2, an item every 5.0 s 5.0 s =' in lines
     assert lines[-1] == 'bottleneck: from section 4 to section 2'
 

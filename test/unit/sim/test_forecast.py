@@ -4,13 +4,19 @@ from __future__ import annotations
 
 import pytest
 from fakes.action_types import FakeActionTypes
+from fakes.line import THREE, Line
 from fakes.script_texts import CELL
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.order import Job
 from bt_orchestrator.script.cell_file import parse_cell
-from bt_orchestrator.sim.forecast import Forecast, steady_interval_s
-from bt_orchestrator.sim.forecast_fold import forecast
+from bt_orchestrator.sim.forecast import Forecast, JobForecast, steady_interval_s
+from bt_orchestrator.sim.forecast_fold import ForecastFold, forecast
+from bt_orchestrator.sim.simulation import Simulation
+from bt_orchestrator.store.memory import MemoryStore
 
 
 @pytest.fixture
@@ -140,3 +146,53 @@ def test_filling_and_draining_are_not_the_steady_state(
     times: list[float], interval: float | None
 ) -> None:
     assert steady_interval_s(times) == interval
+
+
+# --- several products ---------------------------------------------------------------------------
+
+SLOW = THREE.replace('{id: work, @a2}', '{id: work, @b2}')
+
+
+def mixed(*orders: tuple[str, int], **seconds: float) -> Forecast:
+    """Run jobs one behind the other, each of a script and a quantity."""
+    line, fold = Line(seconds=seconds), ForecastFold()
+    sim = Simulation(line.cell, line.types, MemoryStore(), [fold])
+    for number, (text, quantity) in enumerate(orders, 1):
+        script = line.script(text, 'slow' if text is SLOW else 'fast')
+        sim.submit([Job(f'J{number}', script, quantity)])
+    sim.run()
+    sim.close()
+    return fold.forecast(line.cell)
+
+
+def test_a_mix_is_not_faster_than_its_bottleneck() -> None:
+    found = mixed((THREE, 9), (SLOW, 6), (THREE, 9), b2=11.0)
+    fast, slow, again = found.jobs
+
+    assert (fast.per_item_s, slow.per_item_s, again.per_item_s) == (3.0, 13.0, 3.0)
+    assert [job.bottleneck.pace_s for job in found.jobs if job.bottleneck] == [3.0, 13.0, 3.0]
+    assert slow.bottleneck is not None
+    assert (slow.bottleneck.section, slow.bottleneck.margin_s) == (2, 10.0)
+    assert found.per_item_s == pytest.approx((18 * 3.0 + 6 * 13.0) / 24)
+
+
+def test_a_line_that_drains_is_not_faster_than_its_bottleneck() -> None:
+    found = mixed((THREE, 2), a1=11.0)
+
+    assert (found.per_item_s, [job.per_item_s for job in found.jobs]) == (13.0, [13.0])
+
+
+@given(
+    st.lists(st.tuples(st.sampled_from([THREE, SLOW]), st.integers(1, 9)), min_size=1, max_size=4),
+    st.fixed_dictionaries({name: st.integers(1, 9) for name in ('a1', 'a2', 'b2', 'a3')}),
+)
+@settings(max_examples=40)
+def test_no_mix_is_faster_than_what_it_says_of_its_sections(
+    orders: list[tuple[str, int]], seconds: dict[str, int]
+) -> None:
+    found = mixed(*orders, **{name: float(s) for name, s in seconds.items()})
+    told: list[Forecast | JobForecast] = [found, *found.jobs]
+    for whole in told:
+        if whole.per_item_s is not None:
+            assert whole.bottleneck is not None
+            assert whole.per_item_s >= whole.bottleneck.pace_s - 1e-9
