@@ -135,6 +135,13 @@ class Snapshot(NamedTuple):
 class EventStore(Protocol):
     """The journal: the only durable truth."""
 
+    @property
+    def history(self) -> str:
+        """Name the history that the events are of: random, and of no other journal.
+
+        Numbers of events say something only within one.
+        """
+
     def append(self, events: Sequence[Event]) -> None:
         """Make the events durable, all or none.
 

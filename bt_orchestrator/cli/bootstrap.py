@@ -180,7 +180,8 @@ def memory_store() -> EventStore:
 
 def build_simulation(cell: Cell, types: ActionTypes, sinks: Sequence[EventSink]) -> Simulation:
     """Build a virtual run of a cell."""
-    return Simulation(cell, types, MemoryStore(), sinks)
+    # Without a random name, so that two runs of one line have the same trace.
+    return Simulation(cell, types, MemoryStore(history=''), sinks)
 
 
 def queue(simulation: Simulation, given: Sequence[Given]) -> None:

@@ -26,7 +26,9 @@ POLL_S = 0.2
 DESCRIPTION = """\
 Print every event of a running tree node from now on, one JSON object a line, until Ctrl-C. With
 --since-seq also those before, and none is missed: what the topic lost is fetched from the node's
-journal. With --journal read a journal file instead, whether its node runs or not, and end."""
+journal; a node that comes back with another journal is followed from its first event on, which is
+said on stderr. With --journal read a journal file instead, whether its node runs or not, and
+end."""
 
 EPILOG = """\
 xes: one trace an item, the tasks are the activities (IEEE 1849-2016); csv: one row an event"""
@@ -85,7 +87,7 @@ def _of_node(args: argparse.Namespace, stop: StopSignals) -> int:
 
     left = args.count
     with NodeClient(args.node, args.timeout) as client:
-        follower = EventFollower(client, args.since_seq, _say_removed)
+        follower = EventFollower(client, args.since_seq, _say_removed, _say_anew)
         while not stop.requested and left != 0:
             for message in follower.take():
                 print(message.record, flush=True)
@@ -95,6 +97,12 @@ def _of_node(args: argparse.Namespace, stop: StopSignals) -> int:
             else:
                 client.spin()
     return 0
+
+
+def _say_anew(history: str) -> None:
+    print(
+        f'the node has another journal (history {history}); from its beginning:', file=sys.stderr
+    )
 
 
 def _say_removed(first: int, last: int) -> None:

@@ -18,6 +18,7 @@ def orchestrator_started(event: e.OrchestratorStarted, state: CellState) -> None
         _stay(state, state.time)
     state.mode_since = event.time
     state.cell_digest = event.digest
+    state.history = event.history
     state.shutting_down = False
 
 

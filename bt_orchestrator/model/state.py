@@ -231,6 +231,8 @@ class CellState:
     cell: Cell = field(metadata=DERIVED)
     cell_digest: str = ''
     """Of the cell as the last orchestrator knew it; empty: there was none."""
+    history: str = ''
+    """Name of the journal, as the last orchestrator found it."""
     seq: int = 0
     """Last event applied."""
     mode: Mode = Mode.STOPPED

@@ -6,8 +6,6 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from typing import Any, Protocol
 
-STARTED = 'orchestrator.started'
-
 
 class EventSource(Protocol):
     """A tree node, as `ros.client.NodeClient` shows it."""
@@ -28,7 +26,8 @@ class EventSource(Protocol):
 class EventFollower:
     """Events in the order of their numbers: from the topic, and from the journal what it missed.
 
-    A number that jumps, or a status that is further on, tells of a gap.
+    A number that jumps, or a status that is further on, tells of a gap. Numbers count within one
+    history: where another one is seen, the node has another journal, and everything begins anew.
     """
 
     def __init__(
@@ -36,22 +35,29 @@ class EventFollower:
         client: EventSource,
         after_seq: int | None,
         on_removed: Callable[[int, int], None] = lambda _, __: None,
+        on_anew: Callable[[str], None] = lambda _: None,
     ) -> None:
         """Connect.
 
         :param after_seq: the last event that is known; None: only what happens from now on
         :param on_removed: called with the first and the last number of events that were removed
             from the journal and cannot be had any more
+        :param on_anew: called with the name of another history, before its first event
         :raises NodeUnreachable: the node is not there
         """
         self._client = client
         self._on_removed = on_removed
+        self._on_anew = on_anew
         self._inbox: deque[Any] = deque()
-        self._newest = 0
-        """The last event that the node is known to have."""
+        self._told: Any = None
+        """The last status."""
         client.on_event(self._receive)
         client.on_status(self._note)
-        self._last = client.status().seq if after_seq is None else after_seq
+        begin = client.status()
+        self._history = begin.history
+        self._left: set[str] = set()
+        """Histories of nodes that are gone; their last words may still come."""
+        self._last = begin.seq if after_seq is None else after_seq
 
     def take(self) -> Iterator[Any]:
         """Yield the events (bt_orchestrator_interfaces/msg/Event) that are new.
@@ -60,24 +66,25 @@ class EventFollower:
         """
         while self._inbox:
             message = self._inbox.popleft()
-            if message.seq <= self._last and message.event == STARTED:
-                self._last = message.seq - 1  # it forgot everything, and counts from 1 again
-            yield from self._fetch(message.seq - 1)
-            if message.seq == self._last + 1:
+            yield from self._fetch(message.history, message.seq - 1)
+            if message.history == self._history and message.seq == self._last + 1:
                 self._last = message.seq
                 yield message
-        yield from self._fetch(self._newest)
+        if self._told is not None:
+            yield from self._fetch(self._told.history, self._told.seq)
 
     def _receive(self, message: Any) -> None:
         self._inbox.append(message)
 
     def _note(self, status: Any) -> None:
-        self._newest = status.seq
+        self._told = status
 
-    def _fetch(self, until: int) -> Iterator[Any]:
-        """Yield from the journal what is new up to a number."""
-        while self._last < until:
+    def _fetch(self, history: str, until: int) -> Iterator[Any]:
+        """Yield from the journal what is new up to a number of a history."""
+        while self._follows(history) and self._last < until:
             answer = self._client.events_after(self._last)
+            if answer.history != history:
+                return  # by another node already, which is heard of in its own words
             if answer.first_seq > self._last + 1:
                 self._on_removed(self._last + 1, answer.first_seq - 1)
             if not answer.events:
@@ -85,3 +92,13 @@ class EventFollower:
             for message in answer.events:
                 self._last = message.seq
                 yield message
+
+    def _follows(self, history: str) -> bool:
+        """Tell whether a history is the present one, which a new one becomes."""
+        if history in self._left:
+            return False
+        if history != self._history:
+            self._left.add(self._history)
+            self._history, self._last = history, 0
+            self._on_anew(history)
+        return True

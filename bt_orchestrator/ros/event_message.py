@@ -9,10 +9,14 @@ from bt_orchestrator.model.events import Event
 from bt_orchestrator.ros.stamps import to_time
 
 
-def event_message(event: Event) -> EventMessage:
-    """Build the message of a durable event."""
+def event_message(event: Event, history: str) -> EventMessage:
+    """Build the message of a durable event.
+
+    :param history: name of its journal
+    """
     return EventMessage(
         seq=event.seq,
+        history=history,
         stamp=to_time(event.time),
         event=event.event,
         record=to_text(event),

@@ -30,10 +30,11 @@ class EventsService:
             response.first_seq = self._store.first_seq()
             # What was removed cannot be told; a client sees that from first_seq.
             found = self._store.read(request.after_seq, most)
-            response.events = [event_message(event) for event in found]
+            response.events = [event_message(event, self._store.history) for event in found]
         except (OrchestratorError, OverflowError) as error:
             response.message = str(error)
             return response
+        response.history = self._store.history
         response.last_seq = self._state.seq
         response.accepted = True
         return response

@@ -157,7 +157,7 @@ class TreeNode:
             self._gateway,
             RosClock(self.node),
             store,
-            [EventsTopic(self.node), self._durations],
+            [EventsTopic(self.node, store.history), self._durations],
             wake=self.heart.wake,
             auto_start=self.parameters.auto_start,
             auto_resume=self.parameters.auto_resume,

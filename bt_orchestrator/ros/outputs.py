@@ -43,7 +43,8 @@ PROGRESS = (TaskEvent, CycleEvent, ItemEvent, BeatStarted, BeltIndexStarted, Bel
 class EventsTopic:
     """`~/events`: every durable record. Implements `ports.EventSink`."""
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: Node, history: str) -> None:
+        self._history = history
         self._publisher = publisher(node, EventMessage, '~/events', EVENTS)
 
     def publish(self, events: Sequence[Event]) -> None:
@@ -51,7 +52,7 @@ class EventsTopic:
         if not self._publisher.get_subscription_count():
             return
         for event in events:
-            self._publisher.publish(event_message(event))
+            self._publisher.publish(event_message(event, self._history))
 
 
 class StatusTopic:

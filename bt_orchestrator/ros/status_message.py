@@ -42,6 +42,7 @@ def status_message(
     return Status(
         stamp=to_time(now),
         seq=state.seq,
+        history=state.history,
         cell=state.cell.name,
         state=state.mode.value,
         stop_after=state.stop_after or '',

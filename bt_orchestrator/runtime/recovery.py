@@ -123,13 +123,14 @@ def _replay(state: CellState, events: Iterable[e.Event]) -> None:
         )
 
 
-def take_over(state: CellState, *, auto_resume: bool) -> Iterator[e.Event]:
+def take_over(state: CellState, history: str, *, auto_resume: bool) -> Iterator[e.Event]:
     """Note that a new orchestrator is there, and what it found.
 
+    :param history: name of the journal
     :param auto_resume: go on at once; otherwise start nothing until somebody has looked and
         releases the hold `restarted`, which stacks with every other one
     """
-    yield e.OrchestratorStarted(cell=state.cell.name, digest=digest(state.cell))
+    yield e.OrchestratorStarted(cell=state.cell.name, digest=digest(state.cell), history=history)
     for name, component in state.cell.components.items():
         if component.state is not None and state.readings[name].ready:
             yield e.ComponentStateChanged(component=name, ready=False)  # not heard of yet

@@ -180,6 +180,8 @@ class _From:
     def __init__(self, state: str) -> None:
         self._state = state
 
+    history = ''
+
     def append(self, events: Sequence[e.Event]) -> None:
         """Keep nothing: nobody will go on from here."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from uuid import uuid4
 
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.ports import Snapshot
@@ -11,8 +12,18 @@ from bt_orchestrator.ports import Snapshot
 class MemoryStore:
     """Keeps events in a list. Implements `ports.EventStore`."""
 
-    def __init__(self) -> None:
+    def __init__(self, history: str | None = None) -> None:
+        """Begin a journal.
+
+        :param history: its name where nothing may be random, as in a virtual run
+        """
+        self._history = uuid4().hex if history is None else history
         self._events: list[Event] = []
+
+    @property
+    def history(self) -> str:
+        """Return the name that no other journal has."""
+        return self._history
 
     def append(self, events: Sequence[Event]) -> None:
         """Keep the events."""

@@ -1,8 +1,9 @@
 """The tables of a journal, their version, and how an older file becomes one of today.
 
 Schema 1 had the events alone. Schema 2 adds what is derived from them: states to start from, the
-summaries of jobs that ended, and where jobs begin. A step forward adds and never rewrites events;
-each runs in one transaction, so a file is of one schema or of the other, whatever happens.
+summaries of jobs that ended, and where jobs begin. Schema 3 adds a name that no other journal has.
+A step forward adds and never rewrites events; each runs in one transaction, so a file is of one
+schema or of the other, whatever happens.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from pathlib import Path
 
 from bt_orchestrator.store.database import JournalUnusable, pragma, transaction
 
-SCHEMA = 2
+SCHEMA = 3
 """Version of the tables, kept in SQLite's user_version."""
 
 APPLICATION_ID = 0x62746F72
@@ -50,6 +51,16 @@ _STEPS: Sequence[Sequence[str]] = (
         """CREATE INDEX jobs_queued ON events (seq, json_extract(record, '$.job'))
                WHERE json_extract(record, '$.event') = 'job.queued'""",
     ),
+    # 3
+    (
+        # Which history the events are of, and whether it goes on from a restored copy.
+        """CREATE TABLE history (
+               one INTEGER PRIMARY KEY CHECK (one = 1),
+               id TEXT NOT NULL,
+               restored INTEGER NOT NULL DEFAULT 0 CHECK (restored IN (0, 1))
+           ) STRICT""",
+        'INSERT INTO history (one, id) VALUES (1, lower(hex(randomblob(16))))',
+    ),
 )
 
 
@@ -78,3 +89,14 @@ def bring_up_to_date(database: sqlite3.Connection, version: int) -> None:
                 database.execute(statement)
         database.execute(f'PRAGMA application_id = {APPLICATION_ID}')
         database.execute(f'PRAGMA user_version = {SCHEMA}')
+
+
+def history_of(database: sqlite3.Connection) -> str:
+    """Return the name of the history that a journal of today holds.
+
+    :raises ValueError: it has none
+    """
+    row = database.execute('SELECT id FROM history').fetchone()
+    if row is None:
+        raise ValueError('the table history is empty')
+    return str(row[0])

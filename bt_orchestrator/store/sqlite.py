@@ -22,6 +22,7 @@ from bt_orchestrator.store.database import (
     unusable_otherwise,
 )
 from bt_orchestrator.store.files_in_use import FilesInUse
+from bt_orchestrator.store.schema import history_of
 
 _AT_ONCE = 50
 """Most events that are written with one statement; a settle has a few."""
@@ -58,11 +59,17 @@ class SqliteStore:
             with unusable_otherwise(path):
                 found = opening.to_read(path)
                 self._database = found or opening.to_write(path, synchronous)
+                self._history = history_of(self._database)
                 if found is None:
                     self._files = FilesInUse(path)
         except BaseException:
             self._lock.close()
             raise
+
+    @property
+    def history(self) -> str:
+        """Return the name that no other journal has."""
+        return self._history
 
     # --- events -----------------------------------------------------------------------------
 
@@ -196,6 +203,8 @@ class SqliteStore:
         :raises JournalUnusable: what was read is not what is there
         """
         found = self._end()
+        if history_of(self._database) != self._history:
+            raise JournalUnusable('another journal has taken its place since it was read')
         if found != read:
             raise JournalUnusable(
                 f'it ended with event {read} when it was read, and ends with event {found} now; '

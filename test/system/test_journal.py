@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 import resource
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from bt_orchestrator_interfaces.srv import Command, GetEvents
 from cell_processes import CellProcesses, StartCell, run_verb
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from program_process import ProgramProcess
 
 from bt_orchestrator.store.sqlite import SqliteStore
 
@@ -41,6 +43,34 @@ def test_events_that_were_missed_can_be_had(small_cell: CellProcesses) -> None:
     status, output, _ = run_verb(small_cell.folder, *words)
     assert status == 0
     assert [json.loads(line)['seq'] for line in output.splitlines()] == list(range(3, last + 1))
+    small_cell.stop()
+
+
+def told(follower: ProgramProcess, words: str) -> bool:
+    return words in follower.output
+
+
+def test_a_follower_goes_on_with_a_node_that_has_another_journal(
+    small_cell: CellProcesses,
+) -> None:
+    words = ['events', '--since-seq', '0', '--timeout', '20']
+    follower = ProgramProcess(words, small_cell.folder, 'events')
+    ended: dict[str, int] = {}
+    try:
+        for order in ('WO-1', 'WO-2', 'WO-3'):
+            small_cell.run_small(order=order)
+            small_cell.watch.until_ended(order)
+            ended[order] = small_cell.watch.until_state('Complete').seq
+            done = f'"event": "job.completed", "job": "{order}"'
+            small_cell.watch.ros.spin_until(partial(told, follower, done), f'the end of {order}')
+            small_cell.kill_and_restart_node()  # without a journal: the next one counts from 1
+        assert follower.stop() == 0
+    finally:
+        follower.kill()
+    seqs = [json.loads(line)['seq'] for line in follower.output.splitlines()]
+    expected = [seq for last in ended.values() for seq in range(1, last + 1)]
+    assert seqs[: len(expected)] == expected
+    assert follower.errors.count('the node has another journal') in (2, 3)
     small_cell.stop()
 
 

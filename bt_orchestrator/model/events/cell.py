@@ -84,6 +84,8 @@ class OrchestratorStarted(Event):
     cell: str
     digest: str
     """Of the cell's definition."""
+    history: str = ''
+    """Which journal this is: random, and of no other one; empty: of a program that knew none."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -20,12 +20,13 @@ class LossyNode:
     def __init__(self) -> None:
         self.first = 1
         self.journal: list[Any] = []
+        self.history = 'one'
         self.asked = 0
 
-    def happen(self, *lost: bool, event: str = 'task.started') -> None:
+    def happen(self, *lost: bool) -> None:
         """Let events happen; those that are lost do not come on the topic."""
         for is_lost in lost:
-            message = SimpleNamespace(seq=len(self.journal) + 1, event=event)
+            message = SimpleNamespace(seq=len(self.journal) + 1, history=self.history)
             self.journal.append(message)
             if not is_lost:
                 self._event(message)
@@ -34,8 +35,9 @@ class LossyNode:
         self._status(self.status())
 
     def forget(self) -> None:
-        """Start again without a journal."""
+        """Start again with another journal."""
         self.journal = []
+        self.history += ' more'
 
     def on_event(self, callback: Callable[[Any], None]) -> None:
         self._event = callback
@@ -44,12 +46,13 @@ class LossyNode:
         self._status = callback
 
     def status(self) -> Any:
-        return SimpleNamespace(seq=len(self.journal))
+        return SimpleNamespace(seq=len(self.journal), history=self.history)
 
     def events_after(self, seq: int) -> Any:
         self.asked += 1
         after = max(seq, self.first - 1)
-        return SimpleNamespace(first_seq=self.first, events=self.journal[after : after + PAGE])
+        page = self.journal[after : after + PAGE]
+        return SimpleNamespace(first_seq=self.first, events=page, history=self.history)
 
 
 def new(follower: EventFollower) -> list[int]:
@@ -102,12 +105,54 @@ def test_what_was_removed_is_said(node: LossyNode) -> None:
     assert removed == [(1, 2)]
 
 
-def test_a_node_that_forgot_everything_is_followed_from_its_beginning(node: LossyNode) -> None:
+def test_what_was_fetched_and_comes_then_is_told_once(node: LossyNode) -> None:
     follower = EventFollower(node, None)
+    node.happen(True, True)  # the first is that of a node that has come back with its journal
+    node.tell_status()
+    assert new(follower) == [6, 7]
+    for message in node.journal[5:]:
+        node._event(message)
+    assert new(follower) == []
+
+
+@pytest.mark.parametrize('lost', [(False, False), (True, False), (True, True)])
+@pytest.mark.parametrize('more', [0, 9])
+def test_a_node_with_another_journal_is_followed_from_its_beginning(
+    node: LossyNode, lost: tuple[bool, bool], more: int
+) -> None:
+    told: list[str] = []
+    follower = EventFollower(node, None, on_anew=told.append)
     node.forget()
-    node.happen(False, event='orchestrator.started')
+    node.happen(*lost, *[True] * more)
+    node.tell_status()
+    assert new(follower) == list(range(1, 3 + more))
+    assert told == ['one more']
+
+
+def test_a_fetch_that_the_next_node_answers(node: LossyNode) -> None:
+    follower = EventFollower(node, None)
+    node.happen(True, False)
+    node.forget()
+    node.happen(True, True, True)
+    assert new(follower) == []
+    node.tell_status()
+    assert new(follower) == [1, 2, 3]
+
+
+def test_last_words_of_a_node_that_is_gone_begin_nothing_anew(node: LossyNode) -> None:
+    told: list[str] = []
+    follower = EventFollower(node, None, on_anew=told.append)
+    late = SimpleNamespace(seq=6, history=node.history)
+    node.forget()
     node.happen(False)
-    assert new(follower) == [1, 2]
+    assert new(follower) == [1]
+    node._event(late)
+    node._status(late)
+    assert new(follower) == []
+    node.tell_status()
+    node.happen(False)
+    assert new(follower) == [2]
+    assert told == ['one more']
 
 
 @pytest.mark.parametrize('seed', range(20))

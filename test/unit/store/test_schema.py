@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import sqlite3
 from pathlib import Path
 
 import pytest
 from fakes.line import Line
+from fakes.long_journal import LongRun
 
-from bt_orchestrator.model.events import JobStarted
+from bt_orchestrator.model.events import JobStarted, OrchestratorStarted
 from bt_orchestrator.runtime.recovery import restore
 from bt_orchestrator.store import schema
 from bt_orchestrator.store.database import JournalUnusable
+from bt_orchestrator.store.memory import MemoryStore
+from bt_orchestrator.store.schema import SCHEMA
 from bt_orchestrator.store.sqlite import SqliteStore
 
 SCHEMA_1 = Path(__file__).parents[2] / 'data' / 'journal_schema_1.sqlite3'
@@ -33,12 +37,19 @@ def contents(path: Path) -> tuple[int, list[tuple[int, str]], set[str]]:
     return version, rows, tables
 
 
-def test_schema_1_becomes_schema_2_with_every_event_as_it_was(path: Path) -> None:
+def test_schema_1_becomes_that_of_today_with_every_event_as_it_was(path: Path) -> None:
     version, rows, tables = contents(path)
     assert (version, len(rows), tables) == (1, 156, {'events'})
     SqliteStore(path).close()
-    assert contents(path)[:2] == (2, rows)
-    assert contents(path)[2] > {'events', 'snapshots', 'beginning', 'jobs', 'jobs_queued'}
+    assert contents(path)[:2] == (SCHEMA, rows)
+    assert contents(path)[2] > {
+        'events',
+        'snapshots',
+        'beginning',
+        'jobs',
+        'jobs_queued',
+        'history',
+    }
 
 
 def test_the_cell_goes_on_where_the_older_program_left_it(path: Path) -> None:
@@ -65,3 +76,38 @@ def test_a_new_file_has_the_tables_of_an_old_one(path: Path, tmp_path: Path) -> 
     SqliteStore(path).close()
     SqliteStore(tmp_path / 'new.sqlite3').close()
     assert contents(tmp_path / 'new.sqlite3')[2] == contents(path)[2]
+
+
+def history(path: Path) -> str:
+    store = SqliteStore(path)
+    try:
+        return store.history
+    finally:
+        store.close()
+
+
+def test_every_journal_gets_a_name_of_its_own_and_keeps_it(path: Path, tmp_path: Path) -> None:
+    others = [path, tmp_path / 'new.sqlite3', tmp_path / 'newer.sqlite3']
+    names = [history(one) for one in others]
+    assert all(re.fullmatch('[0-9a-f]{32}', name) for name in names)
+    assert len({*names, MemoryStore().history, MemoryStore().history}) == 5
+    assert [history(one) for one in others] == names
+
+
+def test_a_journal_without_its_name_is_refused(path: Path) -> None:
+    SqliteStore(path).close()
+    database = sqlite3.connect(path)
+    database.execute('DELETE FROM history')
+    database.commit()
+    database.close()
+    with pytest.raises(JournalUnusable, match='the table history is empty'):
+        SqliteStore(path)
+
+
+def test_the_events_name_their_history(path: Path) -> None:
+    run = LongRun(path, Line(faults={'a2': '#2=abort'}))
+    run.orchestrator.settle()
+    (first,) = run.store.read(156, 1)
+    assert isinstance(first, OrchestratorStarted)
+    assert first.history == run.orchestrator.state.history == run.store.history
+    run.close()
