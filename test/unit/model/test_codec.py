@@ -84,6 +84,7 @@ SAMPLES: dict[str, Any] = {
     'exit_status': 'stopped',
     'counts': {'started': 3, 'packed': 2},
     'after': 'item',
+    'history': '6a8f0c1d',
 }
 """A value for every field of every event."""
 
