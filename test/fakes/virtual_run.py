@@ -61,7 +61,7 @@ class VirtualRun:
         :param viewed: compare the tree after every settle with one that is compiled anew
         """
         self._viewed = viewed
-        self.store = MemoryStore()
+        self.store = MemoryStore(history='')  # nothing random
         self.sim = Simulation(cell, types, self.store, duration=duration, auto_start=auto_start)
         self._invariants = Invariants(cell)
         self._replay = CellState(cell)
