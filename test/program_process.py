@@ -38,14 +38,14 @@ class ProgramProcess:
         :param folder: for what it prints
         :param program: what Python runs, if not the program itself
         :param within: a command that becomes the program, such as `ip netns exec NAME`
-        :param cwd: its working directory, if not this one
+        :param cwd: its working directory, if not `folder`: here `-m` would find the source tree
         """
         self._output = folder / f'{name}.out'
         self._errors = folder / f'{name}.err'
         with self._output.open('w') as output, self._errors.open('w') as errors:
             self._process = subprocess.Popen(
                 [*within, sys.executable, '-u', *program, *words],
-                cwd=cwd,
+                cwd=cwd or folder,
                 stdin=subprocess.DEVNULL,
                 stdout=output,
                 stderr=errors,

@@ -174,7 +174,7 @@ def test_an_error_in_a_callback_does_not_end_the_process(
     ('options', 'complaint'),
     [
         (['--speed=0'], 'expected a number greater than 0, found '),
-        (['--speed=fast'], 'expected a number, found '),
+        (['--speed=fast'], 'expected a number greater than 0, found '),
         (['--namespace=9lives'], 'expected a ROS namespace such as /cell_b, found '),
         (['--log=/no/such/folder/x'], 'cannot write the log /no/such/folder/x: No such file'),
         (['--log=/dev/full'], 'cannot write the log: No space left on device'),
