@@ -1,4 +1,4 @@
-"""When jobs will have ended, by nominal durations: an estimate for people (semantics 8.3).
+"""When jobs will have ended, by the durations of a cell: an estimate for people (semantics 8.3).
 
 The steady pace of a line is that of its slowest section. Flags, shared components, faults and
 people make it slower; `simulate` takes them into account and this does not.
@@ -14,7 +14,7 @@ from bt_orchestrator.model.state import CellState, JobState
 
 
 def item_s(script: Script, cell: Cell) -> float:
-    """Return the nominal seconds between two items of a script."""
+    """Return the seconds between two items of a script, by the durations of a cell."""
     move_s = cell.conveyor.component.duration_s(cell.conveyor.task)
     return max(max(periods(tasks, cell, move_s)) for tasks in script.sections.values())
 
@@ -30,10 +30,12 @@ def periods(tasks: SectionList, cell: Cell, move_s: float) -> Iterator[float]:
     yield move_s + _sum_s(in_turn[lead:], cell)
 
 
-def expected_ends_s(state: CellState) -> Mapping[str, float]:
+def expected_ends_s(state: CellState, cell: Cell) -> Mapping[str, float]:
     """Return in how many seconds each live job ends, if nothing stops the line.
 
     Jobs that are held or paused, and what waits behind a paused one, are left out.
+
+    :param cell: the one of the state, perhaps with other durations
     """
     if not state.mode.begins or state.stop_after is not None:
         return {}
@@ -43,7 +45,7 @@ def expected_ends_s(state: CellState) -> Mapping[str, float]:
         if job.paused:
             break
         if not job.held:
-            pace_s = item_s(job.job.script, state.cell)
+            pace_s = item_s(job.job.script, cell)
             feed_s += job.cycles_left * pace_s
             ends[name] = max([feed_s + way for way in _ways_s(job, pace_s)], default=feed_s)
     return ends

@@ -7,11 +7,13 @@ from collections.abc import Mapping
 
 from rclpy.node import Node
 
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.pace import expected_ends_s
 from bt_orchestrator.model.snapshot import state_to_plain
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import Foresight
 from bt_orchestrator.ros.pulse import Pulse
-from bt_orchestrator.runtime.observed_durations import ObservedDurations
+from bt_orchestrator.runtime.observed_durations import ObservedDurations, as_observed
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 
 RENEW_S = 5.0
@@ -26,9 +28,13 @@ class ExpectedEnds:
         node: Node,
         orchestrator: Orchestrator,
         durations: ObservedDurations,
-        foresight: Foresight,
+        foresight: Foresight | None,
         pulse: Pulse,
     ) -> None:
+        """Look ahead, once a second at most.
+
+        :param foresight: makes forecasts; None: the pace of the slowest section has to do
+        """
         self._node = node
         self._orchestrator = orchestrator
         self._durations = durations
@@ -36,24 +42,41 @@ class ExpectedEnds:
         self._asked_s = 0.0
         self._asked_seq = 0
         self._asked_about: object = None
+        self._cell: Cell | None = None
+        """With the durations seen; None: to be made anew when it is needed."""
         pulse.add(self._look)
 
-    @property
-    def ends_s(self) -> Mapping[str, float]:
-        """Seconds since the epoch, by job; nothing while somebody has to answer or start first."""
-        return {} if _waits(self._orchestrator.state) else self._foresight.ends_s
+    def within_s(self, now_s: float) -> Mapping[str, float]:
+        """Return in how many seconds each live job ends; those nobody can know are left out.
+
+        By the last forecast, which knows nothing while somebody has to answer or start first; what
+        it does not know, by the pace. Both take the durations that were seen.
+        """
+        state = self._orchestrator.state
+        foresight = None if _waits(state) else self._foresight
+        ends_s = foresight.ends_s if foresight is not None else {}
+        known = {job: max(0.0, end_s - now_s) for job, end_s in ends_s.items()}
+        if all(job in known for job in state.jobs):
+            return known
+        if self._cell is None:
+            self._cell = as_observed(state.cell, self._durations.seconds())
+        return {**expected_ends_s(state, self._cell), **known}
 
     def close(self) -> None:
         """Ask no more."""
-        self._foresight.close()
+        if self._foresight is not None:
+            self._foresight.close()
 
     def _look(self) -> None:
         state = self._orchestrator.state
+        self._cell = None
+        if self._foresight is None:
+            return
         if not state.jobs or _waits(state):
             self._asked_about = None
             return
         now_s = self._node.get_clock().now().nanoseconds / 1e9
-        about = tuple(state.jobs)
+        about = (*state.jobs, self._durations.kinds)  # a task seen first changes what is known
         renews = now_s - self._asked_s >= RENEW_S and state.seq != self._asked_seq
         if about != self._asked_about or renews:
             self._asked_s, self._asked_seq, self._asked_about = now_s, state.seq, about

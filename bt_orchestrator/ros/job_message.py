@@ -8,20 +8,18 @@ from bt_orchestrator_interfaces.msg import JobStatus
 
 from bt_orchestrator.model.events import TaskKey
 from bt_orchestrator.model.isa95 import job_word
-from bt_orchestrator.model.pace import expected_ends_s
 from bt_orchestrator.model.state import CellState, JobState, Phase
 
 UNKNOWN_S = -1.0
 
 
 def job_messages(
-    state: CellState, jobs: Iterable[JobState], forecast_s: Mapping[str, float] | None = None
+    state: CellState, jobs: Iterable[JobState], ends: Mapping[str, float]
 ) -> list[JobStatus]:
     """Build the messages about some jobs, live or ended.
 
-    :param forecast_s: seconds to the ends of jobs by a virtual run; of others the pace says
+    :param ends: in how many seconds jobs are expected to end
     """
-    ends = {**expected_ends_s(state), **(forecast_s or {})}
     places = {job.job.id: place for place, job in enumerate(state.queue, 1)}
     return [
         _message(state, job, places.get(job.job.id, 0), ends.get(job.job.id, UNKNOWN_S))

@@ -36,7 +36,7 @@ from bt_orchestrator.ros.queue_services import QueueServices
 from bt_orchestrator.ros.run_job import RunJobServer
 from bt_orchestrator.ros.services import Services
 from bt_orchestrator.runtime.housekeeping import Housekeeping
-from bt_orchestrator.runtime.observed_durations import ObservedDurations
+from bt_orchestrator.runtime.observed_durations import EVENTS_READ, ObservedDurations
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.stop_signals import StopSignals
@@ -94,9 +94,9 @@ class TreeNode:
         store = self._journal or parts.make_memory_store()
         self.orchestrator = self._engine(cell, store)
         self._housekeeping = self._keep_house()
-        self._run_job = self._take_requests(types, store)
         pulse = Pulse(node)
-        self._expected = self._look_ahead(parts, pulse)
+        self._expected = self._look_ahead(parts, pulse, store)
+        self._run_job = self._take_requests(types, store)
         self._status = self._show(pulse)
         self._ticks = TickStatistics()
         self._inspected = start_inspection(
@@ -139,8 +139,7 @@ class TreeNode:
 
     def close(self) -> None:
         """Let go of everything."""
-        if self._expected is not None:
-            self._expected.close()
+        self._expected.close()
         if self._housekeeping is not None and not self.orchestrator.broken:
             self._housekeeping.finish()
         self.orchestrator.close()
@@ -176,14 +175,15 @@ class TreeNode:
         Services(self.node, self.orchestrator)
         QueueServices(self.node, self.orchestrator, orders)
         EventsService(self.node, self.orchestrator.state, store)
-        run_job = RunJobServer(self.node, self.orchestrator, orders)
+        run_job = RunJobServer(self.node, self.orchestrator, orders, self._expected)
         self.orchestrator.add_sink(run_job)
         return run_job
 
-    def _look_ahead(self, parts: Parts, pulse: Pulse) -> ExpectedEnds | None:
-        if not self.parameters.expected_end:
-            return None
-        foresight = parts.make_foresight(self.orchestrator.state.cell)
+    def _look_ahead(self, parts: Parts, pulse: Pulse, store: EventStore) -> ExpectedEnds:
+        state = self.orchestrator.state
+        self._durations.publish(list(store.read(after=max(0, state.seq - EVENTS_READ))))
+        wanted = self.parameters.expected_end
+        foresight = parts.make_foresight(state.cell) if wanted else None
         return ExpectedEnds(self.node, self.orchestrator, self._durations, foresight, pulse)
 
     def _show(self, pulse: Pulse) -> StatusTopic:

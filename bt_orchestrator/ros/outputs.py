@@ -63,7 +63,7 @@ class StatusTopic:
     """
 
     def __init__(
-        self, node: Node, orchestrator: Orchestrator, expected: ExpectedEnds | None, pulse: Pulse
+        self, node: Node, orchestrator: Orchestrator, expected: ExpectedEnds, pulse: Pulse
     ) -> None:
         self._node = node
         self._orchestrator = orchestrator
@@ -77,8 +77,8 @@ class StatusTopic:
     def publish_now(self) -> None:
         """Publish whatever is so now."""
         now = self._node.get_clock().now().nanoseconds / 1e9
-        ends_s = self._expected.ends_s if self._expected is not None else {}
-        self._publisher.publish(status_message(self._orchestrator, now, ends_s))
+        ends = self._expected.within_s(now)
+        self._publisher.publish(status_message(self._orchestrator, now, ends))
         self._within_s = math.inf
         self._timer.cancel()
 

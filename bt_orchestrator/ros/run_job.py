@@ -16,6 +16,7 @@ from bt_orchestrator_interfaces.msg import ItemReport as ItemMessage
 from rclpy.action.server import ActionServer, CancelResponse, GoalResponse
 from rclpy.node import Node
 
+from bt_orchestrator.deadlines import NS_PER_S
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.codec import json_of
@@ -24,6 +25,7 @@ from bt_orchestrator.model.events import Event, TaskFailed
 from bt_orchestrator.model.job_commands import AddJobs, ControlJob
 from bt_orchestrator.model.job_report import ItemReport, JobReport
 from bt_orchestrator.model.order import Job
+from bt_orchestrator.ros.expected_ends import ExpectedEnds
 from bt_orchestrator.ros.job_message import job_messages
 from bt_orchestrator.ros.order_reader import OrderReader, refused_orders
 from bt_orchestrator.ros.serving import by
@@ -52,9 +54,16 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
     found ends at once, aborted, with the findings in its result.
     """
 
-    def __init__(self, node: Node, orchestrator: Orchestrator, orders: OrderReader) -> None:
+    def __init__(
+        self,
+        node: Node,
+        orchestrator: Orchestrator,
+        orders: OrderReader,
+        expected: ExpectedEnds,
+    ) -> None:
         self._orchestrator = orchestrator
         self._orders = orders
+        self._expected = expected
         self._served: dict[str, _Served] = {}
         super().__init__(
             node,
@@ -143,7 +152,10 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
     def _status(self, job: str) -> JobStatus | None:
         state = self._orchestrator.state
         found = state.jobs.get(job) or state.ended.get(job)
-        return None if found is None else job_messages(state, [found])[0]
+        if found is None:
+            return None
+        now_s = self._node.get_clock().now().nanoseconds / NS_PER_S
+        return job_messages(state, [found], self._expected.within_s(now_s))[0]
 
     def _end(self, served: _Served) -> None:
         report = served.report

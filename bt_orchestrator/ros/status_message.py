@@ -30,12 +30,10 @@ ENDED_SHOWN = 10
 """How many ended jobs the status still lists, the last ones."""
 
 
-def status_message(
-    orchestrator: Orchestrator, now: float, ends_s: Mapping[str, float] | None = None
-) -> Status:
+def status_message(orchestrator: Orchestrator, now: float, ends: Mapping[str, float]) -> Status:
     """Build the whole message.
 
-    :param ends_s: when jobs are expected to end, by a virtual run, on the clock of `now`
+    :param ends: in how many seconds jobs are expected to end
     """
     state, tree = orchestrator.state, orchestrator.tree
     jobs = (*state.jobs.values(), *list(state.ended.values())[-ENDED_SHOWN:])
@@ -60,7 +58,7 @@ def status_message(
         initialization_waiting=waiting(tree.initialization),
         sections=[_section(orchestrator, section) for section in state.sections.values()],
         components=[_component(orchestrator, c) for c in state.cell.components.values()],
-        jobs=job_messages(state, jobs, _from_now(ends_s or {}, now)),
+        jobs=job_messages(state, jobs, ends),
         flags=[
             FlagStatus(name=name, count=flag.count, capacity=flag.capacity)
             for name, flag in state.flags.items()
@@ -159,10 +157,6 @@ def _feedback(orchestrator: Orchestrator, goal: str | None) -> str:
     if feedback is None:
         return ''
     return json_of(feedback)
-
-
-def _from_now(ends_s: Mapping[str, float], now_s: float) -> dict[str, float]:
-    return {job: max(0.0, end_s - now_s) for job, end_s in ends_s.items()}
 
 
 def _holds(state: CellState) -> list[HoldStatus]:

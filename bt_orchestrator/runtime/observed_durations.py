@@ -5,11 +5,16 @@ from __future__ import annotations
 import statistics
 from collections import defaultdict, deque
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.cell import Cell
 
 KEPT = 9
 """So many durations of each task are remembered, the last ones."""
+
+EVENTS_READ = 1000
+"""So many of the last events of a journal tell a node that starts how long tasks took before."""
 
 
 class ObservedDurations:
@@ -28,6 +33,13 @@ class ObservedDurations:
                 self._succeeded(event)
             elif isinstance(event, e.TaskFailed):
                 self._started.pop(event.key, None)
+            elif isinstance(event, e.OrchestratorStarted):
+                self._started.clear()  # nobody knows when within the pause it ended
+
+    @property
+    def kinds(self) -> int:
+        """How many tasks were seen, each counted once for its component."""
+        return len(self._took_s)
 
     def seconds(self) -> Mapping[str, Mapping[str, float]]:
         """Return the usual seconds of each task seen, by component and task constant."""
@@ -40,3 +52,28 @@ class ObservedDurations:
         begun = self._started.pop(event.key, None)
         if begun is not None:
             self._took_s[begun.component, begun.name].append(event.time - begun.time)
+
+
+def as_observed(cell: Cell, observed_s: Mapping[str, Mapping[str, float]]) -> Cell:
+    """Return the cell with the durations that were seen.
+
+    Those not seen yet are as much longer, or shorter, than nominal as the others are.
+    """
+    ratios = [
+        took_s / nominal_s
+        for name, tasks in observed_s.items()
+        for task, took_s in tasks.items()
+        if (nominal_s := cell.components[name].duration_s(task))
+    ]
+    factor = statistics.median(ratios) if ratios else 1.0
+    components = {
+        name: replace(
+            one,
+            durations_s={task: factor * s for task, s in one.durations_s.items()}
+            | dict(observed_s.get(name, {})),
+            default_duration_s=factor * one.default_duration_s,
+        )
+        for name, one in cell.components.items()
+    }
+    conveyor = replace(cell.conveyor, component=components[cell.conveyor.component.name])
+    return replace(cell, conveyor=conveyor, components=components)

@@ -8,7 +8,6 @@ that somebody stopped, gets no forecast: nobody knows how long that takes.
 from __future__ import annotations
 
 import json
-import statistics
 import time
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
@@ -21,6 +20,7 @@ from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.goal import GoalRequest
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import ActionTypes, Snapshot
+from bt_orchestrator.runtime.observed_durations import as_observed
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.gateway import VirtualGateway
@@ -46,7 +46,7 @@ def expected_ends(
     :param observed_s: seconds that tasks took, by component and task constant
     """
     until = time.monotonic() + LONGEST_S
-    run = _Run(_as_observed(_without_faults(cell), observed_s), types, plain_state, now_s)
+    run = _Run(as_observed(_without_faults(cell), observed_s), types, plain_state, now_s)
     try:
         left_out = run.shorten()
         run.go(until)
@@ -57,31 +57,6 @@ def expected_ends(
 
 def _without_faults(cell: Cell) -> Cell:
     components = {name: replace(one, faults=()) for name, one in cell.components.items()}
-    conveyor = replace(cell.conveyor, component=components[cell.conveyor.component.name])
-    return replace(cell, conveyor=conveyor, components=components)
-
-
-def _as_observed(cell: Cell, observed_s: Mapping[str, Mapping[str, float]]) -> Cell:
-    """Return the cell with the durations that were seen.
-
-    Those not seen yet are as much longer, or shorter, than nominal as the others are.
-    """
-    ratios = [
-        took_s / nominal_s
-        for name, tasks in observed_s.items()
-        for task, took_s in tasks.items()
-        if (nominal_s := cell.components[name].duration_s(task))
-    ]
-    factor = statistics.median(ratios) if ratios else 1.0
-    components = {
-        name: replace(
-            one,
-            durations_s={task: factor * s for task, s in one.durations_s.items()}
-            | dict(observed_s.get(name, {})),
-            default_duration_s=factor * one.default_duration_s,
-        )
-        for name, one in cell.components.items()
-    }
     conveyor = replace(cell.conveyor, component=components[cell.conveyor.component.name])
     return replace(cell, conveyor=conveyor, components=components)
 

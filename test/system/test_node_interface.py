@@ -14,6 +14,9 @@ from rcl_interfaces.srv import DescribeParameters, GetParameters
 
 NAMES = ['cell', 'trees', 'tick_rate_hz', 'executor', 'auto_start', 'server_timeout']
 
+NOMINAL_ITEM_S = 3.0
+"""Of the small cell: a move, `work` and `pack`; at SPEED it is a twentieth, and what is lost."""
+
 HAS_EVENTS_EXECUTOR = importlib.util.find_spec('rclpy.experimental') is not None
 
 
@@ -71,6 +74,28 @@ def test_the_status_follows_the_events(small_cell: CellProcesses) -> None:
     # The pace by the cell file says 1200 s; what was seen of a cell at SPEED is 60 s.
     small_cell.watch.until_status(lambda s: 0 < s.jobs[0].expected_end_s < 600, 'a forecast')
     small_cell.stop()
+
+
+@pytest.mark.parametrize('forecast', ['--expected-end', '--no-expected-end'])
+def test_the_expected_end_follows_what_was_seen_also_after_a_restart(
+    start_cell: StartCell, tmp_path: Path, forecast: str
+) -> None:
+    journal = tmp_path / 'cell' / 'journal.sqlite3'
+    options = ['--journal', str(journal), '--auto-resume', forecast]
+    cell = start_cell(run_options=options)
+    cell.connect()
+    cell.run_small(quantity=500)
+    for taken_over in (False, True):
+        if taken_over:
+            cell.kill_and_restart_node()
+            cell.watch.connect_anew()
+        status = cell.watch.until_status(
+            lambda s: s.jobs and s.jobs[0].packed >= 5 and s.jobs[0].expected_end_s > 0,
+            'an expected end',
+        )
+        (job,) = status.jobs
+        assert job.expected_end_s < (job.quantity - job.packed) * NOMINAL_ITEM_S / 2, taken_over
+    cell.stop()
 
 
 def test_diagnostics_come_once_a_second(start_cell: StartCell) -> None:

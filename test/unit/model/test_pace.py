@@ -38,7 +38,7 @@ def test_the_queue_ends_one_job_after_the_other() -> None:
         run.submit(name, script, 5)
     run.control('hold', 'L')
     run.go(until=8.0)
-    ends = expected_ends_s(run.state)
+    ends = expected_ends_s(run.state, line.cell)
     run.go()
     real = {r['job']: r['time'] - 8.0 for r in run.all('job.completed')}
     assert ends.keys() == {'J', 'K'}
@@ -50,4 +50,4 @@ def test_what_a_paused_job_or_a_stop_keeps_back_has_no_end() -> None:
     run = line.begin(quantity=5)
     run.submit('K', line.script(THREE))
     run.control('pause', 'J')
-    assert expected_ends_s(run.state) == {}
+    assert expected_ends_s(run.state, line.cell) == {}

@@ -90,6 +90,18 @@ def test_what_was_seen_counts_more_than_what_is_written() -> None:
         assert nominal['J0'] < seen['J0'] - 40.0
 
 
+def test_at_a_quarter_of_nominal_five_goals_of_each_task_are_enough() -> None:
+    with running(30, until_s=20.0, slower=0.25) as (simulation, durations):
+        took_s = durations.seconds()
+        assert took_s['a3'] == {'TASK_A': 0.25}
+        found = expected(simulation, took_s)
+        left_s = found['J0'] - simulation.clock.now()
+        (end_s,) = real_ends(simulation).values()
+        assert end_s is not None
+
+        assert left_s == pytest.approx(end_s - 20.0, rel=0.05)
+
+
 def test_tasks_not_seen_yet_are_as_slow_as_the_others() -> None:
     with running(12, until_s=4.0, slower=2.0) as (simulation, durations):
         assert 'a3' not in durations.seconds()
