@@ -16,6 +16,7 @@ from bt_orchestrator.model.script import index_task
 from bt_orchestrator.model.state import (
     CellState,
     Cycle,
+    End,
     Hold,
     ItemState,
     Phase,
@@ -157,24 +158,25 @@ def _task_retrying(event: e.TaskRetrying, state: CellState) -> None:
 
 @_on(e.TaskSucceeded)
 def _task_succeeded(event: e.TaskSucceeded, state: CellState) -> None:
-    _succeed(state, event.key)
+    _succeed(state, event.key, End.DONE)
     if event.item is not None and event.results:
         state.items[event.item].results[event.task] = event.results
 
 
 @_on(e.TaskMarkedDone)
 def _task_marked_done(event: e.TaskMarkedDone, state: CellState) -> None:
-    _succeed(state, event.key)
+    _succeed(state, event.key, End.MARKED_DONE)
 
 
 @_on(e.TaskSkipped)
 def _task_skipped(event: e.TaskSkipped, state: CellState) -> None:
-    _end(state, event.key)
+    _end(state, event.key, End.SKIPPED)
+    state.tasks[event.key] = changed(state.tasks[event.key], reason=None, message=event.reason)
 
 
 @_on(e.TaskContinued)
 def _task_continued(event: e.TaskContinued, state: CellState) -> None:
-    _end(state, event.key)
+    _end(state, event.key, _ENDS[event.policy])
     if event.item is None or event.policy != OnFailure.CONTINUE.value:
         return
     item = state.items[event.item]
@@ -183,18 +185,25 @@ def _task_continued(event: e.TaskContinued, state: CellState) -> None:
     item.nonconforming.append(event.task)
 
 
-def _succeed(state: CellState, key: e.TaskKey) -> None:
+_ENDS = {
+    OnFailure.CONTINUE.value: End.CONTINUED,
+    OnFailure.REJECT.value: End.REJECTED,
+    OnFailure.ABORT_JOB.value: End.ABORTED,
+}
+
+
+def _succeed(state: CellState, key: e.TaskKey, end: End) -> None:
     task = state.task(key)
     if task is not None and key.section is None:
         state.done_once.add(signature(task, state.tasks[key].args))
-    _end(state, key)
+    _end(state, key, end)
 
 
-def _end(state: CellState, key: e.TaskKey) -> None:
+def _end(state: CellState, key: e.TaskKey, end: End) -> None:
     _release(state, key)
     state.running.pop(key, None)
     before = state.tasks.get(key, TaskState(Phase.DONE))
-    state.tasks[key] = changed(before, phase=Phase.DONE, hold=None)
+    state.tasks[key] = changed(before, phase=Phase.DONE, hold=None, end=end)
 
 
 def _release(state: CellState, key: e.TaskKey) -> None:

@@ -39,6 +39,26 @@ class Phase(Enum):
     """Succeeded, skipped or continued: the cycle has passed it."""
 
 
+class End(Enum):
+    """How a task ended that the cycle has passed; the words stand in the status."""
+
+    DONE = 'done'
+    MARKED_DONE = 'marked_done'
+    """An operator said so."""
+    SKIPPED = 'skipped'
+    CONTINUED = 'continued'
+    """It failed, and the item is nonconforming."""
+    REJECTED = 'rejected'
+    """It failed, and the item is rejected."""
+    ABORTED = 'aborted'
+    """It failed, and the job is aborted."""
+
+    @property
+    def is_failure(self) -> bool:
+        """Tell whether its last attempt failed."""
+        return self in (End.CONTINUED, End.REJECTED, End.ABORTED)
+
+
 @dataclass(frozen=True)
 class TaskState:
     """Progress of one task of one item."""
@@ -59,6 +79,9 @@ class TaskState:
     reason: Reason | None = None
     """Why the last attempt failed."""
     message: str = ''
+    """What was said about the failure, or why it was skipped."""
+    end: End | None = None
+    """How it ended, in phase DONE; None: a journal that is older than this field said so."""
     not_before: float = 0.0
     hold: str | None = None
 

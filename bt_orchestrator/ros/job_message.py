@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from bt_orchestrator_interfaces.msg import JobStatus
+from bt_orchestrator_interfaces.msg import JobStatus, PassedTask
 
 from bt_orchestrator.model.events import TaskKey
 from bt_orchestrator.model.isa95 import job_word
-from bt_orchestrator.model.state import CellState, JobState, Phase
+from bt_orchestrator.model.state import CellState, End, JobState, Phase, TaskState
 
 UNKNOWN_S = -1.0
 
@@ -46,7 +46,24 @@ def _message(state: CellState, job: JobState, position: int, end_s: float) -> Jo
         nonconforming=progress.nonconforming,
         missing=progress.missing,
         initialization=_to_prepare(state, job) if live else [],
+        passed=_prepared(state, job) if live else [],
     )
+
+
+def passed_task(task: str, progress: TaskState, *, is_nonconforming: bool = False) -> PassedTask:
+    """Build the message about a task in phase DONE.
+
+    :param is_nonconforming: it made its item so; tells what a state of an older program does not
+    """
+    end = progress.end or (End.CONTINUED if is_nonconforming else End.DONE)
+    return PassedTask(id=task, end=end.value, reason=_reason(progress))
+
+
+def _reason(progress: TaskState) -> str:
+    if progress.reason is None:
+        return progress.message
+    message = f' ({progress.message})' if progress.message else ''
+    return f'{progress.reason.value}{message}'
 
 
 def _to_prepare(state: CellState, job: JobState) -> list[str]:
@@ -56,3 +73,12 @@ def _to_prepare(state: CellState, job: JobState) -> list[str]:
         for task in job.job.script.initialization
         if state.phase(TaskKey(job.job.id, None, None, task.id)) is not Phase.DONE
     ]
+
+
+def _prepared(state: CellState, job: JobState) -> list[PassedTask]:
+    """Return the initialization tasks that have ended."""
+    tasks = job.job.script.initialization
+    ended = [
+        (task.id, state.tasks.get(TaskKey(job.job.id, None, None, task.id))) for task in tasks
+    ]
+    return [passed_task(id_, one) for id_, one in ended if one and one.phase is Phase.DONE]

@@ -9,6 +9,7 @@ from bt_orchestrator_interfaces.msg import (
     ComponentStatus,
     FlagStatus,
     HoldStatus,
+    PassedTask,
     SectionStatus,
     StateTime,
     Status,
@@ -21,7 +22,7 @@ from bt_orchestrator.model.events import TaskKey
 from bt_orchestrator.model.packml import VERBS, possible_in
 from bt_orchestrator.model.state import CellState, Cycle, Phase, SectionState, TaskState
 from bt_orchestrator.model.wish import way_to_work
-from bt_orchestrator.ros.job_message import job_messages
+from bt_orchestrator.ros.job_message import job_messages, passed_task
 from bt_orchestrator.ros.stamps import to_time
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.tree.reasons import waiting
@@ -84,38 +85,50 @@ def _section(orchestrator: Orchestrator, section: SectionState) -> SectionStatus
     state = orchestrator.state
     slot = state.slot(section.number)
     cycle = section.cycle
-    done, failed = _passed(state, section.number, cycle)
+    item = state.items[cycle.item] if cycle else None
+    passed, failed = _passed(state, section.number, cycle)
     return SectionStatus(
         section=section.number,
         slot=section.slot or '',
         slot_empty_position=slot is not None and not slot.present,
+        slot_rejected=slot is not None and slot.rejected,
+        slot_nonconforming=list(slot.nonconforming) if slot else [],
         job=cycle.job if cycle else '',
         item=cycle.item if cycle else '',
+        item_empty_position=item is not None and not item.present,
+        item_rejected=item is not None and item.rejected,
+        item_nonconforming=list(item.nonconforming) if item else [],
         running=[
             _task(orchestrator, key, task)
             for key, task in state.running.items()
             if key.section == section.number
         ],
-        done=done,
+        done=[task.id for task in passed],
+        passed=passed,
         failed=failed,
         waiting=waiting(orchestrator.tree.sections[section.number]),
     )
 
 
-def _passed(state: CellState, section: int, cycle: Cycle | None) -> tuple[list[str], list[str]]:
+def _passed(
+    state: CellState, section: int, cycle: Cycle | None
+) -> tuple[list[PassedTask], list[str]]:
     """Return which tasks the cycle in hand has passed, and which failed."""
     if cycle is None:
         return [], []
     nonconforming = state.items[cycle.item].nonconforming
-    done, failed = [], []
-    for step in state.script(cycle.job).sections[section].steps:
-        for task in step.tasks:
-            phase = state.phase(TaskKey(cycle.job, section, cycle.item, task.id))
-            if phase is Phase.DONE:
-                done.append(task.id)
-            if task.id in nonconforming or phase in _FAILED:
-                failed.append(task.id)
-    return done, failed
+    passed, failed = [], []
+    for task in state.script(cycle.job).sections[section].tasks:
+        progress = state.tasks.get(TaskKey(cycle.job, section, cycle.item, task.id))
+        if progress is None:
+            continue
+        if progress.phase is Phase.DONE:
+            is_nonconforming = task.id in nonconforming
+            passed.append(passed_task(task.id, progress, is_nonconforming=is_nonconforming))
+        has_failed = progress.end is not None and progress.end.is_failure
+        if has_failed or task.id in nonconforming or progress.phase in _FAILED:
+            failed.append(task.id)
+    return passed, failed
 
 
 _FAILED = (Phase.FAILED, Phase.RETRYING, Phase.HELD)

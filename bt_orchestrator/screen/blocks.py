@@ -14,7 +14,7 @@ from bt_orchestrator.screen.columns import Cell, end_of, line, widest
 from bt_orchestrator.screen.fit import stay
 from bt_orchestrator.screen.glyphs import Glyphs
 from bt_orchestrator.screen.tree_view import Branch, Status, Twig, twigs
-from bt_orchestrator.screen.view import CellView, HoldRow, JobRow, Row, Weight
+from bt_orchestrator.screen.view import CellView, HoldRow, JobRow, Row, Slot, Weight
 
 NARROW = 60
 """Below this width, times and pictures make room for words."""
@@ -94,10 +94,19 @@ def belt(view: CellView, width: int, glyphs: Glyphs) -> Text:
     return line([Cell(Text(next(fitting, strips[-1])), None)], width)
 
 
-def _strip(slots: Sequence[str], glyphs: Glyphs, named: Callable[[str], str], blank: str) -> str:
-    texts = [(named(slot) or glyphs.packed) if slot else glyphs.empty for slot in slots]
+def _strip(slots: Sequence[Slot], glyphs: Glyphs, named: Callable[[str], str], blank: str) -> str:
+    texts = [_carried(slot, glyphs, named(slot.name)) for slot in slots]
     wall = f'{blank}{glyphs.wall}{blank}'
     return f'{glyphs.wall}{blank}{wall.join(texts)}{blank}{glyphs.wall}'
+
+
+def _carried(slot: Slot, glyphs: Glyphs, name: str) -> str:
+    """Return an item with the signs of what is wrong with it, which stand where no name does."""
+    if not slot.name:
+        return glyphs.empty
+    signs = glyphs.rejected if slot.is_rejected else ''
+    signs += glyphs.nonconforming if slot.is_nonconforming else ''
+    return f'{name}{signs}' or glyphs.packed
 
 
 def _unnamed(_: str) -> str:
@@ -173,7 +182,7 @@ def bar(row: JobRow, width: int, glyphs: Glyphs) -> Text:
 
 def sections(view: CellView, age_s: float, width: int, glyphs: Glyphs) -> Block:
     """Return what every section does or waits for; the held and the working stay longest."""
-    slot_width = max(widest(view.slots, max(width // 5, 5)), 1)
+    slot_width = max(widest([slot.name for slot in view.slots], max(width // 5, 5)), 1)
     lines, weights = [], []
     before = 0
     for row in view.rows:

@@ -23,6 +23,8 @@ class Glyphs(NamedTuple):
     move: str
     success: str
     failure: str
+    rejected: str
+    nonconforming: str
     ellipsis: str
     rule: str
 
@@ -41,5 +43,5 @@ class Glyphs(NamedTuple):
         }[status]
 
 
-UNICODE = Glyphs('▶', '·', '■', '█', '▒', '░', '│', '·', '→', '»', '✓', '✗', '…', '─')
-ASCII = Glyphs('>', '.', '!', '#', '=', '-', '|', '.', '->', '>>', '+', 'x', '.', '-')
+UNICODE = Glyphs('▶', '·', '■', '█', '▒', '░', '│', '·', '→', '»', '✓', '✗', '✗', '≈', '…', '─')
+ASCII = Glyphs('>', '.', '!', '#', '=', '-', '|', '.', '->', '>>', '+', 'x', 'x', '~', '.', '-')

@@ -33,6 +33,10 @@ class Progress:
             yield f'{_place(event)}{event.task} failed: {event.reason}{message}'
         elif isinstance(event, e.TaskSkipped):
             yield f'{_place(event)}{event.task} skipped: {event.reason}'
+        elif isinstance(event, e.TaskMarkedDone):
+            yield f'{_place(event)}{event.task} marked done'
+        elif isinstance(event, e.ItemRejected):
+            yield f'item        {event.item} rejected: {event.reason}'
         elif isinstance(event, e.ItemRemoved):
             yield f'section {event.section:<3} {event.item} {event.how.replace("_", " ")}'
         elif isinstance(event, e.HoldRaised):

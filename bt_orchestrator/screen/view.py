@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any
+from typing import Any, NamedTuple
 
 from bt_orchestrator.screen import words
 
@@ -18,6 +18,15 @@ class Weight(IntEnum):
     WAITING_WITH_ITEM = 2
     WAITING = 3
     ENDED = 4
+
+
+class Slot(NamedTuple):
+    """What the belt carries at a section."""
+
+    name: str
+    """Of an item; in brackets if it is not there; empty: nothing."""
+    is_rejected: bool = False
+    is_nonconforming: bool = False
 
 
 @dataclass(frozen=True)
@@ -69,8 +78,8 @@ class CellView:
     belt_waiting: tuple[str, ...]
     made_at: float
     """The node's time, seconds since the epoch."""
-    slots: tuple[str, ...]
-    """What the belt carries, in the direction of travel."""
+    slots: tuple[Slot, ...]
+    """In the direction of travel."""
     rows: tuple[Row, ...]
     initialization: tuple[str, ...]
     jobs: tuple[JobRow, ...]
@@ -97,7 +106,7 @@ def cell_view(status: Any, node: str) -> CellView:
         belt=words.belt(status),
         belt_waiting=tuple(map(words.one_line, status.belt_waiting)),
         made_at=_seconds(status.stamp),
-        slots=tuple(map(words.slot, status.sections)),
+        slots=tuple(map(_slot, status.sections)),
         rows=tuple(row for section in status.sections for row in _rows(section, status)),
         initialization=tuple(map(words.one_line, status.initialization_waiting)),
         jobs=tuple(_job(job, status) for job in status.jobs),
@@ -110,17 +119,28 @@ def cell_view(status: Any, node: str) -> CellView:
     )
 
 
+def _slot(section: Any) -> Slot:
+    return Slot(words.slot(section), section.slot_rejected, len(section.slot_nonconforming) > 0)
+
+
 def _rows(section: Any, status: Any) -> Iterator[Row]:
-    """Yield what a section does and what it waits for; at least one row."""
+    """Yield what a section does and what it waits for; at least one row.
+
+    The first one says what is wrong with the item in the slot.
+    """
     number, slot = section.section, words.slot(section)
+    fate = words.fate(section)
     for task in section.running:
         elapsed_s = max(_seconds(status.stamp) - _seconds(task.started), 0.0)
-        yield Row(number, slot, words.task(task), Weight.WORKING, elapsed_s)
+        text = '; '.join(filter(None, [fate, words.task(task)]))
+        yield Row(number, slot, text, Weight.WORKING, elapsed_s)
+        fate = ''
     weight = Weight.WAITING_WITH_ITEM if slot or section.item else Weight.WAITING
     if any(hold.section == number for hold in status.holds):
         weight = Weight.HELD
     if section.waiting or not section.running:
-        reasons = '; '.join(map(words.one_line, section.waiting))
+        said = [fate, *map(words.one_line, section.waiting)]
+        reasons = '; '.join(filter(None, said))
         yield Row(number, slot, reasons, weight, None)
 
 

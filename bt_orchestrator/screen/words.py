@@ -109,6 +109,15 @@ def _from_now(seconds: float) -> str:
     return f'in {minutes} min' if minutes < 100 else f'in {minutes / 60:.1f} h'
 
 
+def fate(section: Any) -> str:
+    """Say what is wrong with the item in a slot; nothing if it is good, or there is none."""
+    words = ['rejected'] if section.slot_rejected else []
+    if section.slot_nonconforming:
+        tasks = ', '.join(map(one_line, section.slot_nonconforming))
+        words.append(f'nonconforming ({tasks})')
+    return ', '.join(words)
+
+
 def slot(section: Any) -> str:
     """Return what the belt carries at a section; the place of an absent item in brackets."""
     name = one_line(section.slot)
@@ -126,7 +135,7 @@ def task(running: Any) -> str:
 
 def _work(section: Any) -> str:
     reasons = [one_line(reason) for reason in section.waiting]
-    return '; '.join([*map(task, section.running), *reasons])
+    return '; '.join(filter(None, [fate(section), *map(task, section.running), *reasons]))
 
 
 def flag_count(flag: Any) -> str:

@@ -20,7 +20,7 @@ REASON_LINES = 2
 """Room for a reason on a card, used or not: nothing moves from one drawing to the next."""
 
 CARD_HEIGHT = 15.0 + 11 * REASON_LINES + 4
-SLOT_HEIGHT = 50.0
+SLOT_HEIGHT = 61.0
 """Points."""
 
 MOST_JOBS = 4
@@ -44,18 +44,35 @@ def tooltip_state(mark: TaskMark) -> Iterator[str]:
 
 def slot_label(number: int, mark: SectionMark, width: float, height: float) -> str:
     """Return a slot with what stands there, and what its section does."""
-    there = f'({mark.slot}), empty position' if mark.is_empty_position else mark.slot or 'empty'
+    there = f'({mark.slot})' if mark.is_empty_position else mark.slot or 'empty'
     work = f'works on {mark.works_on}' if mark.works_on else 'no cycle'
     waits = '' if mark.works_on else ' '.join(mark.waiting[:1])
-    texts = [font(f'slot {number}: {there}', bold=True), font(work, size=9)]
+    texts = [
+        font(f'slot {number}: {there}', bold=True),
+        font(_fate(mark) or ' ', size=9, bold=True),
+    ]
+    texts.append(font(work, size=9))
     texts.append(font(_cut(wrapped(waits), 1)[0] or ' ', size=9, colour=FAINT))
     middle = ''.join(f'{text}<BR/>' for text in texts)
     inside = entry(middle, align='CENTER', width=width, height=height)
-    return table([[inside]], fill=SLOT_FILL, border=3 if mark.works_on else 0)
+    fill = Mark.REJECTED.fill if mark.is_rejected else SLOT_FILL
+    return table([[inside]], fill=fill, border=3 if mark.works_on else 0)
+
+
+def _fate(mark: SectionMark) -> str:
+    """Say what is wrong with what stands in a slot."""
+    words = (
+        (mark.is_empty_position, 'empty position'),
+        (mark.is_rejected, f'{Mark.REJECTED.sign} REJECTED'),
+        (mark.is_nonconforming, 'nonconforming'),
+    )
+    return ', '.join(word for is_so, word in words if is_so)
 
 
 def slot_tooltip(mark: SectionMark) -> Iterator[str]:
-    """Yield everything that a section waits for."""
+    """Yield what is wrong with the item, and everything that the section waits for."""
+    if _fate(mark):
+        yield _fate(mark)
     yield f'works on {mark.works_on}' if mark.works_on else 'no cycle in hand'
     yield from mark.waiting
 
@@ -79,10 +96,15 @@ def legend_rows() -> Iterator[tuple[str, str, str]]:
         (Mark.RUNNING, 'its goal is at the action server; thick frame'),
         (Mark.FAILED, 'its last attempt failed; thick frame'),
         (Mark.HELD, 'an operator has to answer: bt-orchestrator answer; thick frame'),
-        (Mark.DONE, 'passed, in the cycle that is in hand'),
-        (Mark.PASSED, 'failed, and passed as its policy says'),
+        (Mark.DONE, 'succeeded, in the cycle that is in hand'),
+        (Mark.MARKED_DONE, 'failed, and an operator says that it is done'),
+        (Mark.SKIPPED, 'not needed for this item, and not done'),
+        (Mark.CONTINUED, 'failed, and the cycle goes on: the item is nonconforming'),
+        (Mark.REJECTED, 'failed, and its item is rejected'),
+        (Mark.ABORTED, 'failed, and its job is aborted'),
     ):
-        yield f'{mark.sign} {mark.word.partition(",")[0]}', mark.fill, meaning
+        word = mark.word.removeprefix('failed, ').removeprefix('is ')
+        yield f'{mark.sign} {word}', mark.fill, meaning
 
 
 def _now(mark: TaskMark) -> str:

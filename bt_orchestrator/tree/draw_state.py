@@ -16,7 +16,11 @@ class Mark(Enum):
     FAILED = ('\u21bb', 'failed, is tried again', '#ffe0cc')
     HELD = ('!', 'HELD', '#ffd0d0')
     DONE = ('\u2713', 'done', '#d7f2de')
-    PASSED = ('\u2717', 'failed, passed', '#e3dbd3')
+    MARKED_DONE = ('\u2713', 'marked done', '#d7f2de')
+    SKIPPED = ('\u21b7', 'skipped', '#eceff3')
+    CONTINUED = ('\u2717', 'failed, continued', '#e3dbd3')
+    REJECTED = ('\u2717', 'failed, item rejected', '#f3c9bd')
+    ABORTED = ('\u2717', 'failed, job aborted', '#f3c9bd')
 
     def __init__(self, sign: str, word: str, fill: str) -> None:
         self.sign = sign
@@ -52,6 +56,9 @@ class SectionMark:
     slot: str = ''
     """Item that stands there; empty: nothing."""
     is_empty_position: bool = False
+    is_rejected: bool = False
+    is_nonconforming: bool = False
+    """Of the item in the slot; both may be so."""
     works_on: str = ''
     """Item of the cycle in hand, with the job's script if that is not the one that is drawn."""
     waiting: tuple[str, ...] = ()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from bt_orchestrator.errors import OrchestratorError
@@ -82,11 +82,12 @@ class _Reader:
         if job is None:
             return
         reasons = tuple(self._status['initialization_waiting'])
+        passed = _passed(job['passed'])
         for task in self._script.initialization:
             if task.id in job['initialization']:
                 yield task.id, self._prepared(task, job['id'], reasons)
             else:
-                yield task.id, TaskMark(Mark.DONE)
+                yield task.id, passed.get(task.id, TaskMark(Mark.DONE))
 
     def _prepared(self, task: Task, job: str, reasons: Sequence[str]) -> TaskMark:
         held = self._held.get((0, job, task.id))
@@ -116,6 +117,8 @@ class _Reader:
         return SectionMark(
             slot=section['slot'],
             is_empty_position=section['slot_empty_position'],
+            is_rejected=section['slot_rejected'],
+            is_nonconforming=bool(section['slot_nonconforming']),
             works_on=f'{section["item"]}{other}' if section['job'] else '',
             waiting=tuple(section['waiting']),
         )
@@ -127,6 +130,7 @@ class _Reader:
             return
         due = set(_due(tasks, section['done']))
         running = {one['id']: one['attempt'] for one in section['running']}
+        passed = _passed(section['passed'])
         for task in tasks.tasks:
             held = self._held.get((section['section'], section['item'], task.id))
             if held is not None:
@@ -135,14 +139,26 @@ class _Reader:
                 attempt = f'(attempt {running[task.id]})' if running[task.id] > 1 else ''
                 yield task.id, TaskMark(Mark.RUNNING, attempt)
             else:
-                yield task.id, _at_rest(task.id, section, due)
+                yield task.id, passed.get(task.id) or _at_rest(task.id, section, due)
+
+
+def _passed(tasks: Iterable[Plain]) -> dict[str, TaskMark]:
+    """Return how each task stands that was passed."""
+    return {one['id']: TaskMark(_ENDS[one['end']], reason=one['reason']) for one in tasks}
+
+
+_ENDS = {
+    'done': Mark.DONE,
+    'marked_done': Mark.MARKED_DONE,
+    'skipped': Mark.SKIPPED,
+    'continued': Mark.CONTINUED,
+    'rejected': Mark.REJECTED,
+    'aborted': Mark.ABORTED,
+}
 
 
 def _at_rest(task: str, section: Plain, due: set[str]) -> TaskMark:
-    failed = task in section['failed']
-    if task in section['done']:
-        return TaskMark(Mark.PASSED if failed else Mark.DONE)
-    if failed:
+    if task in section['failed']:
         return TaskMark(Mark.FAILED, reason='; '.join(section['waiting']))
     if task in due:
         return TaskMark(Mark.WAITING, reason='; '.join(section['waiting']))

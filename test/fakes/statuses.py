@@ -30,11 +30,15 @@ def section(
     running: Sequence[Any] = (),
     waiting: Sequence[str] = (),
     empty_position: bool = False,
+    rejected: bool = False,
+    nonconforming: Sequence[str] = (),
 ) -> Any:
     return SimpleNamespace(
         section=number,
         slot=slot,
         slot_empty_position=empty_position,
+        slot_rejected=rejected,
+        slot_nonconforming=nonconforming,
         job='',
         item=slot,
         running=running,

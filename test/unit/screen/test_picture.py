@@ -54,6 +54,32 @@ def test_a_cell_at_work() -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    ('width', 'belt'),
+    [
+        (80, 'belt at rest  │ WO-1/3✗ │ WO-1/2≈ │ (WO-1/1)✗≈ │ →'),
+        (40, 'belt at rest  │ 3✗ │ 2≈ │ (1)✗≈ │ →'),
+        (28, 'belt at rest  │✗│≈│✗≈│ →'),
+    ],
+)
+def test_bad_items_have_signs_and_words(width: int, belt: str) -> None:
+    bad = [
+        statuses.section(1, 'WO-1/3', rejected=True, waiting=['w']),
+        statuses.section(2, 'WO-1/2', nonconforming=['weigh'], running=[statuses.task('work')]),
+        statuses.section(3, 'WO-1/1', rejected=True, nonconforming=['weigh'], empty_position=True),
+    ]
+    found = drawn(picture(statuses.status(sections=bad)), width=width)
+    assert found[1] == belt
+    if width == 80:
+        assert '  1 WO-1/3   · rejected; w' in found
+        assert any('▶ nonconforming (weigh); work TASK_A' in one for one in found)
+
+
+def test_bad_items_have_signs_where_there_is_only_ascii() -> None:
+    bad = [statuses.section(1, 'WO-1/3', rejected=True, nonconforming=['weigh'])]
+    assert '| WO-1/3x~ |' in printed(picture(statuses.status(sections=bad)), 'ascii')
+
+
 def test_a_hold_shows_what_to_type() -> None:
     found = drawn(picture(statuses.status(state='Held', holds=[statuses.hold()])))
     assert found[0].startswith('small_cell  ■ Held  ')

@@ -83,6 +83,13 @@ def test_an_id_that_holds_the_name_stands_alone() -> None:
     assert words.task(task) == 'TASK_A at /TASK_A/task'
 
 
+def test_what_is_wrong_with_an_item_is_said() -> None:
+    bad = statuses.section(2, 'WO-1/2', rejected=True, nonconforming=['weigh'], waiting=['w'])
+    assert words.fate(statuses.section(1, 'WO-1/2')) == ''
+    lines = list(words.status_lines(statuses.status(sections=[bad]), NODE))
+    assert '  section 2   WO-1/2         rejected, nonconforming (weigh); w' in lines
+
+
 def test_an_empty_position_stands_in_brackets() -> None:
     assert words.slot(statuses.section(1, 'WO-1/2', empty_position=True)) == '(WO-1/2)'
 

@@ -9,6 +9,7 @@ import pytest
 from fakes.dot_text import DotText
 from fakes.line import THREE, Line
 
+from bt_orchestrator.model.state import End
 from bt_orchestrator.tree.draw import draw
 from bt_orchestrator.tree.draw_state import Mark
 from bt_orchestrator.tree.draw_status import NotThisLine, line_state
@@ -30,10 +31,13 @@ def section(number: int, **fields: Any) -> dict[str, Any]:
         'section': number,
         'slot': '',
         'slot_empty_position': False,
+        'slot_rejected': False,
+        'slot_nonconforming': [],
         'job': '',
         'item': '',
         'running': [],
         'done': [],
+        'passed': [],
         'failed': [],
         'waiting': [],
     }
@@ -43,7 +47,7 @@ def section(number: int, **fields: Any) -> dict[str, Any]:
 def job(**fields: Any) -> dict[str, Any]:
     counts = dict.fromkeys(('packed', 'rejected', 'missing', 'nonconforming'), 0)
     plain = {'id': 'WO-1', 'script': 'test', 'state': 'Running', 'quantity': 4}
-    return plain | counts | {'initialization': []} | fields
+    return plain | counts | {'initialization': [], 'passed': []} | fields
 
 
 def hold(**fields: Any) -> dict[str, Any]:
@@ -95,8 +99,19 @@ def marks(picture: DotText) -> dict[str, str]:
     }
 
 
+def passed(task: str, end: str = 'done', reason: str = '') -> dict[str, Any]:
+    return {'id': task, 'end': end, 'reason': reason}
+
+
 def test_every_task_says_how_it_stands() -> None:
-    at_work = section(2, **AT_2, done=['look'], running=[running('turn', 2)], waiting=['for lamp'])
+    at_work = section(
+        2,
+        **AT_2,
+        done=['look'],
+        passed=[passed('look')],
+        running=[running('turn', 2)],
+        waiting=['for lamp'],
+    )
     assert marks(drawn(status(at_work))) == {
         'prepare': '\u2713 done',
         'index': '\u2026 waits',
@@ -110,12 +125,38 @@ def test_every_task_says_how_it_stands() -> None:
 
 
 def test_what_failed_is_told_apart() -> None:
-    failed = section(2, **AT_2, done=['look'], failed=['look', 'turn', 'watch'])
+    look = passed('look', 'continued', 'aborted')
+    failed = section(2, **AT_2, done=['look'], passed=[look], failed=['look', 'turn', 'watch'])
     held = hold(section=2, item='WO-1/1', task='watch')
     found = marks(drawn(status(failed, holds=[held])))
-    assert found['look'] == '\u2717 failed, passed'
+    assert found['look'] == '\u2717 failed, continued'
     assert found['turn'] == '\u21bb failed, is tried again'
     assert found['watch'] == '! HELD (hold 1)'
+
+
+@pytest.mark.parametrize(
+    ('end', 'words'),
+    [
+        ('done', '\u2713 done'),
+        ('marked_done', '\u2713 marked done'),
+        ('skipped', '\u21b7 skipped'),
+        ('continued', '\u2717 failed, continued'),
+        ('rejected', '\u2717 failed, item rejected'),
+        ('aborted', '\u2717 failed, job aborted'),
+    ],
+)
+def test_a_task_that_was_passed_says_how_it_ended(end: str, words: str) -> None:
+    look = passed('look', end, 'this is why')
+    prepared = job(passed=[passed('prepare', end)])
+    picture = drawn(status(section(2, **AT_2, done=['look'], passed=[look]), jobs=[prepared]))
+    assert picture.words('task.look')[:2] == [words, 'this is why']
+    assert marks(picture)['prepare'] == words
+
+
+def test_the_words_of_the_ends_are_those_of_the_state() -> None:
+    for end in End:
+        look = section(2, **AT_2, done=['look'], passed=[passed('look', end.value)])
+        assert ('failed' in marks(drawn(status(look)))['look']) is end.is_failure
 
 
 def test_no_two_marks_are_told_by_colour_alone() -> None:
@@ -208,7 +249,15 @@ def test_slots_say_what_stands_there_and_what_is_done() -> None:
     assert first == ['slot 1: empty', 'no cycle', 'waiting for the belt to move']
     assert 'and more' in picture.nodes['slot.1']['tooltip']
     assert picture.words('slot.2')[:2] == ['slot 2: WO-1/1', 'works on WO-1/1']
-    assert picture.words('slot.3')[0] == 'slot 3: (WO-1/2), empty position'
+    assert picture.words('slot.3')[:2] == ['slot 3: (WO-1/2)', 'empty position']
+
+
+def test_slots_say_what_is_wrong_with_their_items() -> None:
+    rejected = section(2, **AT_2, slot_rejected=True, slot_nonconforming=['look'])
+    picture = drawn(status(rejected))
+    wrong = '\u2717 REJECTED, nonconforming'
+    assert picture.words('slot.2')[:2] == ['slot 2: WO-1/1', wrong]
+    assert wrong in picture.nodes['slot.2']['tooltip']
 
 
 def test_a_section_that_works_for_another_script_says_so() -> None:

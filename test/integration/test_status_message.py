@@ -1,0 +1,117 @@
+"""The status of a line at each point of a virtual run, as the message that watchers get."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+from fakes.dot_text import DotText
+from fakes.line import Line
+from fakes.virtual_run import VirtualRun
+
+from bt_orchestrator.ros.messages import to_plain
+from bt_orchestrator.ros.status_message import status_message
+from bt_orchestrator.screen import words
+from bt_orchestrator.tree.draw import draw
+from bt_orchestrator.tree.draw_status import line_state
+
+SCRIPT = """
+params: {off: {type: bool, default: true}}
+initialization: [{id: home, task: PREPARE, action: /b2/do}]
+sections:
+  1: [{id: place, @a1, qty_change: 1}]
+  2:
+    - {id: look, @a2, %s}
+    - {id: next, @a2.TASK_B}
+    - {id: photo, @b2, runs_for: all}
+  3: [{id: pack, @a3, qty_change: -1, runs_for: all}]
+"""
+
+
+def at_work(line: Line, options: str, answer: str = '') -> VirtualRun:
+    """Run until section 2 takes the photo of its first item, or the line is held."""
+    run = line.begin(SCRIPT % options, quantity=3).go(until=5.0)
+    if answer:
+        run.answer(answer)
+        run.go(until=5.5)
+    return run
+
+
+def status(run: VirtualRun) -> Any:
+    return status_message(run.sim.orchestrator, run.now, {})
+
+
+def passed(message: Any) -> dict[str, tuple[str, str]]:
+    return {one.id: (one.end, one.reason) for one in message.sections[1].passed}
+
+
+@pytest.mark.parametrize(
+    ('options', 'answer', 'look', 'word'),
+    [
+        ('on_failure: reject', '', ('rejected', 'task_result_false'), 'failed, item rejected'),
+        ('on_failure: continue', '', ('continued', 'task_result_false'), 'failed, continued'),
+        ('on_failure: abort_job', '', ('aborted', 'task_result_false'), 'failed, job aborted'),
+        ('on_failure: hold', 'reject', ('rejected', 'task_result_false'), 'failed, item rejected'),
+        ('on_failure: hold', 'mark_done', ('marked_done', 'task_result_false'), 'marked done'),
+        ('on_failure: hold', 'skip', ('skipped', 'Ann decided skip: it looked so'), 'skipped'),
+        ('unless: "${params.off}"', '', ('skipped', 'unless ${params.off}'), 'skipped'),
+        ('retries: 1', '', ('done', ''), 'done'),
+    ],
+)
+def test_a_task_that_was_passed_says_how_it_ended(
+    options: str, answer: str, look: tuple[str, str], word: str
+) -> None:
+    line = Line(faults={'a2': 'TASK_A#1=false'}, seconds={'b2': 3.0})
+    run = at_work(line, options, answer)
+    if 'retries' in options:
+        run.go(until=6.5)
+    message = status(run)
+    found = passed(message)
+    assert found['look'][0] == look[0]
+    assert found['look'][1].startswith(look[1])
+    assert message.sections[1].done == list(found)
+    assert ('look' in message.sections[1].failed) is (
+        look[0] in ('rejected', 'continued', 'aborted')
+    )
+
+    state = line_state(json.loads(json.dumps(to_plain(message))), run.state.script('J'), line.cell)
+    picture = DotText(draw(run.state.script('J'), line.cell, state=state).dot)
+    assert picture.words('task.look')[0].endswith(word)
+
+
+def test_a_rejected_item_is_told_wherever_it_stands() -> None:
+    line = Line(faults={'a2': 'TASK_A#1=false'}, seconds={'b2': 3.0})
+    run = at_work(line, 'on_failure: reject')
+    section = status(run).sections[1]
+    assert (section.slot_rejected, section.item_rejected) == (True, True)
+    assert passed(status(run))['next'] == ('skipped', 'rejected item')
+    assert words.fate(section) == 'rejected'
+
+    run.go(until=9.5)
+    message = status(run)
+    assert [one.slot for one in message.sections] == ['', 'J/2', 'J/1']
+    assert [one.slot_rejected for one in message.sections] == [False, False, True]
+
+
+def test_a_nonconforming_item_names_the_tasks() -> None:
+    run = at_work(
+        Line(faults={'a2': 'TASK_A#1=false'}, seconds={'b2': 3.0}), 'on_failure: continue'
+    )
+    section = status(run).sections[1]
+    assert (section.slot_nonconforming, section.item_nonconforming) == (['look'], ['look'])
+
+
+def test_an_empty_position_is_told_of_the_cycle_too() -> None:
+    line = Line(seconds={'b2': 3.0})
+    run = at_work(line, 'timeout: none')
+    run.remove('J/1')
+    section = status(run).sections[1]
+    assert (section.slot_empty_position, section.item_empty_position) == (True, True)
+
+
+def test_initialization_that_ended_is_told() -> None:
+    run = at_work(Line(faults={'b2': 'PREPARE=false'}), 'timeout: none')
+    run.answer('mark_done')
+    (job,) = status(run).jobs
+    assert [(one.id, one.end) for one in job.passed] == [('home', 'marked_done')]
