@@ -142,6 +142,10 @@ class EventStore(Protocol):
         Numbers of events say something only within one.
         """
 
+    @property
+    def is_restored(self) -> bool:
+        """Tell whether this history goes on from a copy of another one (semantics 9.2)."""
+
     def append(self, events: Sequence[Event]) -> None:
         """Make the events durable, all or none.
 

@@ -30,6 +30,7 @@ VERBS: Mapping[str, tuple[str, str]] = {
     'watch': ('watch', 'a running node on the terminal, as it changes'),
     'events': ('events', 'what happens at a running node, or what a journal says happened'),
     'history': ('history', 'the jobs of a journal and what became of them'),
+    'journal': ('journal', 'bring a backup of a journal back'),
     'answer': ('answer', 'decide about something that is held'),
     'reset': ('cell_command', 'get a cell that is Stopped or Complete ready to start'),
     'start': ('cell_command', 'let a cell that is Idle begin to work'),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.packml import Mode
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.stop_reason import StopReason
@@ -19,6 +20,9 @@ def orchestrator_started(event: e.OrchestratorStarted, state: CellState) -> None
     state.mode_since = event.time
     state.cell_digest = event.digest
     state.history = event.history
+    if event.restored:
+        for key, task in state.running.items():
+            state.tasks[key] = state.running[key] = changed(task, copied=True)
     state.shutting_down = False
 
 

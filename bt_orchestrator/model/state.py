@@ -76,6 +76,9 @@ class TaskState:
     cancel_cause: str | None = None
     """Why the orchestrator itself cancelled the goal in flight, if it did."""
     cancelled_at: float = 0.0
+    copied: bool = False
+    """It was in flight in the copy that the journal goes on from: what the journal does not say of
+    it proves nothing."""
     reason: Reason | None = None
     """Why the last attempt failed."""
     message: str = ''

@@ -119,7 +119,7 @@ class Flights:
         running, task = self._ledger.state.running[key], self._task(key)
         assert running.goal is not None
         may_go_again = task.repeatable or self._never_arrived(task.component, running, end)
-        if may_go_again and running.cancel_cause is None:
+        if may_go_again and running.cancel_cause is None and not running.copied:
             return e.TaskResent(
                 **key._asdict(),
                 attempt=running.attempt,

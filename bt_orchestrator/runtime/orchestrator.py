@@ -80,7 +80,7 @@ class Orchestrator:
         self.broken: str | None = None
         """Why nothing is done any more: the journal could not be written."""
         gateway.listen(wake)
-        self._ledger.record(take_over(self.state, store.history, auto_resume=auto_resume))
+        self._ledger.record(take_over(self.state, store, auto_resume=auto_resume))
 
     def ask(self, command: Command) -> Answer:
         """Carry out a command, settle, and return the answer for its sender."""

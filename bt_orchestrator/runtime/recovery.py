@@ -6,6 +6,7 @@ import hashlib
 import json
 import logging
 from collections.abc import Iterable, Iterator
+from datetime import datetime, timezone
 from functools import lru_cache
 from importlib.resources import files
 from typing import TYPE_CHECKING
@@ -17,7 +18,7 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.packml import Mode
-from bt_orchestrator.model.pauses import RESTARTED
+from bt_orchestrator.model.pauses import RESTARTED, RESTORED
 from bt_orchestrator.model.snapshot import state_from_plain
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import EventStore, Snapshot
@@ -123,14 +124,18 @@ def _replay(state: CellState, events: Iterable[e.Event]) -> None:
         )
 
 
-def take_over(state: CellState, history: str, *, auto_resume: bool) -> Iterator[e.Event]:
+def take_over(state: CellState, store: EventStore, *, auto_resume: bool) -> Iterator[e.Event]:
     """Note that a new orchestrator is there, and what it found.
 
-    :param history: name of the journal
+    :param store: its journal
     :param auto_resume: go on at once; otherwise start nothing until somebody has looked and
         releases the hold `restarted`, which stacks with every other one
     """
-    yield e.OrchestratorStarted(cell=state.cell.name, digest=digest(state.cell), history=history)
+    is_copy = store.is_restored and store.history != state.history
+    end_of_copy = f'event {state.seq} of {_utc(state.time)}'
+    yield e.OrchestratorStarted(
+        cell=state.cell.name, digest=digest(state.cell), history=store.history, restored=is_copy
+    )
     for name, component in state.cell.components.items():
         if component.state is not None and state.readings[name].ready:
             yield e.ComponentStateChanged(component=name, ready=False)  # not heard of yet
@@ -141,15 +146,29 @@ def take_over(state: CellState, history: str, *, auto_resume: bool) -> Iterator[
     waits = [hold for hold in state.pauses if hold.reason == RESTARTED]
     if auto_resume:
         yield from (e.HoldReleased(hold=hold.id) for hold in waits)
-    elif state.jobs and not waits and _would_go_on(state):
-        jobs = f'{len(state.jobs)} unfinished job{"s" if len(state.jobs) > 1 else ""}'
-        goals = f'{len(adopted)} goal{"s" if len(adopted) != 1 else ""} in flight'
-        yield e.HoldRaised(
-            hold=state.next_hold,
-            reason=RESTARTED,
-            message=f'{jobs}, {goals}',
-            answers=(RESUME,),
+    unfinished = _unfinished(len(state.jobs), len(adopted))
+    if is_copy:
+        looked_at = (
+            f'the journal is a copy that ends with {end_of_copy}: {unfinished}. Compare belt and '
+            'queue with what was done since, before anything starts'
         )
+        yield _waiting(state, RESTORED, looked_at)
+    elif state.jobs and not auto_resume and not waits and _would_go_on(state):
+        yield _waiting(state, RESTARTED, unfinished)
+
+
+def _unfinished(jobs: int, goals: int) -> str:
+    unfinished = f'{jobs} unfinished job{"s" if jobs != 1 else ""}'
+    return f'{unfinished}, {goals} goal{"s" if goals != 1 else ""} in flight'
+
+
+def _waiting(state: CellState, reason: str, message: str) -> e.HoldRaised:
+    return e.HoldRaised(hold=state.next_hold, reason=reason, message=message, answers=(RESUME,))
+
+
+def _utc(seconds: float) -> str:
+    moment = datetime.fromtimestamp(seconds, timezone.utc)
+    return f'{moment:%Y-%m-%d %H:%M:%S} UTC'
 
 
 _STANDS = (

@@ -156,6 +156,7 @@ class _From:
         self._state = state
 
     history = ''
+    is_restored = False
 
     def append(self, events: Sequence[e.Event]) -> None:
         """Keep nothing: nobody will go on from here."""

@@ -25,7 +25,9 @@ class FilesInUse:
         """
         for file, known in self._known.items():
             found = _identity(file)
-            if found != known:
+            if known is None:
+                self._known[file] = found  # SQLite makes it when it needs it
+            elif found != known:
                 how = 'removed' if found is None else 'replaced'
                 raise JournalUnusable(
                     f'{file.name} was {how} by another program; the last events may be lost'

@@ -25,6 +25,11 @@ class MemoryStore:
         """Return the name that no other journal has."""
         return self._history
 
+    @property
+    def is_restored(self) -> bool:
+        """Return False: there are no copies of it."""
+        return False
+
     def append(self, events: Sequence[Event]) -> None:
         """Keep the events."""
         self._events.extend(events)

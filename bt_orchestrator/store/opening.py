@@ -9,7 +9,7 @@ import sqlite3
 from pathlib import Path
 from typing import IO
 
-from bt_orchestrator.store.database import JournalUnusable, unchanging
+from bt_orchestrator.store.database import JournalUnusable, has_log, log_of, unchanging
 from bt_orchestrator.store.schema import SCHEMA, bring_up_to_date, schema_of
 
 
@@ -50,6 +50,11 @@ def to_read(path: Path) -> sqlite3.Connection | None:
     :raises JournalUnusable: it is not ours, newer, or may not be written; an older one: damaged
     """
     if not path.exists() or not path.stat().st_size:
+        if has_log(path):
+            raise JournalUnusable(
+                f'the journal {path} is missing, and its newest events are in '
+                f'{log_of(path).name}: put both back, or move the log away'
+            )
         return None
     if not (os.access(path, os.R_OK | os.W_OK) and os.access(path.parent, os.W_OK)):
         raise JournalUnusable(f'the journal {path} cannot be opened: {os.strerror(errno.EACCES)}')

@@ -11,6 +11,7 @@ from __future__ import annotations
 import sqlite3
 from collections.abc import Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 from bt_orchestrator.store.database import JournalUnusable, pragma, transaction
 
@@ -19,6 +20,8 @@ SCHEMA = 3
 
 APPLICATION_ID = 0x62746F72
 """Says that a file is a journal of ours (`btor`), and not some other SQLite file."""
+
+_RANDOM = 'lower(hex(randomblob(16)))'
 
 _STEPS: Sequence[Sequence[str]] = (
     # 1
@@ -59,7 +62,7 @@ _STEPS: Sequence[Sequence[str]] = (
                id TEXT NOT NULL,
                restored INTEGER NOT NULL DEFAULT 0 CHECK (restored IN (0, 1))
            ) STRICT""",
-        'INSERT INTO history (one, id) VALUES (1, lower(hex(randomblob(16))))',
+        f'INSERT INTO history (one, id) VALUES (1, {_RANDOM})',
     ),
 )
 
@@ -91,12 +94,25 @@ def bring_up_to_date(database: sqlite3.Connection, version: int) -> None:
         database.execute(f'PRAGMA user_version = {SCHEMA}')
 
 
-def history_of(database: sqlite3.Connection) -> str:
-    """Return the name of the history that a journal of today holds.
+class History(NamedTuple):
+    """Which history a journal holds."""
+
+    id: str
+    is_restored: bool
+    """It goes on from a copy that was brought back."""
+
+
+def history_of(database: sqlite3.Connection) -> History:
+    """Return the history that a journal of today holds.
 
     :raises ValueError: it has none
     """
-    row = database.execute('SELECT id FROM history').fetchone()
+    row = database.execute('SELECT id, restored FROM history').fetchone()
     if row is None:
         raise ValueError('the table history is empty')
-    return str(row[0])
+    return History(str(row[0]), bool(row[1]))
+
+
+def begin_restored(database: sqlite3.Connection) -> None:
+    """Let a journal of today, which is a copy, begin a history of its own."""
+    database.execute(f'UPDATE history SET id = {_RANDOM}, restored = 1')

@@ -69,7 +69,12 @@ class SqliteStore:
     @property
     def history(self) -> str:
         """Return the name that no other journal has."""
-        return self._history
+        return self._history.id
+
+    @property
+    def is_restored(self) -> bool:
+        """Tell whether the journal goes on from a copy that was brought back."""
+        return self._history.is_restored
 
     # --- events -----------------------------------------------------------------------------
 
@@ -190,8 +195,8 @@ class SqliteStore:
         self._database.close()
         try:
             self._database = opening.to_write(self._path, self._synchronous)
-            self._files = FilesInUse(self._path)
             self._refuse_another_end(read)
+            self._files = FilesInUse(self._path)
         except BaseException:
             self._only_read_again()
             raise

@@ -86,6 +86,8 @@ class OrchestratorStarted(Event):
     """Of the cell's definition."""
     history: str = ''
     """Which journal this is: random, and of no other one; empty: of a program that knew none."""
+    restored: bool = False
+    """All that came before is a copy, which was brought back: the line may be further."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -85,6 +85,7 @@ SAMPLES: dict[str, Any] = {
     'counts': {'started': 3, 'packed': 2},
     'after': 'item',
     'history': '6a8f0c1d',
+    'restored': True,
 }
 """A value for every field of every event."""
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from fakes.action_types import FakeActionTypes
+from fakes.dying_gateway import DyingGateway
 from fakes.line import THREE, Line, with_section
 from fakes.operator import ann
 
@@ -17,7 +18,7 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.cell_commands import Pause, Resume
 from bt_orchestrator.model.commands import AnswerHold
 from bt_orchestrator.model.fault import parse_fault
-from bt_orchestrator.model.goal import RESULT_TIMEOUT_S, GoalRequest
+from bt_orchestrator.model.goal import RESULT_TIMEOUT_S
 from bt_orchestrator.model.job_commands import AddJobs
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.packml import Mode
@@ -26,8 +27,6 @@ from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.ports import EventStore
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.sim.clock import VirtualClock
-from bt_orchestrator.sim.gateway import VirtualGateway
-from bt_orchestrator.sim.virtual_goal import VirtualGoal
 from bt_orchestrator.store.memory import MemoryStore
 from bt_orchestrator.store.sqlite import SqliteStore
 
@@ -37,18 +36,6 @@ FLAGS = (
     + 'lateral_dependencies: [{flag: seen, upstream: work, downstream: pack}]\n'
     + 'initialization: [{id: home, task: HOME, action: /belt/do, once: true}]\n'
 )
-
-
-class DyingGateway(VirtualGateway):
-    """The robots, of an orchestrator that is killed between a commit and the sending."""
-
-    unsent: str | None = None
-    """The task whose goals do not reach the server."""
-
-    def send(self, request: GoalRequest) -> VirtualGoal:
-        if request.task == self.unsent:
-            return VirtualGoal(request, lambda goal: None)
-        return super().send(request)
 
 
 class World:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import sqlite3
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -162,3 +163,17 @@ def test_the_writing_process_does_not_open_the_file_a_second_time(
 ) -> None:
     with pytest.raises(AssertionError, match='would lose its locks'):
         unchanging(killed)
+
+
+def test_a_journal_without_a_log_gets_one_when_it_is_written(killed: Path) -> None:
+    database = sqlite3.connect(killed)
+    database.execute('PRAGMA journal_mode = DELETE')
+    database.close()
+    store = SqliteStore(killed)
+    store.append(events(101, 101))
+    store.append(events(102, 102))
+    assert last_for_others(killed) == 102
+    log_of(killed).unlink()
+    with pytest.raises(JournalFailed, match='-wal was removed'):
+        store.append(events(103, 103))
+    store.close()

@@ -1,0 +1,121 @@
+"""Bringing a copy of a journal back in its place, as a history of its own (semantics 9.2)."""
+
+from __future__ import annotations
+
+import os
+import sqlite3
+from collections.abc import Iterator
+from contextlib import closing, suppress
+from datetime import datetime, timezone
+from pathlib import Path
+from typing import NamedTuple
+
+from bt_orchestrator.store.database import JournalUnusable, unchanging, unusable_otherwise
+from bt_orchestrator.store.opening import take_lock
+from bt_orchestrator.store.schema import (
+    begin_restored,
+    bring_up_to_date,
+    history_of,
+    schema_of,
+)
+
+ENDINGS = ('', '-wal', '-shm')
+"""Of the files that are one journal. The first goes first: a log without its journal is refused by
+every start, while a journal without its log looks whole and lacks the newest events."""
+
+
+class BroughtBack(NamedTuple):
+    """What was brought back."""
+
+    history: str
+    last_seq: int
+    aside: Path | None
+    """Where the journal is now that was there before; None: there was none."""
+
+
+def bring_back(copy: Path, path: Path, *, move_aside: bool = False) -> BroughtBack:
+    """Make a journal of a copy; the copy is only read.
+
+    If this is cut short, by a power cut too, the journal is there as a whole or not at all.
+
+    :param move_aside: a journal that is there gets another name; otherwise it is a refusal
+    :raises JournalUnusable: says what is not as it has to be; no journal was changed
+    """
+    if not copy.is_file():
+        raise JournalUnusable(f'there is no copy {copy}')
+    if copy.resolve() == path.resolve():
+        raise JournalUnusable(f'{copy} is the journal itself; name a copy of it')
+    with closing(take_lock(path)):
+        if any(_there(path)) and not move_aside:
+            raise JournalUnusable(
+                f'there is a journal {path}, or a part of one; with --move-aside it is kept '
+                'under another name'
+            )
+        scratch = path.with_name(f'{path.name}.restoring')
+        try:
+            history, last_seq = _made(copy, scratch)
+            aside = _moved_aside(path)
+            scratch.rename(path)
+            _sync(path.parent)
+        except OSError as error:
+            what = f'{copy} cannot be brought back as {path}: {error.strerror}'
+            raise JournalUnusable(what) from error
+        finally:
+            _remove(scratch)
+    return BroughtBack(history, last_seq, aside)
+
+
+def _made(copy: Path, scratch: Path) -> tuple[str, int]:
+    """Make a whole journal of today beside the place where it is to be."""
+    _remove(scratch)  # what a restore that was cut short has left
+    with unusable_otherwise(copy), closing(unchanging(copy)) as source:
+        if not schema_of(source, copy):
+            raise JournalUnusable(f'the copy {copy} is empty')
+        with closing(sqlite3.connect(scratch, isolation_level=None)) as made:
+            source.backup(made)
+            _refuse_damage(made, copy)
+            made.execute('PRAGMA journal_mode = DELETE')
+            bring_up_to_date(made, schema_of(made, copy))
+            begin_restored(made)
+            (last,) = made.execute('SELECT coalesce(max(seq), 0) FROM events').fetchone()
+            history = history_of(made).id
+    _sync(scratch)
+    return history, int(last)
+
+
+def _refuse_damage(made: sqlite3.Connection, copy: Path) -> None:
+    (found,) = made.execute('PRAGMA integrity_check(1)').fetchone()
+    if found != 'ok':
+        raise JournalUnusable(f'the copy {copy} cannot be used: {found}')
+
+
+def _moved_aside(path: Path) -> Path | None:
+    """Give what is there of a journal another name, and return that; None: nothing is there."""
+    there = list(_there(path))
+    if not there:
+        return None
+    moment = datetime.now(timezone.utc)
+    aside = path.with_name(f'{path.name}.aside-{moment:%Y%m%dT%H%M%S.%fZ}')
+    for ending in there:
+        path.with_name(path.name + ending).rename(aside.with_name(aside.name + ending))
+    _sync(path.parent)
+    return aside
+
+
+def _there(path: Path) -> Iterator[str]:
+    return (ending for ending in ENDINGS if path.with_name(path.name + ending).exists())
+
+
+def _remove(scratch: Path) -> None:
+    for ending in (*ENDINGS, '-journal'):
+        with suppress(FileNotFoundError):
+            scratch.with_name(scratch.name + ending).unlink()
+
+
+def _sync(path: Path) -> None:
+    """Have a file, or the names in a folder, on the disk."""
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
