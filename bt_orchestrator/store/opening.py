@@ -17,21 +17,45 @@ def take_lock(path: Path) -> IO[str]:
     """Take the lock beside a journal."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        lock = path.with_name(path.name + '.lock').open('a+')
+        lock = _lock_of(path).open('a+')
     except OSError as error:
         raise JournalUnusable(f'the journal {path} cannot be opened: {error.strerror}') from error
     try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        _claim(lock, path, fcntl.LOCK_EX)
+    except BaseException:
+        lock.close()
+        raise
+    _sign(lock)
+    return lock
+
+
+def refuse_in_use(copy: Path) -> None:
+    """See that no orchestrator writes a file that is only read here.
+
+    :raises JournalUnusable: one does
+    """
+    try:
+        with _lock_of(copy).open() as lock:
+            _claim(lock, copy, fcntl.LOCK_SH)
+    except FileNotFoundError:
+        pass
+
+
+def _claim(lock: IO[str], path: Path, how: int) -> None:
+    """Lock an open file beside a journal, or say who has it."""
+    try:
+        fcntl.flock(lock, how | fcntl.LOCK_NB)
     except OSError:
         lock.seek(0)
         owner = lock.read().strip() or 'unknown'
-        lock.close()
         raise JournalUnusable(
             f'the journal {path} is in use by another orchestrator (process {owner}); stop that '
             'one, or name another file'
         ) from None
-    _sign(lock)
-    return lock
+
+
+def _lock_of(path: Path) -> Path:
+    return path.with_name(path.name + '.lock')
 
 
 def _sign(lock: IO[str]) -> None:

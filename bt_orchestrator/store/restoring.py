@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from bt_orchestrator.store.database import JournalUnusable, unchanging, unusable_otherwise
-from bt_orchestrator.store.opening import take_lock
+from bt_orchestrator.store.opening import refuse_in_use, take_lock
 from bt_orchestrator.store.schema import (
     begin_restored,
     bring_up_to_date,
@@ -45,6 +45,7 @@ def bring_back(copy: Path, path: Path, *, move_aside: bool = False) -> BroughtBa
         raise JournalUnusable(f'there is no copy {copy}')
     if copy.resolve() == path.resolve():
         raise JournalUnusable(f'{copy} is the journal itself; name a copy of it')
+    refuse_in_use(copy)
     with closing(take_lock(path)):
         if any(_there(path)) and not move_aside:
             raise JournalUnusable(

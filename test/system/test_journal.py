@@ -11,8 +11,10 @@ from typing import Any
 from bt_orchestrator_interfaces.srv import Command, GetEvents
 from cell_processes import CellProcesses, StartCell, run_verb
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from fakes.other_python import back_up
 from program_process import ProgramProcess
 
+from bt_orchestrator.store.reader import JournalReader, Wanted
 from bt_orchestrator.store.sqlite import SqliteStore
 
 
@@ -105,3 +107,36 @@ def test_a_full_disk_is_told_and_a_restart_goes_on(start_cell: StartCell, tmp_pa
     last = max(event.seq for event in store.read())
     assert next(iter(store.snapshots())).seq == last  # for a quick start
     store.close()
+
+
+def test_a_backup_takes_nothing_away_and_comes_back_with_a_hold(
+    start_cell: StartCell, tmp_path: Path
+) -> None:
+    path = tmp_path / 'cell' / 'journal.sqlite3'
+    cell = start(start_cell, path)
+    cell.run_small(task='TASK_C', quantity=2)
+    cell.watch.until('task.started', task='work')
+    cell.kill_and_restart_node()  # the newest events are in the log now
+    cell.watch.until('task.succeeded', task='work')
+    copy = back_up(path)
+    cell.watch.until_ended('WO-1')
+    heard = cell.watch.until_state('Complete').seq
+    cell.node.kill()
+    with JournalReader(path) as reader:
+        seqs = [seq for seq, _ in reader.records(Wanted())]
+    assert seqs == list(range(1, len(seqs) + 1))
+    assert len(seqs) >= heard
+
+    words = ['journal', 'restore', str(copy), str(path), '--move-aside']
+    status, said, errors = run_verb(cell.folder, *words)
+    assert status == 0, errors
+    assert f'the journal that was there is {path}.aside-' in said
+    ran = len(cell.goals(event='started'))
+    cell.start_node()  # with --auto-resume
+    cell.node.wait_ready()
+    held = cell.watch.until_status(
+        lambda s: 'restored' in [hold.reason for hold in s.holds], 'the hold `restored`'
+    )
+    assert held.history != cell.watch.statuses[0].history
+    assert len(cell.goals(event='started')) == ran
+    cell.stop()

@@ -13,22 +13,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from fakes.other_python import run_python
+from fakes.other_python import back_up, run_python
 
 from bt_orchestrator.errors import JournalFailed
 from bt_orchestrator.model.events import Event, JobStarted
 from bt_orchestrator.store import opening
 from bt_orchestrator.store.database import unchanging
 from bt_orchestrator.store.sqlite import SqliteStore
-
-BACKUP = """
-import sqlite3, sys
-journal, copy = map(sqlite3.connect, sys.argv[1:])
-journal.backup(copy)
-copy.close()
-journal.close()
-"""
-"""What `sqlite3 FILE ".backup COPY"` does."""
 
 LAST = """
 import sqlite3, sys
@@ -45,12 +36,6 @@ database.commit()
 
 def events(first: int, last: int) -> list[Event]:
     return [JobStarted(seq=n, time=n / 2, job=f'WO-{n}') for n in range(first, last + 1)]
-
-
-def back_up(path: Path) -> Path:
-    copy = path.with_name('copy.sqlite3')
-    run_python('-c', BACKUP, str(path), str(copy))
-    return copy
 
 
 def last_for_others(path: Path) -> int:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import shutil
 import sqlite3
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -140,6 +141,14 @@ def test_a_journal_in_use_is_left_alone(copy: Path, path: Path) -> None:
     assert found(path) == 4
 
 
+def test_a_journal_in_use_is_no_copy(copy: Path, path: Path) -> None:
+    store = SqliteStore(copy)
+    with pytest.raises(JournalUnusable, match=r'copy\.sqlite3 is in use by another orchestrator'):
+        bring_back(copy, path)
+    store.close()
+    assert bring_back(copy, path).last_seq == 10
+
+
 def test_what_is_no_good_copy_is_refused(copy: Path, there: Path, tmp_path: Path) -> None:
     assert 'there is no copy' in refusal(tmp_path / 'none', there)
     assert 'is the journal itself' in refusal(there, there)
@@ -169,8 +178,8 @@ def steps(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[int]]:
     """Kill the restore at a step that changes names, or makes them durable; 0 is the first."""
     left = [1000]
 
-    def killing(what):  # type: ignore[no-untyped-def]
-        def step(*args):  # type: ignore[no-untyped-def]
+    def killing(what: Callable[..., Any]) -> Callable[..., Any]:
+        def step(*args: Any) -> Any:
             left[0] -= 1
             if left[0] < 0:
                 raise Killed
