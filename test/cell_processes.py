@@ -12,8 +12,6 @@ from program_process import ProgramProcess
 
 ROOT = Path(__file__).parents[1]
 
-CRASHING_NODE = ROOT / 'test' / 'chaos' / 'crashing_node.py'
-
 SPEED = 20
 
 SMALL_CELL = """
@@ -111,13 +109,15 @@ class CellProcesses:
         self.start_node()
         self.node.wait_ready()
 
-    def start_node(self, crash_point: Sequence[str] = ()) -> None:
+    def start_node(
+        self, program: Sequence[str] = ('-m', 'bt_orchestrator'), options: Sequence[str] = ()
+    ) -> None:
         """Start the node again, which must be gone.
 
-        :param crash_point: arguments of `chaos/crashing_node.py`, to have it kill itself
+        :param program: what Python runs, if not the program itself
+        :param options: of `run`, on top of those that it always has
         """
-        program = [str(CRASHING_NODE), *crash_point] if crash_point else ['-m', 'bt_orchestrator']
-        self.node = ProgramProcess(self._node_words, self.folder, 'node', program)
+        self.node = ProgramProcess([*self._node_words, *options], self.folder, 'node', program)
 
     def connect(self, *, wait_servers: bool = True) -> None:
         """Wait until everything is up and knows of each other."""

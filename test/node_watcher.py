@@ -139,10 +139,10 @@ class NodeWatcher:
         request = AnswerHold.Request(hold=hold, answer=answer, who=WHO, reason='test')
         return self.call(AnswerHold, 'answer_hold', request)
 
-    def send_answer(self, hold: str, answer: str) -> Any:
-        """Answer a hold of a node that may be gone; return the future of its response."""
-        request = AnswerHold.Request(hold=hold, answer=answer, who=WHO, reason='test')
-        return self._client(AnswerHold, 'answer_hold').call_async(request)
+    def send(self, kind: Any, service: str, **fields: Any) -> Any:
+        """Call a service of a node that may be gone; return the future of its response."""
+        request = kind.Request(who=WHO, reason='test', **fields)
+        return self._client(kind, service).call_async(request)
 
     def remove(self, item: str) -> Any:
         """Take an item off the belt and return the response."""

@@ -1,4 +1,4 @@
-"""One job on a real cell whose orchestrator and controllers are killed again and again."""
+"""Orders on a real cell whose orchestrator and controllers are killed again and again."""
 
 from __future__ import annotations
 
@@ -6,155 +6,115 @@ import json
 import random
 import time
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 from cell_processes import CellProcesses
-from chaos.crashing_node import POINTS
+from chaos.crashing_node import CLOCKS, CRASHES, POINTS
 from chaos.line import SCRIPT, SPEED, cell
-from chaos.truth import Controllers, Verdict, journal, judge
+from chaos.operator import Operator
+from chaos.plan import BOTH, SHARES, Restart, Shot
+from chaos.readers import Readers
+from chaos.tally import Tally
+from chaos.truth import Clocks, Controllers, journal, judge, rows
+from chaos.witnesses import bad_copies, vanished
 
 from bt_orchestrator.model import events as e
-
-SHARES = ('feeder,conveyor', 'camera,worker,packer')
-"""What each process of controllers simulates."""
-
-BOTH = 'both'
-"""The orchestrator, and controllers with it."""
+from bt_orchestrator.model.codec import from_record
 
 STUCK_S = 90.0
-"""A job that needs longer than that after the last kill is stuck."""
-
-ANSWERED_S = 2.0
-"""An operator who hears nothing for that long answers again."""
-
-_MOST_ANSWERS = 5
-"""An operator who was not heard so often opens another terminal."""
-
-_QUIET_S = 15.0
-"""So does one who hears no status for that long: there is one a second."""
+"""Orders that need longer than that after the last kill are stuck."""
 
 _MOST_PASSES = 12
 """A crash point is passed at most so often before it kills: a few items' worth of settles."""
 
+_NODE = Path(__file__).with_name('crashing_node.py')
 
-@dataclass
-class Tally:
-    """What a campaign did and what came of it."""
-
-    kills: Counter[str] = field(default_factory=Counter)
-    """By what was killed: a crash point, `orchestrator`, a share of the controllers, `both`."""
-    with_goals: int = 0
-    """Kills of an orchestrator while a goal ran."""
-    items: int = 0
-    adopted: int = 0
-    resent: int = 0
-    in_doubt: int = 0
-    server_lost: int = 0
-    answers: Counter[str] = field(default_factory=Counter)
-    seconds: float = 0.0
-    verdict: Verdict = field(default_factory=Verdict)
-
-    @property
-    def orchestrator_kills(self) -> int:
-        """Count the kills of orchestrators, however."""
-        return sum(n for name, n in self.kills.items() if name not in SHARES)
-
-    def add(self, other: Tally) -> None:
-        """Take in the figures of another job."""
-        self.kills += other.kills
-        self.answers += other.answers
-        for name in ('with_goals', 'items', 'adopted', 'resent', 'in_doubt', 'server_lost'):
-            setattr(self, name, getattr(self, name) + getattr(other, name))
-        self.seconds += other.seconds
-        for name, found in vars(other.verdict).items():
-            getattr(self.verdict, name).extend(found)
-
-
-class _Answered:
-    def done(self) -> bool:
-        return True
+_AT_ONCE = Restart()
 
 
 class Campaign:
     """States: running (in `run`), over. The folder keeps journal, logs and what programs said."""
 
-    def __init__(self, folder: Path, seed: int, items: int, kills: Sequence[str]) -> None:
-        """Plan a job.
+    def __init__(self, folder: Path, seed: int, items: int, shots: Sequence[Shot]) -> None:
+        """Plan it.
 
-        :param kills: what is killed, in order: as in `Tally.kills`
+        :param items: of each order; another one is given whenever one has ended before the last
+            shot
         """
         self._drawn = random.Random(seed)
-        self._plan = iter(kills)
+        self._shots = list(shots)
         self._folder = folder
         self._journal = folder / 'journal.sqlite3'
-        self._crashes = folder / 'crashes.jsonl'
-        self._items = items
         self._killed: dict[str, list[float]] = defaultdict(list)
-        self._tally = Tally(items=items)
-        options = ['--journal', str(self._journal), '--auto-resume']
+        self._ahead_s = 0.0
+        self._armed = ''
+        """The crash point at which the present node dies."""
+        self._crashes_before = 0
+        self._events_checked = self._statuses_checked = 0
+        self._tally = Tally()
+        self._tally.plan(shots)
+        options = ['--journal', str(self._journal)]
         self._cell = CellProcesses(
             folder, cell(self._drawn, items), shares=SHARES, speed=SPEED, run_options=options
         )
-        self._asked: Any = _Answered()
-        self._patient_until = 0.0
-        self._unheard = 0
-        self._heard, self._heard_s = 0, time.monotonic()
+        self._readers = Readers(folder / 'readers', self._journal)
+        script = self._cell.script(SCRIPT).stem
+        self._operator = Operator(self._cell.watch, script, items, self._journal, self._cell.log)
+        self._items = items
 
     def run(self) -> Tally:
-        """Run the job to its end, and judge."""
+        """Run the orders to their end, and judge."""
         begun = time.monotonic()
         try:
             self._cell.connect()
-            path = self._cell.script(SCRIPT)
-            self._cell.watch.submit(path, quantity=self._items, order='WO-1')
+            self._readers.copy(self._cell.node.pid)
             self._shoot_until_the_end()
             self._cell.node.stop()
+            self._readers.stop()
         finally:
+            self._readers.kill()
             self._cell.close()
         self._judge()
+        self._count_events()
         self._tally.seconds = time.monotonic() - begun
         return self._tally
 
     # --- shooting ---------------------------------------------------------------------------
 
     def _shoot_until_the_end(self) -> None:
-        for target in self._plan:
-            if self._is_over():
-                return
-            self._shoot(target)
-        if not self._live(STUCK_S):
-            self._tally.verdict.stuck.append(f'the job did not end within {STUCK_S:g} s')
+        for shot, following in zip(self._shots, [*self._shots[1:], None], strict=True):
+            if shot.target in POINTS:
+                self._await_crash(shot.target)
+            else:
+                self._shoot(shot.target)
+            if shot.target not in SHARES:
+                self._start_node(shot.restart, following.target if following else '')
+        self._operator.gives_more = False
+        if not self._live(STUCK_S, self._operator.is_done):
+            self._stuck(f'the orders did not end within {STUCK_S:g} s')
 
     def _shoot(self, target: str) -> None:
-        if target in POINTS:
-            self._let_crash(target)
-            return
         self._live(self._drawn.uniform(0.0, 1.0))
         self._count(target, self._goals_run())
         if target not in SHARES:
             self._cell.node.kill()
         if target in SHARES or target == BOTH:
             self._kill_controllers(self._drawn.choice(SHARES) if target == BOTH else target)
-        if target not in SHARES:
-            self._start_node()
 
-    def _let_crash(self, point: str) -> None:
-        """Replace the node by one that dies at a crash point, and that by an ordinary one."""
-        self._cell.node.kill()
-        before = len(self._crash_records())
-        words = [point, str(self._drawn.randint(1, _MOST_PASSES)), str(self._crashes)]
-        self._start_node(crashing=words)
-        over = self._live(STUCK_S, unless=lambda: not self._cell.node.is_running)
-        records = self._crash_records()[before:]
+    def _await_crash(self, point: str) -> None:
+        """Wait until the node dies at a crash point, which is not always the one it has."""
+        if self._armed != point:
+            self._cell.node.kill()
+            self._start_node(_AT_ONCE, point)
+        self._live(STUCK_S, lambda: not self._cell.node.is_running)
+        records = self._crash_records()[self._crashes_before :]
         if records:
             self._count(point, records[0]['running'])
-        elif not over:
-            self._tally.verdict.stuck.append(f'{point} was not passed within {STUCK_S:g} s')
+        else:
+            self._stuck(f'{point} was not passed within {STUCK_S:g} s')
         self._cell.node.kill()
-        self._start_node()
 
     def _kill_controllers(self, share: str) -> None:
         place = SHARES.index(share)
@@ -164,87 +124,121 @@ class Campaign:
         self._cell.sims[place] = self._cell.start_sim(share)
         self._cell.sims[place].wait_ready()
 
-    def _start_node(self, crashing: Sequence[str] = ()) -> None:
-        self._asked, self._unheard = _Answered(), 0
-        self._cell.start_node(crashing)
-        if crashing:
+    def _start_node(self, restart: Restart, upcoming: str) -> None:
+        """Start a node in place of one that is dead.
+
+        :param upcoming: what is shot at next; it has that crash point, if it is one
+        """
+        self._check_kept()
+        self._cell.watch.ros.spin_for(restart.away_s, self._readers.look)
+        self._operator.forget()
+        self._ahead_s += restart.clock_step_s
+        self._armed = upcoming if upcoming in POINTS else ''
+        crash = [self._armed, str(self._drawn.randint(1, _MOST_PASSES))] if self._armed else []
+        self._crashes_before = len(self._crash_records())
+        program = [str(_NODE), str(self._folder), str(self._ahead_s), *crash]
+        self._cell.start_node(program, ['--auto-resume'] if restart.auto_resume else [])
+        self._readers.copy(self._cell.node.pid)
+        self._tally.figures['clock steps'] += restart.clock_step_s != 0.0
+        self._tally.figures['waits'] += not restart.auto_resume
+        if self._armed:
             self._cell.node.wait_ready_or_end()
         else:
             self._cell.node.wait_ready()
 
     def _count(self, what: str, running: int) -> None:
         self._tally.kills[what] += 1
-        self._tally.with_goals += what not in SHARES and running > 0
+        self._tally.figures['with goals'] += what not in SHARES and running > 0
+
+    def _stuck(self, what: str) -> None:
+        self._tally.verdict.stuck.append(what)
 
     def _crash_records(self) -> list[dict[str, Any]]:
-        if not self._crashes.exists():
-            return []
-        return [json.loads(line) for line in self._crashes.read_text().splitlines()]
+        file = self._folder / CRASHES
+        lines = file.read_text().splitlines() if file.exists() else []
+        return [json.loads(line) for line in lines]
 
     def _goals_run(self) -> int:
         records = self._cell.goals()
         ended = {r['goal'] for r in records if r['event'] in ('ended', 'died') and 'goal' in r}
         return sum(r['event'] == 'started' and r['goal'] not in ended for r in records)
 
+    def _check_kept(self) -> None:
+        """See that the journal of a dead node reaches as far as anybody has heard of it."""
+        watch = self._cell.watch
+        told = [event['seq'] for event in watch.events[self._events_checked :]]
+        told += [status.seq for status in watch.statuses[self._statuses_checked :]]
+        self._events_checked, self._statuses_checked = len(watch.events), len(watch.statuses)
+        kept = len(rows(self._journal))
+        if max(told, default=0) > kept:
+            self._tally.verdict.vanished.append(
+                f'event {max(told)} was on a topic; after a kill the journal ends at {kept}'
+            )
+
     # --- living -----------------------------------------------------------------------------
 
     def _live(self, seconds: float, unless: Callable[[], bool] = lambda: False) -> bool:
-        """Let the line run and answer its holds; return whether the job is over."""
+        """Let the line run, and operator and readers do theirs; return whether it is enough."""
         until = time.monotonic() + seconds
         while True:
             self._cell.watch.ros.spin_for(
                 until - time.monotonic(),
-                lambda: self._look() or unless() or self._is_cut_off(),
+                lambda: self._look(unless) or self._is_cut_off(),
             )
             if not self._is_cut_off():
-                return self._is_over()
+                return unless()
             self._cell.watch.connect_anew()
-            self._asked, self._unheard = _Answered(), 0
+            self._operator.forget()
+
+    def _look(self, unless: Callable[[], bool]) -> bool:
+        self._operator.look()
+        self._readers.look()
+        return unless()
 
     def _is_cut_off(self) -> bool:
-        if len(self._cell.watch.statuses) != self._heard or not self._cell.node.is_running:
-            self._heard, self._heard_s = len(self._cell.watch.statuses), time.monotonic()
-        return self._unheard > _MOST_ANSWERS or time.monotonic() - self._heard_s > _QUIET_S
-
-    def _look(self) -> bool:
-        for hold in self._cell.watch.status.holds:
-            if hold.task and hold.answers:
-                self._answer(hold)
-        return self._is_over()
-
-    def _is_over(self) -> bool:
-        jobs = self._cell.watch.status.jobs
-        return any(job.id == 'WO-1' and job.state == 'Ended' for job in jobs)
-
-    def _answer(self, hold: Any) -> None:
-        """Do what an operator does who has looked at the machine: its own log is the truth."""
-        if not self._asked.done() and time.monotonic() < self._patient_until:
-            return
-        # Of a node that is no more, perhaps, or that had not discovered the operator yet.
-        self._patient_until = time.monotonic() + ANSWERED_S
-        self._unheard = 0 if self._asked.done() else self._unheard + 1
-        done = any(Controllers(self._cell.log).succeeded(goal) for goal in self._goals_of(hold))
-        self._asked = self._cell.watch.send_answer(hold.id, 'mark_done' if done else 'retry')
-
-    def _goals_of(self, hold: Any) -> Iterator[str]:
-        for event in journal(self._journal):
-            if not isinstance(event, e.TaskStarted):
-                continue
-            if (event.item or '', event.task) == (hold.item, hold.task):
-                yield event.goal
+        return self._operator.is_cut_off(node_lives=self._cell.node.is_running)
 
     # --- judging ----------------------------------------------------------------------------
 
     def _judge(self) -> None:
+        kept, heard = rows(self._journal), self._cell.watch.events
+        records = [json.loads(record) for _, record in kept]
+        verdict = self._tally.verdict
+        verdict.add(
+            judge(
+                [from_record(record) for record in records],
+                Controllers(self._cell.log),
+                self._killed,
+                heard=[from_record(record) for record in heard],
+                clocks=Clocks(self._folder / CLOCKS),
+            )
+        )
+        verdict.vanished += vanished(records, heard, 'the operator')
+        verdict.vanished += [
+            f'event {seq}, contained in a status, is not in the journal'
+            for seq in {max(self._readers.seqs_of_status, default=0)}
+            if seq > len(kept)
+        ]
+        verdict.misled += [*self._readers.misled(records), *self._readers.complaints]
+        verdict.bad_copies += bad_copies(kept, self._readers.copies)
+        failures = {status.journal_failure for status in self._cell.watch.statuses} - {''}
+        verdict.stuck += [f'somebody kept the node from writing: {why}' for why in failures]
+
+    def _count_events(self) -> None:
+        tally, copies = self._tally, self._readers.copies
         events = journal(self._journal)
-        tally = self._tally
-        found = judge(events, Controllers(self._cell.log), self._killed)
-        found.stuck += tally.verdict.stuck
-        tally.verdict = found
-        tally.adopted = sum(isinstance(x, e.TaskAdopted) for x in events)
-        tally.resent = sum(isinstance(x, e.TaskResent) for x in events)
         failed = Counter(x.reason for x in events if isinstance(x, e.TaskFailed))
-        tally.in_doubt, tally.server_lost = failed['in_doubt'], failed['server_lost']
+        tally.figures.update(
+            {
+                'items': self._operator.orders * self._items,
+                'adopted': sum(isinstance(x, e.TaskAdopted) for x in events),
+                'resent': sum(isinstance(x, e.TaskResent) for x in events),
+                'in doubt': failed['in_doubt'],
+                'lost': failed['server_lost'],
+                'looks': self._readers.looks,
+            }
+        )
+        tally.count_copies(copies)
         tally.answers.update(
             x.answer for x in events if isinstance(x, e.OperatorDecided) and x.hold is not None
         )

@@ -1,9 +1,12 @@
-"""The tree node with a crash point: it kills itself at the nth pass of one step of a settle.
+"""The tree node on a computer whose clock is wrong, and with a crash point, if wanted.
 
-    python test/chaos/crashing_node.py POINT NTH FILE run --cell CELL ...
+    python test/chaos/crashing_node.py FOLDER AHEAD_S [POINT NTH] run --cell CELL ...
 
-It dies as by kill -9. Before, it appends to FILE, as one line of JSON, at which point it dies and
-how many goals run.
+Its clock is AHEAD_S seconds ahead of the real one; what the machine counts since it was started is
+as it is. To FOLDER/clocks.jsonl it appends from which event on that is so, as one line of JSON.
+
+At the nth pass of a step of a settle it dies as by kill -9. Before, it appends to
+FOLDER/crashes.jsonl at which point it dies and how many goals run.
 """
 
 from __future__ import annotations
@@ -17,16 +20,21 @@ from pathlib import Path
 from typing import Any
 
 from bt_orchestrator.cli.main import main
+from bt_orchestrator.ros.clock import RosClock
 from bt_orchestrator.ros.gateway import RosGateway
 from bt_orchestrator.ros.outputs import EventsTopic
 from bt_orchestrator.runtime.flights import Flights
+from bt_orchestrator.runtime.ledger import Ledger
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.store.sqlite import SqliteStore
+
+CRASHES = 'crashes.jsonl'
+CLOCKS = 'clocks.jsonl'
 
 POINTS = {
     'landed': 'ends of goals are events in memory',
     'ticked': 'the tree has decided, nothing is written',
-    'writing': 'the transaction is open and full',
+    'writing': 'the transaction is open and has the first event',
     'committed': 'it is durable, nothing is sent',
     'sent': 'a goal was handed to the middleware',
     'told': 'the events were published',
@@ -36,11 +44,13 @@ POINTS = {
 class CrashPoint:
     """Counts the passes of its point; the last one does not return."""
 
-    def __init__(self, point: str, nth: int, file: Path) -> None:
+    def __init__(self, point: str, nth: int, folder: Path) -> None:
         self._point = point
         self._left = nth
-        self._file = file
+        self._file = folder / CRASHES
         self._running: Callable[[], int] = lambda: 0
+        self._is_first = True
+        """The next event that is inserted is the first of its transaction."""
 
     def arm(self) -> None:
         """Put itself behind, or before, the step."""
@@ -49,47 +59,63 @@ class CrashPoint:
 
     def after(self, kind: type, method: str) -> None:
         """Be passed after each call of a method."""
-        original = getattr(kind, method)
+        _after(kind, method, lambda _: self.passed())
 
-        def called(*args: Any, **options: Any) -> Any:
-            answer = original(*args, **options)
-            self.passed()
-            return answer
-
-        setattr(kind, method, called)
-
-    def before_each_commit(self) -> None:
-        """Be passed before SQLite carries out a COMMIT of events."""
-        _after(
-            SqliteStore,
-            '_be_writable',
-            lambda store: store._database.set_trace_callback(self._read_statement),
-        )
+    def within_each_commit(self) -> None:
+        """Be passed when SQLite has the first event of several, or the only one, in hand."""
+        _after(SqliteStore, '_begin_to_write', self._set_trigger)
+        _after(SqliteStore, 'append', self._note_commit)
 
     def _note(self, engine: Orchestrator) -> None:
         self._running = lambda: len(engine.state.running)
 
-    def _read_statement(self, statement: str) -> None:
-        if statement == 'COMMIT':
+    def _set_trigger(self, store: SqliteStore) -> None:
+        store._database.create_function('inserted', 0, self._inserted)
+        store._database.execute(
+            'CREATE TEMP TRIGGER crash AFTER INSERT ON events BEGIN SELECT inserted(); END'
+        )
+
+    def _inserted(self) -> None:
+        is_first, self._is_first = self._is_first, False
+        if is_first:
             self.passed()
+
+    def _note_commit(self, _: SqliteStore) -> None:
+        self._is_first = True
 
     def passed(self) -> None:
         """Die at the nth time."""
         self._left -= 1
         if self._left:
             return
-        with self._file.open('a') as file:
-            file.write(json.dumps({'point': self._point, 'running': self._running()}) + '\n')
+        _append(self._file, point=self._point, running=self._running())
         os.kill(os.getpid(), signal.SIGKILL)
+
+
+def set_clock(ahead_s: float, folder: Path) -> None:
+    """Set the wall clock of the node, and say from which event on it is so."""
+    original = RosClock.now
+    RosClock.now = lambda self: original(self) + ahead_s  # type: ignore[method-assign]
+
+    def note(ledger: Ledger) -> None:
+        _append(folder / CLOCKS, after_seq=ledger.state.seq, ahead_s=ahead_s)
+
+    _after(Ledger, '__init__', note)
+
+
+def _append(path: Path, **record: Any) -> None:
+    with path.open('a') as file:
+        file.write(json.dumps(record) + '\n')
 
 
 def _after(kind: type, method: str, then: Callable[[Any], None]) -> None:
     """Do something with an object after each call of its method."""
     original = getattr(kind, method)
 
-    def called(made: Any, *args: Any, **options: Any) -> None:
-        original(made, *args, **options)
+    def called(made: Any, *args: Any, **options: Any) -> Any:
+        answer = original(made, *args, **options)
         then(made)
+        return answer
 
     setattr(kind, method, called)
 
@@ -97,12 +123,15 @@ def _after(kind: type, method: str, then: Callable[[Any], None]) -> None:
 _ARM: dict[str, Callable[[CrashPoint], None]] = {
     'landed': lambda point: point.after(Flights, 'land'),
     'ticked': lambda point: point.after(Orchestrator, '_tick_until_still'),
-    'writing': lambda point: point.before_each_commit(),
+    'writing': lambda point: point.within_each_commit(),
     'committed': lambda point: point.after(SqliteStore, 'append'),
     'sent': lambda point: point.after(RosGateway, 'send'),
     'told': lambda point: point.after(EventsTopic, 'publish'),
 }
 
 if __name__ == '__main__':
-    CrashPoint(sys.argv[1], int(sys.argv[2]), Path(sys.argv[3])).arm()
-    sys.exit(main(sys.argv[4:]))
+    _folder, _ahead_s, *_words = sys.argv[1:]
+    set_clock(float(_ahead_s), Path(_folder))
+    if _words[0] in POINTS:
+        CrashPoint(_words.pop(0), int(_words.pop(0)), Path(_folder)).arm()
+    sys.exit(main(_words))

@@ -11,12 +11,16 @@ COMPONENTS = {'feeder': 1, 'camera': 2, 'worker': 2, 'packer': 3}
 
 _MOST_LATE_S = 6.0
 
+REMEMBERED_S = 5.0
+"""Seconds for which its controllers remember a goal that ended: short, so that a restart can be
+later than that."""
+
 
 def cell(drawn: random.Random, items: int) -> str:
     """Return a cell file in which each goal takes between 0.1 and 0.7 s of real time."""
     components = '\n'.join(
         f'  {name}: {{section: {section}, action: {name}/task, type: {_TYPE}/Component, '
-        f'faults: [{_delays(drawn, "TASK_A", items)}]}}'
+        f'result_timeout: {REMEMBERED_S}, faults: [{_delays(drawn, "TASK_A", items)}]}}'
         for name, section in COMPONENTS.items()
     )
     return f"""
@@ -26,6 +30,7 @@ conveyor:
   action: conveyor/index
   type: {_TYPE}/Conveyor
   task: MOVE_ONE_INDEX
+  result_timeout: {REMEMBERED_S}
 components:
 {components}
 """

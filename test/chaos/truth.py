@@ -9,21 +9,49 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
+
+from chaos.line import REMEMBERED_S
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import from_record
 
 
-def journal(path: Path) -> list[e.Event]:
-    """Return what a journal says now, whoever writes it."""
+def rows(path: Path) -> list[tuple[int, str]]:
+    """Return number and record of the events in a journal, whoever writes it; none: no file."""
+    if not path.exists():
+        return []
     with closing(sqlite3.connect(f'file:{path}?mode=ro', uri=True)) as database:
-        rows = database.execute('SELECT record FROM events ORDER BY seq').fetchall()
-    return [from_record(json.loads(record)) for (record,) in rows]
+        return database.execute('SELECT seq, record FROM events ORDER BY seq').fetchall()
 
 
-REMEMBERED_S = 10.0
-"""Seconds for which the simulated controllers remember a goal that ended."""
+def journal(path: Path) -> list[e.Event]:
+    """Return the events of a journal as they are now."""
+    return [from_record(json.loads(record)) for _, record in rows(path)]
+
+
+class Work(NamedTuple):
+    """What is to be done once: a task of an item, or one move of the belt."""
+
+    key: e.TaskKey
+    move: int = 0
+    """How often the belt had moved before; 0 for whatever is no move."""
+
+    def __str__(self) -> str:
+        return f'{self.key} {self.move + 1}' if self.key == e.INDEX_KEY else str(self.key)
+
+
+class Clocks:
+    """How wrong the clock of each orchestrator was (`crashing_node.py`)."""
+
+    def __init__(self, path: Path | None = None) -> None:
+        lines = path.read_text().splitlines() if path and path.exists() else []
+        self._ahead_s = {r['after_seq']: r['ahead_s'] for r in map(json.loads, lines)}
+
+    def real_time(self, event: e.Event) -> float:
+        """Return when something really happened, seconds since the epoch."""
+        of = max((after for after in self._ahead_s if after < event.seq), default=None)
+        return event.time - (0.0 if of is None else self._ahead_s[of])
 
 
 class Controllers:
@@ -66,71 +94,104 @@ class Verdict:
     """The journal says what the controllers do not."""
     needless_doubt: list[str] = field(default_factory=list)
     """`in_doubt` though the controller lived, had accepted, and still knew the end."""
+    vanished: list[str] = field(default_factory=list)
+    """Somebody was told of events that are not in the journal."""
+    misled: list[str] = field(default_factory=list)
+    """A reader was told something twice, or not all of it, or was turned away."""
+    bad_copies: list[str] = field(default_factory=list)
+    """A backup is damaged, or is not how the journal begins."""
 
     @property
     def faults(self) -> list[str]:
         """Everything, one sentence each."""
-        return [*self.lost, *self.twice, *self.stuck, *self.untrue, *self.needless_doubt]
+        return [fault for found in vars(self).values() for fault in found]
+
+    def add(self, other: Verdict) -> None:
+        """Take in what was found elsewhere."""
+        for name, found in vars(other).items():
+            getattr(self, name).extend(found)
 
 
 def judge(
-    events: Sequence[e.Event], controllers: Controllers, killed: Mapping[str, Sequence[float]]
+    events: Sequence[e.Event],
+    controllers: Controllers,
+    killed: Mapping[str, Sequence[float]],
+    *,
+    heard: Sequence[e.Event] = (),
+    clocks: Clocks | None = None,
 ) -> Verdict:
     """Compare a journal with the log of its controllers.
 
     :param killed: by component, when its controller was killed, seconds since the epoch
+    :param heard: events that clients were told of: which work a goal was for is known from them,
+        too, whatever became of the journal
     """
     verdict = Verdict()
-    tasks = _attempts(events)
-    for key, goals in tasks.items():
-        _judge_task(key, goals, _Answers(events), controllers, verdict)
+    answers = _Answers(events)
+    known = attempts(events)
+    for work, goals in known.items():
+        _judge_work(work, [*goals, *_unwritten(work, goals, heard)], answers, controllers, verdict)
     _judge_goals(events, controllers, verdict)
-    verdict.needless_doubt += _needless(events, controllers, killed)
+    verdict.needless_doubt += _needless(events, controllers, killed, clocks or Clocks())
     verdict.lost += _items_without_an_end(events)
     return verdict
 
 
-def _attempts(events: Sequence[e.Event]) -> dict[e.TaskKey, list[str]]:
-    """Return the goals of each task of an item; the belt's moves have no task of their own."""
-    attempts: dict[e.TaskKey, list[str]] = defaultdict(list)
+def attempts(events: Sequence[e.Event]) -> dict[Work, list[str]]:
+    """Return the goals that were to do each work."""
+    found: dict[Work, list[str]] = defaultdict(list)
+    moves = 0
     for event in events:
-        if isinstance(event, e.TaskStarted) and event.key != e.INDEX_KEY:
-            attempts[event.key].append(event.goal)
-    return attempts
+        if isinstance(event, e.TaskStarted):
+            found[_work(event.key, moves)].append(event.goal)
+        moves += isinstance(event, e.BeltIndexed)
+    return found
+
+
+def _work(key: e.TaskKey, moves: int) -> Work:
+    return Work(key, moves) if key == e.INDEX_KEY else Work(key)
+
+
+def _unwritten(work: Work, goals: Sequence[str], heard: Sequence[e.Event]) -> list[str]:
+    """Return goals for a task that the journal does not tell of."""
+    if work.key == e.INDEX_KEY:
+        return []  # of which move, nobody knows without the journal
+    told = {x.goal for x in heard if isinstance(x, e.TaskStarted) and x.key == work.key}
+    return sorted(told.difference(goals))
 
 
 class _Answers:
-    """What the operator decided about each task."""
+    """What the operator decided about each work."""
 
     def __init__(self, events: Sequence[e.Event]) -> None:
-        held = {
-            x.hold: e.TaskKey(x.job, x.section, x.item, x.task)
-            for x in events
-            if isinstance(x, e.HoldRaised) and x.task is not None
-        }
-        self._given = Counter(
-            (held[x.hold], x.answer)
-            for x in events
-            if isinstance(x, e.OperatorDecided) and x.hold in held
-        )
+        self._given: Counter[tuple[Work, str]] = Counter()
+        held: dict[str, Work] = {}
+        moves = 0
+        for event in events:
+            if isinstance(event, e.HoldRaised) and event.task is not None:
+                key = e.TaskKey(event.job, event.section, event.item, event.task)
+                held[event.hold] = _work(key, moves)
+            elif isinstance(event, e.OperatorDecided) and event.hold in held:
+                self._given[held[event.hold], event.answer] += 1
+            moves += isinstance(event, e.BeltIndexed)
 
-    def count(self, key: e.TaskKey, answer: str) -> int:
-        """Count one answer about one task."""
-        return self._given[key, answer]
+    def count(self, work: Work, answer: str) -> int:
+        """Count one answer about one work."""
+        return self._given[work, answer]
 
 
-def _judge_task(
-    key: e.TaskKey,
+def _judge_work(
+    work: Work,
     goals: Sequence[str],
     answers: _Answers,
     controllers: Controllers,
     verdict: Verdict,
 ) -> None:
     executed = sum(controllers.executions(goal) for goal in goals)
-    if executed > 1 + answers.count(key, 'retry'):
-        verdict.twice.append(f'{key} was executed {executed} times')
-    if not executed and not answers.count(key, 'mark_done'):
-        verdict.lost.append(f'{key} was never executed')
+    if executed > 1 + answers.count(work, 'retry'):
+        verdict.twice.append(f'{work} was executed {executed} times')
+    if not executed and not answers.count(work, 'mark_done'):
+        verdict.lost.append(f'{work} was never executed')
 
 
 def _judge_goals(events: Sequence[e.Event], controllers: Controllers, verdict: Verdict) -> None:
@@ -154,7 +215,10 @@ def _items_without_an_end(events: Sequence[e.Event]) -> Iterator[str]:
 
 
 def _needless(
-    events: Sequence[e.Event], controllers: Controllers, killed: Mapping[str, Sequence[float]]
+    events: Sequence[e.Event],
+    controllers: Controllers,
+    killed: Mapping[str, Sequence[float]],
+    clocks: Clocks,
 ) -> Iterator[str]:
     component = {x.goal: x.component for x in events if isinstance(x, e.TaskStarted)}
     for event in events:
@@ -164,5 +228,5 @@ def _needless(
         ended = controllers.time_of(event.goal, 'ended')
         if accepted is None or any(t > accepted for t in killed.get(component[event.goal], ())):
             continue
-        if ended is None or event.time < ended + REMEMBERED_S:
+        if ended is None or clocks.real_time(event) < ended + REMEMBERED_S:
             yield f'{event.key} in doubt, though its controller knew goal {event.goal}'

@@ -7,7 +7,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from chaos.truth import Controllers, Verdict, judge
+import pytest
+from chaos.line import REMEMBERED_S
+from chaos.truth import Clocks, Controllers, Verdict, attempts, judge
 
 from bt_orchestrator.model import events as e
 
@@ -42,6 +44,7 @@ def verdict(
     events: Sequence[e.Event],
     *records: tuple[str, str],
     killed_at: float | None = None,
+    **known: Any,
 ) -> Verdict:
     log = tmp_path / 'goals.jsonl'
     lines = [
@@ -50,7 +53,7 @@ def verdict(
     ]
     log.write_text('\n'.join(lines))
     killed = {} if killed_at is None else {'feeder': [killed_at]}
-    return judge(events, Controllers(log), killed)
+    return judge(events, Controllers(log), killed, **known)
 
 
 GOOD = (('accepted', 'g1'), ('started', 'g1'), ('ended', 'g1'))
@@ -72,6 +75,34 @@ def test_a_goal_executed_twice(tmp_path: Path) -> None:
     assert found.twice == ['goal g1 was executed more than once']
 
 
+def test_a_task_done_twice_by_a_goal_that_only_a_client_heard_of(tmp_path: Path) -> None:
+    events = [started('g2'), succeeded('g2'), PLACED, PACKED]
+    done = (*GOOD, ('started', 'g2'), ('ended', 'g2'))
+    assert len(verdict(tmp_path, events, *done, heard=[started()]).twice) == 1
+    assert verdict(tmp_path, events, *done, heard=[started('g2')]).twice == []
+
+
+def test_a_task_that_a_killed_controller_began_counts(tmp_path: Path) -> None:
+    events = [started(), started('g2', 2), succeeded('g2')]
+    done = (*GOOD[:2], ('started', 'g2'), ('ended', 'g2'))
+    assert len(verdict(tmp_path, events, *done, killed_at=1.5).twice) == 1
+    assert verdict(tmp_path, [*events, *answered('retry')], *done, killed_at=1.5).twice == []
+
+
+def move(goal: str) -> e.Event:
+    return e.TaskStarted(
+        task=e.INDEX_KEY.task, name='MOVE', action='index', component='belt', attempt=1, goal=goal
+    )
+
+
+def test_a_move_of_the_belt_done_twice(tmp_path: Path) -> None:
+    moved = [move('g1'), e.BeltIndexed(beat=2), move('g2'), e.BeltIndexed(beat=3)]
+    done = (*GOOD, ('started', 'g2'), ('ended', 'g2'))
+    assert verdict(tmp_path, moved, *done).twice == []
+    assert len(verdict(tmp_path, [*moved[::2], *moved[1::2]], *done).twice) == 1
+    assert [len(goals) for goals in attempts(moved).values()] == [1, 1]
+
+
 def test_a_task_that_was_never_executed(tmp_path: Path) -> None:
     assert len(verdict(tmp_path, [started()]).lost) == 1
     assert verdict(tmp_path, [started(), *answered('mark_done')]).lost == []
@@ -90,8 +121,25 @@ def test_a_goal_that_the_journal_does_not_know(tmp_path: Path) -> None:
 
 
 def test_doubt_about_what_the_controller_knew(tmp_path: Path) -> None:
-    assert len(verdict(tmp_path, [started(), in_doubt(time=11.9)], *GOOD).needless_doubt) == 1
-    assert verdict(tmp_path, [started(), in_doubt(time=12.1)], *GOOD).needless_doubt == []
+    known_until = 2.0 + REMEMBERED_S
+    events = [started(), in_doubt(time=known_until - 0.1)]
+    assert len(verdict(tmp_path, events, *GOOD).needless_doubt) == 1
+    events = [started(), in_doubt(time=known_until + 0.1)]
+    assert verdict(tmp_path, events, *GOOD).needless_doubt == []
+
+
+@pytest.mark.parametrize(('seq', 'ahead_s'), [(7, 500.0), (8, -100.0)])
+def test_doubt_by_the_real_time_whatever_the_clock_of_the_orchestrator(
+    tmp_path: Path, seq: int, ahead_s: float
+) -> None:
+    file = tmp_path / 'clocks.jsonl'
+    records = [{'after_seq': 0, 'ahead_s': 500.0}, {'after_seq': 7, 'ahead_s': -100.0}]
+    file.write_text('\n'.join(map(json.dumps, records)))
+    known_until = 2.0 + REMEMBERED_S + ahead_s
+    for late_s, count in ((-0.1, 1), (0.1, 0)):
+        doubt = in_doubt(time=0.0).stamped(seq, known_until + late_s)
+        found = verdict(tmp_path, [started(), doubt], *GOOD, clocks=Clocks(file))
+        assert len(found.needless_doubt) == count
 
 
 def test_doubt_about_a_killed_controller(tmp_path: Path) -> None:

@@ -1,0 +1,66 @@
+"""The report of a campaign, and the plan that it is about."""
+
+from __future__ import annotations
+
+import random
+
+from chaos.crashing_node import POINTS
+from chaos.line import REMEMBERED_S
+from chaos.plan import SHARES, Shot, draw, forgotten, parts
+from chaos.tally import Tally, lines
+
+SHOTS = [Shot('landed'), Shot('sent'), Shot('orchestrator')]
+
+
+def test_a_planned_point_without_a_kill_is_a_fault() -> None:
+    tally = Tally()
+    tally.plan(SHOTS)
+    tally.kills.update(['landed', 'orchestrator'])
+    assert tally.points_without_kill == ['sent']
+    assert tally.faults == ['nobody was killed at sent']
+    tally.kills['sent'] += 1
+    assert tally.faults == []
+
+
+def test_points_are_judged_over_all_parts() -> None:
+    total, other = Tally(), Tally()
+    total.plan(SHOTS)
+    other.plan(SHOTS)
+    other.kills.update(['landed', 'sent'])
+    total.add(other)
+    assert total.points_without_kill == []
+
+
+def test_every_fault_is_in_the_report() -> None:
+    total = Tally()
+    for name, found in vars(total.verdict).items():
+        found.append(f'a fault of {name}')
+    report = list(lines(total))
+    for name in vars(total.verdict):
+        assert f'a fault of {name}' in report
+        assert f'{name.replace("_", " ")} 1' in '\n'.join(report)
+
+
+def test_a_plan_has_each_point_and_each_way_to_start() -> None:
+    shots = list(draw(random.Random(1), 40))
+    ours = [shot for shot in shots if shot.target not in SHARES]
+    assert len(ours) >= 40
+    assert {shot.target for shot in shots} >= {*POINTS, 'orchestrator', 'both', *SHARES}
+    assert {shot.restart.auto_resume for shot in ours} == {True, False}
+    steps = [shot.restart.clock_step_s for shot in ours]
+    assert min(steps) < -60.0 < -1.0 < 0.0 < max(steps)
+
+
+def test_forgotten_is_later_than_servers_remember_by_every_clock_but_the_wall_clock() -> None:
+    restart = forgotten(random.Random(1))
+    assert restart.away_s > REMEMBERED_S
+    assert restart.away_s + restart.clock_step_s < 0.0
+
+
+def test_parts_have_so_many_orchestrators_each_and_leave_nothing_out() -> None:
+    shots = list(draw(random.Random(1), 45))
+    found = list(parts(shots, 20))
+    assert [shot for part in found for shot in part] == shots
+    counts = [sum(shot.target not in SHARES for shot in part) for part in found]
+    assert counts[:-1] == [20] * len(counts[:-1])
+    assert 0 < counts[-1] <= 20
