@@ -57,13 +57,14 @@ class ObservedDurations:
 def as_observed(cell: Cell, observed_s: Mapping[str, Mapping[str, float]]) -> Cell:
     """Return the cell with the durations that were seen.
 
-    Those not seen yet are as much longer, or shorter, than nominal as the others are.
+    Those not seen yet are as much longer, or shorter, than nominal as the others are. A component
+    that only an older cell file has is passed over.
     """
     ratios = [
         took_s / nominal_s
-        for name, tasks in observed_s.items()
-        for task, took_s in tasks.items()
-        if (nominal_s := cell.components[name].duration_s(task))
+        for name, one in cell.components.items()
+        for task, took_s in observed_s.get(name, {}).items()
+        if (nominal_s := one.duration_s(task))
     ]
     factor = statistics.median(ratios) if ratios else 1.0
     components = {

@@ -68,3 +68,9 @@ def test_the_pace_of_a_cell_is_that_of_the_durations_seen() -> None:
 
     assert seen == {name: pytest.approx(end_s, rel=0.05) for name, end_s in real.items()}
     assert nominal == {name: pytest.approx(4 * seconds) for name, seconds in seen.items()}
+
+
+def test_a_component_that_the_cell_has_no_more_is_passed_over() -> None:
+    seen = as_observed(LINE.cell, {'gone': {'TASK_A': 9.0}, 'a1': {'TASK_A': 3.0}})
+    assert seen.components['a1'].duration_s('TASK_A') == 3.0
+    assert seen.components.keys() == LINE.cell.components.keys()
