@@ -12,6 +12,7 @@ from bt_orchestrator.model.action_type import ActionType
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.goal import GoalEnd, GoalRequest, StateReading
 from bt_orchestrator.model.history import JobRecord
+from bt_orchestrator.model.uptime import Uptime
 
 
 class Goal(Protocol):
@@ -116,10 +117,22 @@ class Clock(Protocol):
     """Time as a port: no logic reads a wall clock or sleeps."""
 
     def now(self) -> float:
-        """Seconds: since the epoch in a real run, from 0 in a virtual one."""
+        """Seconds: since the epoch in a real run, from 0 in a virtual one.
+
+        For records. Somebody may set it, forward or back, so nothing is waited for by it.
+        """
+
+    def steady(self) -> float:
+        """Seconds that nobody sets, from some beginning of this process's own."""
 
     def call_at(self, time: float, callback: Callable[[], None]) -> Timer:
-        """Call back once, in the tick thread, when `now()` has reached `time`."""
+        """Call back once, in the tick thread, when `steady()` has reached `time`."""
+
+    def uptime(self) -> Uptime | None:
+        """How long the machine has been up, for other processes to compare with theirs.
+
+        None: it does not tell, or goes by another time.
+        """
 
 
 class Snapshot(NamedTuple):

@@ -18,8 +18,7 @@ def orchestrator_started(event: e.OrchestratorStarted, state: CellState) -> None
     if state.seq:
         _stay(state, state.time)
     state.mode_since = event.time
-    state.cell_digest = event.digest
-    state.history = event.history
+    state.cell_digest, state.history, state.boot = event.digest, event.history, event.boot
     if event.restored:
         for key, task in state.running.items():
             state.tasks[key] = state.running[key] = changed(task, copied=True)

@@ -24,6 +24,7 @@ from bt_orchestrator.model.state import (
     TaskState,
     signature,
 )
+from bt_orchestrator.model.uptime import Uptime
 
 ON_THE_BELT = {
     e.ItemPlaced,
@@ -102,6 +103,7 @@ def _task_started(event: e.TaskStarted, state: CellState) -> None:
         args=event.args,
         sent=event.time,
         server=event.server,
+        sent_up=_sent_up(event, state),
     )
     state.tasks[event.key] = state.running[event.key] = started
     state.reserved[event.component] = event.key
@@ -118,8 +120,13 @@ def _task_adopted(event: e.TaskAdopted, state: CellState) -> None:
 def _task_resent(event: e.TaskResent, state: CellState) -> None:
     before = state.running[event.key]
     assert before.goal == event.goal
-    sent = changed(before, sent=event.time, server=event.server)
+    up = _sent_up(event, state)
+    sent = changed(before, sent=event.time, server=event.server, sent_up=up)
     state.tasks[event.key] = state.running[event.key] = sent
+
+
+def _sent_up(event: e.TaskStarted | e.TaskResent, state: CellState) -> Uptime | None:
+    return Uptime(state.boot, event.uptime) if state.boot and event.uptime is not None else None
 
 
 @_on(e.TaskCancelRequested)

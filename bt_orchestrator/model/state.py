@@ -18,6 +18,7 @@ from bt_orchestrator.model.pauses import NAMED
 from bt_orchestrator.model.reference import Scope
 from bt_orchestrator.model.script import Script, Task
 from bt_orchestrator.model.stop_reason import StopReason
+from bt_orchestrator.model.uptime import Uptime
 from bt_orchestrator.model.wish import Wish
 
 DERIVED: Mapping[str, bool] = {'derived': True}
@@ -73,6 +74,8 @@ class TaskState:
     """Seconds, when the goal was sent last; later than `started` if it was sent again."""
     server: str | None = None
     """Instance of the server that it was sent to then; None: not known."""
+    sent_up: Uptime | None = None
+    """`sent` on the clock that nobody sets."""
     cancel_cause: str | None = None
     """Why the orchestrator itself cancelled the goal in flight, if it did."""
     cancelled_at: float = 0.0
@@ -259,6 +262,8 @@ class CellState:
     """Of the cell as the last orchestrator knew it; empty: there was none."""
     history: str = ''
     """Name of the journal, as the last orchestrator found it."""
+    boot: str = ''
+    """Of the machine that it ran on; empty: not known."""
     seq: int = 0
     """Last event applied."""
     mode: Mode = Mode.STOPPED

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Mapping
 
 from rclpy.node import Node
@@ -75,11 +76,12 @@ class ExpectedEnds:
         if not state.jobs or _waits(state):
             self._asked_about = None
             return
-        now_s = self._node.get_clock().now().nanoseconds / 1e9
+        steady_s = time.monotonic()
         about = (*state.jobs, self._durations.kinds)  # a task seen first changes what is known
-        renews = now_s - self._asked_s >= RENEW_S and state.seq != self._asked_seq
+        renews = steady_s - self._asked_s >= RENEW_S and state.seq != self._asked_seq
         if about != self._asked_about or renews:
-            self._asked_s, self._asked_seq, self._asked_about = now_s, state.seq, about
+            self._asked_s, self._asked_seq, self._asked_about = steady_s, state.seq, about
+            now_s = self._node.get_clock().now().nanoseconds / 1e9
             text = json.dumps(state_to_plain(state))
             self._foresight.ask(text, self._durations.seconds(), now_s)
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from rclpy.clock import Clock
-from rclpy.clock_type import ClockType
 from rclpy.node import Node
 from rclpy.timer import Timer
 
@@ -19,6 +17,7 @@ from bt_orchestrator.ros.fresh_participant import FreshParticipants
 from bt_orchestrator.ros.goal import RosGoal
 from bt_orchestrator.ros.interface_classes import action_class
 from bt_orchestrator.ros.state_watch import StateWatch
+from bt_orchestrator.ros.timers import steady_timer
 
 _POLL_PERIOD_S = 0.1
 """Between two looks for a server that a goal waits for."""
@@ -134,11 +133,7 @@ class RosGateway:
         return self._fresh.node()
 
     def _timer(self, period_s: float, callback: Callable[[], None]) -> Timer:
-        return self._node.create_timer(
-            period_s,
-            guarded(callback, self._node.get_logger()),
-            clock=Clock(clock_type=ClockType.STEADY_TIME),
-        )
+        return steady_timer(self._node, period_s, guarded(callback, self._node.get_logger()))
 
     def _look_after(self, link: ActionLink) -> None:
         if link.is_waiting and self._poll_timer.is_canceled():

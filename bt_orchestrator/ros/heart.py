@@ -8,6 +8,7 @@ from rclpy.executors import Executor
 from rclpy.node import Node
 
 from bt_orchestrator.ros.executors import soon
+from bt_orchestrator.ros.timers import steady_timer
 
 
 class Heart:
@@ -28,7 +29,7 @@ class Heart:
     def start(self, settle: Callable[[], object], rate_hz: float) -> None:
         """Begin to beat."""
         self._settle = settle
-        self._node.create_timer(1.0 / rate_hz, self.beat)
+        steady_timer(self._node, 1.0 / rate_hz, self.beat)
 
     def wake(self) -> None:
         """Settle soon, before the executor waits again."""

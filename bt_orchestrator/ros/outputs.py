@@ -28,6 +28,7 @@ from bt_orchestrator.ros.heart import Heart
 from bt_orchestrator.ros.pulse import Pulse
 from bt_orchestrator.ros.qos import EVENTS, LATCHED, publisher
 from bt_orchestrator.ros.status_message import status_message
+from bt_orchestrator.ros.timers import steady_timer
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 
 STATUS_PERIOD_S = 0.1
@@ -70,7 +71,7 @@ class StatusTopic:
         self._expected = expected
         self._publisher = publisher(node, Status, '~/status', LATCHED)
         self._within_s = math.inf
-        self._timer = node.create_timer(UNWATCHED_S, self.publish_now)
+        self._timer = steady_timer(node, UNWATCHED_S, self.publish_now)
         self._timer.cancel()
         pulse.add(self._refresh)
 

@@ -90,4 +90,6 @@ def _once(node: Node, delay_s: float, callback: Callable[[], None]) -> None:
         node.destroy_timer(timer)
         callback()
 
-    timer = node.create_timer(delay_s, call)
+    from bt_orchestrator.ros.timers import steady_timer  # the rest needs no ROS 2
+
+    timer = steady_timer(node, delay_s, call)

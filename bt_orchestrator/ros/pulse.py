@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from rclpy.clock import Clock
-from rclpy.clock_type import ClockType
 from rclpy.node import Node
 
 from bt_orchestrator.ros.callbacks import guarded
+from bt_orchestrator.ros.timers import steady_timer
 
 PULSE_S = 1.0
 
@@ -23,8 +22,7 @@ class Pulse:
     def __init__(self, node: Node) -> None:
         self._logger = node.get_logger()
         self._callbacks: list[Callable[[], None]] = []
-        steady = Clock(clock_type=ClockType.STEADY_TIME)
-        node.create_timer(PULSE_S, self._beat, clock=steady)
+        steady_timer(node, PULSE_S, self._beat)
 
     def add(self, callback: Callable[[], object]) -> None:
         """Call back once a second from now on; what it raises is reported, and stops nothing."""

@@ -11,6 +11,7 @@ from bt_orchestrator.model.failures import ABORT
 from bt_orchestrator.model.goal import GoalEnd, GoalRequest, GoalStatus, Reason, StateReading
 from bt_orchestrator.model.script import Task, index_task
 from bt_orchestrator.model.state import CellState, TaskState
+from bt_orchestrator.model.uptime import seconds_between
 from bt_orchestrator.ports import ActionGateway, Clock, Goal, Timer
 from bt_orchestrator.runtime.ledger import Ledger
 
@@ -125,6 +126,7 @@ class Flights:
                 attempt=running.attempt,
                 goal=running.goal,
                 server=self._ledger.server(task.component),
+                uptime=self._ledger.uptime,
             )
         return e.TaskFailed(
             **key._asdict(),
@@ -138,11 +140,14 @@ class Flights:
         """Tell whether it is proven that a goal never reached its server (semantics 9.2).
 
         The very server that it was meant for does not know it, at a time at which it would
-        remember even a goal that had ended at once.
+        remember even a goal that had ended at once. That time is proven by a clock that nobody
+        sets. The wall clock has to agree, for servers forget by theirs.
         """
         remembered_s = self._ledger.state.cell.components[component].result_timeout_s
         is_same = end.denied_by is not None and end.denied_by == running.server
-        return is_same and running.sent <= self._ledger.now < running.sent + remembered_s
+        ago_s = seconds_between(running.sent_up, self._clock.uptime())
+        passed = (ago_s, self._ledger.now - running.sent)
+        return is_same and all(s is not None and 0.0 <= s < remembered_s for s in passed)
 
     # --- after the commit -------------------------------------------------------------------
 
@@ -160,7 +165,7 @@ class Flights:
             self._watch(event.key)
         elif isinstance(event, e.TaskCancelRequested) and event.goal in self._goals:
             self._goals[event.goal][1].cancel()
-            self._arm(event.goal, event.time + GRACE_S)
+            self._arm(event.goal, GRACE_S)
 
     def _adopt(self, event: e.TaskAdopted) -> None:
         goal = self._gateway.adopt(self._request(event.key))
@@ -181,21 +186,27 @@ class Flights:
         return self._ledger.state.task(key) or index_task(self._ledger.state.cell)
 
     def _watch(self, key: e.TaskKey) -> None:
-        """Arm the time limit of a goal in flight, or the grace of one that is cancelled."""
+        """Arm the time limit of a goal in flight, or the grace of one that is cancelled.
+
+        Of a goal that was sent before a boot, or from another machine, nobody knows how long ago
+        that was: its time begins anew.
+        """
         running = self._ledger.state.tasks[key]
         timeout_s = self._task(key).timeout_s
         if running.goal is None:
             return
         if running.cancel_cause is not None:
-            self._arm(running.goal, self._clock.now() + GRACE_S)
+            self._arm(running.goal, GRACE_S)
         elif timeout_s is not None:
-            self._arm(running.goal, running.started + timeout_s)
+            ago_s = seconds_between(running.sent_up, self._clock.uptime()) or 0.0
+            self._arm(running.goal, timeout_s - ago_s)
 
-    def _arm(self, uuid: str, time: float) -> None:
+    def _arm(self, uuid: str, seconds: float) -> None:
         before = self._timers.pop(uuid, None)
         if before is not None:
             before.cancel()
-        self._timers[uuid] = self._clock.call_at(time, lambda: self._note(uuid))
+        due = self._clock.steady() + seconds
+        self._timers[uuid] = self._clock.call_at(due, lambda: self._note(uuid))
 
     def _note(self, uuid: str) -> None:
         self._timers.pop(uuid, None)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.events import Event, TaskKey
 from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import Clock, Timer
+from bt_orchestrator.runtime.delays import Delays
 
 
 class Ledger:
@@ -38,12 +39,24 @@ class Ledger:
         self._server = server
         self._on_time = on_time
         self._pending: list[Event] = []
+        self._delays = Delays(state, clock)
         self._armed: dict[float, Timer] = {}
 
     @property
     def now(self) -> float:
-        """Seconds of the clock."""
+        """Seconds of the wall clock, for records."""
         return self._clock.now()
+
+    @property
+    def steady(self) -> float:
+        """Seconds of the clock that nobody sets."""
+        return self._clock.steady()
+
+    @property
+    def uptime(self) -> float | None:
+        """How long the machine has been up, seconds; None: not known."""
+        up = self._clock.uptime()
+        return None if up is None else up.seconds
 
     def record(self, events: Iterable[Event]) -> None:
         """Stamp and apply events, in order, each before the next one is taken."""
@@ -72,8 +85,15 @@ class Ledger:
         """Return the instance of a component's server that was seen last; None: not known."""
         return self._server(component)
 
+    def is_delayed(self, key: TaskKey) -> bool:
+        """Tell whether the next attempt of a task waits for its time; a settle follows then."""
+        until = self._delays.left(key)
+        if until is not None:
+            self.wake_at(until)
+        return until is not None
+
     def wake_at(self, time: float) -> None:
-        """Ask for a settle at a time; asking again for the same time changes nothing."""
+        """Ask for a settle at a steady time; asking again for the same one changes nothing."""
         if time not in self._armed:
             self._armed[time] = self._clock.call_at(time, lambda: self._expire(time))
 

@@ -5,11 +5,10 @@ Semantics 6.1 and 7.2. The stop reason is recorded first; the state of the cell 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import asdict
 from typing import NamedTuple
 
-from bt_orchestrator.deadlines import has_come
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.job_folds import ENDED_KEPT
 from bt_orchestrator.model.line import is_complete
@@ -32,12 +31,13 @@ class Outlook(NamedTuple):
     """The line waits for its source or sink, and has done so for a while."""
 
 
-def is_still(state: CellState, now: float, *, quiet: bool) -> bool:
+def is_still(state: CellState, is_delayed: Callable[[e.TaskKey], bool], *, quiet: bool) -> bool:
     """Tell whether no goal runs and none can start.
 
+    :param is_delayed: whether the next attempt of a task waits for its time
     :param quiet: the tree decided nothing in its last tick
     """
-    return quiet and not state.running and not _will_retry(state, now)
+    return quiet and not state.running and not _will_retry(state, is_delayed)
 
 
 _LAST_OF_A_JOB = (
@@ -200,8 +200,7 @@ def _why_stopped(state: CellState, outlook: Outlook) -> str | None:
     return 'the cycles in hand are finished' if finished else None
 
 
-def _will_retry(state: CellState, now: float) -> bool:
+def _will_retry(state: CellState, is_delayed: Callable[[e.TaskKey], bool]) -> bool:
     return any(
-        task.phase is Phase.RETRYING and not has_come(task.not_before, now)
-        for task in state.tasks.values()
+        task.phase is Phase.RETRYING and is_delayed(key) for key, task in state.tasks.items()
     )

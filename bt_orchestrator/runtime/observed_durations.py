@@ -50,7 +50,7 @@ class ObservedDurations:
 
     def _succeeded(self, event: e.TaskSucceeded) -> None:
         begun = self._started.pop(event.key, None)
-        if begun is not None:
+        if begun is not None and event.time >= begun.time:  # or the wall clock was set back
             self._took_s[begun.component, begun.name].append(event.time - begun.time)
 
 

@@ -80,7 +80,9 @@ class Orchestrator:
         self.broken: str | None = None
         """Why nothing is done any more: the journal could not be written."""
         gateway.listen(wake)
-        self._ledger.record(take_over(self.state, store, auto_resume=auto_resume))
+        up = clock.uptime()
+        boot = up.boot if up is not None else ''
+        self._ledger.record(take_over(self.state, store, boot, auto_resume=auto_resume))
 
     def ask(self, command: Command) -> Answer:
         """Carry out a command, settle, and return the answer for its sender."""
@@ -159,7 +161,7 @@ class Orchestrator:
             self._ledger.record([due])
 
     def _outlook(self, *, quiet: bool) -> lifecycle.Outlook:
-        if not lifecycle.is_still(self.state, self._ledger.now, quiet=quiet):
+        if not lifecycle.is_still(self.state, self._ledger.is_delayed, quiet=quiet):
             return lifecycle.Outlook(still=False, unready=False, starved=self._starvation.look(()))
         waits = list(self._waits_for_readiness())
         waited_for = () if self.state.holds else waits

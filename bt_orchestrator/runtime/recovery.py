@@ -124,17 +124,24 @@ def _replay(state: CellState, events: Iterable[e.Event]) -> None:
         )
 
 
-def take_over(state: CellState, store: EventStore, *, auto_resume: bool) -> Iterator[e.Event]:
+def take_over(
+    state: CellState, store: EventStore, boot: str, *, auto_resume: bool
+) -> Iterator[e.Event]:
     """Note that a new orchestrator is there, and what it found.
 
     :param store: its journal
+    :param boot: of the machine that it runs on; empty: not known
     :param auto_resume: go on at once; otherwise start nothing until somebody has looked and
         releases the hold `restarted`, which stacks with every other one
     """
     is_copy = store.is_restored and store.history != state.history
     end_of_copy = f'event {state.seq} of {_utc(state.time)}'
     yield e.OrchestratorStarted(
-        cell=state.cell.name, digest=digest(state.cell), history=store.history, restored=is_copy
+        cell=state.cell.name,
+        digest=digest(state.cell),
+        history=store.history,
+        restored=is_copy,
+        boot=boot,
     )
     for name, component in state.cell.components.items():
         if component.state is not None and state.readings[name].ready:

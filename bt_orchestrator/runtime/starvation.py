@@ -36,7 +36,8 @@ class Starvation:
 
         :param unready: tasks that wait for their component, of a line in which all else waits
         """
-        now, found = self._ledger.now, find(self._ledger.state, unready) if unready else None
+        now = self._ledger.steady
+        found = find(self._ledger.state, unready) if unready else None
         if found != self._waited_for:
             self._waited_for, self._since = found, now
         if found is None:

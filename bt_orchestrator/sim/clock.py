@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from bt_orchestrator.deadlines import NS_PER_S, Deadline, Deadlines, instant_ns
+from bt_orchestrator.model.uptime import Uptime
 
 
 class VirtualClock:
@@ -21,6 +22,14 @@ class VirtualClock:
     def now(self) -> float:
         """Return the virtual seconds; they count from 0 unless the start is another."""
         return self._now_s
+
+    def steady(self) -> float:
+        """Return the same: nobody sets a virtual clock."""
+        return self._now_s
+
+    def uptime(self) -> Uptime | None:
+        """Return the same, of a machine that is never booted again."""
+        return Uptime('virtual', self._now_s)
 
     def call_at(self, time: float, callback: Callable[[], None]) -> Deadline:
         """Call back in `advance` when time has come; a time that has passed means now."""

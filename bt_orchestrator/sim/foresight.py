@@ -146,7 +146,9 @@ class _RunningRobots(VirtualGateway):
     def _left_s(self, request: GoalRequest) -> float:
         whole_s = self._nominal_s(request)
         started_s = self.started_s.pop(request.id, None)
-        return whole_s if started_s is None else max(0.0, started_s + whole_s - self._now())
+        if started_s is None:
+            return whole_s
+        return min(max(0.0, started_s + whole_s - self._now()), whole_s)  # a clock may be set
 
 
 class _From:

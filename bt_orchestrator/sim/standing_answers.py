@@ -45,7 +45,7 @@ class StandingAnswers:
         for hold in [hold for hold in state.holds.values() if hold.id not in self._seen]:
             answer = self._seen[hold.id] = self._answer_to(hold)
             if answer:
-                when = clock.now() + self._after_s
+                when = clock.steady() + self._after_s
                 clock.call_at(when, partial(self._give, hold, answer))
 
     def complaints(self) -> list[str]:

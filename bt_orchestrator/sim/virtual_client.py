@@ -63,7 +63,7 @@ class VirtualClient:
     def send(self, goal: VirtualGoal) -> None:
         """Request the goal, or wait for the server."""
         if self.available:
-            goal.timer = self._clock.call_at(self._clock.now(), lambda: self._deliver(goal))
+            goal.timer = self._clock.call_at(self._clock.steady(), lambda: self._deliver(goal))
             return
         self._waiting[goal] = None
         goal.timer = self._after(self._server_timeout_s, lambda: self._give_up(goal))
@@ -72,7 +72,7 @@ class VirtualClient:
         """Return the goal that the server knows by this UUID, else one that ends LOST."""
         known, _ = self._remembered.get(request.id, (None, None))
         if known is not None:
-            self._clock.call_at(self._clock.now(), lambda: self._news.add(known))
+            self._clock.call_at(self._clock.steady(), lambda: self._news.add(known))
             return known
         goal = VirtualGoal(request, self.cancel)
         wait_s = RESULT_CHECK_S if self.available else self._server_timeout_s
@@ -87,7 +87,7 @@ class VirtualClient:
             del self._waiting[goal]
             self.ended(goal, GoalEnd(GoalStatus.CANCELED, message='withdrawn before it was sent'))
         elif goal.accepted:
-            self._clock.call_at(self._clock.now(), lambda: self._controller.cancel(goal))
+            self._clock.call_at(self._clock.steady(), lambda: self._controller.cancel(goal))
         goal.cancel_requested = True
 
     # --- what the controller shows ----------------------------------------------------------
@@ -136,7 +136,7 @@ class VirtualClient:
             del self._remembered[goal.request.id]
             if end.status is not GoalStatus.LOST:
                 # Again at the last place: the oldest end comes first.
-                self._remembered[goal.request.id] = goal, self._clock.now()
+                self._remembered[goal.request.id] = goal, self._clock.steady()
         self._news.add(goal)
 
     def _denial(self) -> GoalEnd:
@@ -147,7 +147,7 @@ class VirtualClient:
 
     def _deliver(self, goal: VirtualGoal) -> None:
         goal.timer = None
-        goal.sent_s = self._clock.now()
+        goal.sent_s = self._clock.steady()
         self._in_flight[goal] = None
         self._controller.request(goal)
         if self._controller.present and goal.end is None and not goal.accepted:
@@ -156,7 +156,7 @@ class VirtualClient:
     def _lose_at_check(self, goal: VirtualGoal) -> None:
         """End a goal when the server will have said often enough that it does not know it."""
         goal.stop_timer()
-        out_ns = instant_ns(self._clock.now()) - instant_ns(goal.sent_s)
+        out_ns = instant_ns(self._clock.steady()) - instant_ns(goal.sent_s)
         passed = -(-out_ns // instant_ns(RESULT_CHECK_S))  # rounded up
         checks = max(passed, 1) + (0 if goal.accepted else REQUEST_CHECKS - 1)
         end = GoalEnd(GoalStatus.LOST, message=_UNKNOWN)
@@ -180,9 +180,9 @@ class VirtualClient:
         for id_, (_, ended_s) in tuple(self._remembered.items()):
             if ended_s is None:
                 continue
-            if not has_come(ended_s + self._component.result_timeout_s, self._clock.now()):
+            if not has_come(ended_s + self._component.result_timeout_s, self._clock.steady()):
                 break
             del self._remembered[id_]
 
     def _after(self, seconds: float, then: Callable[[], None]) -> Timer:
-        return self._clock.call_at(self._clock.now() + seconds, then)
+        return self._clock.call_at(self._clock.steady() + seconds, then)

@@ -152,4 +152,4 @@ class VirtualController:
             self._observer.announced(ready_value(state) if ready else not_ready_value(state))
 
     def _after(self, seconds: float, then: Callable[[], None]) -> Timer:
-        return self._clock.call_at(self._clock.now() + seconds, then)
+        return self._clock.call_at(self._clock.steady() + seconds, then)

@@ -73,9 +73,14 @@ class Compiled:
         """Nothing is ever ticked."""
         raise AssertionError(f'a drawing does not ask for {component}')
 
-    def wake_at(self, time: float) -> NoReturn:
+    @property
+    def uptime(self) -> NoReturn:
         """Nothing is ever ticked."""
-        raise AssertionError(f'a drawing waits for nothing, not for {time}')
+        raise AssertionError('a drawing is on no machine')
+
+    def is_delayed(self, key: e.TaskKey) -> NoReturn:
+        """Nothing is ever ticked."""
+        raise AssertionError(f'a drawing waits for nothing, not for {key}')
 
 
 def tree(sheet: Sheet) -> graphviz.Digraph:

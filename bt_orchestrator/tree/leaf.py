@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from py_trees.common import Status
 
-from bt_orchestrator.deadlines import has_come
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.goal import Reason
@@ -61,9 +60,8 @@ class ActionLeaf(TaskWaiter, Ticked):
         return Status.SUCCESS
 
     def _start_if_free(self, progress: TaskState | None) -> Status:
-        if progress is not None and self._delayed(progress):
-            # Also in a section that is stopped: the cell is not Held before this time.
-            self.subject.recorder.wake_at(progress.not_before)
+        # Also in a section that is stopped: the cell is not Held before this time.
+        is_delayed = progress is not None and self.subject.recorder.is_delayed(self.subject.key)
         stopped = self._stopped()
         if stopped is not None:
             self.note(stopped)
@@ -71,11 +69,15 @@ class ActionLeaf(TaskWaiter, Ticked):
         skipped = self.subject.why_skipped()
         if skipped is not None:
             return self._skip(skipped)
-        obstacle = self._obstacle(progress)
+        attempt = 1 if progress is None else progress.attempt + 1
+        if is_delayed:
+            self.note(Wait(f'waiting to retry, attempt {attempt}', WaitKind.RETRY_DELAY))
+            return Status.RUNNING
+        obstacle = self._obstacle()
         if obstacle is not None:
             self.note(obstacle)
             return Status.RUNNING
-        return self._start(1 if progress is None else progress.attempt + 1)
+        return self._start(attempt)
 
     def _skip(self, reason: str) -> Status:
         key = self.subject.key
@@ -96,19 +98,14 @@ class ActionLeaf(TaskWaiter, Ticked):
             return Wait(what, WaitKind.PAUSE, state.pauses[0].id)
         return self.subject.waits_in_hold()
 
-    def _obstacle(self, progress: TaskState | None) -> Wait | None:
-        """Say what keeps the next attempt from starting, besides the guards."""
+    def _obstacle(self) -> Wait | None:
+        """Say what keeps the next attempt from starting, besides its time and the guards."""
         state, task = self.subject.state, self.subject.task
-        if progress is not None and self._delayed(progress):
-            return Wait(f'waiting to retry, attempt {progress.attempt + 1}', WaitKind.RETRY_DELAY)
         busy = state.reserved.get(task.component)
         if busy is None or busy == self.subject.key:  # still, until its new attempt (4.4)
             return None
         what = f'waiting for {task.component}, busy with {holder(state, busy)}'
         return Wait(what, WaitKind.COMPONENT, task.component)
-
-    def _delayed(self, progress: TaskState) -> bool:
-        return not has_come(progress.not_before, self.subject.recorder.now)
 
     def _start(self, attempt: int) -> Status:
         recorder, task, key = self.subject.recorder, self.subject.task, self.subject.key
@@ -138,6 +135,7 @@ class ActionLeaf(TaskWaiter, Ticked):
             goal=recorder.new_goal_id(),
             args=self._args(),
             server=recorder.server(task.component),
+            uptime=recorder.uptime,
         )
         recorder.record([started])
         self.feedback_message = self._running(attempt)

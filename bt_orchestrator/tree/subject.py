@@ -34,8 +34,12 @@ class Recorder(Protocol):
     def server(self, component: str) -> str | None:
         """Return the instance of a component's server that was seen last; None: not known."""
 
-    def wake_at(self, time: float) -> None:
-        """Ask for a tick at a time."""
+    @property
+    def uptime(self) -> float | None:
+        """How long the machine has been up, seconds; None: not known."""
+
+    def is_delayed(self, key: e.TaskKey) -> bool:
+        """Tell whether the next attempt of a task waits for its time; a tick follows then."""
 
 
 class Subject:

@@ -8,7 +8,7 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 from py_trees.composites import Composite
 
-from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.events import Event, TaskKey
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.runtime.ledger import Ledger
 from bt_orchestrator.runtime.orchestrator import Orchestrator
@@ -58,8 +58,13 @@ class _Reader:
     def server(self, component: str) -> str | None:
         return self._ledger.server(component)
 
-    def wake_at(self, time: float) -> None:
+    @property
+    def uptime(self) -> float | None:
+        return self._ledger.uptime
+
+    def is_delayed(self, key: TaskKey) -> bool:
         """Wake nobody: whoever waits has asked already."""
+        return self._ledger.is_delayed(key)
 
 
 def check_view(orchestrator: Orchestrator) -> None:

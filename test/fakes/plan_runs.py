@@ -203,7 +203,7 @@ UNSEEN = {
 it stands, which test_7_stop_reasons is about."""
 WORDS = (
     *('seq', 'goal', 'server', 'digest', 'definition', 'message', 'args', 'params', 'who'),
-    *('exit_status', 'counts', 'owner', 'origin'),
+    *('exit_status', 'counts', 'owner', 'origin', 'uptime'),
 )
 WORDED = {
     'task.skipped',

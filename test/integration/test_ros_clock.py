@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
 import rclpy
+from rclpy.clock_type import ClockType
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
@@ -57,9 +59,9 @@ def test_now_is_the_time_of_day(world: World) -> None:
 
 
 def test_calls_in_order_and_not_too_early(world: World) -> None:
-    start = world.clock.now()
+    start = world.clock.steady()
     times: list[float] = []
-    world.clock.call_at(start + 0.2, lambda: times.append(world.clock.now()))
+    world.clock.call_at(start + 0.2, lambda: times.append(world.clock.steady()))
     world.clock.call_at(start + 0.2, world.note('tie'))
     world.clock.call_at(start + 0.1, world.note('first'))
     assert world.spin_until(lambda: len(world.called) == 2)
@@ -68,20 +70,20 @@ def test_calls_in_order_and_not_too_early(world: World) -> None:
 
 
 def test_earlier_deadline_overtakes(world: World) -> None:
-    world.clock.call_at(world.clock.now() + 3600.0, world.note('late'))
-    world.clock.call_at(world.clock.now() + 0.05, world.note('early'))
+    world.clock.call_at(world.clock.steady() + 3600.0, world.note('late'))
+    world.clock.call_at(world.clock.steady() + 0.05, world.note('early'))
     assert world.spin_until(lambda: world.called == ['early'])
 
 
 def test_the_past_is_soon_but_never_inside_the_call(world: World) -> None:
-    world.clock.call_at(world.clock.now() - 5.0, world.note('past'))
+    world.clock.call_at(world.clock.steady() - 5.0, world.note('past'))
     assert world.called == []
     assert world.spin_until(lambda: world.called == ['past'])
 
 
 def test_cancelled_is_not_called(world: World) -> None:
-    cancelled = world.clock.call_at(world.clock.now() + 0.05, world.note('cancelled'))
-    world.clock.call_at(world.clock.now() + 0.1, world.note('kept'))
+    cancelled = world.clock.call_at(world.clock.steady() + 0.05, world.note('cancelled'))
+    world.clock.call_at(world.clock.steady() + 0.1, world.note('kept'))
     cancelled.cancel()
     assert world.spin_until(lambda: world.called == ['kept'])
 
@@ -90,9 +92,9 @@ def test_arms_again_inside_of_a_callback(world: World) -> None:
     def again() -> None:
         world.called.append('tick')
         if len(world.called) < 3:
-            world.clock.call_at(world.clock.now() + 0.02, again)
+            world.clock.call_at(world.clock.steady() + 0.02, again)
 
-    world.clock.call_at(world.clock.now() + 0.02, again)
+    world.clock.call_at(world.clock.steady() + 0.02, again)
     assert world.spin_until(lambda: world.called == ['tick'] * 3)
 
 
@@ -100,15 +102,41 @@ def test_error_in_a_callback_stops_nothing(world: World) -> None:
     def fail() -> None:
         raise RuntimeError('meant to fail')
 
-    world.clock.call_at(world.clock.now() + 0.05, fail)
-    world.clock.call_at(world.clock.now() + 0.05, world.note('other'))
+    world.clock.call_at(world.clock.steady() + 0.05, fail)
+    world.clock.call_at(world.clock.steady() + 0.05, world.note('other'))
     assert world.spin_until(lambda: world.called == ['other'])
+
+
+@pytest.mark.parametrize('step_s', [3600.0, -3600.0])
+def test_setting_the_wall_clock_moves_no_deadline(
+    world: World, monkeypatch: pytest.MonkeyPatch, step_s: float
+) -> None:
+    """The clock of the whole machine cannot be set here, so what the node reads is."""
+    world.clock.call_at(world.clock.steady() + 0.3, world.note('soon'))
+    world.clock.call_at(world.clock.steady() + 3000.0, world.note('never'))
+    wall = time.time
+    monkeypatch.setattr(time, 'time', lambda: wall() + step_s)
+    assert world.clock.now() == pytest.approx(wall() + step_s, abs=1.0)
+    assert world.spin_until(lambda: world.called)
+    assert world.called == ['soon']
+
+
+def test_the_timer_of_the_deadlines_is_on_the_steady_clock(world: World) -> None:
+    (timer,) = world.node.timers
+    assert timer.clock.clock_type is ClockType.STEADY_TIME
+
+
+def test_the_uptime_is_that_of_the_machine(world: World) -> None:
+    uptime = world.clock.uptime()
+    assert uptime is not None
+    assert uptime.boot == Path('/proc/sys/kernel/random/boot_id').read_text().strip()
+    assert uptime.seconds == pytest.approx(time.clock_gettime(time.CLOCK_BOOTTIME), abs=5.0)
 
 
 def test_one_timer_for_all(world: World) -> None:
     before = len(list(world.node.timers))
     for number in range(100):
-        world.clock.call_at(world.clock.now() + 3600.0 - number, world.note('never'))
+        world.clock.call_at(world.clock.steady() + 3600.0 - number, world.note('never'))
     assert len(list(world.node.timers)) == before
 
 
@@ -128,6 +156,7 @@ def test_follows_simulated_time() -> None:
             return is_set
 
         assert world.spin_until(set_time(100))
+        assert world.clock.uptime() is None
         world.clock.call_at(150.0, world.note('done'))
         assert not world.spin_until(lambda: world.called, within_s=0.5)
         assert world.spin_until(set_time(149))

@@ -12,6 +12,7 @@ import pytest
 import rclpy
 from bt_orchestrator_interfaces.srv import RemoveItem
 from cell_processes import SMALL_CELL
+from rclpy.clock_type import ClockType
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
@@ -97,6 +98,12 @@ def ask(tree_node: TreeNode) -> Any:
     future = client.call_async(RemoveItem.Request(item='WO-1/1'))
     tree_node.serve(StopWhen(future.done))
     return future.result()
+
+
+def test_no_timer_goes_by_the_wall_clock(tree_node: TreeNode) -> None:
+    tree_node.serve(StopWhen(lambda: True))
+    kinds = {timer.clock.clock_type for timer in tree_node.node.timers}
+    assert kinds == {ClockType.STEADY_TIME}
 
 
 def test_a_callback_that_raises_does_not_stop_the_node(tree_node: TreeNode) -> None:

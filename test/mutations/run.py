@@ -1,8 +1,8 @@
 """Break one rule after the other, and see whether the tests of that rule notice.
 
-`3_5_belt_waits_for_all_turns.patch` is applied to a copy of the package; the tests whose names
-begin with `test_3_5_` have to fail with it. A patch that they do not notice, or that does not
-apply any more, is a finding.
+`3_5_belt_waits_for_all_turns.patch` is applied to a copy of the package; the tests of TESTS whose
+names begin with `test_3_5_` have to fail with it. A patch that they do not notice, or that does
+not apply any more, is a finding.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 PACKAGE = 'bt_orchestrator'
-RULES = 'test/unit/rules'
+TESTS = ('test/unit/rules', 'test/unit/runtime')
 
 TESTS_FAILED = 1
 """Exit code of pytest; every other one but 0 is a mistake of the caller."""
@@ -84,7 +84,7 @@ def applies(patch: Path, copy: Path, *, check: bool = False) -> bool:
 def _run_tests(rule: str, copy: Path) -> int:
     command = [sys.executable, '-m', 'pytest', '-x', '-q', '-p', 'no:cacheprovider']
     command += ['-c', str(ROOT / 'pyproject.toml'), '--rootdir', str(ROOT)]
-    command += ['-k', f'test_{rule.replace(".", "_")}_', str(ROOT / RULES)]
+    command += ['-k', f'test_{rule.replace(".", "_")}_', *(str(ROOT / part) for part in TESTS)]
     path = os.pathsep.join(map(str, (copy, ROOT / 'test')))
     environment = {**os.environ, 'PYTHONPATH': path, 'PYTHONDONTWRITEBYTECODE': '1'}
     # In the folder of the copy: `-m` puts the working directory in front of every other path.

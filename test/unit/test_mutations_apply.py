@@ -10,7 +10,6 @@ from types import ModuleType
 import pytest
 
 ROOT = Path(__file__).parents[2]
-RULES = ROOT / 'test' / 'unit' / 'rules'
 
 
 def _load() -> ModuleType:
@@ -28,7 +27,8 @@ MUTATIONS = _load()
 @pytest.fixture(scope='module')
 def tested() -> set[str]:
     """Rules that the names of the tests name."""
-    texts = [path.read_text() for path in RULES.glob('test_*.py')]
+    files = (file for part in MUTATIONS.TESTS for file in (ROOT / part).glob('test_*.py'))
+    texts = [file.read_text() for file in files]
     found = re.findall(r'(?m)^def test_(\d)_(\d)_', '\n'.join(texts))
     return {f'{chapter}.{rule}' for chapter, rule in found}
 

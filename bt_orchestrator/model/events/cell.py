@@ -88,6 +88,8 @@ class OrchestratorStarted(Event):
     """Which journal this is: random, and of no other one; empty: of a program that knew none."""
     restored: bool = False
     """All that came before is a copy, which was brought back: the line may be further."""
+    boot: str = ''
+    """Of the machine it runs on, another id after each boot; empty: not known."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -39,6 +39,9 @@ class TaskStarted(TaskEvent):
     args: Mapping[str, Any] = field(default_factory=dict)
     server: str | None = None
     """Instance of the action server when it was sent, as its status publisher's id tells."""
+    uptime: float | None = None
+    """Seconds for which the machine had been up when it was sent, in the boot that
+    `orchestrator.started` names."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,6 +64,8 @@ class TaskResent(TaskEvent):
     attempt: int
     goal: str
     server: str | None = None
+    """As in `task.started`."""
+    uptime: float | None = None
     """As in `task.started`."""
 
 

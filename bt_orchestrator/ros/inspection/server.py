@@ -19,6 +19,7 @@ from bt_orchestrator.ros.inspection.snapshot_streams import SnapshotStreams, Str
 from bt_orchestrator.ros.inspection.tick_statistics import TickStatistics
 from bt_orchestrator.ros.inspection.topic_names import StreamRefused
 from bt_orchestrator.ros.patient_service import create_patient_service
+from bt_orchestrator.ros.timers import steady_timer
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 
 TURN_S = 0.1
@@ -46,7 +47,7 @@ class InspectionServer:
         self._snapshots = SnapshotStreams(node, source)
         self._blackboards = BlackboardStreams(node, source)
         self._resume_at = 0.0
-        self._timer = node.create_timer(TURN_S, guarded(self._turn, self._logger))
+        self._timer = steady_timer(node, TURN_S, guarded(self._turn, self._logger))
         self._serve(node, srv.OpenSnapshotStream, 'snapshot_streams/open', self._open)
         self._serve(node, srv.CloseSnapshotStream, 'snapshot_streams/close', self._close)
         self._serve(

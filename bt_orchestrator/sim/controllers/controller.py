@@ -134,7 +134,7 @@ class Controller:
         _, task, faults = self._accepted
         self._accepted = None
         nominal_s = (self._component.duration_s(task) + faults.late_s) / self._pace.speed
-        self._work = _Work(goal, task, faults, self._clock.now(), nominal_s)
+        self._work = _Work(goal, task, faults, self._clock.steady(), nominal_s)
         self._record('started', goal=goal.id, task=task)
         self._give_feedback()
         self._arm_end(self._work)
@@ -181,7 +181,7 @@ class Controller:
         work = self._work
         if work is None:
             return
-        now = self._clock.now()
+        now = self._clock.steady()
         done = min((now - work.began) / work.nominal_s, 1.0) if work.nominal_s else 1.0
         work.goal.feedback(f'{work.task} {done:.0%}'.strip())
         later = now + self._pace.feedback_s
@@ -207,7 +207,7 @@ class Controller:
     # --- time, log --------------------------------------------------------------------------
 
     def _after(self, seconds: float, then: Callable[[], None]) -> Timer:
-        return self._clock.call_at(self._clock.now() + seconds / self._pace.speed, then)
+        return self._clock.call_at(self._clock.steady() + seconds / self._pace.speed, then)
 
     def _record(self, event: str, **fields: Any) -> None:
         self._log.write(self._clock.now(), event, self._component, **fields)

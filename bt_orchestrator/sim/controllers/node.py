@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
 from rclpy.node import Node
 
 from bt_orchestrator.model.cell import Component
@@ -55,7 +57,8 @@ class ControllerNode(Node):
             for component in setup.components
         ]
         self._present = [server.controller.switch_on() for server in self._servers]
-        self.create_timer(STATE_PERIOD_S, self._repeat_states)
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(STATE_PERIOD_S, self._repeat_states, clock=steady)
 
     @property
     def ready_line(self) -> str:

@@ -41,6 +41,12 @@ def test_it_is_the_usual_one_of_the_last() -> None:
     assert (durations.seconds(), durations.kinds) == ({'a2': {'TASK_A': 4.0}}, 1)
 
 
+def test_a_clock_that_was_set_back_says_nothing() -> None:
+    durations = ObservedDurations()
+    durations.publish([started(3600.0), succeeded(4.0)])
+    assert durations.seconds() == {}
+
+
 def test_what_ran_while_no_orchestrator_did_says_nothing() -> None:
     durations = ObservedDurations()
     restart = e.OrchestratorStarted(cell='c', digest='d', time=900.0)

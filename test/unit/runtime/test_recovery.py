@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from fakes.action_types import FakeActionTypes
+from fakes.clocks import SetClock
 from fakes.dying_gateway import DyingGateway
 from fakes.line import THREE, Line, with_section
 from fakes.operator import ann
@@ -26,7 +28,6 @@ from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.ports import EventStore
 from bt_orchestrator.runtime.orchestrator import Orchestrator
-from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.store.memory import MemoryStore
 from bt_orchestrator.store.sqlite import SqliteStore
 
@@ -43,7 +44,7 @@ class World:
 
     def __init__(self, cell: Cell, store: EventStore | None = None) -> None:
         self.cell = cell
-        self.clock = VirtualClock()
+        self.clock = SetClock()
         self.gateway = DyingGateway(cell, TYPES, self.clock)
         self.store = store or MemoryStore()
         self._goals = (f'00000000-0000-4000-8000-{n:012d}' for n in itertools.count(1))
@@ -198,17 +199,23 @@ def test_9_2_a_goal_that_its_server_does_not_know(repeatable: str, ends: bool) -
         assert (hold.task, hold.reason) == ('work', 'in_doubt')
 
 
-def killed_before_sending(line: Line, wait_s: float = 0.0) -> tuple[World, Orchestrator]:
-    """Kill an orchestrator that has committed the start of `work`, and start another one."""
+def killed_before_sending(
+    line: Line,
+    wait_s: float = 0.0,
+    meanwhile: Callable[[SetClock], None] = lambda clock: None,
+) -> tuple[World, Orchestrator]:
+    """Kill an orchestrator that has committed the start of `work`, and start another one.
+
+    :param meanwhile: what happens to the machine's clocks between the two
+    """
     world = World(line.cell)
     first = begun(world, line.script(with_section(2, '- {id: work, @a2.TASK_B}')), 1)
     world.gateway.unsent = 'TASK_B'
     world.go_until_starts(first, 'work')
     first.close()
     world.gateway.unsent = None
-    if wait_s:
-        world.clock.call_at(world.clock.now() + wait_s, lambda: None)
-        world.clock.advance()
+    world.clock.sleep(wait_s)
+    meanwhile(world.clock)
     second = world.orchestrator()
     world.go(second)
     return world, second
@@ -236,6 +243,71 @@ def test_9_2_how_long_it_remembers_stands_in_the_cell_file() -> None:
     line.cell = replace(line.cell, components={**line.cell.components, 'a2': short})
     _, second = killed_before_sending(line)
     assert [hold.reason for hold in second.state.holds.values()] == ['in_doubt']
+
+
+def other_machine(clock: SetClock) -> None:
+    """Go on at a machine whose wall clock is behind."""
+    clock.boot, clock.ahead_s = 'second machine', -9.0
+
+
+def twin_machine(clock: SetClock) -> None:
+    """Go on at a machine that was booted at the same moment, and whose clock is right."""
+    clock.boot = 'second machine'
+
+
+def rebooted(clock: SetClock) -> None:
+    """Start the machine anew."""
+    clock.boot, clock.booted_s = 'first machine, later', clock.steady()
+
+
+def set_back(clock: SetClock) -> None:
+    """Set the wall clock back, by less than has passed since the goal was sent."""
+    clock.ahead_s = -9.0
+
+
+def set_forward(clock: SetClock) -> None:
+    """Set the wall clock forward: a server of this machine may have forgotten by it."""
+    clock.ahead_s = 3600.0
+
+
+def untold(clock: SetClock) -> None:
+    """Let the machine tell neither its boot nor its uptime."""
+    clock.boot = None
+
+
+@pytest.mark.parametrize(
+    ('meanwhile', 'wait_s'),
+    [
+        (set_back, RESULT_TIMEOUT_S + 2.0),
+        (other_machine, RESULT_TIMEOUT_S + 2.0),
+        (other_machine, 0.0),
+        (twin_machine, 0.0),
+        (rebooted, 0.0),
+        (set_forward, 0.0),
+        (untold, 0.0),
+    ],
+)
+def test_9_2_a_clock_that_was_set_proves_nothing(
+    meanwhile: Callable[[SetClock], None], wait_s: float
+) -> None:
+    world, second = killed_before_sending(Line(), wait_s, meanwhile)
+    assert [hold.reason for hold in second.state.holds.values()] == ['in_doubt']
+    assert not world.events(e.TaskResent)
+
+
+def test_9_2_a_journal_without_uptimes_proves_nothing() -> None:
+    line = Line()
+    world = World(line.cell)
+    world.clock.boot = None
+    first = begun(world, line.script(with_section(2, '- {id: work, @a2.TASK_B}')), 1)
+    world.gateway.unsent = 'TASK_B'
+    world.go_until_starts(first, 'work')
+    first.close()
+    world.gateway.unsent, world.clock.boot = None, 'first machine'
+    second = world.orchestrator()
+    world.go(second)
+    assert [hold.reason for hold in second.state.holds.values()] == ['in_doubt']
+    assert not world.events(e.TaskResent)
 
 
 def test_9_2_another_instance_of_the_server_proves_nothing() -> None:

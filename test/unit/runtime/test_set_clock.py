@@ -1,0 +1,141 @@
+"""Somebody sets the wall clock: what waits goes on as if nothing were (semantics 2.4, 2.6)."""
+
+from __future__ import annotations
+
+import pytest
+from fakes.action_types import FakeActionTypes
+from fakes.clocks import SetClock
+from fakes.line import Line, with_section
+
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.job_commands import AddJobs
+from bt_orchestrator.model.order import Job
+from bt_orchestrator.runtime.orchestrator import Orchestrator
+from bt_orchestrator.sim.gateway import VirtualGateway
+from bt_orchestrator.store.memory import MemoryStore
+
+HOUR_S = 3600.0
+WORK_AT = 3.0
+"""When section 2 of the shortest line begins with its first item."""
+
+either_way = pytest.mark.parametrize('step_s', [HOUR_S, -HOUR_S])
+
+
+class SetLine:
+    """The shortest line, on a machine whose clock is set while the second section works."""
+
+    def __init__(self, fault: str, options: str = '', *, at: str = 'a2') -> None:
+        line = Line(faults={at: fault}, topics=('a1',))
+        self._cell = line.cell
+        self.clock = SetClock()
+        self._gateway = VirtualGateway(line.cell, FakeActionTypes(), self.clock)
+        self.store = MemoryStore()
+        self.orchestrator = self._start()
+        more = f', {options}' if options else ''
+        script = line.script(with_section(2, f'- {{id: work, @a2{more}}}'))
+        assert self.orchestrator.ask(AddJobs((Job('J', script, 1),))).accepted
+
+    def go(self, until: float = 1e6) -> SetLine:
+        self.orchestrator.settle()
+        while self.orchestrator.state.jobs:
+            due = self.clock.next_deadline()
+            if due is None or due > until:
+                break
+            self.clock.advance()
+            self.orchestrator.settle()
+        return self
+
+    def restart(self) -> None:
+        self.orchestrator.close()
+        self.orchestrator = self._start()
+
+    def when(self, kind: type[e.TaskEvent]) -> list[float]:
+        """Return when something happened to `work`, by the time that nobody set."""
+        return [
+            event.time - self.clock.ahead_s
+            for event in self.store.read()
+            if isinstance(event, kind) and event.task == 'work'
+        ]
+
+    @property
+    def ended(self) -> bool:
+        return not self.orchestrator.state.jobs
+
+    def _start(self) -> Orchestrator:
+        return Orchestrator(self._cell, self._gateway, self.clock, self.store, auto_resume=True)
+
+
+@either_way
+def test_2_4_no_goal_times_out_and_none_has_more_time(step_s: float) -> None:
+    run = SetLine('#1=hang', 'timeout: 10').go(until=WORK_AT + 1)
+    run.clock.ahead_s = step_s
+    run.go(until=WORK_AT + 9)
+    assert run.when(e.TaskCancelRequested) == []
+    run.go()
+    assert run.when(e.TaskCancelRequested) == [WORK_AT + 10]
+
+
+@either_way
+def test_2_4_the_grace_of_a_cancelled_goal_is_the_same(step_s: float) -> None:
+    run = SetLine('#1=ignore_cancel', 'timeout: 2').go(until=WORK_AT + 2)
+    assert run.when(e.TaskCancelRequested) == [WORK_AT + 2]
+    run.clock.ahead_s = step_s
+    run.go()
+    assert run.when(e.TaskFailed) == [WORK_AT + 7]
+
+
+@either_way
+def test_2_6_a_retry_comes_after_its_delay(step_s: float) -> None:
+    run = SetLine('#1=abort', 'retries: 1, retry_delay: 5').go(until=WORK_AT + 2)
+    run.clock.ahead_s = step_s
+    run.go()
+    assert run.ended
+    assert run.when(e.TaskStarted)[1] == WORK_AT + 1 + 5
+
+
+@either_way
+def test_2_6_after_a_restart_a_retry_waits_no_longer_than_its_delay(step_s: float) -> None:
+    run = SetLine('#1=abort', 'retries: 1, retry_delay: 5').go(until=WORK_AT + 2)
+    run.clock.ahead_s = step_s
+    restarted = run.clock.steady()
+    run.restart()
+    run.go()
+    assert run.ended
+    assert restarted <= run.when(e.TaskStarted)[1] <= restarted + 5
+
+
+@either_way
+def test_2_4_an_adopted_goal_keeps_the_rest_of_its_time(step_s: float) -> None:
+    run = SetLine('#1=hang', 'timeout: 10').go(until=WORK_AT + 4)
+    run.clock.ahead_s = step_s
+    run.restart()
+    run.go()
+    assert run.when(e.TaskCancelRequested) == [pytest.approx(WORK_AT + 10)]
+
+
+@pytest.mark.parametrize('ahead_s', [HOUR_S, 0.0, -HOUR_S])
+def test_2_4_a_goal_of_another_machine_has_its_whole_time_again(ahead_s: float) -> None:
+    run = SetLine('#1=hang', 'timeout: 10').go(until=WORK_AT + 4)
+    run.clock.ahead_s, run.clock.boot = ahead_s, 'second machine'
+    restarted = run.clock.steady()
+    run.restart()
+    run.go()
+    assert run.when(e.TaskCancelRequested) == [restarted + 10]
+
+
+@either_way
+def test_7_2_a_line_that_starves_is_suspended_in_time(step_s: float) -> None:
+    run = SetLine('#0=not_ready:8', at='a1')
+    run.clock.ahead_s = step_s
+    run.go(until=7.0)
+    reasons = [event for event in run.store.read() if isinstance(event, e.StopReasonChanged)]
+    assert [(x.stop_reason, x.time - step_s) for x in reasons] == [('starved', 1.0)]
+
+
+def test_7_2_the_time_spent_in_a_state_is_never_negative() -> None:
+    run = SetLine('#1=abort', 'on_failure: continue').go(until=WORK_AT)
+    run.clock.ahead_s = -HOUR_S
+    run.go()
+    assert run.ended
+    times = run.orchestrator.state.times(run.clock.now())
+    assert all(seconds >= 0.0 for seconds in times.values())
