@@ -1,10 +1,11 @@
-"""The verb `check`: all mistakes of scripts, and of the cell they are for."""
+"""The verb `check`: all mistakes and warnings of scripts, and of the cell they are for."""
 
 from __future__ import annotations
 
 import argparse
 import dataclasses
 import json
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -15,12 +16,17 @@ from bt_orchestrator.errors import Finding, Refused
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.script.lookup import find_script
+from bt_orchestrator.script.warning_checks import ReadScript, warnings
 
 DESCRIPTION = """\
 Read scripts against the cell they are for, and print every mistake in them as
-FILE:LINE:COLUMN: WHAT; HINT. Moves nothing and needs no node."""
+FILE:LINE:COLUMN: WHAT; HINT. Moves nothing and needs no node.
 
-EPILOG = 'exit status: 0 fine, 1 there are mistakes, 2 wrong use'
+What is probably not meant is printed as FILE:LINE:COLUMN: warning: WHAT; HINT on the standard
+error, and changes nothing, but with --strict."""
+
+EPILOG = 'exit status: 0 fine, 1 there are mistakes (with --strict: or warnings), 2 wrong use'
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -31,7 +37,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         'scripts', nargs='+', metavar='SCRIPT', help='name or path of a script (YAML)'
     )
     add_cell_options(parser)
-    parser.add_argument('--json', action='store_true', help='one JSON object: findings, ok')
+    parser.add_argument(
+        '--json', action='store_true', help='one JSON object: findings, warnings, ok'
+    )
+    parser.add_argument('--strict', action='store_true', help='take warnings for mistakes')
 
 
 def add_cell_options(parser: argparse.ArgumentParser) -> None:
@@ -58,21 +67,30 @@ def check(args: argparse.Namespace, types: ActionTypes) -> int:
     except Refused as refused:
         if not args.json:
             raise
-        print(json.dumps(as_json(refused.findings)))
+        print(json.dumps({**as_json(refused.findings), 'warnings': []}))
         return 1
+    paths = [find_script(name, folders) for name in args.scripts]
+    given = [ReadScript(path, script) for path, script in zip(paths, scripts, strict=True)]
+    found = warnings(args.cell, cell, given, folders, types)
+    is_fine = not (args.strict and found)
     if args.json:
-        print(json.dumps(as_json(())))
-    else:
+        print(json.dumps({'findings': [], 'warnings': _plain(found), 'ok': is_fine}))
+        return int(not is_fine)
+    for warning in found:
+        what = f'warning: {warning.what}'
+        print(dataclasses.replace(warning, what=what), file=sys.stderr)
+    if is_fine:
         print('\n'.join(summary(script, cell) for script in scripts))
-    return 0
+    return int(not is_fine)
 
 
 def as_json(findings: Sequence[Finding]) -> dict[str, Any]:
     """Return findings as plain data."""
-    return {
-        'findings': [dataclasses.asdict(finding) for finding in findings],
-        'ok': not findings,
-    }
+    return {'findings': _plain(findings), 'ok': not findings}
+
+
+def _plain(findings: Sequence[Finding]) -> list[dict[str, Any]]:
+    return [dataclasses.asdict(finding) for finding in findings]
 
 
 def summary(script: Script, cell: Cell) -> str:

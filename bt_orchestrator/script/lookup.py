@@ -77,19 +77,20 @@ def _is_file(path: Path) -> bool:
 
 
 def _missing_path(path: Path) -> tuple[str, str]:
-    names = [one.name for one in _scripts(path.parent)]
+    names = [one.name for one in scripts_in(path.parent)]
     near = did_you_mean(path.name, names, 'check the path')
     return f'there is no script file {quoted(str(path))}', near
 
 
 def _missing_name(name: str, folders: Sequence[Path]) -> tuple[str, str]:
-    known = [one.stem for folder in folders for one in _scripts(folder)]
+    known = [one.stem for folder in folders for one in scripts_in(folder)]
     looked = ', '.join(str(folder) for folder in folders) or 'no folder'
     what = f'there is no script {quoted(name)}: looked in {looked}'
     return what, did_you_mean(name, known, 'check the name, or give a path')
 
 
-def _scripts(folder: Path) -> list[Path]:
+def scripts_in(folder: Path) -> list[Path]:
+    """Return the files in a folder that may be scripts; none if it cannot be read."""
     try:
         return sorted(path for path in folder.iterdir() if path.suffix in ENDINGS)
     except (OSError, ValueError):

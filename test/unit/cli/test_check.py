@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from fakes.action_types import FakeActionTypes
+from fakes.script_texts import CELL, LINE
 from fakes.shipped import REFERENCE_CELL, STUCK, TREES
 
 from bt_orchestrator.cli.check import add_arguments, check
@@ -92,4 +93,133 @@ def test_findings_as_json(bad: Path, capsys: pytest.CaptureFixture[str]) -> None
 
 def test_no_findings_as_json(capsys: pytest.CaptureFixture[str]) -> None:
     assert checked(TREES / 'reference_process.yaml', '--json') == 0
-    assert json.loads(capsys.readouterr().out) == {'findings': [], 'ok': True}
+    assert json.loads(capsys.readouterr().out) == {'findings': [], 'warnings': [], 'ok': True}
+
+
+# --- warnings ---------------------------------------------------------------------------------
+
+DRIVE = '  3: [{id: bring, task: BRING, action: /cart/drive}]\n'
+
+
+class Files:
+    """A cell and a script, and what `check` warns of."""
+
+    def __init__(self, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+        self.folder = folder
+        self.script = folder / 'line.yaml'
+        self._capsys = capsys
+
+    def check(self, script: str, durations: str = '', *options: str) -> list[str]:
+        cell = self.folder / 'cell.yaml'
+        cart = 'cart: {action: /cart/drive'
+        cell.write_text(CELL.replace(cart, f'{cart}, durations: {{{durations}}}'))
+        self.script.write_text(script)
+        self.status = checked(self.script, '--trees', self.folder / 'trees', *options, cell=cell)
+        self.out, err = self._capsys.readouterr()
+        return [line.removeprefix(f'{self.folder}/') for line in err.splitlines()]
+
+
+@pytest.fixture
+def files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Files:
+    return Files(tmp_path, capsys)
+
+
+def of_cell(lines: list[str]) -> list[str]:
+    return [line for line in lines if line.startswith('cell.yaml')]
+
+
+def test_a_misspelt_label_in_the_durations_is_a_warning(files: Files) -> None:
+    (found,) = of_cell(files.check(LINE + DRIVE, 'BRNG: 2.0'))
+    assert found == (
+        'cell.yaml:15:43: warning: no script has a task `BRNG` of `cart`: its nominal time has no '
+        'effect; did you mean `BRING`?'
+    )
+    assert files.status == 0
+    assert files.out.startswith('test: 3 tasks')
+
+
+@pytest.mark.parametrize('durations', ['BRING: 2.0', ''])
+def test_a_label_that_is_used_is_no_warning(files: Files, durations: str) -> None:
+    assert of_cell(files.check(LINE + DRIVE, durations)) == []
+
+
+def test_a_label_of_another_script_of_the_cell_is_no_warning(files: Files) -> None:
+    trees = files.folder / 'trees'
+    trees.mkdir()
+    (trees / 'other.yaml').write_text(LINE + DRIVE.replace('BRING', 'FETCH'))
+    (trees / 'broken.yaml').write_text('script: [')
+    assert of_cell(files.check(LINE + DRIVE, 'BRING: 2.0, FETCH: 3.0')) == []
+
+
+def test_a_component_that_no_script_uses_is_no_warning(files: Files) -> None:
+    assert of_cell(files.check(LINE, 'BRING: 2.0')) == []
+
+
+def test_a_task_without_a_nominal_time_is_a_warning_once(files: Files) -> None:
+    twice = DRIVE.replace(
+        '}]', '}, {task: FETCH, action: /cart/drive}, {task: FETCH, action: /cart/drive}]'
+    )
+    found = [line for line in files.check(LINE + twice, 'BRING: 2.0') if '`cart`' in line]
+    assert found == [
+        (
+            'line.yaml:5:54: warning: `FETCH` of `cart` has no nominal time: predictions take '
+            '1 s; add `FETCH: SECONDS` to the `durations` of `cart`'
+        )
+    ]
+
+
+def test_without_any_nominal_time_no_task_lacks_one(files: Files) -> None:
+    assert files.check(LINE + DRIVE) == []
+
+
+HOMING = 'initialization: [{id: a, task: HOME, action: /belt/index%s}]\n'
+
+
+def test_a_homing_for_every_job_is_a_warning(files: Files) -> None:
+    assert files.check(LINE + HOMING % '') == [
+        (
+            'line.yaml:5:18: warning: `a` is done again for every job, with the same arguments; '
+            'write `once: true`, and it is skipped while it has succeeded before'
+        )
+    ]
+
+
+@pytest.mark.parametrize(
+    'text',
+    [
+        HOMING % ', once: true',
+        'initialization: [{id: b, task: PREPARE, action: /loader/task}]\n',
+        'initialization: [{id: home, action: /cart/drive, args: {place: "${order.id}"}}]\n',
+    ],
+    ids=['once', 'no homing', 'other arguments for each job'],
+)
+def test_other_initialization_is_no_warning(files: Files, text: str) -> None:
+    assert files.check(LINE + text) == []
+
+
+def test_strict_takes_warnings_for_mistakes(files: Files) -> None:
+    assert len(files.check(LINE + HOMING % '', '', '--strict')) == 1
+    assert (files.status, files.out) == (1, '')
+    assert files.check(LINE + HOMING % ', once: true', '', '--strict') == []
+    assert files.status == 0
+
+
+def test_warnings_as_json(files: Files) -> None:
+    assert files.check(LINE + HOMING % '', '', '--json') == []
+    answer = json.loads(files.out)
+    (warning,) = answer['warnings']
+    assert (warning['line'], warning['file'], answer['ok']) == (5, str(files.script), True)
+    files.check(LINE + HOMING % '', '', '--json', '--strict')
+    assert json.loads(files.out)['ok'] is False
+
+
+def test_the_place_of_a_task_in_a_group_is_found(files: Files) -> None:
+    group = '  3:\n    tasks:\n      - parallel: [{task: TASK_A, action: /press/task},\n'
+    group += '        [{task: X, action: /cart/drive}, {task: Y, action: /cart/drive}]]\n'
+    found = [line for line in files.check(LINE + group, 'X: 1.0') if '`cart`' in line]
+    assert found[0].startswith('line.yaml:8:42: warning: `Y` of `cart`')
+
+
+def test_the_shipped_scripts_have_no_warnings(capsys: pytest.CaptureFixture[str]) -> None:
+    assert checked(*sorted(TREES.glob('*.yaml')), '--strict') == 0
+    assert capsys.readouterr().err == ''

@@ -1,0 +1,176 @@
+"""What is probably not meant in a cell file and its scripts, though nothing in them is wrong."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import chain
+from pathlib import Path
+from typing import NamedTuple
+
+from bt_orchestrator.errors import Finding, Refused
+from bt_orchestrator.model.cell import CONVEYOR, Cell
+from bt_orchestrator.model.reference import Template
+from bt_orchestrator.model.script import Script, Task
+from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.script.composing import compose
+from bt_orchestrator.script.lookup import scripts_in
+from bt_orchestrator.script.report import START, Place, Report, did_you_mean, listing
+from bt_orchestrator.script.script_file import read_script
+from bt_orchestrator.script.source_text import read_text
+from bt_orchestrator.script.yaml_nodes import ListNode, MapNode, Node
+
+_HOMING = re.compile(r'(^|[^a-z])hom(e|ing)([^a-z]|$)', re.IGNORECASE)
+
+
+class ReadScript(NamedTuple):
+    """A script without mistakes, and its file."""
+
+    path: Path
+    script: Script
+
+
+def warnings(
+    cell_file: Path,
+    cell: Cell,
+    given: Sequence[ReadScript],
+    folders: Sequence[Path],
+    types: ActionTypes,
+) -> list[Finding]:
+    """Return what is probably not meant, in the order of the files.
+
+    :param given: the scripts that are checked; those in the folders use names of the cell as well
+    """
+    found = Report(str(cell_file))
+    unused = list(_unused(cell_file, cell, [one.script for one in given], types))
+    if unused:
+        others = [one.script for one in given] + list(_fitting(folders, cell, types))
+        unused = list(_unused(cell_file, cell, others, types))
+    for place, what, hint in unused:
+        found.add(place, what, hint)
+    return [*found.findings, *chain.from_iterable(_of_script(one, cell) for one in given)]
+
+
+# --- the cell file ----------------------------------------------------------------------------
+
+
+def _unused(
+    cell_file: Path, cell: Cell, scripts: Iterable[Script], types: ActionTypes
+) -> Iterator[tuple[Place, str, str]]:
+    """Yield nominal times of labels that no script uses.
+
+    Only types without a task field have labels; a constant that no script uses is none the less
+    one of the type.
+    """
+    used: dict[str, set[str]] = {}
+    for script in scripts:
+        for task in script.tasks.values():
+            used.setdefault(task.component, set()).add(task.name)
+    root = compose(read_text(cell_file), Report(''))
+    for name, component in cell.components.items():
+        if types.action(component.type).has_task_field or name not in used:
+            continue
+        for label in component.durations_s:
+            if label not in used[name]:
+                what = (
+                    f'no script has a task `{label}` of `{name}`: its nominal time has no effect'
+                )
+                hint = did_you_mean(label, used[name], f'its tasks are {listing(used[name])}')
+                yield _key_place(root, 'components', name, 'durations', label), what, hint
+
+
+def _fitting(folders: Sequence[Path], cell: Cell, types: ActionTypes) -> Iterator[Script]:
+    """Yield the scripts in some folders that fit the cell."""
+    for path in chain.from_iterable(map(scripts_in, folders)):
+        try:
+            yield read_script(path, cell, types)
+        except Refused:
+            continue
+
+
+def _key_place(node: Node | None, *path: str) -> Place:
+    """Return the place of a key, named by the keys around it."""
+    place = START
+    for key in path:
+        entry = node.find(key) if isinstance(node, MapNode) else None
+        if entry is None:
+            return place
+        place, node = entry.key.place, entry.value
+    return place
+
+
+# --- scripts ----------------------------------------------------------------------------------
+
+
+def _of_script(read: ReadScript, cell: Cell) -> tuple[Finding, ...]:
+    found = Report(str(read.path))
+    script = read.script
+    listed = chain.from_iterable(script.sections[n].tasks for n in sorted(script.sections))
+    nodes = _task_nodes(compose(read_text(read.path), Report('')))
+    told: set[tuple[str, str]] = set()
+    for task, node in zip(chain(script.initialization, listed), nodes, strict=True):
+        for what, hint in chain(_timeless(task, cell, told), _repeated(task, script)):
+            found.add(node.place, what, hint)
+    return found.findings
+
+
+def _timeless(task: Task, cell: Cell, told: set[tuple[str, str]]) -> Iterator[tuple[str, str]]:
+    """Yield, once for each task of a component, that the cell file has no nominal time for it.
+
+    A cell file without any nominal times is not meant for predictions. The conveyor has one time
+    for all its tasks.
+    """
+    component = cell.components[task.component]
+    is_for_prediction = any(one.durations_s for one in cell.components.values())
+    key = (component.name, task.name)
+    if component.name == CONVEYOR or not is_for_prediction or key in told:
+        return
+    told.add(key)
+    if task.name not in component.durations_s:
+        default = component.default_duration_s
+        timeless = f'`{task.name}` of `{component.name}` has no nominal time'
+        what = f'{timeless}: predictions take {default:g} s'
+        hint = f'add `{task.name}: SECONDS` to the `durations` of `{component.name}`'
+        near = did_you_mean(task.name, component.durations_s, '')
+        yield what, f'{hint}; {near}' if near else hint
+
+
+def _repeated(task: Task, script: Script) -> Iterator[tuple[str, str]]:
+    """Yield that a homing is done again for every job, though it is the same each time."""
+    is_homing = _HOMING.search(task.name) or _HOMING.search(task.id)
+    if task not in script.initialization or task.once or not is_homing:
+        return
+    if not any(_refers(value) for value in task.args.values()):
+        what = f'`{task.id}` is done again for every job, with the same arguments'
+        yield what, 'write `once: true`, and it is skipped while it has succeeded before'
+
+
+def _refers(value: object) -> bool:
+    if isinstance(value, dict):
+        return any(map(_refers, value.values()))
+    if isinstance(value, list):
+        return any(map(_refers, value))
+    return isinstance(value, Template)
+
+
+def _task_nodes(root: Node | None) -> Iterator[Node]:
+    """Yield the tasks of a script without mistakes: initialization, then along the belt."""
+    if not isinstance(root, MapNode):
+        return
+    first, sections = root.find('initialization'), root.find('sections')
+    if first is not None and isinstance(first.value, ListNode):
+        yield from first.value.items
+    if sections is not None and isinstance(sections.value, MapNode):
+        for entry in sorted(sections.value.entries, key=lambda one: int(one.key.text)):
+            yield from _tasks_in(entry.value)
+
+
+def _tasks_in(node: Node) -> Iterator[Node]:
+    """Yield the tasks of a list, a section or a group."""
+    if isinstance(node, ListNode):
+        yield from chain.from_iterable(map(_tasks_in, node.items))
+        return
+    keys = ('tasks', 'parallel')
+    inner = [node.find(key) for key in keys] if isinstance(node, MapNode) else []
+    below = [entry.value for entry in inner if entry is not None]
+    yield from _tasks_in(below[0]) if below else [node]
