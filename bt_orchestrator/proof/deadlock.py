@@ -15,7 +15,7 @@ from bt_orchestrator.model.wait import WaitKind
 from bt_orchestrator.proof.circle import Stand, circle_of_waits
 from bt_orchestrator.proof.operations import Operations
 from bt_orchestrator.proof.precedence import Precedence
-from bt_orchestrator.proof.remedy import remedy
+from bt_orchestrator.proof.remedy import remedy, swapped
 from bt_orchestrator.proof.standstill import first_standstill, gets_stuck
 
 
@@ -31,6 +31,8 @@ class Deadlock:
     circle: tuple[Stand, ...]
     remedy: str
     """The smallest change of one flag that frees the line; empty: there is none."""
+    swapped: str = ''
+    """Flag whose ends look swapped; empty: none."""
 
     @property
     def flags(self) -> tuple[str, ...]:
@@ -40,7 +42,10 @@ class Deadlock:
     @property
     def hint(self) -> str:
         """What to do about it."""
-        return self.remedy or 'no larger capacity or initial count of one flag frees it'
+        counts = self.remedy or 'no larger capacity or initial count of one flag frees it'
+        if not self.swapped:
+            return counts
+        return f'swap `upstream` and `downstream` of flag {self.swapped}; or {counts}'
 
     def __str__(self) -> str:
         waits = '; '.join(map(str, self.circle))
@@ -66,6 +71,7 @@ def deadlock(script: Script) -> Deadlock | None:
         beat=still.beat,
         circle=circle,
         remedy=remedy(operations, _flags_in(circle)),
+        swapped=swapped(operations, _flags_in(circle)),
     )
 
 

@@ -1,4 +1,7 @@
-"""The smallest change of one flag that frees a line, found by trying (semantics 8.2)."""
+"""The smallest change of one flag that frees a line, found by trying (semantics 8.2).
+
+Or what was probably meant, if the flag points backward.
+"""
 
 from __future__ import annotations
 
@@ -26,6 +29,21 @@ def remedy(script: Operations, flags: Collection[str]) -> str:
                 more, changed = found
                 words, most = _in_words(changed, flag), more - 1
     return words
+
+
+def swapped(script: Operations, flags: Collection[str]) -> str:
+    """Name the flag whose ends look swapped; empty: none does.
+
+    Its downstream task comes first for every item, nothing is there for the first one to take, and
+    the other way round the script does not get stuck.
+    """
+    for flag in script.flags.values():
+        up, down = script.of_task[flag.upstream], script.of_task[flag.downstream]
+        turned = replace(flag, upstream=flag.downstream, downstream=flag.upstream)
+        is_backward = down.number < up.number and not flag.initial
+        if flag.flag in flags and is_backward and _frees(script, turned):
+            return flag.flag
+    return ''
 
 
 def _smallest(script: Operations, flag: Dependency, most: int) -> tuple[int, Dependency] | None:

@@ -196,6 +196,34 @@ def test_8_2_the_smallest_remedy_is_named_and_works(text: str, remedy: str) -> N
     assert run(line.cell, cured(script, found), 10).finished
 
 
+def test_8_2_ends_that_look_swapped_are_named_before_a_larger_count() -> None:
+    line = Line(5)
+    script = line.script(flagged(3, 2))
+    found = deadlock(script)
+    assert found is not None
+    assert found.hint == (
+        'swap `upstream` and `downstream` of flag coupled; '
+        'or initial count 1 of flag coupled frees it'
+    )
+    (flag,) = script.dependencies
+    turned = replace(flag, upstream=flag.downstream, downstream=flag.upstream)
+    assert run(line.cell, replace(script, dependencies=(turned,)), 10).finished
+
+
+@pytest.mark.parametrize(
+    'text',
+    [
+        flagged(2, 4),  # points forward
+        flagged(4, 2),  # the other way round it gets stuck too
+        flagged(4, 2, initial=1),  # counts are there for the first items
+    ],
+)
+def test_8_2_other_ends_do_not_look_swapped(text: str) -> None:
+    found = deadlock(Line(5).script(text))
+    assert found is not None
+    assert 'swap' not in found.hint
+
+
 def test_8_2_a_circle_of_two_flags_that_no_count_of_one_can_free() -> None:
     text = """
 sections:
