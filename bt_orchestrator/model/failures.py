@@ -8,8 +8,8 @@ from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.goal import Reason
-from bt_orchestrator.model.script import INDEX, Task
-from bt_orchestrator.model.state import CellState, TaskState
+from bt_orchestrator.model.script import Task
+from bt_orchestrator.model.state import CellState, JobState, TaskState
 
 SHUTDOWN = 'shutdown'
 """Cancel cause after which a task is held whatever its policy (semantics 2.6)."""
@@ -18,7 +18,11 @@ ABORT = 'abort'
 """Cancel cause after which a task is in doubt: the cell was aborted (semantics 7.2)."""
 
 ABORT_JOB = 'abort_job'
-"""Cancel cause after which a task counts as failed and continued (semantics 2.6)."""
+"""Cancel cause after which a task counts as failed and continued, unless its slot is in doubt
+(semantics 2.6, 4.3)."""
+
+_NEVER_BEGUN = (Reason.GOAL_REJECTED, Reason.SERVER_UNAVAILABLE, Reason.MISSING_RESULT)
+"""Ends of attempts of which no robot heard."""
 
 
 def may_retry(state: CellState, key: e.TaskKey, task: Task) -> bool:
@@ -64,25 +68,52 @@ def pass_over(
 def raise_hold(state: CellState, key: e.TaskKey, task: Task) -> e.HoldRaised:
     """Ask an operator about a task (semantics 7.1)."""
     failed = state.tasks[key]
+    offered = answers(state, key, task)
+    said = (failed.message, _question(key, task, offered) if _is_open(failed, task) else '')
     return e.HoldRaised(
         hold=state.next_hold,
         **key._asdict(),
         reason=failed.reason.value if failed.reason else 'failed',
-        message=failed.message,
-        answers=answers(key, task),
+        message='; '.join(filter(None, said)),
+        answers=offered,
     )
 
 
-def answers(key: e.TaskKey, task: Task) -> tuple[str, ...]:
-    """Return what an operator may answer about a held task (semantics 3.5, 7.1)."""
-    if task.id == INDEX:
-        return ('retry', 'mark_done', 'abort_job')
-    offered = ['retry', 'mark_done']
-    if task.qty_change != -1:
-        offered.append('skip')
-    if key.item is not None:
-        offered.append('reject')
-    return (*offered, 'abort_job')
+def answers(state: CellState, key: e.TaskKey, task: Task) -> tuple[str, ...]:
+    """Return what an operator may answer about a held task now (semantics 3.5, 4.3, 7.1)."""
+    if key.job is None:
+        aborts = any(not job.aborting for job in _jobs_on_the_belt(state))
+        return ('retry', 'mark_done', *(['abort_job'] if aborts else []))
+    failed = state.tasks[key]
+    is_open = _is_open(failed, task)
+    again = effects.why_skipped(state, key, task) is None
+    if is_open and failed.cancel_cause == ABORT_JOB:
+        again = False
+    offered = {
+        'retry': again,
+        'mark_done': True,
+        # An item that needs this task to leave the belt would not leave it.
+        'skip': task.qty_change != -1 or not again,
+        'reject': not is_open and _may_be_rejected(state, key),
+        'abort_job': not is_open and not state.jobs[key.job].aborting,
+    }
+    return tuple(answer for answer, sensible in offered.items() if sensible)
+
+
+def _may_be_rejected(state: CellState, key: e.TaskKey) -> bool:
+    """Tell whether the item is there and good, and its section still has its turn (3.8)."""
+    if key.job is None or key.item is None or key.section is None:
+        return False
+    item, tasks = state.items[key.item], state.script(key.job).sections[key.section]
+    in_turn = (task.id for step in tasks.steps[: tasks.turn_steps] for task in step.tasks)
+    return item.present and not item.gone and not item.rejected and key.task in in_turn
+
+
+def _question(key: e.TaskKey, task: Task, offered: tuple[str, ...]) -> str:
+    """Ask what nobody but a person can see: whether the slot holds the item."""
+    done = 'placed in' if task.qty_change == 1 else 'taken out of'
+    otherwise = ' or '.join(answer for answer in offered if answer != 'mark_done')
+    return f'was {key.item} {done} section {key.section}? mark_done if it was, else {otherwise}'
 
 
 def _policy(state: CellState, key: e.TaskKey, task: Task) -> OnFailure:
@@ -90,8 +121,19 @@ def _policy(state: CellState, key: e.TaskKey, task: Task) -> OnFailure:
     if not _is_settled(failed, task) or failed.cancel_cause in (SHUTDOWN, ABORT):
         return OnFailure.HOLD
     if _is_own_cancel(failed):
-        return OnFailure.ABORT_JOB
+        return OnFailure.HOLD if _is_open(failed, task) else OnFailure.ABORT_JOB
     return task.on_failure
+
+
+def _is_open(failed: TaskState, task: Task) -> bool:
+    """Tell whether nobody knows if a task has placed its item, or taken it out (semantics 4.3).
+
+    So it is where the attempt was cut off on its way, or was lost. Any other end is the server's
+    own word that it was not done, and a goal that it never accepted has moved nothing.
+    """
+    if not task.qty_change or failed.reason in _NEVER_BEGUN:
+        return False
+    return _is_own_cancel(failed) or failed.reason in (Reason.IN_DOUBT, Reason.SERVER_LOST)
 
 
 def _is_settled(failed: TaskState, task: Task) -> bool:
@@ -117,6 +159,11 @@ def _failure(state: CellState, key: e.TaskKey) -> str:
 
 def abort_all_on_the_belt(state: CellState, reason: str) -> Iterator[e.Event]:
     """Abort every job with something on the belt (semantics 3.5)."""
-    jobs = {state.items[s.slot].job for s in state.sections.values() if s.slot is not None}
-    for job in [job for job in state.jobs.values() if job.job.id in jobs]:
+    for job in _jobs_on_the_belt(state):
         yield from effects.of_abort(state, job, reason)
+
+
+def _jobs_on_the_belt(state: CellState) -> list[JobState]:
+    """Return the jobs with something on the belt, in the order of the queue."""
+    there = {state.items[s.slot].job for s in state.sections.values() if s.slot is not None}
+    return [job for name, job in state.jobs.items() if name in there]

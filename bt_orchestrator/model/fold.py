@@ -9,7 +9,7 @@ from bt_orchestrator.model import cell_folds as cell
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model import job_folds as jobs
 from bt_orchestrator.model.cell import OnFailure
-from bt_orchestrator.model.failures import will_hold
+from bt_orchestrator.model.failures import answers, will_hold
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.script import index_task
@@ -38,6 +38,17 @@ ON_THE_BELT = {
 """Events after which another picture of the belt is true."""
 
 
+CHANGE_ANSWERS = {
+    e.ItemRejected,
+    e.ItemMissing,
+    e.ItemRemoved,
+    e.PositionEnded,
+    e.JobAborting,
+    e.JobStopping,
+}
+"""Events after which a hold may offer other answers than before."""
+
+
 def apply(state: CellState, event: e.Event) -> None:
     """Change the state by one event.
 
@@ -50,6 +61,8 @@ def apply(state: CellState, event: e.Event) -> None:
     state.seq, state.time = event.seq, event.time
     if type(event) in ON_THE_BELT:
         state.belt_seq = event.seq
+    if state.holds and type(event) in CHANGE_ANSWERS:
+        _offer_anew(state)
 
 
 _Fold = TypeVar('_Fold', bound=Callable[..., None])
@@ -382,6 +395,15 @@ def _hold_raised(event: e.HoldRaised, state: CellState) -> None:
     if hold.key is not None:
         before = state.tasks.get(hold.key, TaskState(Phase.HELD))
         state.tasks[hold.key] = changed(before, phase=Phase.HELD, hold=hold.id)
+
+
+def _offer_anew(state: CellState) -> None:
+    """Let every held task offer what makes sense for its item and its job as they are now."""
+    for name, hold in state.holds.items():
+        key = hold.key
+        if key is not None and state.tasks[key].reason is not None:
+            task = state.task(key) or index_task(state.cell)
+            state.holds[name] = changed(hold, answers=answers(state, key, task))
 
 
 @_on(e.HoldReleased)

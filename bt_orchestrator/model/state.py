@@ -220,6 +220,7 @@ class Hold:
     reason: str
     message: str
     answers: tuple[str, ...]
+    """What makes sense now; it changes with the item and its job."""
     since: float
     owner: str = ''
     """Who paused the cell; empty: nobody in particular."""

@@ -79,8 +79,13 @@ class StandingAnswers:
         return self._retries[tried] > MOST_RETRIES
 
     def _give(self, hold: Hold, answer: str) -> None:
-        if hold.id not in self._simulation.state.holds:
+        now = self._simulation.state.holds.get(hold.id)
+        if now is None:
             return  # another answer ended it, abort_job for example
+        if answer not in now.answers:
+            del self._seen[hold.id]  # since then its item was rejected, or its job aborted
+            self.look()
+            return
         command: AnswerHold | RemoveItem
         if answer == REMOVE_ITEM:
             command = RemoveItem(hold.item or '', self._by)

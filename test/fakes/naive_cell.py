@@ -18,7 +18,6 @@ from fakes.naive_run import Item, Job, NaiveRun, Task
 
 GRACE_S = 5.0
 CANCELED_FIRST, TIMES_LAST = -inf, inf
-ANSWERS = ['retry', 'mark_done', 'skip', 'reject', 'abort_job']
 
 
 class NaiveCell(NaiveRun):
@@ -320,7 +319,7 @@ class NaiveCell(NaiveRun):
         if task.attempt <= task.given.get('retries', 0) and task.reason != 'missing_result':
             what = 'retry'
         if task.cancelled == 'abort_job':
-            what = 'abort_job'
+            what = 'hold' if self.is_open(task) else 'abort_job'
         lost = task.reason == 'server_lost' and not task.given.get('repeatable')
         if task.reason == 'in_doubt' or lost:
             what = 'hold'
@@ -333,11 +332,9 @@ class NaiveCell(NaiveRun):
         if what == 'reject':
             self.reject(task.item)
         if what == 'hold' or (what == 'abort_job' and task is self.move):
-            skips = task.job and task.given.get('qty_change') != -1
-            no = ['' if skips else 'skip', '' if task.item else 'reject']
             if task.state != 'held':
                 task.state = 'held'
-                self.hold(task.reason, task.where, [a for a in ANSWERS if a not in no], task)
+                self.hold(task.reason, task.where, self.answers(task), task)
         elif what == 'retry':
             task.state, task.not_before = 'waiting', round(self.now + delay_s, 6)
             self.at(delay_s, task, 'retry', TIMES_LAST)
@@ -349,6 +346,29 @@ class NaiveCell(NaiveRun):
         else:
             self.say('task.continued', task.where, policy=what)
             self.executed(task, None)
+
+    def is_open(self, task: Task) -> bool:
+        """Tell whether nobody knows if a task has placed its item or taken it out (4.3)."""
+        unknown = task.reason in ('in_doubt', 'server_lost') or task.cancelled == 'abort_job'
+        begun = task.reason not in ('goal_rejected', 'missing_result')
+        return bool(task.given.get('qty_change')) and unknown and begun
+
+    def answers(self, task: Task) -> list[str]:
+        """Return what makes sense as an answer about a held task now (7.1)."""
+        job, item, is_open = task.job, task.item, self.is_open(task)
+        again = not (job and job.aborting) if not item else is_for(task.given, item)
+        again = again or task is self.move
+        again = again and not (is_open and task.cancelled == 'abort_job')
+        good = item and item.place and not (item.empty or item.rejected)
+        jobs = [job] if job else [one.job for one in self.slots().values()]
+        sensible = {
+            'retry': again,
+            'mark_done': True,
+            'skip': job and not (again and task.given.get('qty_change') == -1),
+            'reject': good and not is_open and task.id not in job.plan.trailing,
+            'abort_job': not is_open and not all(one.aborting for one in jobs),
+        }
+        return [answer for answer, fits in sensible.items() if fits]
 
     def operate(self, answer: str, hold: Any = None, item: Item | None = None) -> None:
         """Do what an operator says; jobs on the belt are aborted and the move stays held (3.5)."""
@@ -389,8 +409,7 @@ class NaiveCell(NaiveRun):
 
 def is_skipped(given: Row, item: Item) -> bool:
     """Tell whether a task is skipped (3.2, 6.4, 6.5; KeyError: a result is missing, 6.3)."""
-    state = 'rejected' if item.rejected else 'good'
-    if item.empty or given.get('runs_for', 'good') not in ('all', state):
+    if not is_for(given, item):
         return True
     for test, needed in ((given.get('when'), True), (given.get('unless'), False)):
         if isinstance(test, dict) and (item.value(test['value']) == test['equals']) != needed:
@@ -400,6 +419,12 @@ def is_skipped(given: Row, item: Item) -> bool:
     for value in given.get('args', {}).values():
         item.value(value)
     return False
+
+
+def is_for(given: Row, item: Item) -> bool:
+    """Tell whether a task is for an item: it is there, and good or rejected (3.2, 6.4)."""
+    state = 'rejected' if item.rejected else 'good'
+    return not item.empty and given.get('runs_for', 'good') in ('all', state)
 
 
 def needs_belt(step: list[list[Task]]) -> bool:

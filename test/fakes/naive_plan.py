@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable
+from itertools import chain
 from math import ceil
 from types import SimpleNamespace
 from typing import Any
@@ -57,15 +58,22 @@ class NaiveDevice:
         return {} if self.name == 'conveyor' else {'item_present': True, 'measurement': 0.0, **own}
 
 
+def requires_conveyor(task: Row) -> bool:
+    return bool(task.get('requires_conveyor', True))
+
+
 def plan_of(script: Row) -> SimpleNamespace:
     """Return a script: lists of steps, steps as lists of members, members as lists of tasks."""
-    lists, early = {}, set()
+    lists, early, trailing = {}, set(), set()
     for number, given in script['sections'].items():
         whole = given if isinstance(given, dict) else {'tasks': given}
         steps = [step.get('parallel', [step]) for step in whole['tasks']]
         lists[number] = [[m if isinstance(m, list) else [m] for m in step] for step in steps]
         if whole.get('release_conveyor') == 'after_last_conveyor_task':
             early.add(number)
+            needs = [any(map(requires_conveyor, chain(*step))) for step in lists[number]]
+            behind = lists[number][len(needs) - needs[::-1].index(True) :]
+            trailing |= {task['id'] for step in behind for task in chain(*step)}
     flags, changes = script.get('lateral_dependencies', []), defaultdict(list)
     for side, step in (('upstream', 1), ('downstream', -1)):
         for link in flags:
@@ -74,6 +82,7 @@ def plan_of(script: Row) -> SimpleNamespace:
     return SimpleNamespace(
         lists=lists,
         early=early,
+        trailing=trailing,
         source=next(number for number, task in placed if task.get('qty_change') == 1),
         sink=max(number for number, task in placed if task.get('qty_change') == -1),
         flags=flags,

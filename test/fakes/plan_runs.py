@@ -88,7 +88,11 @@ class NaiveBench:
     def holds(self) -> list[tuple[str, Sequence[str], str | None]]:
         holds = [hold for hold in self.cell.holds if hold.reason != 'paused']
         items = [hold.where['item'] for hold in holds]
-        return [(h.id, h.answers, item and item.id) for h, item in zip(holds, items, strict=True)]
+        answers = [self.cell.answers(h.task) if h.task else h.answers for h in holds]
+        return [
+            (hold.id, offered, item and item.id)
+            for hold, offered, item in zip(holds, answers, items, strict=True)
+        ]
 
     def standing(self) -> list[str]:
         return [item.id for item in self.cell.slots().values() if not item.empty]

@@ -237,6 +237,9 @@ def test_4_3_abort_job_drains_the_line() -> None:
     text = CAMERA.replace('id: other, @b2', 'id: other, @b2, on_failure: abort_job')
     run = Line(faults={'b2': '#2=abort'}, seconds={'a1': 5.0}).run(text, 9)
     (at,) = run.times('job.aborting')
+    assert [hold.task for hold in run.state.holds.values()] == ['place']
+    run.answer('skip')
+    run.go()
     assert [r for r in run.all('cycle.started', section=1) if r['time'] > at] == []
     assert run.times('job.aborted') != []
     assert run.state.flags['clear'].count == 1
@@ -257,6 +260,70 @@ def test_4_3_a_source_cycle_in_hand_ends_with_an_empty_position() -> None:
     assert run.times('item.missing', item='J/2') == [7.5]
     assert run.ended
     assert run.counts() == {'started': 2, 'placed': 1, 'rejected': 1, 'missing': 1}
+
+
+def cut_off(task: str, fault: str = '#9=abort') -> VirtualRun:
+    """Abort a job while one of its tasks is about to place an item, or to take one out."""
+    text = THREE.replace('qty_change: -1', 'qty_change: -1, runs_for: all')
+    component = {'place': 'a1', 'pack': 'a3'}[task]
+    run = Line(seconds={component: 4.0}, faults={component: fault}).begin(text)
+    run.go(until={'place': 0.0, 'pack': 6.0}[task])
+    assert [key.task for key in run.state.running] == [task]
+    assert run.control('abort', 'J').accepted
+    return run.go()
+
+
+@pytest.mark.parametrize('fault', ['#9=abort', '#1=ignore_cancel'])
+@pytest.mark.parametrize(
+    ('task', 'asked'), [('place', 'placed in section 1'), ('pack', 'taken out of section 3')]
+)
+def test_4_3_the_belt_waits_until_somebody_says_what_the_slot_holds(
+    task: str, asked: str, fault: str
+) -> None:
+    run = cut_off(task, fault)
+    moves = run.times('belt.index_started')
+    (hold,) = run.state.holds.values()
+    assert (hold.task, hold.answers) == (task, ('mark_done', 'skip'))
+    assert hold.message.endswith(f'was J/1 {asked}? mark_done if it was, else skip')
+    assert run.state.mode.value == 'Held'
+    assert not any(run.answer(word).accepted for word in ('retry', 'reject', 'abort_job'))
+    assert run.times('belt.index_started') == moves
+
+
+def test_4_3_an_item_that_was_placed_after_all_drains() -> None:
+    run = cut_off('place')
+    run.answer('mark_done')
+    run.go()
+    assert run.ended
+    assert run.counts() == {'started': 1, 'placed': 1, 'rejected': 1}
+
+
+def test_4_3_an_item_that_was_not_placed_leaves_an_empty_position() -> None:
+    run = cut_off('place')
+    run.answer('skip')
+    run.go()
+    assert run.ended
+    assert run.counts() == {'started': 1, 'missing': 1}
+
+
+def test_4_3_an_item_that_was_taken_out_after_all_is_out() -> None:
+    run = cut_off('pack')
+    run.answer('mark_done')
+    run.go()
+    assert run.ended
+    assert run.counts()['rejected'] == 1
+
+
+def test_4_3_an_item_that_was_not_taken_out_still_stands_there() -> None:
+    run = cut_off('pack')
+    run.answer('skip')
+    run.go()
+    assert run.state.sections[3].slot == 'J/1'
+    assert [hold.reason for hold in run.state.holds.values()] == ['overrun']  # 3.6
+    run.remove('J/1')
+    run.go()
+    assert run.ended
+    assert run.counts()['removed'] == 1
 
 
 def test_4_3_a_cancel_that_is_ignored_holds_in_doubt() -> None:

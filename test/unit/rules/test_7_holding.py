@@ -6,6 +6,8 @@ import pytest
 from fakes.line import THREE, Line, with_section
 from fakes.virtual_run import VirtualRun
 
+from bt_orchestrator.model.cell_commands import Abort
+
 # --- 7.1: what a hold stops -----------------------------------------------------------------
 
 
@@ -261,13 +263,137 @@ def test_7_1_remove_item_while_the_belt_moves() -> None:
     assert run.ended
 
 
-def test_7_1_remove_item_of_a_held_task_and_retry_skips_it() -> None:
-    run = Line(faults={'a2': '#1=abort'}).run()
+@pytest.mark.parametrize('task', ['work', 'pack'])
+@pytest.mark.parametrize('answer', ['mark_done', 'skip'])
+def test_7_1_of_an_item_that_was_removed_nothing_is_tried_again(task: str, answer: str) -> None:
+    run = held_at(task, quantity=1)
     assert run.remove('J/1').accepted
-    run.answer('retry')
-    assert run.all('task.skipped', task='work')[0]['reason'] == 'empty position'
+    (hold,) = run.state.holds.values()
+    assert hold.answers == ('mark_done', 'skip', 'abort_job')
+    assert not run.answer('retry').accepted
+    run.answer(answer)
     run.go()
     assert run.ended
+    assert run.counts()['missing'] == 1
+
+
+def test_7_1_of_an_item_that_was_rejected_nothing_is_tried_again() -> None:
+    text = with_section(2, '[parallel: [{id: one, @a2}, {id: two, @b2}]]')
+    text = text.replace('qty_change: -1', 'qty_change: -1, runs_for: all')
+    run = Line(faults={'a2': '#1=abort', 'b2': '#1=abort'}).run(text)
+    run.answer('reject', hold='1')
+    assert run.state.holds['2'].answers == ('mark_done', 'skip', 'abort_job')
+    run.answer('skip', hold='2')
+    run.go()
+    assert run.counts()['rejected'] == 1
+
+
+def test_7_1_where_the_job_is_aborted_a_task_for_rejected_items_is_tried_again() -> None:
+    run = held_at('pack', quantity=1)
+    run.control('abort', 'J')
+    (hold,) = run.state.holds.values()
+    assert hold.answers == ('retry', 'mark_done')
+    run.answer('retry')
+    run.go()
+    assert run.ended
+    assert run.counts()['rejected'] == 1
+
+
+def test_7_1_of_initialization_that_nobody_needs_any_more_nothing_is_tried_again() -> None:
+    run = held_at('ready')
+    run.control('abort', 'J')
+    (hold,) = run.state.holds.values()
+    assert hold.answers == ('mark_done', 'skip')
+    run.answer('skip')
+    run.go()
+    assert run.ended
+
+
+def test_7_1_the_move_aborts_each_job_once() -> None:
+    run = Line(faults={'conveyor': '#1=abort'}).run(ALL)
+    run.answer('abort_job')
+    (hold,) = run.state.holds.values()
+    assert hold.answers == ('retry', 'mark_done')
+
+
+# --- 7.1: `reject` is for an item whose section still has its turn -----------------------------
+
+PACKED = """
+sections:
+  1: [{id: place, @a1, qty_change: 1}]
+  2:
+    release_conveyor: after_last_conveyor_task
+    tasks: [{id: work, @a2}, {id: rinse, @b2, requires_conveyor: false}]
+  3: [{id: pack, @a3, qty_change: -1, runs_for: all}, {id: label, @b3}]
+"""
+"""`rinse` trails, and `label` runs when its item has been packed."""
+
+
+@pytest.mark.parametrize(('task', 'component'), [('rinse', 'b2'), ('label', 'b3')])
+def test_7_1_reject_is_not_offered_behind_the_turn_or_the_item(task: str, component: str) -> None:
+    run = Line(faults={component: '#1=abort'}).run(PACKED)
+    (hold,) = run.state.holds.values()
+    assert (hold.task, hold.answers) == (task, ('retry', 'mark_done', 'skip', 'abort_job'))
+    assert not run.answer('reject').accepted
+    run.answer('retry')
+    run.go()
+    assert run.counts() == {'started': 1, 'placed': 1, 'processed': 1, 'packed': 1}
+
+
+def test_7_1_reject_is_not_offered_once_the_item_was_packed() -> None:
+    text = PACKED.replace(
+        '[{id: pack, @a3, qty_change: -1, runs_for: all}, {id: label, @b3}]',
+        '[parallel: [{id: pack, @a3, qty_change: -1, runs_for: all}, {id: label, @b3}]]',
+    )
+    run = Line(faults={'b3': '#1=abort'}, seconds={'a3': 3.0}).run(text)
+    (hold,) = run.all('hold.raised')
+    assert 'reject' in hold['answers']
+    assert run.state.holds['1'].answers == ('retry', 'mark_done', 'skip', 'abort_job')
+
+
+# --- 7.1: where it is open whether the slot holds the item ---------------------------------------
+
+
+@pytest.mark.parametrize(
+    ('task', 'answers', 'question'),
+    [
+        ('place', ('retry', 'mark_done', 'skip'), 'placed in section 1'),
+        ('pack', ('retry', 'mark_done'), 'taken out of section 3'),
+    ],
+)
+def test_7_1_only_answers_that_say_what_the_slot_holds(
+    task: str, answers: tuple[str, ...], question: str
+) -> None:
+    """Any other would let the belt move with a slot that nobody has looked at."""
+    run = Line(faults={COMPONENTS[task]: '#1=die:1'}).run(ALL)
+    (hold,) = run.state.holds.values()
+    assert (hold.reason, hold.answers) == ('server_lost', answers)
+    assert f'was J/1 {question}? mark_done if it was, else retry' in hold.message
+    run.answer('mark_done')
+    run.go()
+    assert run.ended
+
+
+@pytest.mark.parametrize(
+    ('task', 'first', 'then'),
+    [
+        ('place', ('retry', 'mark_done', 'skip'), ('mark_done', 'skip')),
+        ('pack', ('retry', 'mark_done'), ('retry', 'mark_done')),
+    ],
+)
+def test_7_1_after_an_abort_of_the_cell_the_slot_is_asked_for(
+    task: str, first: tuple[str, ...], then: tuple[str, ...]
+) -> None:
+    run = Line(seconds={COMPONENTS[task]: 9.0}).begin(ALL)
+    run.go(until={'place': 1.0, 'pack': 7.0}[task])
+    assert [key.task for key in run.state.running] == [task]
+    run.command(Abort)
+    run.go()
+    (hold,) = run.state.holds.values()
+    assert (hold.reason, hold.answers) == ('in_doubt', first)
+    run.control('abort', 'J')
+    (hold,) = run.state.holds.values()
+    assert hold.answers == then
 
 
 def test_7_1_remove_item_that_is_not_on_the_belt_is_refused() -> None:

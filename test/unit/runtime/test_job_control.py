@@ -162,8 +162,8 @@ def _check_recorded(run: VirtualRun, recorded: int, event: str) -> None:
 
 def _let_it_drain(run: VirtualRun) -> None:
     run.go()
-    for hold in list(run.state.holds):
-        run.answer('retry', hold)
+    for hold in list(run.state.holds.values()):
+        assert run.answer('retry' if 'retry' in hold.answers else 'skip', hold.id).accepted
     run.go()
 
 
