@@ -187,7 +187,7 @@ def _stop_after(command: StopAfter, state: CellState) -> tuple[str, list[e.Event
 
 
 def stop_when_empty(state: CellState) -> list[e.Event]:
-    """Stop the cell once the line has run empty as it was asked to."""
+    """Stop a cell that is still, once its line has run empty as it was asked to."""
     if state.stop_after is None or state.mode is not Mode.EXECUTE or not _is_empty(state):
         return []
     reason = f'stop after the current {state.stop_after}'
@@ -196,8 +196,8 @@ def stop_when_empty(state: CellState) -> list[e.Event]:
 
 
 def _is_empty(state: CellState) -> bool:
-    if state.running:
-        return False
+    if state.holds:
+        return False  # its answer, or `resume`, may let something go on
     return not (state.on_the_line if state.stop_after == 'job' else state.items)
 
 

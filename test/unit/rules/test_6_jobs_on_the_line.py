@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from fakes.line import THREE, Line
 from fakes.queued_jobs import LINE, SCRIPT, begun, queued
 from fakes.virtual_run import BY, VirtualRun
@@ -144,6 +145,39 @@ def test_6_6_the_cell_stops_after_the_current_job() -> None:
     assert begun(run) == list(run.state.ended) == ['J']
     reasons = [r.get('reason') for r in run.all('cell.state_changed', state='Stopping')]
     assert reasons == ['stop after the current job']
+
+
+PREPARED = """
+initialization: [{id: second, @a2}, {id: first, @b1}]
+initialization_dependencies: [{upstream: first, downstream: second}]
+""" + THREE.lstrip()
+
+
+@pytest.mark.parametrize(('task', 'component'), [('first', 'b1'), ('second', 'a2')])
+def test_6_6_an_empty_line_with_a_hold_waits_for_the_answer(task: str, component: str) -> None:
+    run = Line(faults={component: '#1=abort'}).begin(PREPARED).go(until=0.5)
+    run.ask(StopAfter('item', BY))
+    run.go()
+    assert [hold.task for hold in run.state.holds.values()] == [task]
+    assert run.state.mode is Mode.HELD
+    run.answer('mark_done')
+    run.go()
+    assert run.state.mode is Mode.STOPPED
+    assert not run.state.holds
+    assert len(run.all('queue.stop_reached')) == 1
+
+
+def test_6_6_the_preparation_in_hand_is_finished_before_the_cell_stops() -> None:
+    """Also where the next task of it starts a moment after the one before has ended."""
+    run = Line(faults={'a2': '#1=abort'}).begin(
+        PREPARED.replace('{id: second, @a2', '{id: second, @a2, retries: 1, retry_delay: 5.0')
+    )
+    run.go(until=0.5)
+    run.ask(StopAfter('item', BY))
+    run.go()
+    assert run.starts('second') == [1.0, 7.0]
+    assert run.times('cell.state_changed', state='Stopping') == [8.0]
+    assert run.state.mode is Mode.STOPPED
 
 
 def test_6_6_a_stop_to_come_is_taken_back() -> None:
