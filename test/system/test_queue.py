@@ -10,6 +10,7 @@ from bt_orchestrator_interfaces import srv
 from bt_orchestrator_interfaces.action import RunJob
 from bt_orchestrator_interfaces.msg import WorkOrder
 from cell_processes import CellProcesses, StartCell, small_script
+from node_watcher import NodeWatcher
 
 WHY = ['--reason', 'rush', '--who', 'Ada']
 
@@ -156,6 +157,20 @@ def test_what_is_refused_at_any_door_is_on_record(small_cell: CellProcesses) -> 
     small_cell.stop()
 
 
+def answer_for_the_slots(watch: NodeWatcher, job: str) -> None:
+    """Say of items that were being placed or taken out that they were, until a job is aborted."""
+    answered = set()
+
+    def is_aborted() -> bool:
+        for hold in watch.status.holds:
+            if hold.id not in answered:
+                answered.add(hold.id)
+                watch.send_answer(hold.id, 'mark_done')
+        return bool(watch.seen('job.aborted', job=job))
+
+    watch.ros.spin_until(is_aborted, f'the end of {job}')
+
+
 def test_cancelling_the_action_aborts_the_job(small_cell: CellProcesses) -> None:
     watch = small_cell.watch
     text = small_script().replace('qty_change: -1', 'qty_change: -1, runs_for: all')
@@ -166,6 +181,7 @@ def test_cancelling_the_action_aborts_the_job(small_cell: CellProcesses) -> None
 
     for handle, packed in ((waiting, False), (running, True)):
         watch.ros.wait(handle.cancel_goal_async(), 'the answer to the cancel request')
+        answer_for_the_slots(watch, 'B' if handle is waiting else 'A')
         end = watch.ros.result(handle)
         assert (end.status, end.result.exit_status) == (GoalStatus.STATUS_CANCELED, 'aborted')
         assert bool(end.result.status.packed) is packed
