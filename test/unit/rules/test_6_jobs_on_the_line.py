@@ -159,7 +159,7 @@ def test_6_6_an_empty_line_with_a_hold_waits_for_the_answer(task: str, component
     run.ask(StopAfter('item', BY))
     run.go()
     assert [hold.task for hold in run.state.holds.values()] == [task]
-    assert run.state.mode is Mode.HELD
+    assert run.state.mode.value == 'Held'
     run.answer('mark_done')
     run.go()
     assert run.state.mode is Mode.STOPPED
