@@ -151,7 +151,7 @@ class Orchestrator:
             for ended in lifecycle.jobs_ended(self.state):
                 self._ledger.record([*lifecycle.clear_oldest(self.state), ended])
                 self.tree.prune(ended.job)
-        if lifecycle.is_still(self.state, self._ledger.now, quiet=quiet):
+        if lifecycle.is_still(self.state, self._ledger.is_delayed, quiet=quiet):
             self._ledger.record(job_queue.stop_when_empty(self.state))
         outlook = self._outlook(quiet=quiet)
         reason = lifecycle.stop_reason_change(self.state, outlook)
