@@ -165,7 +165,7 @@ def answer_for_the_slots(watch: NodeWatcher, job: str) -> None:
         for hold in watch.status.holds:
             if hold.id not in answered:
                 answered.add(hold.id)
-                watch.send_answer(hold.id, 'mark_done')
+                watch.answer(hold.id, 'mark_done')
         return bool(watch.seen('job.aborted', job=job))
 
     watch.ros.spin_until(is_aborted, f'the end of {job}')
