@@ -19,7 +19,7 @@ def sound_snapshots(database: sqlite3.Connection) -> Iterator[Snapshot]:
     """Yield the snapshots, newest first; one that is damaged is passed over with a warning."""
     newest_first = 'SELECT seq, stamp, checksum, state FROM snapshots ORDER BY seq DESC'
     try:
-        for row in database.execute(newest_first):
+        for row in database.execute(newest_first).fetchall():
             snapshot = _sound(row)
             if snapshot is not None:
                 yield snapshot

@@ -27,6 +27,9 @@ from bt_orchestrator.store.schema import history_of
 _AT_ONCE = 50
 """Most events that are written with one statement; a settle has a few."""
 
+_PAGE = 1000
+"""Events that one query reads."""
+
 SYNCHRONOUS = ('FULL', 'NORMAL')
 
 
@@ -98,10 +101,21 @@ class SqliteStore:
         :param most: so many at most; -1: all
         :raises JournalUnusable: the file is damaged
         """
+        while most:
+            wanted = _PAGE if most < 0 else min(most, _PAGE)
+            page = self._page(after, wanted)
+            yield from page
+            if len(page) < wanted:
+                return
+            after = page[-1].seq
+            most -= wanted if most > 0 else 0
+
+    def _page(self, after: int, most: int) -> list[Event]:
+        """Return some events; no query stays open, which would keep the file open."""
         query = 'SELECT record FROM events WHERE seq > ? ORDER BY seq LIMIT ?'
         with unusable_otherwise(self._path):
-            for (record,) in self._database.execute(query, (after, most)):
-                yield from_record(json.loads(record))
+            rows = self._database.execute(query, (after, most)).fetchall()
+            return [from_record(json.loads(record)) for (record,) in rows]
 
     def first_seq(self) -> int:
         """Return the seq of the first event that is kept, or that is to come."""

@@ -17,6 +17,7 @@ from fakes.other_python import back_up, run_python
 
 from bt_orchestrator.errors import JournalFailed
 from bt_orchestrator.model.events import Event, JobStarted
+from bt_orchestrator.ports import Snapshot
 from bt_orchestrator.store import opening
 from bt_orchestrator.store.database import unchanging
 from bt_orchestrator.store.sqlite import SqliteStore
@@ -72,12 +73,36 @@ def store(killed: Path) -> Iterator[SqliteStore]:
     opened.close()
 
 
-def test_a_writer_keeps_its_lock_after_a_take_over(store: SqliteStore, killed: Path) -> None:
-    place = killed.stat()
+def locks_on(path: Path) -> list[str]:
+    """Return the POSIX locks that this process has on a file."""
+    place = path.stat()
     file = f'{os.major(place.st_dev):02x}:{os.minor(place.st_dev):02x}:{place.st_ino}'
     locks = [line.split() for line in Path('/proc/locks').read_text().splitlines()]
     mine = [words for words in locks if words[1] == 'POSIX' and words[4] == str(os.getpid())]
-    assert [words[3] for words in mine if words[5] == file] == ['READ']
+    return [words[3] for words in mine if words[5] == file]
+
+
+def test_a_writer_keeps_its_lock_after_a_take_over(store: SqliteStore, killed: Path) -> None:
+    store.append(events(102, 102))
+    assert locks_on(killed) == ['READ']
+
+
+@pytest.mark.parametrize('half_read', ['read', 'snapshots'])
+def test_what_was_read_in_part_keeps_no_descriptor(killed: Path, half_read: str) -> None:
+    first = SqliteStore(killed)
+    first.append(events(101, 1500))
+    first.save(Snapshot(1500, 'stamp', '{}'))
+    first.save(Snapshot(1501, 'stamp', '{}'))
+    first.close()
+    store = SqliteStore(killed)
+    reading = getattr(store, half_read)()
+    next(reading)
+    store.append(events(1501, 1501))
+    rest = [one.seq for one in reading]
+    assert rest == (list(range(2, 1502)) if half_read == 'read' else [1500])
+    del reading
+    assert locks_on(killed) == ['READ']
+    store.close()
 
 
 def test_a_backup_after_a_take_over_takes_nothing_away(store: SqliteStore, killed: Path) -> None:
