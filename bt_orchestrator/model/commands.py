@@ -28,6 +28,14 @@ class RemoveItem:
 
 
 @dataclass(frozen=True)
+class FoundTwin:
+    """Start nothing more: another node answers under the name of this one (semantics 7.3)."""
+
+    where: str
+    """In words."""
+
+
+@dataclass(frozen=True)
 class Shutdown:
     """Cancel every goal and start nothing more (semantics 2.6)."""
 
@@ -52,7 +60,7 @@ class RefusedRequest:
 OnRecord = AnswerHold | RemoveItem | CellCommand | JobCommand | RefusedRequest
 """Commands that somebody is responsible for."""
 
-Command = OnRecord | Shutdown
+Command = OnRecord | FoundTwin | Shutdown
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Callable
 from typing import Any
@@ -14,6 +15,7 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.ros.identity import LOOK_S, TOPIC, Listener, twins_in_words
 from bt_orchestrator.ros.qos import EVENTS, LATCHED
 
 STEP_S = 0.1
@@ -43,12 +45,25 @@ class NodeClient:
         )
         self._executor = SingleThreadedExecutor()
         self._executor.add_node(self._node)
+        self._identities = Listener(self._node, f'{self._name}/{TOPIC}')
         return self
 
-    def __exit__(self, *exception: object) -> None:
+    def __exit__(self, kind: object, *exception: object) -> None:
+        if kind is None:
+            self._tell_of_twins()
+        self._identities.close()
         self._executor.shutdown()
         self._node.destroy_node()
         rclpy.try_shutdown()
+
+    def _tell_of_twins(self) -> None:
+        """Say so if several nodes answer: who asks hears one of them, and commands reach all."""
+        listener = self._identities
+        heard = listener.listen(lambda heard: listener.publishers <= len(heard), LOOK_S)
+        # One that was heard a while ago may be gone.
+        words = twins_in_words(self._node, self._name) if len(heard) > 1 else ''
+        if words:
+            sys.stderr.write(f'{words}\n')
 
     @property
     def name(self) -> str:

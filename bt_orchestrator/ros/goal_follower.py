@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
@@ -128,13 +129,22 @@ class GoalFollower:
         goal.unknown_count += 1
         believed = 1 if goal.accepted else REQUEST_CHECKS
         if goal.refused:
-            self._goals.end(goal, GoalStatus.REJECTED, message='refused by the server')
+            message = f'refused by the server{self._busy_with()}'
+            self._goals.end(goal, GoalStatus.REJECTED, message=message)
         elif goal.unknown_count >= believed:
             message = f'the server does not know the goal (any more){self.listed_end(goal)}'
             denier = self._denier(goal)
             self._goals.end(goal, GoalStatus.LOST, message=message, denied_by=denier)
         else:
             goal.denied_by = self._client.status.publisher_id()
+
+    def _busy_with(self) -> str:
+        """Name a goal that runs there and is not ours, to end a message; else return nothing."""
+        goals = (goal for goal in self._client.status.active() if not self._goals.is_ours(goal))
+        foreign = next(goals, None)
+        if foreign is None:
+            return ''
+        return f'; it runs a goal of another client, {uuid.UUID(bytes=foreign)}'
 
     def _denier(self, goal: RosGoal) -> str | None:
         """Return which server does not know a goal, if it was there at both answers."""

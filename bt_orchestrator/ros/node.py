@@ -15,7 +15,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.commands import Shutdown
+from bt_orchestrator.model.commands import FoundTwin, Shutdown
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.node_parameters import NodeParameters
 from bt_orchestrator.ports import EventStore, Foresight, Journal
@@ -26,6 +26,7 @@ from bt_orchestrator.ros.executors import make_executor, spin_once
 from bt_orchestrator.ros.expected_ends import ExpectedEnds
 from bt_orchestrator.ros.gateway import RosGateway
 from bt_orchestrator.ros.heart import Heart
+from bt_orchestrator.ros.identity import Presence
 from bt_orchestrator.ros.inspection.start import start_inspection
 from bt_orchestrator.ros.inspection.tick_statistics import TickStatistics
 from bt_orchestrator.ros.order_reader import OrderReader
@@ -78,6 +79,7 @@ class TreeNode:
         :raises Refused: the cell file, with every mistake in it
         :raises BadParameter: a parameter is none of its choices
         :raises NoEventsExecutor: the parameter `executor` asks for one that this ROS 2 has not
+        :raises TwinFound: another process runs a cell under this name
         :raises NoLibrary: the parameter `inspection` asks for one that cannot be loaded
         """
         self.node = node
@@ -89,6 +91,8 @@ class TreeNode:
         self._gateway = RosGateway(
             node, cell, types, server_timeout_s=self.parameters.server_timeout
         )
+        presence = Presence(node, cell.name)
+        presence.refuse_a_twin()
         self._durations = ObservedDurations()
         self._journal = _open_journal(self.parameters, parts)
         store = self._journal or parts.make_memory_store()
@@ -103,6 +107,7 @@ class TreeNode:
             node, self.orchestrator, self._ticks, self.parameters.inspection
         )
         self.executor.add_node(node)
+        presence.announce(lambda words: self.orchestrator.ask(FoundTwin(words)))
 
     @property
     def ready_line(self) -> str:

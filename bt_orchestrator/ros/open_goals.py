@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from typing import Any
 
 from bt_orchestrator.model.goal import GoalEnd, GoalStatus
@@ -15,6 +16,10 @@ GIVEN_UP = (GoalStatus.LOST, GoalStatus.SILENT)
 
 _MOST_UNANSWERED = 16
 """Requests given up whose late answer is still listened to."""
+
+
+_OURS_KEPT = 64
+"""Goals whose ids are remembered: more than a server could still run of ours."""
 
 
 class OpenGoals:
@@ -32,6 +37,7 @@ class OpenGoals:
         self._clients = clients
         self._news = news
         self._unanswered: list[Question] = []
+        self._ours: deque[bytes] = deque(maxlen=_OURS_KEPT)
         self.waiting: dict[RosGoal, float] = {}
         self.in_flight: dict[RosGoal, None] = {}
 
@@ -39,6 +45,15 @@ class OpenGoals:
     def any_sent(self) -> bool:
         """Tell whether something may still come: of a goal in flight, or a late answer."""
         return bool(self.in_flight or self._unanswered)
+
+    def begin(self, goal: RosGoal) -> None:
+        """Note that a goal is at the server, or on its way."""
+        self.in_flight[goal] = None
+        self._ours.append(bytes(goal.id.uuid))
+
+    def is_ours(self, goal_id: bytes) -> bool:
+        """Tell whether a goal was sent, or taken over, by this process."""
+        return goal_id in self._ours
 
     def accept(self, goal: RosGoal) -> None:
         """Note that the server has taken a goal."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from action_msgs.msg import GoalStatus, GoalStatusArray
@@ -56,6 +56,10 @@ class ServerStatus:
         """Tell whether a goal runs."""
         return self.of(goal_id) in _ACTIVE
 
+    def active(self) -> Iterator[bytes]:
+        """Yield the ids of the goals that run, anybody's."""
+        return (goal for goal, status in self._by_goal().items() if status in _ACTIVE)
+
     @property
     def is_busy(self) -> bool:
         """Tell whether any goal runs, anybody's.
@@ -63,7 +67,7 @@ class ServerStatus:
         Such a server may be silent for long: it answers for a goal at its end, and one that works
         in the thread of its callbacks answers nothing meanwhile.
         """
-        return any(status in _ACTIVE for status in self._by_goal().values())
+        return any(self.active())
 
     def destroy(self) -> None:
         """End the subscription."""

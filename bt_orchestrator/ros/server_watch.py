@@ -44,7 +44,7 @@ class ServerWatch:
         """Look after a goal that was just sent, or asked for, until it ends."""
         goal.heard_s = time.monotonic()
         goal.next_check_s = goal.heard_s + RESULT_CHECK_S
-        self._goals.in_flight[goal] = None
+        self._goals.begin(goal)
 
     def look(self) -> None:
         """Do what is due; to be called a few times a second."""

@@ -9,6 +9,7 @@ from bt_orchestrator.model.cell_commands import CellCommand
 from bt_orchestrator.model.commands import (
     AnswerHold,
     Command,
+    FoundTwin,
     OnRecord,
     RefusedRequest,
     RemoveItem,
@@ -16,6 +17,7 @@ from bt_orchestrator.model.commands import (
 )
 from bt_orchestrator.model.failures import ABORT, SHUTDOWN
 from bt_orchestrator.model.packml import TRANSITIONS, Cause
+from bt_orchestrator.model.pauses import TWIN
 from bt_orchestrator.runtime import cell_commands, command_record, job_queue, operators
 from bt_orchestrator.runtime.ledger import Ledger
 from bt_orchestrator.runtime.lifecycle import transition
@@ -28,6 +30,8 @@ def answer_to(command: Command, ledger: Ledger) -> str:
     """
     if isinstance(command, Shutdown):
         return _shut_down(ledger)
+    if isinstance(command, FoundTwin):
+        return _stand_for_a_twin(command, ledger)
     try:
         return _carry_out(command, ledger)
     except CommandRefused as refused:
@@ -49,6 +53,17 @@ def _carry_out(command: OnRecord, ledger: Ledger) -> str:
     message, events = job_queue.carry_out(command, ledger.state)
     ledger.record(events)
     return message
+
+
+def _stand_for_a_twin(command: FoundTwin, ledger: Ledger) -> str:
+    """Start nothing more until somebody has looked; what runs goes on."""
+    state = ledger.state
+    if not any((hold.reason, hold.message) == (TWIN, command.where) for hold in state.pauses):
+        hold = state.next_hold
+        answers = (cell_commands.RESUME,)
+        twin = e.HoldRaised(hold=hold, reason=TWIN, message=command.where, answers=answers)
+        ledger.record([twin])
+    return f'the cell starts nothing more: {command.where}'
 
 
 def _shut_down(ledger: Ledger) -> str:

@@ -113,6 +113,22 @@ class TestRequest:
         assert message in goal.end.message
         assert cell.server.records(component='good', event='accepted') == []
 
+    def test_a_server_that_is_busy_for_another_client_is_told_so(self, cell: RosBench) -> None:
+        another = cell.make_gateway()
+        foreign = another.send(goal_request('hanging', 'TASK_B'))
+        cell.run_until(lambda: foreign.accepted, 'the other client to be served')
+        goal = cell.gateway.send(goal_request('hanging', 'TASK_A'))
+        assert ended(cell, goal) is GoalStatus.REJECTED
+        assert goal.end is not None
+        assert goal.end.message == (
+            f'refused by the server; it runs a goal of another client, {foreign.request.id}'
+        )
+        own = another.send(goal_request('hanging', 'TASK_A'))
+        assert ended(cell, own) is GoalStatus.REJECTED
+        assert own.end is not None
+        assert own.end.message == 'refused by the server', 'it is busy with a goal of its own'
+        another.close()
+
     # rclpy's own server uses a deprecated name when it does not know a goal.
     @pytest.mark.filterwarnings('ignore:Deprecated in favor of:DeprecationWarning')
     def test_late_yes_to_a_lost_request_is_cancelled(

@@ -90,7 +90,9 @@ def test_9_1_a_second_orchestrator_is_kept_out(start_cell: StartCell, tmp_path: 
     cell = start(start_cell, tmp_path)
     path = str(tmp_path / 'cell' / 'journal.sqlite3')
     second = ProgramProcess(
-        ['run', '--cell', str(cell.cell), '--journal', path], cell.folder, 'second'
+        ['run', '--cell', str(cell.cell), '--journal', path, '--namespace', 'other'],
+        cell.folder,
+        'second',
     )
     assert second.wait() == 1
     assert 'is in use by another orchestrator' in second.errors

@@ -13,6 +13,8 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
+from bt_orchestrator.ros.identity import twins_in_words
+
 STEP_S = 0.1
 
 SETTLE_S = 3.5
@@ -83,6 +85,10 @@ class Graph:
         """Return the full names of all nodes, each as often as it is there."""
         found = self._node.get_node_names_and_namespaces()
         return [f'{namespace.rstrip("/")}/{name}' for name, namespace in found]
+
+    def twins(self, name: str) -> str:
+        """Say where all are that answer as a tree node of a name, if there are several."""
+        return twins_in_words(self._node, name)
 
     def call(self, kind: Any, service: str, request: Any, timeout_s: float) -> Any:
         """Call a service; None if it does not answer in time."""

@@ -25,7 +25,8 @@ def tree_node(graph: Graph, node: str, *, expected: bool, timeout_s: float) -> I
     count = graph.nodes().count(node)
     if count > 1:
         remedy = 'stop all but one, or give each a --namespace: clients would reach either'
-        yield fail('tree node', f'{count} nodes are called {node}', remedy)
+        words = graph.twins(node) or f'{count} nodes are called {node}'
+        yield fail('tree node', words, remedy)
     elif count:
         yield ok('tree node', f'{node} runs')
     elif expected:

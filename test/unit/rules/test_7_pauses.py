@@ -9,7 +9,7 @@ from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell_commands import Pause, Resume
-from bt_orchestrator.model.commands import AnswerHold
+from bt_orchestrator.model.commands import AnswerHold, FoundTwin
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.gateway import VirtualGateway
@@ -140,6 +140,25 @@ def test_7_3_holds_that_must_be_named_are_named_one_by_one() -> None:
     for left in (2, 1, 0):
         assert cell.ask(Resume(ann('looked'), hold=next(iter(cell.state.holds)))).accepted
         assert len(cell.state.holds) == left
+
+
+def test_7_3_a_node_that_finds_a_twin_lets_run_what_runs_and_starts_nothing() -> None:
+    run = Line().begin(quantity=3).go(until=3.5)
+    for _ in range(2):
+        assert run.ask(FoundTwin('process 7 on host x')).accepted
+    (hold,) = run.state.holds.values()
+    assert (hold.reason, hold.message) == ('twin', 'process 7 on host x')
+    running = {key.task for key in run.state.running}
+    assert running
+    started = len(run.all('task.started'))
+    run.go()
+    assert run.state.mode.value == 'Held'
+    assert len(run.all('task.started')) == started
+    assert not run.all('task.cancel_requested')
+    assert running <= set(run.order('task.succeeded'))
+    run.command(Resume, hold=hold.id)
+    run.go()
+    assert run.ended
 
 
 def test_7_3_an_answer_to_a_pause_is_told_how_it_is_released() -> None:

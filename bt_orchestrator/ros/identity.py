@@ -1,0 +1,147 @@
+"""Who runs a cell under the name of a node, told by every process that does.
+
+A service client hears the first answer only, and the ROS graph lists a process that was killed for
+20 s more. A latched message comes from its process, so whoever is heard is alive (decision 0022).
+"""
+
+from __future__ import annotations
+
+import os
+import socket
+import time
+import uuid
+from collections.abc import Callable, Sequence
+from datetime import datetime
+from typing import Any
+
+from bt_orchestrator_interfaces.msg import Identity
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.ros.handles import subscription
+from bt_orchestrator.ros.qos import LATCHED, publisher
+from bt_orchestrator.ros.stamps import to_time
+
+TOPIC = 'identity'
+
+LOOK_S = 1.0
+"""Longest time to look for others; where the network is slow, they are found later."""
+
+_STEP_S = 0.02
+
+_FROM_ALL = QoSProfile(
+    depth=20,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+)
+
+
+class TwinFound(OrchestratorError):
+    """Another process runs a cell under the name that this one is to have."""
+
+
+class Presence:
+    """Makes a process known under the name of its node, and notices others of that name."""
+
+    def __init__(self, node: Node, cell: str) -> None:
+        """Begin to listen."""
+        self._node = node
+        self._listener = Listener(node, f'~/{TOPIC}')
+        self.own = Identity(
+            instance=uuid.uuid4().hex,
+            host=socket.gethostname(),
+            pid=os.getpid(),
+            cell=cell,
+            started=to_time(time.time()),
+        )
+
+    def refuse_a_twin(self) -> None:
+        """Look whether the name is free.
+
+        :raises TwinFound: it is not; says where the other one is
+        """
+        others = self._listener.listen(bool, LOOK_S)
+        if others:
+            name = self._node.get_fully_qualified_name()
+            raise TwinFound(
+                f'{name} runs already: {where(others[0])}; stop that one, or give this '
+                'one another name with --namespace'
+            )
+
+    def announce(self, found: Callable[[str], object]) -> None:
+        """Say from now on who is here, and call back with words for each other one that is."""
+        self._listener.close()
+        name = self._node.get_fully_qualified_name()
+        known = {self.own.instance}
+
+        def heard(other: Identity) -> None:
+            if other.instance not in known and not other.standby:
+                known.add(other.instance)
+                found(f'{name} also runs elsewhere: {where(other)}; stop one of the two')
+
+        self._publisher = publisher(self._node, Identity, f'~/{TOPIC}', LATCHED)
+        self._node.create_subscription(Identity, f'~/{TOPIC}', heard, _FROM_ALL)
+        self._publisher.publish(self.own)
+
+
+class Listener:
+    """Hears who runs a cell under a name; no executor is needed."""
+
+    def __init__(self, node: Node, topic: str) -> None:
+        self._handle = subscription(node, Identity, topic, _FROM_ALL)
+
+    def listen(
+        self, is_enough: Callable[[Sequence[Identity]], bool], within_s: float
+    ) -> Sequence[Identity]:
+        """Return those heard, without standbys, when they are enough or the time is over."""
+        heard: dict[str, Identity] = {}
+        until = time.monotonic() + within_s
+        while True:
+            heard |= {one.instance: one for one in self._take() if not one.standby}
+            if is_enough(tuple(heard.values())) or time.monotonic() >= until:
+                return tuple(heard.values())
+            time.sleep(_STEP_S)
+
+    @property
+    def publishers(self) -> int:
+        """How many are connected, those that were killed a moment ago too."""
+        with self._handle:
+            return int(self._handle.get_publisher_count())
+
+    def close(self) -> None:
+        """Listen no more."""
+        self._handle.destroy_when_not_in_use()
+
+    def _take(self) -> Sequence[Any]:
+        with self._handle:
+            taken = iter(lambda: self._handle.take_message(Identity, False), None)
+            return [message for message, _ in taken]
+
+
+def twins_in_words(node: Node, name: str) -> str:
+    """Say where all are that run a cell under a name, if there are several; else nothing."""
+    listener = Listener(node, f'{name}/{TOPIC}')
+    try:
+        # Who was killed is still counted here and there, and says nothing.
+        heard = listener.listen(lambda heard: 0 < listener.publishers <= len(heard), LOOK_S)
+    finally:
+        listener.close()
+    return in_words(name, heard)
+
+
+def in_words(name: str, identities: Sequence[Identity]) -> str:
+    """Say where all are that answer to a name, if there are several; else nothing."""
+    if len(identities) < 2:
+        return ''
+    places = '; '.join(map(where, identities))
+    return f'{len(identities)} nodes answer as {name}, stop all but one: {places}'
+
+
+def where(identity: Identity) -> str:
+    """Say where a process is, what it runs and since when."""
+    since = datetime.fromtimestamp(identity.started.sec)
+    return (
+        f'process {identity.pid} on {identity.host}, with cell {identity.cell}, '
+        f'since {since:%Y-%m-%d %H:%M:%S}'
+    )
