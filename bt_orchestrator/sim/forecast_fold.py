@@ -209,8 +209,7 @@ class ForecastFold:
     def _pace_s(self, section: int, jobs: Sequence[str], spans: Sequence[Span]) -> float:
         """Return the seconds that a section needs for an item of some jobs."""
         cycles = sum(self._cycles[section, job] for job in jobs)
-        work_s = self._turns.work_s(section, cycles, spans)
-        return max(covered_s(spans), work_s) / cycles
+        return max(covered_s(spans) / cycles, self._turns.pace_s(section, cycles, spans))
 
 
 def _component(

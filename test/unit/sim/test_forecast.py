@@ -165,6 +165,15 @@ def mixed(*orders: tuple[str, int], **seconds: float) -> Forecast:
     return fold.forecast(line.cell)
 
 
+AHEAD = THREE.replace('[{id: place', '[{id: get, @a1, requires_conveyor: false}, {id: place')
+"""Its source has something to do ahead of each beat but the first."""
+
+
+def test_the_first_cycle_of_the_source_is_no_steady_state() -> None:
+    few, many = (mixed((AHEAD, items)).sections[0].pace_s for items in (2, 40))
+    assert few == pytest.approx(many)
+
+
 def test_a_mix_is_not_faster_than_its_bottleneck() -> None:
     found = mixed((THREE, 9), (SLOW, 6), (THREE, 9), b2=11.0)
     fast, slow, again = found.jobs
