@@ -1,7 +1,7 @@
 """Who runs a cell under the name of a node, told by every process that does.
 
 A service client hears the first answer only, and the ROS graph lists a process that was killed for
-20 s more. A latched message comes from its process, so whoever is heard is alive (decision 0022).
+20 s more. A latched message comes from its process, so whoever is heard is alive (decision 0023).
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ class Presence:
                 'one another name with --namespace'
             )
 
-    def announce(self, found: Callable[[str], object]) -> None:
+    def announce(self, history: str, found: Callable[[str], object]) -> None:
         """Say from now on who is here, and call back with words for each other one that is."""
         self._listener.close()
         name = self._node.get_fully_qualified_name()
@@ -82,6 +82,7 @@ class Presence:
 
         self._publisher = publisher(self._node, Identity, f'~/{TOPIC}', LATCHED)
         self._node.create_subscription(Identity, f'~/{TOPIC}', heard, _FROM_ALL)
+        self.own.history = history
         self._publisher.publish(self.own)
 
 

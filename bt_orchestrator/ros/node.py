@@ -107,7 +107,7 @@ class TreeNode:
             node, self.orchestrator, self._ticks, self.parameters.inspection
         )
         self.executor.add_node(node)
-        presence.announce(lambda words: self.orchestrator.ask(FoundTwin(words)))
+        presence.announce(store.history, lambda words: self.orchestrator.ask(FoundTwin(words)))
 
     @property
     def ready_line(self) -> str:
