@@ -334,6 +334,8 @@ def test_7_1_reject_is_not_offered_behind_the_turn_or_the_item(task: str, compon
     run = Line(faults={component: '#1=abort'}).run(PACKED)
     (hold,) = run.state.holds.values()
     assert (hold.task, hold.answers) == (task, ('retry', 'mark_done', 'skip', 'abort_job'))
+    (raised,) = run.all('hold.raised')  # `rinse` before its item was packed
+    assert tuple(raised['answers']) == hold.answers
     assert not run.answer('reject').accepted
     run.answer('retry')
     run.go()
