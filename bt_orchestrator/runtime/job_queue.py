@@ -196,8 +196,6 @@ def stop_when_empty(state: CellState) -> list[e.Event]:
 
 
 def _is_empty(state: CellState) -> bool:
-    if state.holds:
-        return False  # its answer, or `resume`, may let something go on
     return not (state.on_the_line if state.stop_after == 'job' else state.items)
 
 
