@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 from bt_orchestrator.errors import Finding, Refused
-from bt_orchestrator.model.cell import CONVEYOR, Cell
-from bt_orchestrator.model.reference import Template
-from bt_orchestrator.model.script import Script, Task
+from bt_orchestrator.model.cell import CONVEYOR, Cell, OnFailure
+from bt_orchestrator.model.reference import references
+from bt_orchestrator.model.script import RunsFor, Script, Task
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.composing import compose
 from bt_orchestrator.script.lookup import scripts_in
@@ -109,7 +109,9 @@ def _of_script(read: ReadScript, cell: Cell) -> tuple[Finding, ...]:
     nodes = _task_nodes(compose(read_text(read.path), Report('')))
     told: set[tuple[str, str]] = set()
     for task, node in zip(chain(script.initialization, listed), nodes, strict=True):
-        for what, hint in chain(_timeless(task, cell, told), _repeated(task, script)):
+        for what, hint in chain(
+            _timeless(task, cell, told), _repeated(task, script), _never_there(task, script)
+        ):
             found.add(node.place, what, hint)
     return found.findings
 
@@ -140,17 +142,51 @@ def _repeated(task: Task, script: Script) -> Iterator[tuple[str, str]]:
     is_homing = _HOMING.search(task.name) or _HOMING.search(task.id)
     if task not in script.initialization or task.once or not is_homing:
         return
-    if not any(_refers(value) for value in task.args.values()):
+    if not task.refers:
         what = f'`{task.id}` is done again for every job, with the same arguments'
         yield what, 'write `once: true`, and it is skipped while it has succeeded before'
 
 
-def _refers(value: object) -> bool:
-    if isinstance(value, dict):
-        return any(map(_refers, value.values()))
-    if isinstance(value, list):
-        return any(map(_refers, value))
-    return isinstance(value, Template)
+def _never_there(task: Task, script: Script) -> Iterator[tuple[str, str]]:
+    """Yield the results that a task for rejected items names, and that no such item has.
+
+    A good item that is rejected skips what comes behind (semantics 6.4), and the task that failed
+    has no results (6.3). Only an item that an operator rejects later has them.
+    """
+    places = _places(script)
+    rejecting = [one for one in script.tasks.values() if one.on_failure is OnFailure.REJECT]
+    if task.runs_for is not RunsFor.REJECTED or not rejecting:
+        return
+    named = dict.fromkeys(references((task.args, task.condition and task.condition.value)))
+    for one in named:
+        giver = script.tasks[one.name] if one.source == 'results' else task
+        if giver.runs_for is RunsFor.GOOD and all(
+            _is_at_or_behind(places[giver.id], places[r.id]) for r in rejecting
+        ):
+            what = f'`${{{one}}}` has no value here: a rejected item never ran `{giver.id}` well'
+            hint = (
+                f'items are rejected by {listing(r.id for r in rejecting)}; refer to a task before'
+            )
+            yield what, hint
+
+
+_Place = tuple[int, int, int, int]
+"""Of a task on its way along the belt: section, step, track, place in the track."""
+
+
+def _places(script: Script) -> dict[str, _Place]:
+    return {
+        task.id: (number, step_number, track_number, place)
+        for number, section in script.sections.items()
+        for step_number, step in enumerate(section.steps)
+        for track_number, track in enumerate(step.tracks)
+        for place, task in enumerate(track)
+    }
+
+
+def _is_at_or_behind(one: _Place, other: _Place) -> bool:
+    """Tell whether a task runs after another one, for the same item, or is that."""
+    return one[:2] > other[:2] or (one[:3] == other[:3] and one[3] >= other[3])
 
 
 def _task_nodes(root: Node | None) -> Iterator[Node]:

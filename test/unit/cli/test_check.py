@@ -197,6 +197,51 @@ def test_other_initialization_is_no_warning(files: Files, text: str) -> None:
     assert files.check(LINE + text) == []
 
 
+REJECTING = """\
+script: test
+sections:
+  1: [{id: place, task: PLACE_AT_CONVEYOR, action: /loader/task, qty_change: 1}]
+  2:
+    - {id: first, task: TASK_A, action: /table/task}
+    - parallel:
+      - {id: look, task: TASK_A, action: /table/task, on_failure: reject}
+      - {id: beside, task: RUN, action: /lamp/task}
+  3:
+    - {id: behind, task: TASK_B, action: /press/task%s}
+    - {id: mark, task: TASK_A, action: /press/task, runs_for: %s,
+       args: {special_argument_2: "${results.%s.measurement}"}}
+  4: [{id: pack, task: PICK_AND_PACK, action: /packer/task, qty_change: -1, runs_for: all}]
+"""
+
+
+@pytest.mark.parametrize('giver', ['look', 'behind'])
+def test_a_result_that_no_rejected_item_has_is_a_warning(files: Files, giver: str) -> None:
+    assert files.check(REJECTING % ('', 'rejected', giver)) == [
+        (
+            f'line.yaml:11:7: warning: `${{results.{giver}.measurement}}` has no value here: a '
+            f'rejected item never ran `{giver}` well; items are rejected by `look`; refer to a '
+            'task before'
+        )
+    ]
+
+
+@pytest.mark.parametrize(
+    ('options', 'runs_for', 'giver'),
+    [
+        ('', 'rejected', 'first'),
+        ('', 'all', 'behind'),
+        ('', 'good', 'behind'),
+        (', runs_for: rejected', 'rejected', 'behind'),
+        (', runs_for: all', 'rejected', 'behind'),
+        (', on_failure: reject', 'rejected', 'first'),
+    ],
+)
+def test_a_result_that_some_item_has_is_no_warning(
+    files: Files, options: str, runs_for: str, giver: str
+) -> None:
+    assert files.check(REJECTING % (options, runs_for, giver)) == []
+
+
 def test_strict_takes_warnings_for_mistakes(files: Files) -> None:
     assert len(files.check(LINE + HOMING % '', '', '--strict')) == 1
     assert (files.status, files.out) == (1, '')
