@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.frozen import changed
+from bt_orchestrator.model.job_folds import forget_skips
 from bt_orchestrator.model.packml import Mode
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.stop_reason import StopReason
@@ -23,6 +24,7 @@ def orchestrator_started(event: e.OrchestratorStarted, state: CellState) -> None
         for key, task in state.running.items():
             state.tasks[key] = state.running[key] = changed(task, copied=True)
     state.shutting_down = False
+    forget_skips(state, state.queue)  # older journals have skips of jobs that have not started
 
 
 def orchestrator_stopping(_: e.OrchestratorStopping, state: CellState) -> None:
@@ -43,6 +45,7 @@ def cell_state_changed(event: e.CellStateChanged, state: CellState) -> None:
     # Not when it is left: an order that arrives in Stopped must not see what was before.
     if state.mode in _FORGET_ONCE:
         state.done_once.clear()
+        forget_skips(state, [job for job in state.jobs.values() if not job.progress.started])
     if state.mode is Mode.STARTING:
         state.had_work = state.has_work
 

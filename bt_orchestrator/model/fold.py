@@ -22,6 +22,7 @@ from bt_orchestrator.model.state import (
     Phase,
     Reading,
     TaskState,
+    same_task,
     signature,
 )
 from bt_orchestrator.model.uptime import Uptime
@@ -119,6 +120,7 @@ def _task_started(event: e.TaskStarted, state: CellState) -> None:
         sent_up=_sent_up(event, state),
     )
     state.tasks[event.key] = state.running[event.key] = started
+    _forget_done(state, event.key)  # until it succeeds nobody knows what it leaves behind
     state.reserved[event.component] = event.key
     for zone in _zones(state, event.key):
         state.zones[zone] = event.key
@@ -185,6 +187,7 @@ def _task_succeeded(event: e.TaskSucceeded, state: CellState) -> None:
 
 @_on(e.TaskMarkedDone)
 def _task_marked_done(event: e.TaskMarkedDone, state: CellState) -> None:
+    _forget_done(state, event.key)
     _succeed(state, event.key, End.MARKED_DONE)
 
 
@@ -213,10 +216,18 @@ _ENDS = {
 
 
 def _succeed(state: CellState, key: e.TaskKey, end: End) -> None:
-    task = state.task(key)
-    if task is not None and key.section is None:
-        state.done_once.add(signature(task, state.tasks[key].args))
+    task, progress = state.task(key), state.tasks[key]
+    if task is not None and progress.goal is not None:
+        state.done_once.add(signature(task, progress.args))
     _end(state, key, end)
+
+
+def _forget_done(state: CellState, key: e.TaskKey) -> None:
+    """Forget with which arguments a task was done last, wherever it ran (semantics 5.1)."""
+    task = state.task(key)
+    if task is not None:
+        same = same_task(task)
+        state.done_once = {done for done in state.done_once if not done.startswith(same)}
 
 
 def _end(state: CellState, key: e.TaskKey, end: End) -> None:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.initialization import Preparation
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.script import Script
-from bt_orchestrator.model.state import CellState, FlagState, JobState
+from bt_orchestrator.model.state import CellState, FlagState, JobState, Phase
 from bt_orchestrator.model.wish import STOP_AFTER, Wish
 
 ENDED_KEPT = 100
@@ -168,6 +170,16 @@ def _begin_flags(state: CellState, script: Script, besides: str) -> None:
 def _forget_initialization(state: CellState, job: JobState) -> None:
     for task in job.job.script.initialization:
         state.tasks.pop(e.TaskKey(job.job.id, None, None, task.id), None)
+
+
+def forget_skips(state: CellState, jobs: Iterable[JobState]) -> None:
+    """Let initialization that jobs did not need, as it was done, be judged again (5.1)."""
+    for job in jobs:
+        for task in job.job.script.initialization:
+            key = e.TaskKey(job.job.id, None, None, task.id)
+            progress = state.tasks.get(key)
+            if progress and progress.phase is Phase.DONE and not progress.attempt:
+                del state.tasks[key]
 
 
 def _forget_unused(state: CellState, digest: str) -> None:

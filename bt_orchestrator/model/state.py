@@ -316,7 +316,7 @@ class CellState:
     holds_raised: int = 0
     readings: dict[str, Reading] = field(default_factory=dict)
     done_once: set[str] = field(default_factory=set)
-    """Signatures of initialization tasks that succeeded since Stopped (semantics 5.1)."""
+    """Signatures of tasks whose last attempt succeeded since Stopped (semantics 5.1)."""
 
     def __post_init__(self) -> None:
         """Begin with an empty belt, and with topics that were not heard of yet."""
@@ -402,5 +402,10 @@ class CellState:
 
 
 def signature(task: Task, args: Mapping[str, Any]) -> str:
-    """Name what an initialization task does: action, task and arguments (semantics 5.1)."""
-    return f'{task.action} {task.name} {sorted(args.items())!r}'
+    """Name what a task does: action, task and arguments (semantics 5.1)."""
+    return f'{same_task(task)}{sorted(args.items())!r}'
+
+
+def same_task(task: Task) -> str:
+    """Return what signatures of one task at one action begin with, whatever the arguments."""
+    return f'{task.action} {task.name} '

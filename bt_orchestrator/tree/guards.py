@@ -12,9 +12,8 @@ from py_trees.common import Status
 from bt_orchestrator.model import effects
 from bt_orchestrator.model.cell import StateTopic
 from bt_orchestrator.model.initialization import Preparation
-from bt_orchestrator.model.line import may_not_begin, stopped_because, waits_for_earlier_jobs
+from bt_orchestrator.model.preparing import may_not_prepare, remains_done, waits_for_its_turn
 from bt_orchestrator.model.script import Dependency, Step
-from bt_orchestrator.model.state import Phase
 from bt_orchestrator.model.wait import Wait, WaitKind
 from bt_orchestrator.tree.blackboard import AT_REST, ReadKey
 from bt_orchestrator.tree.subject import Recorder, Subject, holder, is_done
@@ -158,23 +157,17 @@ class InitializationGuard(TaskWaiter, Guard):
             f'after {", ".join(upstream)}' if upstream else 'earlier jobs done', child
         )
         self.subject = subject
-        self._upstream = upstream
-        self._sections = preparation.sections[subject.task.id]
 
     def waits_for(self) -> Wait | None:
-        """Wait for what comes first; a task that is not needed waits for nothing (5.1)."""
-        job, state = self.subject.job, self.subject.state
+        """Wait for what comes first; what was begun, or ends with its job, waits for nothing."""
+        job, state, task = self.subject.job, self.subject.state, self.subject.task
         assert job is not None
-        if state.phase(self.subject.key) is not None or not self.subject.waits_to_start:
+        key = self.subject.key
+        if state.phase(key) is not None or effects.why_skipped(state, key, task) is not None:
             return None
-        stopped = stopped_because(state)
-        if stopped:
+        stopped = may_not_prepare(state, job)
+        if stopped is not None:
             return stopped
-        unready = may_not_begin(state, state.jobs[job])
-        if unready:
-            return unready
-        for task in self._upstream:
-            if state.phase(self.subject.key._replace(task=task)) is not Phase.DONE:
-                what = f'waiting for initialization {task}'
-                return Wait(what, WaitKind.INITIALIZATION, task, task=task)
-        return waits_for_earlier_jobs(state, job, self._sections)
+        if self.subject.done_before() is not None and remains_done(state, job, task):
+            return None
+        return waits_for_its_turn(state, job, task)

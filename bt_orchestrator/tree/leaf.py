@@ -81,6 +81,7 @@ class ActionLeaf(TaskWaiter, Ticked):
 
     def _skip(self, reason: str) -> Status:
         key = self.subject.key
+        self._begin_job()
         self.subject.recorder.record([e.TaskSkipped(**key._asdict(), reason=reason)])
         self.subject.recorder.record(effects.of_passing(self.subject.state, key))
         self.feedback_message = 'done'
@@ -124,8 +125,7 @@ class ActionLeaf(TaskWaiter, Ticked):
         if occupied is not None:
             recorder.record([occupied])
             return Status.RUNNING
-        if key.job is not None and not self.subject.state.jobs[key.job].started:
-            recorder.record([e.JobStarted(job=key.job)])
+        self._begin_job()
         started = e.TaskStarted(
             **key._asdict(),
             name=task.name,
@@ -140,6 +140,12 @@ class ActionLeaf(TaskWaiter, Ticked):
         recorder.record([started])
         self.feedback_message = self._running(attempt)
         return Status.RUNNING
+
+    def _begin_job(self) -> None:
+        """Take the job out of the queue with the first thing that it does (semantics 6.1)."""
+        job = None if self.subject.job is None else self.subject.state.jobs[self.subject.job]
+        if job is not None and not job.started and not job.ending:
+            self.subject.recorder.record([e.JobStarted(job=job.job.id)])
 
     def _running(self, attempt: int) -> str:
         which = f', attempt {attempt}' if attempt > 1 else ''

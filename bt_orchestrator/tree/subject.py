@@ -94,11 +94,12 @@ class Subject:
             return None
         return (
             effects.why_skipped(self.state, self.key, self.task)
-            or self._done_before()
+            or self.done_before()
             or self._unmet(self.task.condition)
         )
 
-    def _done_before(self) -> str | None:
+    def done_before(self) -> str | None:
+        """Say that what it would do is done, so that it need not be done once more (5.1)."""
         if not self.task.once:
             return None
         args = resolve(self.task.args, self.state.scope(self.key))

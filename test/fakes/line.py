@@ -99,6 +99,12 @@ def with_section(number: int, tasks: str) -> str:
     return re.sub(rf'(?m)^  {number}: .*$', lambda _: block, THREE)
 
 
+def with_initialization(text: str, more: str = '') -> str:
+    """Return the shortest line with an initialization, in YAML."""
+    sections = THREE.strip('\n')
+    return f'initialization: {text}\n{more}{sections}'
+
+
 def _expanded(text: str) -> str:
     return re.sub(
         r'@(\w+)(?:\.(\w+))?', lambda m: f'task: {m[2] or "TASK_A"}, action: /{m[1]}/do', text

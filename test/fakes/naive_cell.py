@@ -50,15 +50,18 @@ class NaiveCell(NaiveRun):
         """Tell whether a section has a list for an item and has not begun with it."""
         return number in item.job.plan.lists and not self.said('cycle.started', item.at(number))
 
+    def before(self, job: Job) -> list[Job]:
+        return self.jobs[: self.jobs.index(job)]
+
+    def done_with(self, number: int, job: Job) -> bool:
+        """Tell whether a section is done with a job (6.1)."""
+        to_come = any(0 < item.place < number for item in job.items)
+        here = any(item.place == number and self.is_due(number, item) for item in job.items)
+        in_hand = number in self.cycles and self.cycles[number].item.job is job
+        return not (job.left or to_come or here or in_hand)
+
     def done_with_earlier(self, number: int, job: Job) -> bool:
-        """Tell whether a section is done with all jobs before this one (6.1)."""
-        for one in self.jobs[: self.jobs.index(job)]:
-            to_come = [i for i in one.items if 0 < i.place < number]
-            here = [i for i in one.items if i.place == number and self.is_due(number, i)]
-            in_hand = number in self.cycles and self.cycles[number].item.job is one
-            if one.left or to_come or here or in_hand:
-                return False
-        return True
+        return all(self.done_with(number, one) for one in self.before(job))
 
     def end_job(self, job: Job) -> None:
         """End a job of which nothing remains (6.1)."""
@@ -97,13 +100,31 @@ class NaiveCell(NaiveRun):
     def prepare(self, task: Task) -> None:
         """Let a task of an initialization go on (5.1, 5.2)."""
         job = task.job
-        needless = job.aborting or (task.given.get('once') and task.does in self.once)
-        if needless and task.state in ('new', 'waiting') and not self.stopped(None):
+        if job.aborting and task.state in ('new', 'waiting') and not self.stopped(None):
             self.carry_out(task, 'skip')
+        done = task.given.get('once') and self.done.get(task.does) == task.args
         earlier = all(self.done_with_earlier(number, job) for number in task.device.places)
-        ordered = all(one.state == 'done' for one in task.after)
-        if task.state != 'new' or (earlier and ordered and self.may_begin()):
-            self.visit(task)
+        turn = earlier and all(one.state == 'done' for one in task.after)
+        begins = self.may_begin() and (turn or (done and self.stays_done(task)))
+        if task.state == 'new' and not begins:
+            return
+        if done and task.state in ('new', 'waiting') and not self.stopped(None):
+            self.say_once('job.started', {'job': job})
+            self.carry_out(task, 'skip')
+        self.visit(task)
+
+    def stays_done(self, task: Task) -> bool:
+        """Tell whether a job could begin and nobody before it does a task again (5.1)."""
+        before = self.before(task.job)
+        again = [one for job in [*before, task.job] for one in job.first.values()]
+        to_come = [one for one in again if one is not task and one.state != 'done']
+        does = [one.does for one in to_come]
+        for job in before:
+            for number in [n for n in job.plan.lists if not self.done_with(n, job)]:
+                steps = job.plan.lists[number]
+                does += [(t['action'], t['task']) for step in steps for m in step for t in m]
+        source = self.done_with_earlier(task.job.plan.source, task.job)
+        return source and task.does not in does
 
     def prepared(self, number: int, job: Job) -> bool:
         """Tell whether a section may begin a job's first cycle (5.2)."""
@@ -251,7 +272,8 @@ class NaiveCell(NaiveRun):
         task.state, task.cancelled, task.busy = 'running', '', True
         others = [one for one in self.started if one.state != 'done' and one is not task]
         self.started = [*others, task]
-        action, name, _ = task.does
+        action, name = task.does
+        self.done.pop(task.does, None)
         fields = {'name': name, 'action': action, 'component': task.device.name}
         self.say('task.started', task.where, attempt=task.attempt, **fields)
         task.deaf, ends = task.device.take(name)
@@ -296,8 +318,10 @@ class NaiveCell(NaiveRun):
                 self.flags[flag] += step
                 event = 'flag.raised' if step > 0 else 'flag.lowered'
                 self.say(event, task.where, flag=flag, count=self.flags[flag])
-        elif done:
-            self.once.append(task.does)
+        if done:
+            self.done.pop(task.does, None)
+        if done and task in self.started:
+            self.done[task.does] = task.args
         if change == 1:
             item.placed, item.empty = True, not done
             self.say('item.placed' if done else 'item.missing', item.at(task.section))

@@ -78,9 +78,14 @@ class Task:
         return set(self.device.places).union(*(one.waits_for for one in self.after))
 
     @property
-    def does(self) -> tuple[Any, ...]:
-        """What two tasks that are one and the same for `once` have in common (5.1)."""
-        return self.given['action'], self.given['task'], self.given.get('args')
+    def does(self) -> tuple[str, str]:
+        """What is the same task for `once`, with whatever arguments (5.1)."""
+        return self.given['action'], self.given['task']
+
+    @property
+    def args(self) -> Row:
+        given = self.given.get('args', {})
+        return {key: self.item.value(v) if self.item else v for key, v in given.items()}
 
     @property
     def where(self) -> Row:
@@ -108,7 +113,8 @@ class NaiveRun(ABC):
         self.flags: dict[str, int] = {}
         self.started: list[Task] = []
         """Those that are not done, the one started last at the end."""
-        self.once: list[tuple[Any, ...]] = []
+        self.done: dict[tuple[str, str], Row] = {}
+        """The arguments of tasks whose last attempt succeeded (5.1)."""
         self.holds: list[Any] = []
         self.records: list[Row] = []
         self._facts: set[tuple[Any, ...]] = set()

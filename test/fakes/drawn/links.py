@@ -7,6 +7,9 @@ from collections.abc import Sequence
 from fakes.drawn.plan import Draw, Row, chance
 from hypothesis import strategies as st
 
+OFTEN_PREPARED = ('a1', 'a2', 'arm', 'lamp')
+"""Components that several scripts prepare, so that they meet there."""
+
 Placed = tuple[int, Row]
 """A task with its section."""
 
@@ -17,15 +20,20 @@ def draw_initialization(draw: Draw, cell: Row) -> Row:
         return {}
     tasks: list[Row] = [{'id': 'home', 'task': 'HOME', 'action': '/belt/do', 'once': True}]
     tasks = tasks if draw(st.booleans()) else []
-    chosen = draw(st.lists(st.sampled_from(sorted(cell['components'])), max_size=3))
+    names = sorted(cell['components'])
+    often = [name for name in OFTEN_PREPARED if name in names]
+    chosen = draw(st.lists(st.sampled_from([*names, *often, *often]), max_size=4))
     for number, name in enumerate(chosen):
-        task: Row = {'id': f'p{number}', 'task': 'PREPARE', 'action': f'/{name}/do'}
+        what = draw(st.sampled_from(('PREPARE', 'PREPARE', 'TASK_A')))
+        task: Row = {'id': f'p{number}', 'task': what, 'action': f'/{name}/do'}
         task['on_failure'] = draw(st.sampled_from(('hold', 'continue', 'abort_job')))
         task['timeout'] = 8.03
         if chance(draw, 30):
             task['retries'] = 1
-        if chance(draw, 30):
+        if chance(draw, 50):
             task['once'] = True
+        if chance(draw, 40):
+            task['args'] = {'special_argument_2': draw(st.sampled_from((0.0, 1.0)))}
         tasks.append(task)
     ids = [task['id'] for task in tasks]
     pairs = [(ids[n - 1], ids[n]) for n in range(1, len(ids)) if chance(draw, 40)]

@@ -3,17 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from fakes.line import THREE, Line
-from fakes.operator import ann
+from fakes.line import Line, with_initialization
 
-from bt_orchestrator.model.cell_commands import Reset, Start, Stop
-
-SECTIONS = THREE.strip('\n')
-
-
-def with_initialization(text: str, more: str = '') -> str:
-    """Return the shortest line with an initialization."""
-    return f'initialization: {text}\n{more}{SECTIONS}'
+HOME = with_initialization('[{id: home, task: HOME, action: /belt/do, once: true}]')
 
 
 # --- 5.1 ------------------------------------------------------------------------------------
@@ -49,64 +41,6 @@ def test_5_1_initialization_events_carry_no_section_and_no_item() -> None:
     (started,) = run.all('task.started', task='one')
     assert started['job'] == 'J'
     assert not {'section', 'item'} & started.keys()
-
-
-HOME = with_initialization('[{id: home, task: HOME, action: /belt/do, once: true}]')
-
-
-def test_5_1_once_is_skipped_at_once_when_it_succeeded_before() -> None:
-    line = Line()
-    run = line.begin(HOME, 3)
-    run.go(until=1.0)
-    run.submit('K', line.script(HOME), 1)
-    run.go()
-    assert run.starts('home') == [0.0]
-    assert run.times('task.skipped', task='home', job='K') == [2.0]  # not after the line drained
-    assert run.starts('place', job='K') == [11.0]  # at once behind the last item of J
-
-
-def test_5_1_without_once_it_waits_for_the_line_to_drain() -> None:
-    text = HOME.replace(', once: true', '')
-    line = Line()
-    run = line.begin(text, 1)
-    run.submit('K', line.script(text), 1)
-    run.go()
-    assert run.starts('home', job='K') == run.times('job.completed', job='J') == [9.0]
-
-
-def test_5_1_once_compares_action_task_and_arguments() -> None:
-    text = with_initialization(
-        """
-      - {id: aim, @a1.PREPARE, once: true, args: {special_argument_2: "${params.x}"}}
-params: {x: {type: float}}"""
-    )
-    line = Line()
-    run = line.begin(text, 1, x=1.0)
-    run.submit('K', line.script(text), 1, x=1.0)
-    run.submit('L', line.script(text), 1, x=2.0)
-    run.go()
-    assert [r['job'] for r in run.all('task.started', task='aim')] == ['J', 'L']
-
-
-def test_5_1_once_counts_only_a_success() -> None:
-    text = HOME.replace('once: true', 'once: true, on_failure: continue')
-    line = Line(faults={'conveyor': 'HOME#1=abort'})
-    run = line.begin(text, 1)
-    run.submit('K', line.script(text), 1)
-    run.go()
-    assert [r['job'] for r in run.all('task.started', task='home')] == ['J', 'K']
-
-
-def test_5_1_once_is_forgotten_in_stopped() -> None:
-    line = Line()
-    run = line.run(HOME)
-    run.ask(Stop(ann('a break')))
-    assert run.state.mode.value == 'Stopped'
-    run.submit('K', line.script(HOME), 1)
-    run.command(Reset)
-    run.command(Start)
-    run.go()
-    assert [r['job'] for r in run.all('task.started', task='home')] == ['J', 'K']
 
 
 # --- 5.2 ------------------------------------------------------------------------------------
