@@ -162,8 +162,7 @@ class InitializationGuard(TaskWaiter, Guard):
         """Wait for what comes first; what was begun, or ends with its job, waits for nothing."""
         job, state, task = self.subject.job, self.subject.state, self.subject.task
         assert job is not None
-        key = self.subject.key
-        if state.phase(key) is not None or effects.why_skipped(state, key, task) is not None:
+        if state.phase(self.subject.key) is not None or self.subject.ends_with_its_job():
             return None
         stopped = may_not_prepare(state, job)
         if stopped is not None:

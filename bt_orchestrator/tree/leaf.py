@@ -62,7 +62,7 @@ class ActionLeaf(TaskWaiter, Ticked):
     def _start_if_free(self, progress: TaskState | None) -> Status:
         # Also in a section that is stopped: the cell is not Held before this time.
         is_delayed = progress is not None and self.subject.recorder.is_delayed(self.subject.key)
-        stopped = self._stopped()
+        stopped = None if self.subject.ends_with_its_job() else self._stopped()
         if stopped is not None:
             self.note(stopped)
             return Status.RUNNING

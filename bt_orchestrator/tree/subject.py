@@ -98,6 +98,15 @@ class Subject:
             or self._unmet(self.task.condition)
         )
 
+    def ends_with_its_job(self) -> bool:
+        """Tell whether it is initialization that a job needs no more, as it ends (6.6).
+
+        Nothing waits for it, so it is skipped whatever the state of the cell.
+        """
+        if self.section is not None or self.job is None:
+            return False
+        return effects.why_skipped(self.state, self.key, self.task) is not None
+
     def done_before(self) -> str | None:
         """Say that what it would do is done, so that it need not be done once more (5.1)."""
         if not self.task.once:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 from fakes.line import THREE, Line
-from fakes.queued_jobs import LINE, SCRIPT, begun, queued
+from fakes.queued_jobs import LINE, SCRIPT, begun, queue, queued
 from fakes.virtual_run import BY, VirtualRun
 
-from bt_orchestrator.model.cell_commands import Reset, Start
+from bt_orchestrator.model.cell_commands import Abort, Pause, Reset, Start, Stop
 from bt_orchestrator.model.job_commands import StopAfter
 from bt_orchestrator.model.packml import Mode
 
@@ -85,6 +85,64 @@ def test_6_6_a_held_job_with_preparation_is_aborted_at_once() -> None:
     assert run.times('job.aborted', job='K') == [0.0]
     run.go()
     assert run.ended
+
+
+PREPARED = LINE.script(f'initialization: [{{id: ready, @lamp}}]{THREE}', 'prepared')
+
+
+@pytest.mark.parametrize('how', ['pause', 'stop', 'abort'])
+@pytest.mark.parametrize('held', [False, True])
+def test_6_6_a_queued_job_is_aborted_at_once_whatever_the_state_of_the_cell(
+    how: str, held: bool
+) -> None:
+    run = queued('')
+    run.add(('K', PREPARED), held=held)
+    run.go(until=0.5)
+    assert run.command({'pause': Pause, 'stop': Stop, 'abort': Abort}[how]).accepted
+    run.go(until=10.0)
+    assert run.control('abort', 'K').accepted
+    assert run.job('K').ended_at == run.now
+    assert 'K' not in begun(run)
+
+
+def test_6_6_a_queued_job_is_aborted_at_once_while_a_task_is_held() -> None:
+    line = Line(faults={'lamp': '#1=abort'})
+    script = line.script(f'initialization: [{{id: ready, @lamp}}]{THREE}', 'prepared')
+    run = VirtualRun(line.cell, line.types)
+    run.add(('J', script), ('K', script))
+    run.go()
+    assert run.state.mode is Mode.HELD
+    assert run.control('abort', 'K').accepted
+    assert run.job('K').ended_at == run.now
+
+
+def test_6_6_a_queued_job_is_taken_out_whatever_the_state_of_the_cell() -> None:
+    run = queued('')
+    run.add(('K', PREPARED))
+    run.command(Pause)
+    assert run.control('stop', 'K').message == (
+        'K is AllowedToStart; Stop is for jobs that are Running or Interrupted/Held or '
+        'Interrupted/Suspended'
+    )
+    assert run.control('cancel', 'K').accepted
+    assert queue(run) == ''
+
+
+@pytest.mark.parametrize('verb', ['stop', 'abort'])
+def test_6_6_a_job_without_items_ends_while_the_cell_is_paused(verb: str) -> None:
+    """Only initialization is left of J: one task that runs, and one that waits for it."""
+    line = Line(seconds={'a1': 5.0})
+    run = line.begin(
+        'initialization: [{id: one, @a1.PREPARE}, {id: two, @a2.PREPARE}]\n'
+        f'initialization_dependencies: [{{upstream: one, downstream: two}}]{THREE}'
+    )
+    run.go(until=1.0)
+    run.command(Pause)
+    assert run.control(verb, 'J').accepted
+    run.go()
+    assert run.ended
+    assert run.starts('two') == []
+    assert [record['task'] for record in run.all('task.skipped')] == ['two']
 
 
 def test_6_6_an_aborted_job_drains_and_the_next_follows() -> None:
