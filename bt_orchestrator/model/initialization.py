@@ -28,6 +28,10 @@ class Preparation:
             for task in tasks
         }
         """Tasks that must have succeeded before each task starts."""
+        self.of_section: Mapping[int, tuple[Task, ...]] = {
+            s: tuple(task for task in tasks if s in self.sections[task.id]) for s in every
+        }
+        """Tasks for a section's own components, and for those of no section."""
         self._needed = {s: self._needed_by(s, script) for s in every}
 
     def needed_by(self, section: int) -> tuple[Task, ...]:
@@ -38,7 +42,7 @@ class Preparation:
         return tuple(
             task
             for task in script.initialization
-            if section in self.sections[task.id]
+            if task in self.of_section[section]
             or (section == script.source and self._waits_downstream(task.id))
         )
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from enum import Enum
 from typing import NamedTuple
 
 from bt_orchestrator.model.events import TaskKey
-from bt_orchestrator.model.script import SectionList
+from bt_orchestrator.model.initialization import Preparation
+from bt_orchestrator.model.script import SectionList, Task
 from bt_orchestrator.model.state import CellState, JobState, Phase, SectionState
 from bt_orchestrator.model.wait import Wait, WaitKind
 
@@ -118,13 +119,30 @@ def waits_for_earlier_jobs(state: CellState, job: str, sections: tuple[int, ...]
 
 
 def waits_for_initialization(state: CellState, job: str, section: int) -> Wait | None:
-    """Say which initialization task keeps a section from beginning a job (semantics 5.2)."""
-    preparation = state.preparations[state.jobs[job].digest]
-    for task in preparation.needed_by(section):
-        if state.phase(TaskKey(job, None, None, task.id)) is not Phase.DONE:
-            what = f'waiting for initialization {task.id} of {job}'
+    """Say which initialization task keeps a section from a cycle for a job (semantics 5.2).
+
+    Those of earlier jobs too: done later they would change what this job works with.
+    """
+    for earlier in earlier_jobs(state, job):
+        wait = waits_for_tasks(state, earlier, _preparation(state, earlier).of_section[section])
+        if wait is not None:
+            return wait
+    live = state.jobs[job]
+    return waits_for_tasks(state, live, _preparation(state, live).needed_by(section))
+
+
+def waits_for_tasks(state: CellState, job: JobState, tasks: Iterable[Task]) -> Wait | None:
+    """Say which of some initialization tasks of a job is not done."""
+    name = job.job.id
+    for task in tasks:
+        if state.phase(TaskKey(name, None, None, task.id)) is not Phase.DONE:
+            what = f'waiting for initialization {task.id} of {name}'
             return Wait(what, WaitKind.INITIALIZATION, task.id, task=task.id)
     return None
+
+
+def _preparation(state: CellState, job: JobState) -> Preparation:
+    return state.preparations[job.digest]
 
 
 def is_complete(state: CellState, job: JobState) -> bool:

@@ -9,6 +9,7 @@ from bt_orchestrator.model.line import (
     may_not_begin,
     stopped_because,
     waits_for_earlier_jobs,
+    waits_for_tasks,
 )
 from bt_orchestrator.model.script import Task
 from bt_orchestrator.model.state import CellState, JobState, Phase, same_task
@@ -27,7 +28,18 @@ def waits_for_its_turn(state: CellState, job: str, task: Task) -> Wait | None:
         if not _is_prepared(state, job, upstream):
             what = f'waiting for initialization {upstream}'
             return Wait(what, WaitKind.INITIALIZATION, upstream, task=upstream)
-    return waits_for_earlier_jobs(state, job, preparation.sections[task.id])
+    sections = preparation.sections[task.id]
+    return waits_for_earlier_jobs(state, job, sections) or _waits_in_order(state, job, task)
+
+
+def _waits_in_order(state: CellState, job: str, task: Task) -> Wait | None:
+    """Say what an earlier job is still to do with the same component (semantics 5.2)."""
+    for earlier in earlier_jobs(state, job):
+        there = [t for t in earlier.job.script.initialization if t.component == task.component]
+        wait = waits_for_tasks(state, earlier, there)
+        if wait is not None:
+            return wait
+    return None
 
 
 def remains_done(state: CellState, job: str, task: Task) -> bool:

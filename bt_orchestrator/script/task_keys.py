@@ -164,7 +164,7 @@ INITIALIZATION_TASK = Table(
         Key(
             'once',
             Kind.SWITCH,
-            'skip it if the last attempt succeeded, with these arguments, since Stopped or Aborted',
+            'skip it if the same was done last since the cell left Stopped or Aborted',
             'true',
             default=False,
             rule='5.1',

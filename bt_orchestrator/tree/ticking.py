@@ -22,7 +22,8 @@ class Ticked(Behaviour):
     lasting = True
     """A success stands until the branch is stopped: in its parent's later ticks it is passed over.
 
-    So it is for tasks, which the state never takes back, and not for conditions.
+    So it is for tasks, and not for conditions. Where the state takes a task back (5.1), the whole
+    tree is begun anew.
     """
 
     def run(self) -> Status:

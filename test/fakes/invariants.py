@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping
 from typing import ClassVar
 
+from fakes.initialization_invariants import InitializationInvariants
 from fakes.queue_invariants import QueueInvariants
 
 from bt_orchestrator.model import events as e
@@ -56,6 +57,7 @@ class Invariants:
         self._zones: dict[str, e.TaskKey] = {}
         self._moving = False
         self._queue = QueueInvariants()
+        self._initialization = InitializationInvariants(cell, self._jobs)
         self._ended: set[tuple[str | None, str]] = set()
         """Items with the tasks that ended for them, one way or the other."""
         self._mode = Mode.STOPPED
@@ -69,6 +71,7 @@ class Invariants:
         self._time = event.time
         self._take(event)
         self._queue.take(event)
+        self._initialization.take(event)
         self._check(event)
 
     def _check(self, event: e.Event) -> None:

@@ -100,11 +100,13 @@ class NaiveCell(NaiveRun):
     def prepare(self, task: Task) -> None:
         """Let a task of an initialization go on (5.1, 5.2)."""
         job = task.job
-        if job.aborting and task.state in ('new', 'waiting') and not self.stopped(None):
+        if job.aborting and task.state in ('new', 'waiting'):
             self.carry_out(task, 'skip')
         done = task.given.get('once') and self.done.get(task.does) == task.args
-        earlier = all(self.done_with_earlier(number, job) for number in task.device.places)
-        turn = earlier and all(one.state == 'done' for one in task.after)
+        first = [t for one in self.before(job) for t in one.first.values()]
+        there = [one for one in first if one.device is task.device]
+        ordered = all(one.state == 'done' for one in [*there, *task.after])
+        turn = ordered and all(self.done_with_earlier(n, job) for n in task.device.places)
         begins = self.may_begin() and (turn or (done and self.stays_done(task)))
         if task.state == 'new' and not begins:
             return
@@ -127,7 +129,10 @@ class NaiveCell(NaiveRun):
         return source and task.does not in does
 
     def prepared(self, number: int, job: Job) -> bool:
-        """Tell whether a section may begin a job's first cycle (5.2)."""
+        """Tell whether a section may begin a cycle of a job (5.2)."""
+        first = [task for one in self.before(job) for task in one.first.values()]
+        if any(number in task.device.places and task.state != 'done' for task in first):
+            return False
         for task in [task for task in job.first.values() if task.state != 'done']:
             behind = max(task.waits_for) > min(task.device.places)
             if number in task.device.places or (number == job.plan.source and behind):

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from fakes.line import Line, with_initialization
+from fakes.line import THREE, Line, with_initialization
+from fakes.virtual_run import VirtualRun
+
+from bt_orchestrator.model.wait import WaitKind
 
 HOME = with_initialization('[{id: home, task: HOME, action: /belt/do, once: true}]')
 
@@ -142,5 +145,78 @@ def test_5_2_a_failed_initialization_task_holds_its_job() -> None:
     assert hold.answers == ('retry', 'mark_done', 'skip', 'abort_job')
     assert run.starts('place') == []
     run.answer('retry')
+    run.go()
+    assert run.ended
+
+
+# --- 5.2, the order of jobs -----------------------------------------------------------------
+
+PASSED = """
+initialization:
+  - {id: load, @a2.PREPARE, retries: 1, retry_delay: 30.0, args: {special_argument_2: 1.0}}
+sections:
+  1: [{id: place, @a1, qty_change: 1}]
+  3: [{id: pack, @a3, qty_change: -1}]
+"""
+"""Its items pass section 2, for which it prepares all the same."""
+
+
+def late_initialization(second: str) -> VirtualRun:
+    """Run J, of which `load` succeeds at 31 s, its last item being long gone, and then K."""
+    line = Line(faults={'a2': '#1=abort'})
+    run = line.begin(PASSED)
+    run.submit('K', line.script(second, 'second'), 2)
+    return run
+
+
+def test_5_2_initialization_of_a_component_keeps_the_order_of_jobs() -> None:
+    """J's recipe must not be loaded over K's."""
+    run = late_initialization(with_initialization('[{id: load, @a2.PREPARE}]'))
+    run.go(until=20.0)
+    assert run.waits()['initialization'].endswith('waiting for initialization load of J')
+    run.go()
+    assert run.starts('load') == [0.0, 31.0, 32.0]
+    assert [record['job'] for record in run.all('task.started', task='load')] == ['J', 'J', 'K']
+    assert run.starts('work', job='K')[0] == 33.0
+    assert run.ended
+
+
+def test_5_2_no_section_begins_before_the_initialization_of_earlier_jobs() -> None:
+    """J's recipe must not be loaded in the middle of K, which prepares nothing there."""
+    run = late_initialization(THREE)
+    run.go(until=20.0)
+    assert run.starts('place', job='K') == [3.0, 6.0]  # only section 2 waits
+    assert run.waits()['section 2'] == 'waiting for initialization load of J'
+    (wait,) = [one.wait for one in run.sim.waits() if one.part == 'section 2']
+    assert (wait.kind, wait.name, wait.task) == (WaitKind.INITIALIZATION, 'load', 'load')
+    run.go()
+    assert run.starts('work', job='K')[0] == run.times('task.succeeded', task='load')[0] == 32.0
+    assert run.ended
+
+
+def test_5_2_the_source_waits_for_the_initialization_of_earlier_jobs() -> None:
+    """J is placed in section 2; K, whose source is section 1, must not begin before J's `load`."""
+    first = PASSED.replace('@a2.PREPARE', '@a1.PREPARE').replace(
+        '1: [{id: place, @a1', '2: [{id: place, @a2'
+    )
+    line = Line(faults={'a1': '#1=abort'})
+    run = line.begin(first)
+    run.submit('K', line.script(THREE, 'second'), 1)
+    run.go(until=20.0)
+    assert run.waits()['section 1'] == 'waiting for initialization load of J'
+    run.go()
+    assert run.starts('place', job='K') == [32.0]
+    assert run.ended
+
+
+def test_5_2_held_jobs_keep_nobody_waiting() -> None:
+    line = Line()
+    run = line.begin(THREE)
+    text = with_initialization('[{id: load, @a2.PREPARE}]')
+    run.add(('K', line.script(text, 'prepared')), held=True)
+    run.add(('L', line.script(text, 'prepared')))
+    run.go(until=30.0)
+    assert [record['job'] for record in run.all('task.started', task='load')] == ['L']
+    run.control('release', 'K')
     run.go()
     assert run.ended
