@@ -205,7 +205,7 @@ def test_6_6_the_cell_stops_after_the_current_job() -> None:
     assert reasons == ['stop after the current job']
 
 
-PREPARED = """
+TWO_STEPS = """
 initialization: [{id: second, @a2}, {id: first, @b1}]
 initialization_dependencies: [{upstream: first, downstream: second}]
 """ + THREE.lstrip()
@@ -213,7 +213,7 @@ initialization_dependencies: [{upstream: first, downstream: second}]
 
 @pytest.mark.parametrize(('task', 'component'), [('first', 'b1'), ('second', 'a2')])
 def test_6_6_an_empty_line_with_a_hold_waits_for_the_answer(task: str, component: str) -> None:
-    run = Line(faults={component: '#1=abort'}).begin(PREPARED).go(until=0.5)
+    run = Line(faults={component: '#1=abort'}).begin(TWO_STEPS).go(until=0.5)
     run.ask(StopAfter('item', BY))
     run.go()
     assert [hold.task for hold in run.state.holds.values()] == [task]
@@ -228,7 +228,7 @@ def test_6_6_an_empty_line_with_a_hold_waits_for_the_answer(task: str, component
 def test_6_6_the_preparation_in_hand_is_finished_before_the_cell_stops() -> None:
     """Also where the next task of it starts a moment after the one before has ended."""
     run = Line(faults={'a2': '#1=abort'}).begin(
-        PREPARED.replace('{id: second, @a2', '{id: second, @a2, retries: 1, retry_delay: 5.0')
+        TWO_STEPS.replace('{id: second, @a2', '{id: second, @a2, retries: 1, retry_delay: 5.0')
     )
     run.go(until=0.5)
     run.ask(StopAfter('item', BY))
