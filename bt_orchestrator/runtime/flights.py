@@ -234,13 +234,25 @@ def _of_end(state: CellState, key: e.TaskKey, end: GoalEnd) -> e.TaskEvent:
         attempt=task.attempt,
         goal=task.goal,
         reason=_reason(task, end).value,
-        message=end.message,
+        message=_foreign(end.message) if _is_foreign_cancel(task, end) else end.message,
     )
+
+
+def _is_foreign_cancel(task: TaskState, end: GoalEnd) -> bool:
+    """Tell whether a goal was cancelled, and not because this orchestrator asked (2.6)."""
+    return end.status is GoalStatus.CANCELED and task.cancel_cause is None
+
+
+def _foreign(message: str) -> str:
+    who = 'cancelled by somebody else: another client, an HMI or the controller itself'
+    return f'{who} ({message})' if message else who
 
 
 def _reason(task: TaskState, end: GoalEnd) -> Reason:
     if end.status is GoalStatus.SUCCEEDED:
         return Reason.TASK_RESULT_FALSE
+    if _is_foreign_cancel(task, end):
+        return Reason.IN_DOUBT
     if end.status in (GoalStatus.CANCELED, GoalStatus.ABORTED):
         return _OF_CANCEL.get(task.cancel_cause or '', _REASONS[end.status])
     return _REASONS[end.status]

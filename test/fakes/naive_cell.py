@@ -301,8 +301,8 @@ class NaiveCell(NaiveRun):
         if end == 'timeout':
             self.cancel(task, 'timeout')
         elif end:
-            late = end == 'canceled' and task.cancelled == 'timeout'
-            task.state, task.reason = 'failed', 'timeout' if late else end
+            means = {'timeout': 'timeout', '': 'in_doubt'} if end == 'canceled' else {}
+            task.state, task.reason = 'failed', means.get(task.cancelled, end)
             asks = ('hold', 'abort_job') if task is self.move else ('hold',)
             task.busy &= self.verdict(task) in asks
             self.say('task.failed', task.where, attempt=task.attempt, reason=task.reason)

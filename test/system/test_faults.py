@@ -53,7 +53,6 @@ def assert_packed(cell: CellProcesses, *, nonconforming: int = 0) -> None:
     [
         ('TASK_A=reject', 'goal_rejected'),
         ('TASK_A=abort', 'aborted'),
-        ('TASK_A=cancel', 'canceled'),
     ],
 )
 def test_a_failed_attempt_is_repeated(start_cell: StartCell, fault: str, reason: str) -> None:

@@ -45,7 +45,7 @@ def test_2_2_succeeded_with_task_result_false_is_a_failure() -> None:
         ('#1=false', 'task_result_false', 1),
         ('#1=reject', 'goal_rejected', 0),
         ('#1=abort', 'aborted', 1),
-        ('#1=cancel', 'canceled', 1),
+        ('#1=cancel', 'in_doubt', 1),
         ('#0=absent', 'server_unavailable', 5),
         ('#1=hang', 'timeout', 10),
         ('#1=ignore_cancel', 'in_doubt', 15),
@@ -138,7 +138,7 @@ sections:
 """
 
 
-@pytest.mark.parametrize('fault', ['#2=abort', '#2=false', '#2=reject', '#2=cancel', '#2=hang'])
+@pytest.mark.parametrize('fault', ['#2=abort', '#2=false', '#2=reject', '#2=hang'])
 def test_2_5_a_held_task_keeps_its_component(fault: str) -> None:
     run = Line(faults={'arm': fault}).run(SHARED, 2)
     assert run.state.mode.value == 'Held'
@@ -254,6 +254,27 @@ def test_2_6_server_lost_of_a_repeatable_task_obeys_its_policy() -> None:
     run = faulty('#1=die:1', 'on_failure: continue, repeatable: true')
     assert run.all('hold.raised') == []
     assert run.counts()['nonconforming'] == 1
+
+
+@pytest.mark.parametrize('policy', ['hold', 'continue', 'abort_job'])
+def test_2_6_what_somebody_else_cancelled_is_in_doubt_whatever_its_policy(policy: str) -> None:
+    run = faulty('#1=cancel', f'retries: 3, repeatable: true, on_failure: {policy}')
+    (failed,) = run.all('task.failed')
+    assert failed['reason'] == 'in_doubt'
+    assert failed['message'].startswith('cancelled by somebody else')
+    assert run.starts('work') == [WORK_AT]
+    assert [hold.reason for hold in run.state.holds.values()] == ['in_doubt']
+    assert run.state.reserved['a2'].task == 'work'
+    assert run.answer('retry').accepted
+    assert run.go().ended
+
+
+def test_2_6_a_move_that_somebody_else_cancelled_is_in_doubt() -> None:
+    run = Line(faults={'conveyor': '#1=cancel'}, belt='retries: 2, on_failure: abort_job').run()
+    assert run.reasons() == ['in_doubt']
+    (hold,) = run.state.holds.values()
+    assert (hold.task, hold.reason) == ('index', 'in_doubt')
+    assert not run.all('job.aborting')
 
 
 def test_2_6_the_own_cancel_of_abort_job_is_no_failed_attempt() -> None:

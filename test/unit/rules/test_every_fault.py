@@ -20,7 +20,7 @@ CASES = [
     ('#20=false', False, ['task_result_false'], 'retry', 50),
     ('#20=reject', False, ['goal_rejected'], 'retry', 50),
     ('#20=abort', False, ['aborted'], 'mark_done', 50),
-    ('#20=cancel', False, ['canceled'], 'skip', 50),
+    ('#20=cancel', False, ['in_doubt'], 'skip', 50),
     ('#20=hang', False, ['timeout'], 'retry', 50),
     # The controller stays busy with the goal that it would not cancel: nothing more can be done.
     ('#20=ignore_cancel', False, ['in_doubt'], 'abort_job', None),
