@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+import uuid
 from collections.abc import Callable
 from typing import Any
 
@@ -67,10 +68,15 @@ class ActionCaller:
         on_feedback: Callable[[Any], None] | None = None,
     ) -> Any:
         """Send a goal once its server is there; return the future of the goal handle."""
+        client = self._known_client(action, action_class)
+        return client.send_goal_async(goal, feedback_callback=on_feedback)
+
+    def _known_client(self, action: str, action_class: Any) -> Any:
+        """Return the client of an action, once its server is there and answers it."""
         client = self.client(action, action_class)
         self.spin_until(client.server_is_ready, f'the server of {action}')
         self._be_known(client, action)
-        return client.send_goal_async(goal, feedback_callback=on_feedback)
+        return client
 
     def _be_known(self, client: Any, action: str) -> None:
         """Wait until a server answers a client: at first it may not have found it whole.
@@ -80,8 +86,7 @@ class ActionCaller:
         """
         if client in self._known:
             return
-        response = client._action_type.Impl.SendGoalService.Response(accepted=True)
-        nothing = ClientGoalHandle(client, UUID(), response)
+        nothing = _handle(client, uuid.uuid4())  # all zeros would cancel every goal of the server
 
         def is_answered() -> bool:
             return self.spin_for(1.0, nothing.cancel_goal_async().done)
@@ -107,3 +112,18 @@ class ActionCaller:
     def call(self, action: str, action_class: Any, goal: Any, **options: Any) -> Any:
         """Send a goal and return its end, with `status` and `result`."""
         return self.result(self.start(action, action_class, goal, **options))
+
+    def cancel_of_another(self, action: str, action_class: Any, goal: str) -> Any:
+        """Ask a server to cancel a goal that another client has sent; return its response.
+
+        :param goal: its UUID, as text
+        """
+        client = self._known_client(action, action_class)
+        asked = _handle(client, uuid.UUID(goal)).cancel_goal_async()
+        return self.wait(asked, f'{action} to answer a cancel request')
+
+
+def _handle(client: Any, goal: uuid.UUID) -> ClientGoalHandle[Any, Any, Any]:
+    """Return the handle of a goal that this client need not have sent."""
+    response = client._action_type.Impl.SendGoalService.Response(accepted=True)
+    return ClientGoalHandle(client, UUID(uuid=list(goal.bytes)), response)
