@@ -27,7 +27,8 @@ kinds:
     false          ends SUCCEEDED with task_result: false
     reject         the goal is refused
     abort          ends ABORTED after its duration
-    cancel         the server cancels it by itself after its duration
+    cancel         the server cancels it by itself after its duration, as if somebody else had
+                   asked for it; the orchestrator holds its task as in_doubt
     hang           does not end by itself; a cancel request is obeyed
     ignore_cancel  does not end by itself; cancel requests are refused
     late:S         ends well, S seconds later

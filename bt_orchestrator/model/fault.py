@@ -20,7 +20,8 @@ class FaultKind(Enum):
     ABORT = 'abort'
     """The goal ends ABORTED after its nominal duration."""
     CANCEL = 'cancel'
-    """The server cancels the goal by itself after its nominal duration."""
+    """The goal ends CANCELED after its nominal duration, and the orchestrator did not ask for it:
+    the task is held as `in_doubt`."""
     HANG = 'hang'
     """The goal does not end by itself; a cancel request is obeyed."""
     IGNORE_CANCEL = 'ignore_cancel'

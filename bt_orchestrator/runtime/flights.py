@@ -239,12 +239,12 @@ def _of_end(state: CellState, key: e.TaskKey, end: GoalEnd) -> e.TaskEvent:
 
 
 def _is_foreign_cancel(task: TaskState, end: GoalEnd) -> bool:
-    """Tell whether a goal was cancelled, and not because this orchestrator asked (2.6)."""
+    """Tell whether a goal was cancelled although no orchestrator asked for it (semantics 2.6)."""
     return end.status is GoalStatus.CANCELED and task.cancel_cause is None
 
 
 def _foreign(message: str) -> str:
-    who = 'cancelled by somebody else: another client, an HMI or the controller itself'
+    who = 'cancelled by somebody else: another client, an HMI, or the controller itself'
     return f'{who} ({message})' if message else who
 
 

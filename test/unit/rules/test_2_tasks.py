@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from fakes.line import Line, with_section
+from fakes.line import THREE, Line, with_section
 from fakes.virtual_run import VirtualRun
 
 WORK_AT = 3.0
@@ -256,9 +256,11 @@ def test_2_6_server_lost_of_a_repeatable_task_obeys_its_policy() -> None:
     assert run.counts()['nonconforming'] == 1
 
 
-@pytest.mark.parametrize('policy', ['hold', 'continue', 'abort_job'])
+@pytest.mark.parametrize('policy', ['hold', 'continue', 'reject', 'abort_job'])
 def test_2_6_what_somebody_else_cancelled_is_in_doubt_whatever_its_policy(policy: str) -> None:
-    run = faulty('#1=cancel', f'retries: 3, repeatable: true, on_failure: {policy}')
+    text = work(f'retries: 3, repeatable: true, on_failure: {policy}')
+    text = text.replace('qty_change: -1', 'qty_change: -1, runs_for: all')
+    run = Line(faults={'a2': '#1=cancel'}).run(text)
     (failed,) = run.all('task.failed')
     assert failed['reason'] == 'in_doubt'
     assert failed['message'].startswith('cancelled by somebody else')
@@ -275,6 +277,27 @@ def test_2_6_a_move_that_somebody_else_cancelled_is_in_doubt() -> None:
     (hold,) = run.state.holds.values()
     assert (hold.task, hold.reason) == ('index', 'in_doubt')
     assert not run.all('job.aborting')
+
+
+@pytest.mark.parametrize('policy', ['hold', 'continue', 'abort_job'])
+@pytest.mark.parametrize('answer', ['retry', 'mark_done', 'skip'])
+def test_2_6_initialization_that_somebody_else_cancelled_is_in_doubt(
+    policy: str, answer: str
+) -> None:
+    options = f'retries: 2, repeatable: true, once: true, on_failure: {policy}'
+    run = Line(faults={'b1': '#1=cancel'}).run(
+        f'initialization: [{{id: ready, @b1, {options}}}]{THREE}'
+    )
+    assert run.reasons() == ['in_doubt']
+    assert run.starts('ready') == [0.0]
+    assert run.starts('place') == []
+    (hold,) = run.state.holds.values()
+    assert (hold.task, hold.answers) == ('ready', ('retry', 'mark_done', 'skip', 'abort_job'))
+    assert run.answer(answer).accepted
+    run.go()
+    assert run.ended
+    assert len(run.starts('ready')) == (2 if answer == 'retry' else 1)
+    assert run.counts()['packed'] == 1
 
 
 def test_2_6_the_own_cancel_of_abort_job_is_no_failed_attempt() -> None:

@@ -363,13 +363,16 @@ def test_7_1_reject_is_not_offered_once_the_item_was_packed() -> None:
         ('pack', ('retry', 'mark_done'), 'taken out of section 3'),
     ],
 )
+@pytest.mark.parametrize(
+    ('fault', 'reason'), [('#1=die:1', 'server_lost'), ('#1=cancel', 'in_doubt')]
+)
 def test_7_1_only_answers_that_say_what_the_slot_holds(
-    task: str, answers: tuple[str, ...], question: str
+    task: str, answers: tuple[str, ...], question: str, fault: str, reason: str
 ) -> None:
     """Any other would let the belt move with a slot that nobody has looked at."""
-    run = Line(faults={COMPONENTS[task]: '#1=die:1'}).run(ALL)
+    run = Line(faults={COMPONENTS[task]: fault}).run(ALL)
     (hold,) = run.state.holds.values()
-    assert (hold.reason, hold.answers) == ('server_lost', answers)
+    assert (hold.reason, hold.answers) == (reason, answers)
     assert f'was J/1 {question}? mark_done if it was, else retry' in hold.message
     run.answer('mark_done')
     run.go()

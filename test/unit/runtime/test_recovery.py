@@ -333,6 +333,20 @@ def test_9_2_a_cancelled_goal_stays_cancelled() -> None:
     assert failed == ['timeout']
 
 
+def test_2_6_what_somebody_cancelled_while_no_orchestrator_ran_is_in_doubt() -> None:
+    line = Line(faults={'a2': '#1=cancel'})
+    world = World(line.cell)
+    options = 'retries: 2, repeatable: true, on_failure: continue'
+    killed_at_work(world, line.script(with_section(2, f'- {{id: work, @a2, {options}}}')))
+    world.clock.sleep(5.0)
+    second = world.orchestrator()
+    world.go(second)
+    (hold,) = second.state.holds.values()
+    assert (hold.task, hold.reason) == ('work', 'in_doubt')
+    assert hold.message.startswith('cancelled by somebody else')
+    assert not world.events(e.TaskRetrying)
+
+
 def test_7_2_pause_lets_what_runs_end_and_starts_nothing() -> None:
     line = Line()
     world = World(line.cell)
