@@ -22,14 +22,18 @@ conveyor:
   type: bt_orchestrator_interfaces/action/Conveyor
   task: MOVE_ONE_INDEX
 components:
-  feeder: {section: 1, action: feeder/task, type: bt_orchestrator_interfaces/action/Component}
+  feeder:
+    {section: 1, action: feeder/task, type: bt_orchestrator_interfaces/action/Component,
+     durations: {TASK_A: 1.0}}
   worker:
     section: 2
     action: worker/task
     type: bt_orchestrator_interfaces/action/Component
     state: {topic: worker/state, type: std_msgs/msg/String, field: data, ready: [READY]}
-    durations: {TASK_B: 1200.0, TASK_C: 40.0}
-  packer: {section: 2, action: packer/task, type: bt_orchestrator_interfaces/action/Component}
+    durations: {TASK_A: 1.0, TASK_B: 1200.0, TASK_C: 40.0}
+  packer:
+    {section: 2, action: packer/task, type: bt_orchestrator_interfaces/action/Component,
+     durations: {TASK_A: 1.0}}
 """
 """Relative names, for namespaces; a task takes 1 s of simulated time, the worker's TASK_B a
 minute of real time at SPEED, and its TASK_C two seconds."""

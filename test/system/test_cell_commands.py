@@ -42,7 +42,8 @@ def test_7_2_abort_clear_reset_start_and_the_job_finishes(manual_cell: CellProce
     cleared = watch.command('clear', belt=['1=WO-1/2', '2=empty'])
     assert (cleared.accepted, cleared.state) == (True, 'Stopped'), cleared.message
     assert watch.until('item.removed', how='by_hand')['item'] == 'WO-1/1'
-    assert watch.answer(hold.id, 'retry').accepted
+    assert not watch.answer(hold.id, 'retry').accepted, 'there is nothing to work on any more'
+    assert watch.answer(hold.id, 'skip').accepted
     assert watch.until_state('Stopped').jobs[0].missing == 1
     assert watch.command('reset').accepted
     assert watch.command('start').accepted

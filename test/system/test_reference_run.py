@@ -53,7 +53,7 @@ def steps_by_section(records: Iterable[dict[str, Any]]) -> Steps:
 @pytest.fixture
 def reference_cell(start_cell: StartCell) -> CellProcesses:
     """Give the reference cell."""
-    cell = start_cell(CELL.read_text())
+    cell = start_cell(CELL.read_text(), run_options=['--trees', str(SCRIPT.parent)])
     cell.connect()
     return cell
 
