@@ -14,13 +14,15 @@ from math import inf
 from typing import Any
 
 from fakes.naive_plan import Row
-from fakes.naive_run import Item, Job, NaiveRun, Task
+from fakes.naive_run import Item, Job, Task
+from fakes.naive_state import NaiveState
+from fakes.naive_verdicts import answers, is_skipped, needs_belt, verdict
 
 GRACE_S = 5.0
 CANCELED_FIRST, TIMES_LAST = -inf, inf
 
 
-class NaiveCell(NaiveRun):
+class NaiveCell(NaiveState):
     """One cell with its queue."""
 
     def settle(self) -> None:
@@ -44,6 +46,7 @@ class NaiveCell(NaiveRun):
         known = [link['flag'] for one in self.jobs[:-1] for link in one.plan.flags]
         self.flags |= {f['flag']: f['initial'] for f in job.plan.flags if f['flag'] not in known}
         self.say('job.queued', {'job': job}, script=script, quantity=quantity)
+        self.had_work = True
         self.settle()
 
     def is_due(self, number: int, item: Item) -> bool:
@@ -159,9 +162,6 @@ class NaiveCell(NaiveRun):
         self.say_once('turn.completed', cycle.where)
         self.say('cycle.completed', cycle.where)
 
-    def may_begin(self) -> bool:
-        return self.state == 'Execute' and not self.holds
-
     def begin(self, number: int) -> None:
         """Begin a section's next cycle, perhaps ahead of its beat."""
         job, item, beat = self.next_cycle(number)
@@ -261,11 +261,6 @@ class NaiveCell(NaiveRun):
                 self.start(task)
         return False
 
-    def stopped(self, number: int | None) -> bool:
-        """Tell whether a pause or a hold keeps a section from starting anything (7.1)."""
-        places = [hold.where['section'] for hold in self.holds if hold.where.get('job')]
-        return number in places or any(hold.reason == 'paused' for hold in self.holds)
-
     def flags_allow(self, task: Task) -> bool:
         """Tell whether no flag of a task would sink below 0 or rise above its capacity (4.1)."""
         changes = task.job.plan.changes[task.id] if task.item else ()
@@ -281,7 +276,8 @@ class NaiveCell(NaiveRun):
         self.done.pop(task.does, None)
         fields = {'name': name, 'action': action, 'component': task.device.name}
         self.say('task.started', task.where, attempt=task.attempt, **fields)
-        task.deaf, ends = task.device.take(name)
+        deaf_after_s, ends = task.device.take(name)
+        task.deaf_from = round(self.now + deaf_after_s, 6)
         timeout_s = {'timeout': 300.0, **task.device.given, **task.given}['timeout']
         self.at(timeout_s, task, 'timeout', TIMES_LAST)
         for seconds, end, certain in ends:
@@ -293,7 +289,7 @@ class NaiveCell(NaiveRun):
             task.cancelled = cause
             self.say('task.cancel_requested', task.where, cause=cause)
             self.at(GRACE_S, task, 'in_doubt', TIMES_LAST)
-            if not task.deaf:
+            if self.now < task.deaf_from:
                 self.at(0.0, task, 'canceled', CANCELED_FIRST)
 
     def end(self, task: Task, end: str) -> None:
@@ -304,7 +300,7 @@ class NaiveCell(NaiveRun):
             means = {'timeout': 'timeout', '': 'in_doubt'} if end == 'canceled' else {}
             task.state, task.reason = 'failed', means.get(task.cancelled, end)
             asks = ('hold', 'abort_job') if task is self.move else ('hold',)
-            task.busy &= self.verdict(task) in asks
+            task.busy &= verdict(task) in asks
             self.say('task.failed', task.where, attempt=task.attempt, reason=task.reason)
         else:
             results = task.device.results(task.given['task'])
@@ -336,23 +332,11 @@ class NaiveCell(NaiveRun):
             item.place = 0
             self.say('position.ended', item.at(task.section))
 
-    # --- failures, operators, the cell's state (2.6, 2.7, 7) --------------------------------
+    # --- failures and operators (2.6, 2.7, 7.1) -------------------------------------------
 
     def decide(self, task: Task) -> None:
         """Do what is to be done about a failed attempt."""
-        self.carry_out(task, self.verdict(task), task.given.get('retry_delay', 0.0))
-
-    def verdict(self, task: Task) -> str:
-        """Say what is to be done about a failed attempt; the last word counts (2.6, 2.7)."""
-        what = task.given.get('on_failure', 'hold')
-        if task.attempt <= task.given.get('retries', 0) and task.reason != 'missing_result':
-            what = 'retry'
-        if task.cancelled == 'abort_job':
-            what = 'hold' if self.is_open(task) else 'abort_job'
-        lost = task.reason == 'server_lost' and not task.given.get('repeatable')
-        if task.reason == 'in_doubt' or lost:
-            what = 'hold'
-        return str(what)
+        self.carry_out(task, verdict(task), task.given.get('retry_delay', 0.0))
 
     def carry_out(self, task: Task, what: str, delay_s: float = 0.0) -> None:
         """Do what a rule, a policy or an operator says about a task; a move is never given up."""
@@ -363,7 +347,7 @@ class NaiveCell(NaiveRun):
         if what == 'hold' or (what == 'abort_job' and task is self.move):
             if task.state != 'held':
                 task.state = 'held'
-                self.hold(task.reason, task.where, self.answers(task), task)
+                self.hold(task.reason, task.where, self.offered(task), task)
         elif what == 'retry':
             task.state, task.not_before = 'waiting', round(self.now + delay_s, 6)
             self.at(delay_s, task, 'retry', TIMES_LAST)
@@ -376,28 +360,9 @@ class NaiveCell(NaiveRun):
             self.say('task.continued', task.where, policy=what)
             self.executed(task, None)
 
-    def is_open(self, task: Task) -> bool:
-        """Tell whether nobody knows if a task has placed its item or taken it out (4.3)."""
-        unknown = task.reason in ('in_doubt', 'server_lost') or task.cancelled == 'abort_job'
-        begun = task.reason not in ('goal_rejected', 'missing_result')
-        return bool(task.given.get('qty_change')) and unknown and begun
-
-    def answers(self, task: Task) -> list[str]:
+    def offered(self, task: Task) -> list[str]:
         """Return what makes sense as an answer about a held task now (7.1)."""
-        job, item, is_open = task.job, task.item, self.is_open(task)
-        again = not (job and job.aborting) if not item else is_for(task.given, item)
-        again = again or task is self.move
-        again = again and not (is_open and task.cancelled == 'abort_job')
-        good = item and item.place and not (item.empty or item.rejected)
-        jobs = [job] if job else [one.job for one in self.slots().values()]
-        sensible = {
-            'retry': again,
-            'mark_done': True,
-            'skip': job and not (again and task.given.get('qty_change') == -1),
-            'reject': good and not is_open and task.id not in job.plan.trailing,
-            'abort_job': not is_open and not all(one.aborting for one in jobs),
-        }
-        return [answer for answer, fits in sensible.items() if fits]
+        return answers(task, [item.job for item in self.slots().values()])
 
     def operate(self, answer: str, hold: Any = None, item: Item | None = None) -> None:
         """Do what an operator says; jobs on the belt are aborted and the move stays held (3.5)."""
@@ -413,49 +378,3 @@ class NaiveCell(NaiveRun):
             self.carry_out(hold.task, answer)
         if answer == 'pause':
             self.hold('paused', {}, ['resume'])
-
-    def cell_state(self, *, still: bool) -> None:
-        """Make one transition, if one is due."""
-        working = 'Holding' if self.holds else 'Execute'
-        due = {'Starting': working, 'Unholding': working}
-        due |= {'Resetting': 'Idle', 'Completing': 'Complete'}
-        if self.jobs:
-            due |= {'Stopped': 'Resetting', 'Complete': 'Resetting', 'Idle': 'Starting'}
-        else:
-            due['Execute'] = 'Completing'
-        if not self.holds:
-            due |= {'Holding': 'Held', 'Held': 'Unholding'}
-        else:
-            due['Execute'] = 'Holding'
-            running = any(task.state == 'running' for task in self.started)
-            later = any(t.state == 'waiting' and t.not_before > self.now for t in self.started)
-            if still and not running and not later:
-                due['Holding'] = 'Held'
-        if self.state in due:
-            previous, self.state = self.state, due[self.state]
-            self.say('cell.state_changed', {}, state=self.state, previous=previous)
-
-
-def is_skipped(given: Row, item: Item) -> bool:
-    """Tell whether a task is skipped (3.2, 6.4, 6.5; KeyError: a result is missing, 6.3)."""
-    if not is_for(given, item):
-        return True
-    for test, needed in ((given.get('when'), True), (given.get('unless'), False)):
-        if isinstance(test, dict) and (item.value(test['value']) == test['equals']) != needed:
-            return True
-        if isinstance(test, str) and item.value(test) != needed:
-            return True
-    for value in given.get('args', {}).values():
-        item.value(value)
-    return False
-
-
-def is_for(given: Row, item: Item) -> bool:
-    """Tell whether a task is for an item: it is there, and good or rejected (3.2, 6.4)."""
-    state = 'rejected' if item.rejected else 'good'
-    return not item.empty and given.get('runs_for', 'good') in ('all', state)
-
-
-def needs_belt(step: list[list[Task]]) -> bool:
-    """Tell whether a step requires the conveyor: a group does if any member does (3.3)."""
-    return any(task.given.get('requires_conveyor', True) for member in step for task in member)

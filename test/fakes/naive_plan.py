@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable
 from itertools import chain
-from math import ceil
+from math import ceil, inf
 from types import SimpleNamespace
 from typing import Any
 
@@ -28,29 +28,31 @@ class NaiveDevice:
         self.faults = dict(text[1:].split('=') for text in given.get('faults', []))
         self.goals, self.accepted, self.dead = 0, 0, False
 
-    def take(self, task: str) -> tuple[bool, list[tuple[float, str, float]]]:
+    def take(self, task: str) -> tuple[float, list[tuple[float, str, float]]]:
         """Take a goal.
 
-        :return: whether it is deaf to a cancel, and how it ends if left alone: after so many
-            seconds, with a reason ('': it succeeds), and the seconds after which that is certain
+        :return: the seconds after which it is deaf to a cancel, and how it ends if left alone:
+            after so many seconds, with a reason ('': it succeeds), and the seconds after which
+            that is certain
         """
         self.goals += 1
         kind, _, extra_s = self.faults.get(str(self.goals), '').partition(':')
         if self.dead or kind == 'reject':
-            return True, [(0.0, 'goal_rejected', BEFORE_OTHERS)]
+            return 0.0, [(0.0, 'goal_rejected', BEFORE_OTHERS)]
         if kind == 'mute':
-            return True, [(CHECK_S * CHECKS_OF_A_REQUEST, 'server_lost', 0.0)]
+            return 0.0, [(CHECK_S * CHECKS_OF_A_REQUEST, 'server_lost', 0.0)]
         self.accepted += 1
         seconds = self.duration(self.name, self.accepted)
         if seconds is None:
             seconds = self.given.get('durations', {}).get(task, self.given.get('duration', 1.0))
         if kind == 'die':
             back = seconds / 2 + float(extra_s)
-            return False, [(CHECK_S * max(1, ceil(back / CHECK_S)), 'server_lost', back)]
+            lost = CHECK_S * max(1, ceil(back / CHECK_S))
+            return seconds / 2, [(lost, 'server_lost', back)]
         if kind in ('hang', 'ignore_cancel'):
             self.dead = kind == 'ignore_cancel'
-            return self.dead, []
-        return False, [(seconds + float(extra_s or 0), REASONS.get(kind, ''), 0.0)]
+            return 0.0 if self.dead else inf, []
+        return inf, [(seconds + float(extra_s or 0), REASONS.get(kind, ''), 0.0)]
 
     def results(self, task: str) -> Row:
         """Return the results of a task that succeeded."""

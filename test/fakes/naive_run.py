@@ -67,7 +67,8 @@ class Task:
     not_before: float = 0.0
     reason: str = ''
     cancelled: str = ''
-    deaf: bool = True
+    deaf_from: float = 0.0
+    """The time from which its server hears no cancel."""
     busy: bool = False
     """Whether it has its component and zones: it runs, is held, or was, and is to be tried again
     (2.5, 4.4)."""
@@ -104,6 +105,10 @@ class NaiveRun(ABC):
         self.devices = {device.given['action']: device for device in devices}
         self.plans = {script['script']: plan_of(script) for script in scripts}
         self.now, self.beat, self.moving, self.state = 0.0, 1, False, 'Stopped'
+        self.stopped_by_hand = False
+        """An operator's stop, until an operator's start (7.2)."""
+        self.had_work = False
+        """Since it was started: one that never had an order waits for one (7.2)."""
         self.move = Task('index', cell['conveyor'], devices[-1], {'conveyor'})
         self.jobs: list[Job] = []
         self.cycles: dict[int, Any] = {}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Protocol
 
 import yaml
@@ -14,13 +14,16 @@ from fakes.virtual_run import VirtualRun
 from hypothesis import note
 
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.cell_commands import Reset, Start, Stop
 from bt_orchestrator.model.goal import GoalRequest
+from bt_orchestrator.model.packml import VERBS, Cause, possible_in
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.proof.deadlock import deadlock
 from bt_orchestrator.script.cell_file import parse_cell
 from bt_orchestrator.script.script_file import parse_script
 
 TYPES = FakeActionTypes()
+COMMANDS = {Cause.STOP: Stop, Cause.RESET: Reset, Cause.START: Start}
 PATIENCE = 120
 """Decisions after which an operator has had enough: no drawn line needs nearly as many."""
 
@@ -38,17 +41,34 @@ class Bench(Protocol):
     def answer(self, hold: str, answer: str) -> None: ...
     def remove(self, item: str) -> None: ...
     def pause(self, paused: bool) -> None: ...
+    def commands(self) -> Sequence[str]:
+        """Return what is possible now of stop, reset and start."""
+
+    def command(self, what: str) -> None: ...
+    def order(self) -> None:
+        """Give the next order, if one is left."""
+
+
+REMOVES, PAUSES, STOPS, STARTS, ORDERS = 7, 8, 9, 10, 11
+"""Choices of an operator who does more than answer."""
 
 
 def operate(bench: Bench, moments: Sequence[Moment]) -> bool:
-    """Work until every job ended; return False if the line got stuck."""
+    """Work until every job ended; return False if the line got stuck.
+
+    At last everything is answered, resumed and started.
+    """
     later = itertools.repeat(None, PATIENCE)
     for moment in itertools.chain(moments, later):
         bench.wait(moment.delay_s if moment else None)
-        if not bench.live:
+        if not bench.live and moment is None:
             return True
         choice = moment.choice if moment else 1
-        if holds := bench.holds():
+        if choice == ORDERS:
+            bench.order()
+        elif choice in (STOPS, STARTS):
+            _stop_or_start(bench, stop=choice == STOPS)
+        elif holds := bench.holds():
             hold, answers, item = holds[0]
             if 'remove_item' in answers:
                 assert item is not None
@@ -58,21 +78,36 @@ def operate(bench: Bench, moments: Sequence[Moment]) -> bool:
         elif bench.paused:
             bench.pause(False)
         elif moment is None:
-            return False
-        elif choice == 7 and (standing := bench.standing()):
+            if not _stop_or_start(bench, stop=False):
+                return False
+        elif choice == REMOVES and (standing := bench.standing()):
             bench.remove(standing[choice % len(standing)])
-        elif choice == 8:
+        elif choice == PAUSES:
             bench.pause(True)
     raise AssertionError('an operator is asked again and again')
+
+
+def _stop_or_start(bench: Bench, *, stop: bool) -> bool:
+    """Stop the cell, or go one step to its work; tell whether that was possible."""
+    fitting = [one for one in bench.commands() if (one == 'stop') == stop]
+    for one in fitting:
+        bench.command(one)
+    return bool(fitting)
 
 
 class NaiveBench:
     """The naive cell."""
 
-    def __init__(self, plan: Plan) -> None:
+    def __init__(self, plan: Plan, refused: Collection[str] = ()) -> None:
+        """Begin with the first orders.
+
+        :param refused: ids of the orders that the cell takes not
+        """
         self.cell = NaiveCell(plan.cell, plan.scripts, plan.duration)
-        for order in plan.orders:
-            self.cell.submit(*order)
+        self._refused = refused
+        self._orders = iter((*plan.orders, *plan.later))
+        for _ in plan.orders:
+            self.order()
 
     @property
     def live(self) -> bool:
@@ -88,7 +123,7 @@ class NaiveBench:
     def holds(self) -> list[tuple[str, Sequence[str], str | None]]:
         holds = [hold for hold in self.cell.holds if hold.reason != 'paused']
         items = [hold.where['item'] for hold in holds]
-        answers = [self.cell.answers(h.task) if h.task else h.answers for h in holds]
+        answers = [self.cell.offered(h.task) if h.task else h.answers for h in holds]
         return [
             (hold.id, offered, item and item.id)
             for hold, offered, item in zip(holds, answers, items, strict=True)
@@ -107,6 +142,17 @@ class NaiveBench:
     def pause(self, paused: bool) -> None:
         self.cell.operate('pause' if paused else 'resume')
 
+    def commands(self) -> Sequence[str]:
+        return self.cell.commands()
+
+    def command(self, what: str) -> None:
+        self.cell.command(what)
+
+    def order(self) -> None:
+        order = next(self._orders, None)
+        if order and order[0] not in self._refused:
+            self.cell.submit(*order)
+
 
 class ProductBench:
     """The product in virtual time."""
@@ -119,14 +165,13 @@ class ProductBench:
         )
         self._counts: dict[str, int] = {}
         self.scripts = product_scripts(plan, self.cell)
-        self.accepted: tuple[tuple[str, str, int], ...] = ()
-        """The orders, without those whose flags cannot be shared with the ones before (4.1)."""
-        for order, script, quantity in plan.orders:
-            answer = self.run.submit(order, self.scripts[script], quantity)
-            if answer.accepted:
-                self.accepted += ((order, script, quantity),)
-            else:
-                assert 'the line can get stuck' in answer.message, answer
+        self._orders = iter((*plan.orders, *plan.later))
+        self.accepted: dict[str, str] = {}
+        """Scripts of the orders."""
+        self.refused: set[str] = set()
+        """Orders whose flags cannot be shared with the ones before (4.1)."""
+        for _ in plan.orders:
+            self.order()
 
     def _duration(self, request: GoalRequest) -> float:
         name = request.component
@@ -165,6 +210,23 @@ class ProductBench:
     def pause(self, paused: bool) -> None:
         assert (self.run.pause() if paused else self.run.resume()).accepted
 
+    def commands(self) -> Sequence[str]:
+        possible = possible_in(self.run.state.mode)
+        return [VERBS[cause] for cause in possible if cause in COMMANDS]
+
+    def command(self, what: str) -> None:
+        kind = next(kind for cause, kind in COMMANDS.items() if VERBS[cause] == what)
+        assert self.run.command(kind).accepted
+
+    def order(self) -> None:
+        for id_, script, quantity in itertools.islice(self._orders, 1):
+            answer = self.run.submit(id_, self.scripts[script], quantity)
+            if answer.accepted:
+                self.accepted[id_] = script
+            else:
+                assert 'the line can get stuck' in answer.message, answer
+                self.refused.add(id_)
+
 
 def text_of(data: Row) -> str:
     """Return a file of plain data."""
@@ -187,7 +249,7 @@ def product_scripts(plan: Plan, cell: Cell) -> dict[str, Script]:
 def show(plan: Plan) -> None:
     """Print a plan with its failure."""
     note('\n'.join(map(text_of, (plan.cell, *plan.scripts))))
-    note(f'{plan.orders} {plan.moments} {plan.seconds} {sorted(plan.rebuilds)}')
+    note(f'{plan.orders} {plan.later} {plan.moments} {plan.seconds} {sorted(plan.rebuilds)}')
 
 
 def refused(plan: Plan) -> set[str]:

@@ -80,8 +80,9 @@ def sample(count: int) -> list[Plan]:
     )
     @given(lines(SPACED))
     def draw(plan: Plan) -> None:
-        alone = replace(plan, moments=(), rebuilds=frozenset())
-        size = sum(quantity for _, _, quantity in plan.orders) * plan.cell['conveyor']['sections']
+        orders = (*plan.orders, *plan.later)
+        alone = replace(plan, orders=orders, later=(), moments=(), rebuilds=frozenset())
+        size = sum(quantity for _, _, quantity in orders) * plan.cell['conveyor']['sections']
         if size >= LEAST and expected(alone) is not None:
             found.append(alone)
         if len(found) == count:

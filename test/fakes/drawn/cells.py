@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
-from fakes.drawn.plan import Draw, Row, Traits, chance
+from fakes.drawn.plan import Draw, Row, Traits, chance, devices
 from hypothesis import strategies as st
 
 TYPE = 'bt_orchestrator_interfaces/action/Component'
@@ -45,6 +46,19 @@ def draw_cell(draw: Draw, size: int, traits: Traits) -> Row:
         'faults': _faults(draw, 6) if traits.faults else [],
     }
     return {'cell': 'random_cell', 'conveyor': conveyor, 'components': components}
+
+
+def lasting(cell: Row, seconds: Sequence[float]) -> list[float]:
+    """Return durations, none 0 where a server dies, and let no nominal one be 0 there.
+
+    Whether a goal that is cancelled as it starts is cancelled, or dies with its server in that
+    moment, is open.
+    """
+    dying = [one for one in devices(cell) if any('die' in text for text in one.get('faults', []))]
+    for device in dying:
+        for task, nominal in device.get('durations', {}).items():
+            device['durations'][task] = nominal or 1.0
+    return [one or 1.0 if dying else one for one in seconds]
 
 
 def _component(draw: Draw, name: str, place: Any, number: int, traits: Traits) -> Row:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import copy
 
-from fakes.drawn.cells import SECONDS, draw_cell
+from fakes.drawn.cells import SECONDS, draw_cell, lasting
 from fakes.drawn.plan import MOST_SECTIONS, Draw, Moment, Plan, Row, Traits, chance, tasks_of
 from fakes.drawn.scripts import DrawnScript
 from hypothesis import strategies as st
@@ -30,11 +30,20 @@ def lines(draw: Draw, traits: Traits = ANY) -> Plan:
     count = draw(st.integers(1, 4))
     chosen = [scripts[draw(st.integers(0, len(scripts) - 1))]['script'] for _ in range(count)]
     orders = tuple((f'J{n}', name, draw(st.integers(1, 4))) for n, name in enumerate(chosen))
-    moment = st.builds(Moment, st.sampled_from(MOMENTS), st.integers(0, 11))
-    moments = draw(st.lists(moment, max_size=8))
+    first = count if draw(st.booleans()) else 1
+    moment = st.builds(Moment, st.sampled_from(MOMENTS), st.integers(0, 13))
+    moments = draw(st.lists(moment, max_size=10))
     drawn = draw(st.lists(st.sampled_from((*SECONDS, 40.0)), max_size=5)) if traits.tied else []
     rebuilds = draw(st.frozensets(st.integers(1, 80), max_size=6))
-    return Plan(cell, tuple(scripts), orders, tuple(moments), tuple(drawn), rebuilds)
+    return Plan(
+        cell=cell,
+        scripts=tuple(scripts),
+        orders=orders[:first],
+        later=orders[first:],
+        moments=tuple(moments),
+        seconds=tuple(lasting(cell, drawn)),
+        rebuilds=rebuilds,
+    )
 
 
 def _variant(draw: Draw, script: Row) -> Row:

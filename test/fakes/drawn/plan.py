@@ -32,6 +32,8 @@ class Plan:
     scripts: tuple[Row, ...]
     orders: tuple[tuple[str, str, int], ...]
     """Order id, script, quantity."""
+    later: tuple[tuple[str, str, int], ...]
+    """Orders that an operator gives in the course of things."""
     moments: tuple[Moment, ...]
     seconds: tuple[float, ...]
     """Durations of the goals of each component in turn; empty: the nominal ones."""
@@ -40,13 +42,12 @@ class Plan:
 
     @property
     def has_faults(self) -> bool:
-        devices = [self.cell['conveyor'], *self.cell['components'].values()]
-        return any(device.get('faults') for device in devices)
+        return any(device.get('faults') for device in devices(self.cell))
 
     def without_faults(self) -> Plan:
         """Return the same line, in which nothing goes wrong."""
         cell = copy.deepcopy(self.cell)
-        for device in [cell['conveyor'], *cell['components'].values()]:
+        for device in devices(cell):
             device['faults'] = []
         return replace(self, cell=cell)
 
@@ -75,6 +76,11 @@ class Traits:
     tied: bool = True
     """Durations may be equal, so that several things happen at one moment."""
     most_sections: int = MOST_SECTIONS
+
+
+def devices(cell: Row) -> list[Row]:
+    """Return the conveyor and the components of a cell."""
+    return [cell['conveyor'], *cell['components'].values()]
 
 
 def chance(draw: Draw, percent: int) -> bool:

@@ -36,7 +36,7 @@ None is so long that a task times out: `abort_job` would free a line that is stu
 def verdicts(kind: type[NaiveBench | ProductBench], plan: Plan, script: str) -> list[bool]:
     """Tell for each draw whether a job of one script alone gets stuck, where nothing fails."""
     orders = (('J', script, 3 * plan.cell['conveyor']['sections']),)
-    alone = replace(plan, orders=orders, moments=()).without_faults()
+    alone = replace(plan, orders=orders, later=(), moments=()).without_faults()
     return [not operate(kind(replace(alone, seconds=seconds)), ()) for seconds in DRAWS]
 
 
@@ -52,8 +52,8 @@ def test_9_1_every_line_goes_as_the_second_opinion_says() -> None:
     def holds(plan: Plan) -> None:
         show(plan)
         product = ProductBench(plan)
-        naive = NaiveBench(replace(plan, orders=product.accepted))
         ended = operate(product, plan.moments)
+        naive = NaiveBench(plan, product.refused)
         assert operate(naive, plan.moments) == ended
         records = product.run.records
         assert comparable(records) == naive.cell.records
@@ -63,15 +63,17 @@ def test_9_1_every_line_goes_as_the_second_opinion_says() -> None:
             assert verdicts(NaiveBench, plan, name) == [name in stuck] * len(DRAWS), name
         for name in stuck:
             assert verdicts(ProductBench, plan, name) == [True] * len(DRAWS), name
-        if not stuck & {script for _, script, _ in product.accepted}:
+        if stuck.isdisjoint(product.accepted.values()):
             assert ended, product.run.waits()
         seen['all'] += 1
         seen['refused'] += bool(stuck)
-        seen['two jobs'] += len(plan.orders) > 1
+        seen['two jobs'] += len(product.accepted) > 1
+        seen['stopped'] += 'Stopped' in product.run.states
         seen['faults'] += plan.has_faults
 
     holds()
     assert seen['all'] >= 200, seen
     assert seen['refused'] >= 0.1 * seen['all'], seen
     assert seen['two jobs'] >= 0.3 * seen['all'], seen
+    assert seen['stopped'] >= 0.1 * seen['all'], seen
     assert seen['faults'] >= 0.3 * seen['all'], seen

@@ -1,0 +1,73 @@
+"""What the rules say of one task, whatever else is on the line.
+
+Like the naive cell, which asks them, written from the page and not from the product.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from fakes.naive_plan import Row
+from fakes.naive_run import Item, Job, Task
+
+
+def is_skipped(given: Row, item: Item) -> bool:
+    """Tell whether a task is skipped (3.2, 6.4, 6.5; KeyError: a result is missing, 6.3)."""
+    if not is_for(given, item):
+        return True
+    for test, needed in ((given.get('when'), True), (given.get('unless'), False)):
+        if isinstance(test, dict) and (item.value(test['value']) == test['equals']) != needed:
+            return True
+        if isinstance(test, str) and item.value(test) != needed:
+            return True
+    for value in given.get('args', {}).values():
+        item.value(value)
+    return False
+
+
+def is_for(given: Row, item: Item) -> bool:
+    """Tell whether a task is for an item: it is there, and good or rejected (3.2, 6.4)."""
+    state = 'rejected' if item.rejected else 'good'
+    return not item.empty and given.get('runs_for', 'good') in ('all', state)
+
+
+def needs_belt(step: list[list[Task]]) -> bool:
+    """Tell whether a step requires the conveyor: a group does if any member does (3.3)."""
+    return any(task.given.get('requires_conveyor', True) for member in step for task in member)
+
+
+def verdict(task: Task) -> str:
+    """Say what is to be done about a failed attempt; the last word counts (2.6, 2.7)."""
+    what = task.given.get('on_failure', 'hold')
+    if task.attempt <= task.given.get('retries', 0) and task.reason != 'missing_result':
+        what = 'retry'
+    if task.cancelled == 'abort_job':
+        what = 'hold' if is_open(task) else 'abort_job'
+    lost = task.reason == 'server_lost' and not task.given.get('repeatable')
+    if task.reason == 'in_doubt' or lost:
+        what = 'hold'
+    return str(what)
+
+
+def is_open(task: Task) -> bool:
+    """Tell whether nobody knows if a task has placed its item or taken it out (4.3, 7.1)."""
+    unknown = task.reason in ('in_doubt', 'server_lost') or task.cancelled == 'abort_job'
+    begun = task.reason not in ('goal_rejected', 'missing_result')
+    return bool(task.given.get('qty_change')) and unknown and begun
+
+
+def answers(task: Task, on_the_belt: Iterable[Job]) -> list[str]:
+    """Return what makes sense as an answer about a held task now (7.1); a move has no job."""
+    job, item, slot_in_doubt = task.job, task.item, is_open(task)
+    again = not (job and job.aborting) if not item else is_for(task.given, item)
+    again = again and not (slot_in_doubt and task.cancelled == 'abort_job')
+    good = item and item.place and not (item.empty or item.rejected)
+    jobs = [job] if job else on_the_belt
+    sensible = {
+        'retry': again,
+        'mark_done': True,
+        'skip': job and not (again and task.given.get('qty_change') == -1),
+        'reject': good and not slot_in_doubt and task.id not in job.plan.trailing,
+        'abort_job': not slot_in_doubt and not all(one.aborting for one in jobs),
+    }
+    return [answer for answer, fits in sensible.items() if fits]
