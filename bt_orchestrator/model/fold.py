@@ -22,8 +22,8 @@ from bt_orchestrator.model.state import (
     Phase,
     Reading,
     TaskState,
+    same_args,
     same_task,
-    signature,
 )
 from bt_orchestrator.model.uptime import Uptime
 
@@ -218,7 +218,7 @@ _ENDS = {
 def _succeed(state: CellState, key: e.TaskKey, end: End) -> None:
     task, progress = state.task(key), state.tasks[key]
     if task is not None and progress.goal is not None:
-        state.done_once.add(signature(task, progress.args))
+        state.done_once[same_task(task)] = same_args(progress.args)
     _end(state, key, end)
 
 
@@ -226,8 +226,7 @@ def _forget_done(state: CellState, key: e.TaskKey) -> None:
     """Forget with which arguments a task was done last, wherever it ran (semantics 5.1)."""
     task = state.task(key)
     if task is not None:
-        same = same_task(task)
-        state.done_once = {done for done in state.done_once if not done.startswith(same)}
+        state.done_once.pop(same_task(task), None)
 
 
 def _end(state: CellState, key: e.TaskKey, end: End) -> None:

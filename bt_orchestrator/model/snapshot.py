@@ -69,6 +69,10 @@ def _of_today(fields: Mapping[str, Any]) -> Mapping[str, Any]:
 
     `order_arrived` was false from an operator's stop to the next order, or start.
     """
+    done = fields.get('done_once')
+    if isinstance(done, list):  # action, constant and arguments in one text
+        told = (text.split(' ', 2) for text in done)
+        fields = {**fields, 'done_once': {f'{action} {name}': args for action, name, args in told}}
     if 'order_arrived' not in fields:
         return fields
     arrived, mode = fields['order_arrived'], Mode(fields['mode'])

@@ -315,8 +315,9 @@ class CellState:
     holds: dict[str, Hold] = field(default_factory=dict)
     holds_raised: int = 0
     readings: dict[str, Reading] = field(default_factory=dict)
-    done_once: set[str] = field(default_factory=set)
-    """Signatures of tasks whose last attempt succeeded since Stopped (semantics 5.1)."""
+    done_once: dict[str, str] = field(default_factory=dict)
+    """Arguments of the last attempt of each task (`same_task`), if it succeeded since Stopped
+    (semantics 5.1)."""
 
     def __post_init__(self) -> None:
         """Begin with an empty belt, and with topics that were not heard of yet."""
@@ -401,11 +402,11 @@ class CellState:
         )
 
 
-def signature(task: Task, args: Mapping[str, Any]) -> str:
-    """Name what a task does: action, task and arguments (semantics 5.1)."""
-    return f'{same_task(task)}{sorted(args.items())!r}'
-
-
 def same_task(task: Task) -> str:
-    """Return what signatures of one task at one action begin with, whatever the arguments."""
-    return f'{task.action} {task.name} '
+    """Name a task by its action and its constant, whatever the arguments (semantics 5.1)."""
+    return f'{task.action} {task.name}'
+
+
+def same_args(args: Mapping[str, Any]) -> str:
+    """Name arguments so that equal ones have one name."""
+    return repr(sorted(args.items()))

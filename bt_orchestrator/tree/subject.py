@@ -10,7 +10,7 @@ from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.reference import Reference, resolve
 from bt_orchestrator.model.script import Condition, Task
-from bt_orchestrator.model.state import CellState, Phase, TaskState, signature
+from bt_orchestrator.model.state import CellState, Phase, TaskState, same_args, same_task
 from bt_orchestrator.model.wait import Wait, WaitKind
 
 
@@ -112,8 +112,8 @@ class Subject:
         if not self.task.once:
             return None
         args = resolve(self.task.args, self.state.scope(self.key))
-        done = signature(self.task, args) in self.state.done_once
-        return 'done before' if done else None
+        done = self.state.done_once.get(same_task(self.task))
+        return 'done before' if done == same_args(args) else None
 
     def _unmet(self, condition: Condition | None) -> str | None:
         """Say that a condition is not met. A missing value is no answer: the attempt fails."""

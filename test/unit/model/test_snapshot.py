@@ -23,7 +23,14 @@ from bt_orchestrator.model.codec import hints_of
 from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.snapshot import kept_fields, state_from_plain, state_to_plain
-from bt_orchestrator.model.state import CellState, Cycle, ItemState, JobState, SectionState
+from bt_orchestrator.model.state import (
+    CellState,
+    Cycle,
+    ItemState,
+    JobState,
+    SectionState,
+    same_args,
+)
 
 LINE = Line()
 SCRIPT = LINE.script(THREE)
@@ -148,6 +155,14 @@ def test_what_an_older_program_knew_of_a_stop_is_an_operators_wish(
     assert (state.stopped_by and state.stopped_by.command) == wish
     assert state.stop_after_by is not None
     assert state.stop_after_by.command == 'stop_after_job'
+
+
+def test_what_an_older_program_knew_to_be_done_once_is_kept() -> None:
+    plain = state_to_plain(CellState(LINE.cell))
+    plain['state']['done_once'] = ['/belt/do HOME []', "/a2/do LOAD [('recipe', 'a b')]"]
+    state = state_from_plain(LINE.cell, plain)
+    assert state.done_once['/belt/do HOME'] == same_args({})
+    assert state.done_once['/a2/do LOAD'] == same_args({'recipe': 'a b'})
 
 
 def test_a_field_that_nobody_knows_is_refused() -> None:
