@@ -133,10 +133,9 @@ class TreeNode:
         first = stop.count
         deadline = time.monotonic() + FAREWELL_S
         self.orchestrator.ask(Shutdown())
-        running = self.orchestrator.state.running
-        while running and stop.count == first and time.monotonic() < deadline:
-            if self.orchestrator.broken:
-                break  # nothing can be cancelled, and no end be kept
+        while (
+            self.orchestrator.awaits_ends and stop.count == first and time.monotonic() < deadline
+        ):
             self._spin_once(0.1)
         self._status.publish_now()
         self._linger(lambda: stop.count > first)
@@ -210,7 +209,10 @@ class TreeNode:
 
     def _without_end(self) -> Iterator[str]:
         """Yield the tasks whose goals may go on; those in doubt count as running no more."""
-        state = self.orchestrator.state
+        state, breakdown = self.orchestrator.state, self.orchestrator.breakdown
+        if breakdown is not None:
+            yield from breakdown.in_flight
+            return
         for key in state.reserved.values():
             if state.tasks[key].reason in (None, Reason.IN_DOUBT):
                 yield f'{key} (goal {state.tasks[key].goal})'

@@ -19,7 +19,7 @@ from bt_orchestrator_interfaces.msg import (
 from bt_orchestrator.model.cell import Component
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.events import TaskKey
-from bt_orchestrator.model.packml import VERBS, possible_in
+from bt_orchestrator.model.packml import VERBS, Cause, possible_in
 from bt_orchestrator.model.state import CellState, Cycle, Phase, SectionState, TaskState
 from bt_orchestrator.model.wish import way_to_work
 from bt_orchestrator.ros.job_message import job_messages, passed_task
@@ -51,9 +51,7 @@ def status_message(orchestrator: Orchestrator, now: float, ends: Mapping[str, fl
         state_times=[StateTime(state=m.value, seconds=s) for m, s in state.times(now).items()],
         stop_reason=state.stop_reason.value if state.stop_reason else '',
         stop_message=state.stop_message,
-        commands=[]
-        if orchestrator.broken
-        else [VERBS[cause] for cause in possible_in(state.mode)],
+        commands=[VERBS[cause] for cause in _possible(orchestrator)],
         belt_moving=state.indexing,
         belt_waiting=waiting(tree.belt),
         initialization_waiting=waiting(tree.initialization),
@@ -66,6 +64,11 @@ def status_message(orchestrator: Orchestrator, now: float, ends: Mapping[str, fl
         ],
         holds=_holds(state),
     )
+
+
+def _possible(orchestrator: Orchestrator) -> tuple[Cause, ...]:
+    """Return what the cell may be told; without a journal only to cancel its goals."""
+    return (Cause.ABORT,) if orchestrator.broken else possible_in(orchestrator.state.mode)
 
 
 def _wish(state: CellState) -> dict[str, Any]:

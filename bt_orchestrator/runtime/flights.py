@@ -46,6 +46,8 @@ class Flights:
         self._goals: dict[str, tuple[e.TaskKey, Goal]] = {}
         self._adopted: set[str] = set()
         """Goals of an earlier orchestrator, of which nothing was heard yet."""
+        self._given_up: dict[str, tuple[e.TaskKey, Goal]] = {}
+        """In doubt: no end came in time, and the task is its operator's."""
         self._timers: dict[str, Timer] = {}
         self._expired: list[str] = []
 
@@ -53,6 +55,11 @@ class Flights:
         """Return a goal in flight."""
         found = self._goals.get(uuid)
         return found[1] if found else None
+
+    @property
+    def without_end(self) -> dict[str, tuple[e.TaskKey, Goal]]:
+        """Every goal of which no end has come, given up or not, by its UUID."""
+        return self._given_up | self._goals
 
     def close(self) -> None:
         """Forget every time limit; goals in flight stay as they are."""
@@ -74,6 +81,7 @@ class Flights:
             self._expire(uuid)
 
     def _end(self, goal: Goal, end: GoalEnd) -> None:
+        self._given_up.pop(goal.request.id, None)
         key, held = self._goals.get(goal.request.id, (None, None))
         if key is None or held is not goal:
             return  # given up before (its operator decides), or sent again since
@@ -104,7 +112,7 @@ class Flights:
             asked = e.TaskCancelRequested(**key._asdict(), goal=uuid, cause=TIMEOUT)
             self._ledger.record([asked])
             return
-        del self._goals[uuid]
+        self._given_up[uuid] = self._goals.pop(uuid)
         message = f'no end came within {GRACE_S:g} s of the cancel request ({task.cancel_cause})'
         doubt = e.TaskFailed(
             **key._asdict(),

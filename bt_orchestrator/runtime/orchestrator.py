@@ -20,6 +20,7 @@ from bt_orchestrator.model.packml import Mode
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.ports import ActionGateway, Clock, EventSink, EventStore
 from bt_orchestrator.runtime import job_queue, lifecycle
+from bt_orchestrator.runtime.breakdown import Breakdown
 from bt_orchestrator.runtime.commands import answer_to
 from bt_orchestrator.runtime.flights import Flights
 from bt_orchestrator.runtime.ledger import Ledger
@@ -77,8 +78,8 @@ class Orchestrator:
         self._settling = False
         self._look_for_ends = True
         """Something happened that may have been the last of a job."""
-        self.broken: str | None = None
-        """Why nothing is done any more: the journal could not be written."""
+        self.breakdown: Breakdown | None = None
+        """What is left once the journal could not be written."""
         gateway.listen(wake)
         up = clock.uptime()
         boot = up.boot if up is not None else ''
@@ -86,13 +87,20 @@ class Orchestrator:
 
     def ask(self, command: Command) -> Answer:
         """Carry out a command, settle, and return the answer for its sender."""
-        try:
-            message = '' if self.broken else answer_to(command, self._ledger)
-        except CommandRefused as refused:
-            self.settle()  # a refusal is on record before its sender hears of it
-            return Answer(accepted=False, message=str(refused), each=refused.each)
-        self.settle()
-        return Answer(accepted=not self.broken, message=self.broken or message)
+        if self.breakdown is None:
+            answer = self._decide(command)
+            self.settle()  # a refusal, too, is on record before its sender hears of it
+        return answer if self.breakdown is None else self.breakdown.answer(command)
+
+    @property
+    def broken(self) -> str | None:
+        """Why nothing is done any more: the journal could not be written."""
+        return None if self.breakdown is None else self.breakdown.message
+
+    @property
+    def awaits_ends(self) -> bool:
+        """Tell whether goals have not ended."""
+        return bool(self.state.running if self.breakdown is None else self.breakdown.in_flight)
 
     def add_sink(self, sink: EventSink) -> None:
         """Hand on events to another output, from the next commit on."""
@@ -103,7 +111,8 @@ class Orchestrator:
 
         :return: whether anything happened
         """
-        if self.broken:
+        if self.breakdown is not None:
+            self.breakdown.look()
             return False
         assert not self._settling, 'settle was called from within a settle'
         self._settling = True
@@ -121,6 +130,12 @@ class Orchestrator:
         self.flights.close()
         self.tree.close()
         self._projection.close()
+
+    def _decide(self, command: Command) -> Answer:
+        try:
+            return Answer(accepted=True, message=answer_to(command, self._ledger))
+        except CommandRefused as refused:
+            return Answer(accepted=False, message=str(refused), each=refused.each)
 
     def _follow(self, event: e.Event) -> None:
         self._projection.follow(event)
@@ -180,7 +195,7 @@ class Orchestrator:
         try:
             self._store.append(events)
         except JournalFailed as failed:
-            self._break_off(failed)
+            self._break_off(failed, events)
             return False
         for event in events:
             self.flights.follow(event)
@@ -188,12 +203,7 @@ class Orchestrator:
             self._hand_on(sink, events)
         return True
 
-    def _break_off(self, failed: JournalFailed) -> None:
-        self.broken = (
-            f'{failed}; nothing is sent any more, what runs goes on to its end. Make room or '
-            'mend the file, and start the orchestrator again: it takes over from the journal'
-        )
-        log.error('%s', self.broken)
+    def _break_off(self, failed: JournalFailed, lost: Sequence[e.Event]) -> None:
         try:
             durable = restore(self.state.cell, self._store)
         except OrchestratorError as error:
@@ -204,6 +214,12 @@ class Orchestrator:
         # Held is what it is, and the one thing shown that cannot be written down.
         self.state.mode, self.state.mode_since = Mode.HELD, self._ledger.now
         self.state.stop_reason, self.state.stop_message = StopReason.OWN_FAULT, str(failed)
+        for event in lost:
+            if isinstance(event, e.TaskAdopted):
+                self.flights.follow(event)  # sends nothing, and lets `abort` cancel the goal
+        self.flights.close()
+        self.breakdown = Breakdown(str(failed), self.flights.without_end, self.gateway)
+        log.error('%s', self.broken)
 
     def _hand_on(self, sink: EventSink, events: Sequence[e.Event]) -> None:
         try:

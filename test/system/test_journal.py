@@ -109,6 +109,64 @@ def test_a_full_disk_is_told_and_a_restart_goes_on(start_cell: StartCell, tmp_pa
     store.close()
 
 
+def broken_at_work(start_cell: StartCell, path: Path) -> tuple[CellProcesses, str]:
+    """Let a task of a minute run while the disk becomes full; returns its goal, too."""
+    cell = start(start_cell, path)
+    cell.run_small(task='TASK_B')
+    goal = str(cell.watch.until('task.started', task='work')['goal'])
+    cell.watch.ros.spin_until(lambda: cell.goals(event='started', goal=goal), 'the goal to run')
+    room = path.with_name(path.name + '-wal').stat().st_size
+    resource.prlimit(cell.node.pid, resource.RLIMIT_FSIZE, (room, room))
+    return cell, goal
+
+
+def until_canceled(cell: CellProcesses, goal: str) -> None:
+    cell.watch.ros.spin_until(
+        lambda: cell.goals(event='ended', goal=goal, status='canceled'), 'the goal to be canceled'
+    )
+
+
+def test_9_1_abort_cancels_goals_on_a_full_disk(start_cell: StartCell, tmp_path: Path) -> None:
+    cell, goal = broken_at_work(start_cell, tmp_path / 'cell' / 'journal.sqlite3')
+    status, _, errors = cell.verb('pause', '--reason', 'a visitor')
+    assert status == 1
+    assert 'cannot be written' in errors
+    assert not cell.goals(event='cancel')
+
+    status, said, errors = cell.verb('abort', '--reason', 'smoke')
+    assert status == 0, errors
+    assert '1 goal is being cancelled; this is not on record' in said
+    until_canceled(cell, goal)
+    shown = cell.watch.until_status(
+        lambda s: '1 asked to cancel without a record, 0 of them' in s.journal_failure, 'its end'
+    )
+    assert (shown.state, shown.stop_reason) == ('Held', 'own_fault')
+    assert list(shown.commands) == ['abort']
+    assert cell.verb('pause', '--reason', 'a visitor')[0] == 1
+    assert cell.verb('abort', '--reason', 'to be sure')[0] == 0
+    cell.stop()
+
+
+def test_9_1_an_abort_that_finds_the_disk_full_cancels_goals(
+    start_cell: StartCell, tmp_path: Path
+) -> None:
+    cell, goal = broken_at_work(start_cell, tmp_path / 'cell' / 'journal.sqlite3')
+    status, said, errors = cell.verb('abort', '--reason', 'smoke')
+    assert status == 0, errors
+    assert 'this is not on record' in said
+    until_canceled(cell, goal)
+    cell.stop()
+
+
+def test_9_1_the_end_of_the_node_cancels_goals_on_a_full_disk(
+    start_cell: StartCell, tmp_path: Path
+) -> None:
+    cell, goal = broken_at_work(start_cell, tmp_path / 'cell' / 'journal.sqlite3')
+    assert cell.verb('pause', '--reason', 'a visitor')[0] == 1
+    assert cell.node.stop() == 0, cell.node.errors
+    assert cell.goals(event='ended', goal=goal, status='canceled')
+
+
 def test_a_backup_takes_nothing_away_and_comes_back_with_a_hold(
     start_cell: StartCell, tmp_path: Path
 ) -> None:
