@@ -20,6 +20,8 @@ from fakes.naive_verdicts import answers, is_skipped, needs_belt, verdict
 
 GRACE_S = 5.0
 CANCELED_FIRST, TIMES_LAST = -inf, inf
+OF_CANCEL = {'timeout': 'timeout', 'abort': 'in_doubt', '': 'in_doubt'}
+"""What it means that a goal was cancelled, by who asked for it; '': a stranger (2.3, 2.6, 7.2)."""
 
 
 class NaiveCell(NaiveState):
@@ -284,8 +286,8 @@ class NaiveCell(NaiveState):
             self.at(seconds, task, end, certain)
 
     def cancel(self, task: Task, cause: str) -> None:
-        """Cancel a goal and await its end for a while (2.4)."""
-        if task.state == 'running' and not task.cancelled:
+        """Cancel a goal and await its end for a while (2.4); `abort` does so once more (7.2)."""
+        if task.state == 'running' and (cause == 'abort' or not task.cancelled):
             task.cancelled = cause
             self.say('task.cancel_requested', task.where, cause=cause)
             self.at(GRACE_S, task, 'in_doubt', TIMES_LAST)
@@ -297,7 +299,7 @@ class NaiveCell(NaiveState):
         if end == 'timeout':
             self.cancel(task, 'timeout')
         elif end:
-            means = {'timeout': 'timeout', '': 'in_doubt'} if end == 'canceled' else {}
+            means = OF_CANCEL if end == 'canceled' else {}
             task.state, task.reason = 'failed', means.get(task.cancelled, end)
             asks = ('hold', 'abort_job') if task is self.move else ('hold',)
             task.busy &= verdict(task) in asks

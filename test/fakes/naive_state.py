@@ -2,10 +2,22 @@
 
 from __future__ import annotations
 
-from fakes.naive_run import NaiveRun
+from abc import abstractmethod
+
+from fakes.naive_run import NaiveRun, Task
 
 WORKS = ('Execute', 'Holding', 'Held', 'Unholding', 'Stopping')
 """States in which cycles in hand go on (7.2)."""
+ABORTED = ('Aborting', 'Aborted')
+GOES_ON = {'Aborted': ['clear'], 'Stopped': ['reset'], 'Complete': ['reset'], 'Idle': ['start']}
+"""The way from each state that waits for an operator to work."""
+LEADS_TO = {
+    'abort': 'Aborting',
+    'clear': 'Clearing',
+    'stop': 'Stopping',
+    'reset': 'Resetting',
+    'start': 'Starting',
+}
 
 
 class NaiveState(NaiveRun):
@@ -23,23 +35,31 @@ class NaiveState(NaiveRun):
 
     def commands(self) -> list[str]:
         """Return the commands to the cell that are possible now (7.2)."""
-        given = {'Stopped': ['reset'], 'Complete': ['reset'], 'Idle': ['start']}
-        stop = [] if self.state in ('Stopping', 'Stopped') else ['stop']
-        return given.get(self.state, []) + stop
+        found = GOES_ON.get(self.state, [])
+        if any(hold.task is self.move for hold in self.holds):
+            found = [one for one in found if one != 'clear']
+        stop = [] if self.state in ('Stopping', 'Stopped', *ABORTED) else ['stop']
+        return [*found, *stop, *([] if self.state in ABORTED else ['abort'])]
 
     def command(self, what: str) -> None:
-        """Let an operator stop the cell, or reset and start it; no order undoes a stop (7.2)."""
+        """Let an operator command the cell; no order undoes what stopped it (7.2)."""
         self.say('operator.decided', {}, answer=what)
-        self.stopped_by_hand = what == 'stop' or (self.stopped_by_hand and what != 'start')
-        self.enter({'stop': 'Stopping', 'reset': 'Resetting', 'start': 'Starting'}[what])
+        self.stopped_by_hand = what != 'start' and (what != 'reset' or self.stopped_by_hand)
+        self.enter(LEADS_TO[what])
+        if what == 'abort':
+            for task in [one for one in self.started if one.state == 'running']:
+                self.cancel(task, 'abort')
+
+    @abstractmethod
+    def cancel(self, task: Task, cause: str) -> None: ...
 
     def enter(self, state: str) -> None:
-        """Be in another state; in Stopped, what was done once is judged again (5.1)."""
+        """Be in another state; what was done once is forgotten where the cell stands (5.1)."""
         previous, self.state = self.state, state
         self.say('cell.state_changed', {}, state=state, previous=previous)
         if state == 'Starting':
             self.had_work = bool(self.jobs)
-        if state == 'Stopped':
+        if state in ('Stopped', 'Aborted'):
             self.done.clear()
             for task in [t for j in self.jobs if not j.items for t in j.first.values()]:
                 if task.state == 'done' and not task.attempt:
@@ -49,7 +69,7 @@ class NaiveState(NaiveRun):
         """Make one transition, if one is due."""
         working = 'Holding' if self.holds else 'Execute'
         due = {'Starting': working, 'Unholding': working}
-        due |= {'Resetting': 'Idle', 'Completing': 'Complete'}
+        due |= {'Resetting': 'Idle', 'Completing': 'Complete', 'Clearing': 'Stopped'}
         if self.jobs and not self.stopped_by_hand:
             due |= {'Stopped': 'Resetting', 'Complete': 'Resetting', 'Idle': 'Starting'}
         if self.had_work and not self.jobs:
@@ -57,7 +77,7 @@ class NaiveState(NaiveRun):
         running = any(task.state == 'running' for task in self.started)
         later = any(t.state == 'waiting' and t.not_before > self.now for t in self.started)
         if still and not running and not later:
-            due |= {'Holding': 'Held', 'Stopping': 'Stopped'}
+            due |= {'Holding': 'Held', 'Stopping': 'Stopped', 'Aborting': 'Aborted'}
         if self.holds:
             due['Execute'] = 'Holding'
         else:

@@ -43,6 +43,8 @@ def verdict(task: Task) -> str:
         what = 'retry'
     if task.cancelled == 'abort_job':
         what = 'hold' if is_open(task) else 'abort_job'
+    if task.cancelled == 'abort':
+        what = 'hold'
     lost = task.reason == 'server_lost' and not task.given.get('repeatable')
     if task.reason == 'in_doubt' or lost:
         what = 'hold'
@@ -51,7 +53,8 @@ def verdict(task: Task) -> str:
 
 def is_open(task: Task) -> bool:
     """Tell whether nobody knows if a task has placed its item or taken it out (4.3, 7.1)."""
-    unknown = task.reason in ('in_doubt', 'server_lost') or task.cancelled == 'abort_job'
+    cut_off = task.cancelled in ('abort_job', 'abort')
+    unknown = task.reason in ('in_doubt', 'server_lost') or cut_off
     begun = task.reason not in ('goal_rejected', 'missing_result')
     return bool(task.given.get('qty_change')) and unknown and begun
 

@@ -13,17 +13,19 @@ from fakes.naive_cell import NaiveCell
 from fakes.virtual_run import VirtualRun
 from hypothesis import note
 
+from bt_orchestrator.model.belt_statement import believed, parse_slots
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.cell_commands import Reset, Start, Stop
+from bt_orchestrator.model.cell_commands import Abort, Clear, Reset, Start, Stop
+from bt_orchestrator.model.events import INDEX_KEY
 from bt_orchestrator.model.goal import GoalRequest
-from bt_orchestrator.model.packml import VERBS, Cause, possible_in
+from bt_orchestrator.model.packml import VERBS, possible_in
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.proof.deadlock import deadlock
 from bt_orchestrator.script.cell_file import parse_cell
 from bt_orchestrator.script.script_file import parse_script
 
 TYPES = FakeActionTypes()
-COMMANDS = {Cause.STOP: Stop, Cause.RESET: Reset, Cause.START: Start}
+COMMANDS = {'stop': Stop, 'abort': Abort, 'clear': Clear, 'reset': Reset, 'start': Start}
 PATIENCE = 120
 """Decisions after which an operator has had enough: no drawn line needs nearly as many."""
 
@@ -42,32 +44,36 @@ class Bench(Protocol):
     def remove(self, item: str) -> None: ...
     def pause(self, paused: bool) -> None: ...
     def commands(self) -> Sequence[str]:
-        """Return what is possible now of stop, reset and start."""
+        """Return the commands to the cell that are possible now, but for pauses."""
 
     def command(self, what: str) -> None: ...
-    def order(self) -> None:
-        """Give the next order, if one is left."""
+    def order(self) -> bool:
+        """Give the next order; return False if none is left."""
 
 
-REMOVES, PAUSES, STOPS, STARTS, ORDERS = 7, 8, 9, 10, 11
+REMOVES, PAUSES, ORDERS = 7, 8, 9
+GOES_ON = ('clear', 'reset', 'start')
+COMMANDS_OF = {10: ('stop',), 11: GOES_ON, 12: ('abort',)}
 """Choices of an operator who does more than answer."""
 
 
 def operate(bench: Bench, moments: Sequence[Moment]) -> bool:
     """Work until every job ended; return False if the line got stuck.
 
-    At last everything is answered, resumed and started.
+    At last everything is answered, resumed and started, and every order given.
     """
     later = itertools.repeat(None, PATIENCE)
     for moment in itertools.chain(moments, later):
         bench.wait(moment.delay_s if moment else None)
         if not bench.live and moment is None:
-            return True
+            if not bench.order():
+                return True
+            continue
         choice = moment.choice if moment else 1
         if choice == ORDERS:
             bench.order()
-        elif choice in (STOPS, STARTS):
-            _stop_or_start(bench, stop=choice == STOPS)
+        elif choice in COMMANDS_OF:
+            _command(bench, COMMANDS_OF[choice])
         elif holds := bench.holds():
             hold, answers, item = holds[0]
             if 'remove_item' in answers:
@@ -78,7 +84,7 @@ def operate(bench: Bench, moments: Sequence[Moment]) -> bool:
         elif bench.paused:
             bench.pause(False)
         elif moment is None:
-            if not _stop_or_start(bench, stop=False):
+            if not _command(bench, GOES_ON):
                 return False
         elif choice == REMOVES and (standing := bench.standing()):
             bench.remove(standing[choice % len(standing)])
@@ -87,9 +93,9 @@ def operate(bench: Bench, moments: Sequence[Moment]) -> bool:
     raise AssertionError('an operator is asked again and again')
 
 
-def _stop_or_start(bench: Bench, *, stop: bool) -> bool:
-    """Stop the cell, or go one step to its work; tell whether that was possible."""
-    fitting = [one for one in bench.commands() if (one == 'stop') == stop]
+def _command(bench: Bench, meant: Sequence[str]) -> bool:
+    """Give one of these commands to the cell; tell whether one is possible."""
+    fitting = [one for one in bench.commands() if one in meant]
     for one in fitting:
         bench.command(one)
     return bool(fitting)
@@ -148,10 +154,11 @@ class NaiveBench:
     def command(self, what: str) -> None:
         self.cell.command(what)
 
-    def order(self) -> None:
+    def order(self) -> bool:
         order = next(self._orders, None)
         if order and order[0] not in self._refused:
             self.cell.submit(*order)
+        return order is not None
 
 
 class ProductBench:
@@ -211,21 +218,27 @@ class ProductBench:
         assert (self.run.pause() if paused else self.run.resume()).accepted
 
     def commands(self) -> Sequence[str]:
-        possible = possible_in(self.run.state.mode)
-        return [VERBS[cause] for cause in possible if cause in COMMANDS]
+        state = self.run.state
+        found = [VERBS[cause] for cause in possible_in(state.mode)]
+        is_open = any(hold.key == INDEX_KEY for hold in state.holds.values())
+        return [one for one in found if one in COMMANDS and not (is_open and one == 'clear')]
 
     def command(self, what: str) -> None:
-        kind = next(kind for cause, kind in COMMANDS.items() if VERBS[cause] == what)
-        assert self.run.command(kind).accepted
+        belt = {'belt': parse_slots(believed(self.run.state).split(','))}
+        more = belt if what == 'clear' else {}
+        assert self.run.command(COMMANDS[what], **more).accepted
 
-    def order(self) -> None:
-        for id_, script, quantity in itertools.islice(self._orders, 1):
+    def order(self) -> bool:
+        order = next(self._orders, None)
+        if order:
+            id_, script, quantity = order
             answer = self.run.submit(id_, self.scripts[script], quantity)
             if answer.accepted:
                 self.accepted[id_] = script
             else:
                 assert 'the line can get stuck' in answer.message, answer
                 self.refused.add(id_)
+        return order is not None
 
 
 def text_of(data: Row) -> str:

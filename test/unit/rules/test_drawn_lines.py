@@ -69,6 +69,7 @@ def test_9_1_every_line_goes_as_the_second_opinion_says() -> None:
         seen['refused'] += bool(stuck)
         seen['two jobs'] += len(product.accepted) > 1
         seen['stopped'] += 'Stopped' in product.run.states
+        seen['aborted'] += 'Aborted' in product.run.states
         seen['faults'] += plan.has_faults
 
     holds()
@@ -76,4 +77,5 @@ def test_9_1_every_line_goes_as_the_second_opinion_says() -> None:
     assert seen['refused'] >= 0.1 * seen['all'], seen
     assert seen['two jobs'] >= 0.3 * seen['all'], seen
     assert seen['stopped'] >= 0.1 * seen['all'], seen
+    assert seen['aborted'] >= 0.1 * seen['all'], seen
     assert seen['faults'] >= 0.3 * seen['all'], seen
