@@ -224,8 +224,9 @@ class ProductBench:
         return [one for one in found if one in COMMANDS and not (is_open and one == 'clear')]
 
     def command(self, what: str) -> None:
-        belt = {'belt': parse_slots(believed(self.run.state).split(','))}
-        more = belt if what == 'clear' else {}
+        more: Row = {}
+        if what == 'clear':
+            more['belt'] = parse_slots(believed(self.run.state).split(','))
         assert self.run.command(COMMANDS[what], **more).accepted
 
     def order(self) -> bool:
