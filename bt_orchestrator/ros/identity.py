@@ -19,6 +19,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.ros.handles import subscription
 from bt_orchestrator.ros.qos import LATCHED, publisher
 from bt_orchestrator.ros.stamps import to_time
@@ -44,7 +45,7 @@ class TwinFound(OrchestratorError):
 class Presence:
     """Makes a process known under the name of its node, and notices others of that name."""
 
-    def __init__(self, node: Node, cell: str) -> None:
+    def __init__(self, node: Node) -> None:
         """Begin to listen."""
         self._node = node
         self._listener = Listener(node, f'~/{TOPIC}')
@@ -52,7 +53,6 @@ class Presence:
             instance=uuid.uuid4().hex,
             host=socket.gethostname(),
             pid=os.getpid(),
-            cell=cell,
             started=to_time(time.time()),
         )
 
@@ -69,7 +69,7 @@ class Presence:
                 'one another name with --namespace'
             )
 
-    def announce(self, history: str, found: Callable[[str], object]) -> None:
+    def announce(self, cell: Cell, history: str, found: Callable[[str], object]) -> None:
         """Say from now on who is here, and call back with words for each other one that is."""
         self._listener.close()
         name = self._node.get_fully_qualified_name()
@@ -82,7 +82,7 @@ class Presence:
 
         self._publisher = publisher(self._node, Identity, f'~/{TOPIC}', LATCHED)
         self._node.create_subscription(Identity, f'~/{TOPIC}', heard, _FROM_ALL)
-        self.own.history = history
+        self.own.cell, self.own.history = cell.name, history
         self._publisher.publish(self.own)
 
 

@@ -83,6 +83,7 @@ class TreeNode:
         :raises NoLibrary: the parameter `inspection` asks for one that cannot be loaded
         """
         self.node = node
+        presence = Presence(node)  # hears others while this one is set up
         self.parameters = declare(node, defaults)
         types = InstalledActionTypes()
         cell = _read_cell(self.parameters, types)
@@ -91,7 +92,6 @@ class TreeNode:
         self._gateway = RosGateway(
             node, cell, types, server_timeout_s=self.parameters.server_timeout
         )
-        presence = Presence(node, cell.name)
         presence.refuse_a_twin()
         self._durations = ObservedDurations()
         self._journal = _open_journal(self.parameters, parts)
@@ -107,7 +107,9 @@ class TreeNode:
             node, self.orchestrator, self._ticks, self.parameters.inspection
         )
         self.executor.add_node(node)
-        presence.announce(store.history, lambda words: self.orchestrator.ask(FoundTwin(words)))
+        presence.announce(
+            cell, store.history, lambda words: self.orchestrator.ask(FoundTwin(words))
+        )
 
     @property
     def ready_line(self) -> str:
