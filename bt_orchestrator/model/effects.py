@@ -80,6 +80,8 @@ def why_skipped(state: CellState, key: e.TaskKey, task: Task) -> str | None:
         return 'empty position'
     if not task.runs_for.includes(item.rejected):
         return 'rejected item' if item.rejected else 'good item'
+    if item.gone and task.qty_change == -1:
+        return 'it was taken out before'  # as a good item, by the twin of this task
     return None
 
 

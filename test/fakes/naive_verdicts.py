@@ -28,7 +28,8 @@ def is_skipped(given: Row, item: Item) -> bool:
 def is_for(given: Row, item: Item) -> bool:
     """Tell whether a task is for an item: it is there, and good or rejected (3.2, 6.4)."""
     state = 'rejected' if item.rejected else 'good'
-    return not item.empty and given.get('runs_for', 'good') in ('all', state)
+    out_twice = given.get('qty_change') == -1 and not item.place
+    return not (item.empty or out_twice) and given.get('runs_for', 'good') in ('all', state)
 
 
 def needs_belt(step: list[list[Task]]) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from fakes.line import THREE, Line
+from fakes.line import THREE, Line, with_section
 from fakes.virtual_run import VirtualRun
 
 CAMERA = """
@@ -312,6 +312,22 @@ def test_4_3_an_item_that_was_taken_out_after_all_is_out() -> None:
     run.go()
     assert run.ended
     assert run.counts()['rejected'] == 1
+
+
+def test_4_3_what_was_taken_out_after_all_is_not_taken_out_by_the_twin() -> None:
+    twins = (
+        '- {id: pack, @a3, qty_change: -1}\n'
+        '- {id: unpack, @a3, qty_change: -1, runs_for: rejected}\n'
+    )
+    run = Line(seconds={'a3': 4.0}).begin(with_section(3, twins))
+    run.go(until=6.0)
+    assert [key.task for key in run.state.running] == ['pack']
+    assert run.control('abort', 'J').accepted
+    run.go().answer('mark_done')
+    run.go()
+    assert run.ended
+    assert run.starts('unpack') == []
+    assert run.all('task.skipped', task='unpack', reason='it was taken out before')
 
 
 def test_4_3_an_item_that_was_not_taken_out_still_stands_there() -> None:
