@@ -47,7 +47,7 @@ def bring_back(copy: Path, path: Path, *, move_aside: bool = False) -> BroughtBa
         raise JournalUnusable(f'{copy} is the journal itself; name a copy of it')
     refuse_in_use(copy)
     with closing(take_lock(path)):
-        if any(_there(path)) and not move_aside:
+        if list(_there(path)) and not move_aside:
             raise JournalUnusable(
                 f'there is a journal {path}, or a part of one; with --move-aside it is kept '
                 'under another name'

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 import sqlite3
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -129,6 +129,20 @@ def test_a_journal_that_is_there_is_kept_under_another_name(copy: Path, there: P
             ending = name.removeprefix(there.name)
             assert aside.with_name(aside.name + ending).read_bytes() == content
     assert found(aside) == 30
+
+
+@pytest.mark.parametrize('parts', [('',), ('-wal',), ('', '-wal', '-shm')])
+def test_whatever_is_there_of_a_journal_is_not_replaced_without_a_word(
+    copy: Path, path: Path, parts: Sequence[str]
+) -> None:
+    killed(path, 30)
+    for ending in {'', '-wal', '-shm'} - set(parts):
+        path.with_name(path.name + ending).unlink()
+    before = sorted(path.parent.iterdir())
+    with pytest.raises(JournalUnusable, match='with --move-aside it is kept'):
+        bring_back(copy, path)
+    assert set(before) <= set(path.parent.iterdir())
+    assert not list(path.parent.glob('*.aside-*'))
 
 
 def test_a_journal_in_use_is_left_alone(copy: Path, path: Path) -> None:
