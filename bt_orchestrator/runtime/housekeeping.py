@@ -102,7 +102,7 @@ class Housekeeping:
         self._remove_before = first
 
     def _snapshot(self) -> Snapshot:
-        text = json.dumps(state_to_plain(self._state), ensure_ascii=False)
+        text = json.dumps(state_to_plain(self._state))  # ASCII: every text has that
         return Snapshot(self._state.seq, self._stamp, text)
 
     def _check(self, snapshot: Snapshot) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 import logging
+import math
 import shutil
 import sqlite3
 from importlib.resources import files
@@ -22,8 +23,8 @@ from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.job_commands import AddJobs
 from bt_orchestrator.model.order import Job
-from bt_orchestrator.model.snapshot import state_to_plain
-from bt_orchestrator.model.state import CellState
+from bt_orchestrator.model.snapshot import state_from_plain, state_to_plain
+from bt_orchestrator.model.state import CellState, Reading
 from bt_orchestrator.runtime import housekeeping, recovery
 from bt_orchestrator.runtime.recovery import restore
 from bt_orchestrator.store.sqlite import SqliteStore
@@ -374,3 +375,16 @@ def test_every_file_of_the_rules_names_the_program(tmp_path: Path) -> None:
         assert recovery.program_in(folder) != before, file
         moved.rename(file)
     assert recovery.program_in(folder) == before == recovery._program()
+
+
+def test_a_state_with_a_text_that_has_no_utf8_is_kept(path: Path) -> None:
+    """Half a surrogate pair, as a script or a result may have it; nan as well."""
+    state, store = CellState(LINE.cell), SqliteStore(path)
+    state.readings['a1'] = Reading(ready=True, value=['a\ud800', math.nan])
+    housekeeper = housekeeping.Housekeeping(state, store)
+    state.seq = 1
+    housekeeper.finish()
+    (kept,) = store.snapshots()
+    store.close()
+    again = state_from_plain(LINE.cell, json.loads(kept.state))
+    assert again.readings == state.readings
