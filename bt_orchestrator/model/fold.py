@@ -421,8 +421,8 @@ def _hold_released(event: e.HoldReleased, state: CellState) -> None:
     del state.holds[event.hold]
 
 
-@_on(e.OperatorRefused)
-def _operator_refused(_: e.OperatorRefused, state: CellState) -> None:
+@_on(e.OperatorRefused, e.RequestRefused)
+def _refused(_: e.Event, state: CellState) -> None:
     """Change nothing."""
 
 

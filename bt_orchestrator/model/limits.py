@@ -6,6 +6,9 @@ mark that tells how much is missing, for its goal has ended all the same.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from dataclasses import dataclass
+
 REQUEST_BYTES = 1_000_000
 """Longest request, all its texts together."""
 
@@ -30,6 +33,36 @@ MESSAGE = 2_000
 STATE_VALUE_BYTES = 64_000
 """Longest value of a state topic that is kept, as JSON."""
 
+PAUSES = 32
+"""Most pauses that stand at a time; a cell that has one starts nothing already."""
+
+TWINS = 8
+"""Most holds that stand at a time because of nodes of one name."""
+
+NAMES_LISTED = 20
+"""Most names that a message lists."""
+
+
+@dataclass(frozen=True)
+class Share:
+    """Bytes that may be written to the journal: so many at once, so many a second after that."""
+
+    at_once: float
+    per_s: float
+
+
+COMMANDS_OF_ONE = Share(16e6, 2e3)
+"""What the commands of one sender write. One work order writes about 600 bytes."""
+
+COMMANDS = Share(32e6, 2e3)
+"""What the commands of all senders write together."""
+
+REFUSALS_OF_ONE = Share(16e3, 100.0)
+"""What the single records of refused commands write, of one sender; others are counted."""
+
+REFUSALS = Share(64e3, 300.0)
+"""What the single records of refused commands write, of all senders together."""
+
 
 def cut(text: str, most: int) -> str:
     """Return a text of at most `most` characters, with a mark in place of what is missing."""
@@ -37,3 +70,11 @@ def cut(text: str, most: int) -> str:
         return text
     mark = f' … ({len(text)} characters, the rest is cut)'
     return text[: max(0, most - len(mark))] + mark
+
+
+def listed(names: Iterable[str], otherwise: str) -> str:
+    """Return names for a message, not more than NAMES_LISTED; `otherwise` if there are none."""
+    every = list(names)
+    more = len(every) - NAMES_LISTED
+    shown = ', '.join(every[:NAMES_LISTED]) or otherwise
+    return f'{shown} and {more} more' if more > 0 else shown

@@ -27,6 +27,7 @@ from bt_orchestrator.model.job_commands import (
     StopAfter,
     UpdateJob,
 )
+from bt_orchestrator.model.limits import listed
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.ros.order_reader import OrderReader, name_of, refused_orders
 from bt_orchestrator.ros.serving import by, serve, tell
@@ -99,7 +100,8 @@ class QueueServices:
             response.findings = [str(finding) for finding in refused.findings]
             return
         if job is None:
-            there = ', '.join(one.job.id for one in self._orchestrator.state.queue) or 'nothing'
+            queue = self._orchestrator.state.queue
+            there = listed((one.job.id for one in queue), 'nothing')
             message = f'{request.job} is not there; in the queue: {there}'
             tell(response, self._refuse(UPDATE, request, message, request.job))
             return

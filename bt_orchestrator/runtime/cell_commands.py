@@ -20,6 +20,7 @@ from bt_orchestrator.model.cell_commands import (
     Stop,
 )
 from bt_orchestrator.model.failures import ABORT
+from bt_orchestrator.model.limits import PAUSES
 from bt_orchestrator.model.packml import VERBS, Cause, refusal
 from bt_orchestrator.model.pauses import PAUSED, release_command
 from bt_orchestrator.model.state import CellState, Hold
@@ -63,7 +64,16 @@ def _stop(state: CellState, command: Stop) -> Iterator[e.Event]:
 
 
 def _pause(state: CellState, command: Pause) -> Iterator[e.Event]:
-    """Raise a hold of its own; whether the cell becomes Held follows from the stop reason."""
+    """Raise a hold of its own; whether the cell becomes Held follows from the stop reason.
+
+    :raises CommandRefused: as many stand as may; the cell starts nothing for each of them
+    """
+    standing = sum(hold.reason == PAUSED for hold in state.pauses)
+    if standing >= PAUSES:
+        raise CommandRefused(
+            f'{standing} pauses stand already, and more are not kept; each of them keeps the '
+            'cell from starting anything until it is released with resume'
+        )
     yield e.HoldRaised(
         hold=state.next_hold,
         reason=PAUSED,

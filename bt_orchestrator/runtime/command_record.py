@@ -37,7 +37,7 @@ def decided_to_add(job: str, by: By | None) -> Iterator[e.Event]:
         yield e.OperatorDecided(answer=ADD, **vars(by), job=job)
 
 
-def refused(command: OnRecord, why: CommandRefused) -> Iterator[e.Event]:
+def refused(command: OnRecord, why: CommandRefused) -> Iterator[e.OperatorRefused]:
     """Yield the record of a command that was not carried out; each of several jobs has its own."""
     if command.by is None:
         return

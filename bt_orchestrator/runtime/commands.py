@@ -10,15 +10,15 @@ from bt_orchestrator.model.commands import (
     AnswerHold,
     Command,
     FoundTwin,
-    OnRecord,
     RefusedRequest,
     RemoveItem,
     Shutdown,
 )
 from bt_orchestrator.model.failures import ABORT, SHUTDOWN
+from bt_orchestrator.model.limits import TWINS
 from bt_orchestrator.model.packml import TRANSITIONS, Cause
 from bt_orchestrator.model.pauses import TWIN
-from bt_orchestrator.runtime import cell_commands, command_record, job_queue, operators
+from bt_orchestrator.runtime import cell_commands, job_queue, operators
 from bt_orchestrator.runtime.ledger import Ledger
 from bt_orchestrator.runtime.lifecycle import transition
 
@@ -26,20 +26,12 @@ from bt_orchestrator.runtime.lifecycle import transition
 def answer_to(command: Command, ledger: Ledger) -> str:
     """Carry out a command and return the answer's words.
 
-    :raises CommandRefused: it cannot be carried out now; nothing but that was recorded
+    :raises CommandRefused: it cannot be carried out now; nothing was recorded
     """
     if isinstance(command, Shutdown):
         return _shut_down(ledger)
     if isinstance(command, FoundTwin):
         return _stand_for_a_twin(command, ledger)
-    try:
-        return _carry_out(command, ledger)
-    except CommandRefused as refused:
-        ledger.record(command_record.refused(command, refused))
-        raise
-
-
-def _carry_out(command: OnRecord, ledger: Ledger) -> str:
     if isinstance(command, AnswerHold):
         ledger.record(operators.answer(ledger.state, command, ledger.now))
         return f'hold {command.hold}: {command.answer}'
@@ -58,7 +50,8 @@ def _carry_out(command: OnRecord, ledger: Ledger) -> str:
 def _stand_for_a_twin(command: FoundTwin, ledger: Ledger) -> str:
     """Start nothing more until somebody has looked; what runs goes on."""
     state = ledger.state
-    if not any((hold.reason, hold.message) == (TWIN, command.where) for hold in state.pauses):
+    twins = [hold.message for hold in state.pauses if hold.reason == TWIN]
+    if command.where not in twins and len(twins) < TWINS:
         hold = state.next_hold
         answers = (cell_commands.RESUME,)
         twin = e.HoldRaised(hold=hold, reason=TWIN, message=command.where, answers=answers)

@@ -18,6 +18,7 @@ from bt_orchestrator.model.job_commands import (
     StopAfter,
     UpdateJob,
 )
+from bt_orchestrator.model.limits import listed
 from bt_orchestrator.model.packml import Cause, Mode
 from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.model.wish import way_to_work
@@ -217,13 +218,13 @@ def _allowed(state: CellState, method: job_control.Method, name: str) -> JobStat
 def _unknown(state: CellState, name: str) -> str:
     if name in state.order_ids:
         return f'{name} is listed no more; the journal has its history'
-    return f'there is no job {name}; jobs now: {", ".join(state.jobs) or "none"}'
+    return f'there is no job {name}; jobs now: {listed(state.jobs, "none")}'
 
 
 def _check_queued(state: CellState, name: str) -> JobState:
     job = state.jobs.get(name)
     if job is None or job.started:
-        queue = ', '.join(one.job.id for one in state.queue) or 'nothing'
+        queue = listed((one.job.id for one in state.queue), 'nothing')
         why = 'has started' if job else 'is not there'
         raise CommandRefused(f'{name} {why}; in the queue: {queue}')
     return job

@@ -72,6 +72,10 @@ class Ledger:
         """Tell whether anything was recorded since `take_pending`."""
         return bool(self._pending)
 
+    def pending_after(self, seq: int) -> list[Event]:
+        """Return what was recorded after an event, and not taken yet."""
+        return [event for event in self._pending if event.seq > seq]
+
     def take_pending(self) -> list[Event]:
         """Return what was recorded since the last call."""
         pending, self._pending = self._pending, []

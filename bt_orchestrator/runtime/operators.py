@@ -10,6 +10,7 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.commands import AnswerHold, RemoveItem
 from bt_orchestrator.model.failures import abort_all_on_the_belt, pass_over
+from bt_orchestrator.model.limits import listed
 from bt_orchestrator.model.pauses import release_command
 from bt_orchestrator.model.state import CellState, Hold
 from bt_orchestrator.runtime.command_record import decided
@@ -39,8 +40,8 @@ def remove(state: CellState, command: RemoveItem) -> Iterator[e.Event]:
     item = state.items.get(command.item)
     if item is None or not item.section or not item.present:
         standing = [s.slot for s in state.sections.values() if s.slot is not None]
-        present = ', '.join(name for name in standing if state.items[name].present)
-        raise CommandRefused(f'{command.item} is not on the belt; on it: {present or "nothing"}')
+        present = listed((name for name in standing if state.items[name].present), 'nothing')
+        raise CommandRefused(f'{command.item} is not on the belt; on it: {present}')
     yield from decided(command)
     section = item.section
     yield e.ItemRemoved(job=item.job, item=item.id, section=section, how='by_hand')
@@ -56,7 +57,7 @@ def released_with(state: CellState, item: str) -> Iterator[e.HoldReleased]:
 def _offering(state: CellState, command: AnswerHold) -> Hold:
     hold = state.holds.get(command.hold)
     if hold is None:
-        there = ', '.join(state.holds) or 'none'
+        there = listed(state.holds, 'none')
         raise CommandRefused(f'there is no hold {command.hold}; holds now: {there}')
     if hold.is_pause:
         raise CommandRefused(

@@ -12,7 +12,7 @@ import logging
 import uuid
 from collections.abc import Callable, Iterator, Sequence
 
-from bt_orchestrator.errors import CommandRefused, JournalFailed, OrchestratorError
+from bt_orchestrator.errors import JournalFailed, OrchestratorError
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.commands import Answer, Command
@@ -21,8 +21,8 @@ from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.ports import ActionGateway, Clock, EventSink, EventStore
 from bt_orchestrator.runtime import job_queue, lifecycle
 from bt_orchestrator.runtime.breakdown import Breakdown
-from bt_orchestrator.runtime.commands import answer_to
 from bt_orchestrator.runtime.flights import Flights
+from bt_orchestrator.runtime.inbox import Inbox
 from bt_orchestrator.runtime.ledger import Ledger
 from bt_orchestrator.runtime.recovery import restore, take_over
 from bt_orchestrator.runtime.starvation import Starvation
@@ -71,6 +71,7 @@ class Orchestrator:
         self._ledger = Ledger(
             self.state, clock, self._follow, new_goal_id, gateway.server, self._on_time
         )
+        self._inbox = Inbox(self._ledger)
         self._starvation = Starvation(self._ledger)
         self.flights = Flights(self._ledger, gateway, clock, wake)
         self.gateway = gateway
@@ -88,7 +89,7 @@ class Orchestrator:
     def ask(self, command: Command) -> Answer:
         """Carry out a command, settle, and return the answer for its sender."""
         if self.breakdown is None:
-            answer = self._decide(command)
+            answer = self._inbox.take(command)
             self.settle()  # a refusal, too, is on record before its sender hears of it
         return answer if self.breakdown is None else self.breakdown.answer(command)
 
@@ -118,6 +119,7 @@ class Orchestrator:
         self._settling = True
         try:
             self.flights.land()
+            self._inbox.land()
             if self.tree.is_due or self._ledger.has_pending:
                 self._tick_until_still()
             return self._commit()
@@ -130,12 +132,6 @@ class Orchestrator:
         self.flights.close()
         self.tree.close()
         self._projection.close()
-
-    def _decide(self, command: Command) -> Answer:
-        try:
-            return Answer(accepted=True, message=answer_to(command, self._ledger))
-        except CommandRefused as refused:
-            return Answer(accepted=False, message=str(refused), each=refused.each)
 
     def _follow(self, event: e.Event) -> None:
         self._projection.follow(event)

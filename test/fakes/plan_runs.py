@@ -274,6 +274,7 @@ def refused(plan: Plan) -> set[str]:
 
 UNSEEN = {
     'operator.refused',
+    'request.refused',
     'script.loaded',
     'orchestrator.started',
     'component.state_changed',

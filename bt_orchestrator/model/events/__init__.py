@@ -19,6 +19,7 @@ from bt_orchestrator.model.events.cell import (
     OperatorRefused,
     OrchestratorStarted,
     OrchestratorStopping,
+    RequestRefused,
     StopReasonChanged,
 )
 from bt_orchestrator.model.events.jobs import (
@@ -129,6 +130,7 @@ __all__ = [
     'HoldReleased',
     'OperatorDecided',
     'OperatorRefused',
+    'RequestRefused',
     'OrchestratorStarted',
     'OrchestratorStopping',
     'StopReasonChanged',

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from bt_orchestrator.model.events.base import Event
@@ -74,6 +75,25 @@ class OperatorRefused(Event):
     item: str | None = None
     message: str
     """Why it was refused."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RequestRefused(Event):
+    """Commands of one sender were refused that have no record of their own: too many came."""
+
+    event: ClassVar[str] = 'request.refused'
+    who: str = ''
+    """Empty: of many senders, or of one without a name."""
+    origin: str = ''
+    """Where they came from."""
+    count: int
+    """How many they are."""
+    since: float
+    """Time of the first of them, seconds since the epoch."""
+    commands: Mapping[str, int] = field(default_factory=dict)
+    """How many of each command; `...`: of all others."""
+    message: str = ''
+    """Why the last of them was refused."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -88,6 +88,8 @@ SAMPLES: dict[str, Any] = {
     'after': 'item',
     'history': '6a8f0c1d',
     'restored': True,
+    'since': 11.5,
+    'commands': {'hold': 40, '...': 2},
 }
 """A value for every field of every event."""
 

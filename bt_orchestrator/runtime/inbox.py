@@ -1,0 +1,108 @@
+"""Where commands come in: within their limits, each on record, and no more than the disk bears."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from bt_orchestrator.errors import CommandRefused
+from bt_orchestrator.model.allowance import Allowances
+from bt_orchestrator.model.by import By
+from bt_orchestrator.model.cell_commands import Clear, Reset, Resume, Start
+from bt_orchestrator.model.codec import to_text
+from bt_orchestrator.model.commands import (
+    Answer,
+    Command,
+    FoundTwin,
+    OnRecord,
+    RefusedRequest,
+    Shutdown,
+)
+from bt_orchestrator.model.job_commands import (
+    AddJobs,
+    ControlJob,
+    MoveJob,
+    RunNext,
+    StopAfter,
+    UpdateJob,
+)
+from bt_orchestrator.model.limits import COMMANDS, COMMANDS_OF_ONE, NAME, ORIGIN, REASON, WHO
+from bt_orchestrator.runtime.command_record import refused
+from bt_orchestrator.runtime.commands import answer_to
+from bt_orchestrator.runtime.ledger import Ledger
+from bt_orchestrator.runtime.refusals import Refusals
+
+_MUST_WAIT = (AddJobs, UpdateJob, MoveJob, RunNext, StopAfter, Resume, Reset, Start, Clear)
+"""Commands that can be given without end. What stops, pauses or answers ends by itself: it is
+refused until one of these undoes it, and so is never kept waiting."""
+
+_UNDO = ('release', 'resume')
+"""The same among the commands to a job."""
+
+_LONGEST = {'who': WHO, 'origin': ORIGIN, 'reason': REASON}
+
+
+class Inbox:
+    """Answers commands, one after the other."""
+
+    def __init__(self, ledger: Ledger) -> None:
+        self._ledger = ledger
+        self._refusals = Refusals(ledger)
+        self._allowances = Allowances(COMMANDS_OF_ONE, COMMANDS)
+
+    def take(self, command: Command) -> Answer:
+        """Carry out a command, or refuse it and say why."""
+        if isinstance(command, Shutdown):
+            self._refusals.tell()
+        if isinstance(command, (Shutdown, FoundTwin)):
+            return Answer(accepted=True, message=answer_to(command, self._ledger))
+        try:
+            return Answer(accepted=True, message=self._carry_out(command))
+        except CommandRefused as why:
+            self._refusals.record(refused(command, why))
+            return Answer(accepted=False, message=str(why), each=why.each)
+
+    def land(self) -> None:
+        """Take note of the time, at the beginning of a settle."""
+        self._refusals.land()
+
+    def _carry_out(self, command: OnRecord) -> str:
+        if not isinstance(command, RefusedRequest):  # which says more than a limit would
+            _check_texts(command)
+        if command.by is None:
+            return answer_to(command, self._ledger)
+        sender, now = (command.by.who, command.by.origin), self._ledger.steady
+        if _must_wait(command):
+            _check_left(command.by, self._allowances.left(sender, now))
+        before = self._ledger.state.seq
+        message = answer_to(command, self._ledger)
+        written = sum(len(to_text(event)) for event in self._ledger.pending_after(before))
+        self._allowances.use(sender, written, now)
+        return message
+
+
+def _must_wait(command: OnRecord) -> bool:
+    if isinstance(command, ControlJob):
+        return command.verb in _UNDO
+    return isinstance(command, _MUST_WAIT)
+
+
+def _check_left(by: By, left: float) -> None:
+    if left <= 0:
+        seconds = 1 - left / COMMANDS_OF_ONE.per_s
+        raise CommandRefused(
+            f'too many commands: {by.who or "this sender"}, or all senders together, have filled '
+            'the journal as fast as they may; nothing was done; give it again in '
+            f'{seconds:.0f} s (abort, stop, pause and answers to holds are always taken)'
+        )
+
+
+def _check_texts(command: OnRecord) -> None:
+    """Refuse a command with a text that is too long to be kept."""
+    said = {} if command.by is None else vars(command.by)
+    names = {field.name: getattr(command, field.name) for field in dataclasses.fields(command)}
+    for name, text in {**names, **said}.items():
+        longest = _LONGEST.get(name, NAME)
+        if isinstance(text, str) and len(text) > longest:
+            raise CommandRefused(
+                f'{name} has {len(text)} characters; expected at most {longest}; nothing was done'
+            )

@@ -1,0 +1,109 @@
+"""Refused commands on record: the first ones singly, the many that follow as a number (7.1)."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.allowance import Allowances
+from bt_orchestrator.model.codec import to_text
+from bt_orchestrator.model.frozen import changed
+from bt_orchestrator.model.limits import (
+    MESSAGE,
+    NAME,
+    ORIGIN,
+    REASON,
+    REFUSALS,
+    REFUSALS_OF_ONE,
+    WHO,
+    cut,
+)
+from bt_orchestrator.runtime.ledger import Ledger
+
+TOLD_EVERY_S = 60.0
+"""Between two records of what was counted."""
+
+_SENDERS = 5
+"""Of so many senders each has a record of its own then, all others one."""
+
+_COMMANDS, _ALL_OTHERS = 10, '...'
+"""So many commands are told apart in it, and the word for all others."""
+
+_LONGEST = {'who': WHO, 'origin': ORIGIN, 'reason': REASON, 'message': MESSAGE}
+
+_SHORT = 200
+"""Characters of the last message in the record of many."""
+
+
+@dataclass
+class _Counted:
+    """What was refused of one sender since the last record of it."""
+
+    since: float
+    commands: Counter[str] = field(default_factory=Counter)
+    message: str = ''
+
+    def add(self, refused: e.OperatorRefused) -> None:
+        known = refused.command in self.commands or len(self.commands) < _COMMANDS
+        self.commands[cut(refused.command, 20) if known else _ALL_OTHERS] += 1
+        self.message = cut(refused.message, _SHORT)
+
+
+class Refusals:
+    """Puts refusals on record, so that their records stay small whatever is asked how often."""
+
+    def __init__(self, ledger: Ledger) -> None:
+        self._ledger = ledger
+        self._allowances = Allowances(REFUSALS_OF_ONE, REFUSALS)
+        self._counted: dict[tuple[str, str], _Counted] = {}
+        self._tell_at: float | None = None
+
+    def record(self, refusals: Iterable[e.OperatorRefused]) -> None:
+        """Put refusals on record, or count them where there are too many."""
+        for refused in map(_shortened, refusals):
+            sender, now = (refused.who, refused.origin), self._ledger.steady
+            size = len(to_text(refused).encode())
+            if size <= self._allowances.left(sender, now):
+                self._allowances.use(sender, size, now)
+                self._ledger.record([refused])
+            else:
+                self._count(sender, refused)
+
+    def land(self) -> None:
+        """Put on record what was counted, once it is time."""
+        if self._tell_at is not None and self._ledger.steady >= self._tell_at:
+            self.tell()
+
+    def tell(self) -> None:
+        """Put on record what was counted."""
+        counted, self._counted, self._tell_at = self._counted, {}, None
+        self._ledger.record(_told(counted))
+
+    def _count(self, sender: tuple[str, str], refused: e.OperatorRefused) -> None:
+        if self._tell_at is None:
+            self._tell_at = self._ledger.steady + TOLD_EVERY_S
+            self._ledger.wake_at(self._tell_at)
+        if sender not in self._counted and len(self._counted) >= _SENDERS:
+            sender = ('', '')
+        self._counted.setdefault(sender, _Counted(self._ledger.now)).add(refused)
+
+
+def _shortened(refused: e.OperatorRefused) -> e.OperatorRefused:
+    texts = {name: value for name, value in vars(refused).items() if isinstance(value, str)}
+    return changed(
+        refused, **{name: cut(text, _LONGEST.get(name, NAME)) for name, text in texts.items()}
+    )
+
+
+def _told(counted: dict[tuple[str, str], _Counted]) -> Iterator[e.RequestRefused]:
+    for (who, origin), one in counted.items():
+        yield e.RequestRefused(
+            who=who,
+            origin=origin,
+            count=one.commands.total(),
+            since=one.since,
+            commands=dict(one.commands),
+            message=one.message,
+        )
