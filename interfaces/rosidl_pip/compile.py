@@ -9,6 +9,7 @@ already when the dispatcher asks, and the dynamic loader has nothing to search f
 
 from __future__ import annotations
 
+import itertools
 import os
 import subprocess
 import sys
@@ -45,17 +46,29 @@ class SharedObject:
     """Libraries of ROS 2 itself that are linked."""
 
 
+@dataclass(frozen=True)
+class Unit:
+    """What one call of the compiler reads and writes."""
+
+    source: Path
+    object_file: str
+    size: int
+    """Bytes of sources in it."""
+
+
 def compile_package(package: InterfacePackage, generated: Path, out: Path) -> None:
     """Write the shared objects to `out`, from what `generate` left in `generated`."""
     out.mkdir(parents=True, exist_ok=True)
-    includes = _include_flags(generated)
     dependencies = referenced_packages(package, generated)
-    *plugins, extension = _shared_objects(package.name)
+    targets = _shared_objects(package.name)
+    objects = {target.file: _units(target, generated) for target in targets}
+    _compile([unit for units in objects.values() for unit in units], _include_flags(generated))
+    *plugins, extension = targets
     for target in plugins:
-        _build(target, generated, out, includes, _libraries(target, dependencies))
+        _link(target, objects[target.file], out, _libraries(target, dependencies))
     plugin_flags = [f'-L{out}', *(f'-l:{plugin.file}' for plugin in plugins)]
     libraries = [*plugin_flags, *_libraries(extension, dependencies)]
-    _build(extension, generated, out, includes, libraries)
+    _link(extension, objects[extension.file], out, libraries)
 
 
 def _shared_objects(name: str) -> list[SharedObject]:
@@ -90,31 +103,44 @@ def _shared_objects(name: str) -> list[SharedObject]:
     ]
 
 
-def _build(
-    target: SharedObject, generated: Path, out: Path, includes: list[str], libraries: list[str]
-) -> None:
-    folder = generated / 'objects' / target.file
-    folder.mkdir(parents=True, exist_ok=True)
-    units = [unit for glob in target.sources for unit in _units(generated, glob, folder)]
-    objects = [f'{folder / str(number)}.o' for number in range(len(units))]
+def _compile(units: list[Unit], includes: list[str]) -> None:
+    """Compile all, as many at a time as there are processors; the longest begin."""
+    done = itertools.count(1)
 
-    def compile_unit(unit: Path, object_file: str) -> None:
-        _run(_compiler(unit.suffix), *COMPILE_FLAGS, *includes, '-c', str(unit), '-o', object_file)
+    def compile_unit(unit: Unit) -> None:
+        source = str(unit.source)
+        output = ['-c', source, '-o', unit.object_file]
+        _run(_compiler(unit.source.suffix), *COMPILE_FLAGS, *includes, *output)
+        print(f'compiled {next(done)} of {len(units)}', flush=True)
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        list(pool.map(compile_unit, units, objects))  # a list, or errors would go unseen
+        longest = sorted(units, key=lambda unit: -unit.size)
+        list(pool.map(compile_unit, longest))  # a list, or errors would go unseen
+
+
+def _link(target: SharedObject, units: list[Unit], out: Path, libraries: list[str]) -> None:
     flags = [*LINK_FLAGS, f'-Wl,-soname,{target.file}', '-o', str(out / target.file)]
-    _run(_compiler('.cpp'), *flags, *objects, *libraries)
+    _run(_compiler('.cpp'), *flags, *(unit.object_file for unit in units), *libraries)
 
 
-def _units(generated: Path, glob: str, folder: Path) -> list[Path]:
+def _units(target: SharedObject, generated: Path) -> list[Unit]:
+    folder = generated / 'objects' / target.file
+    folder.mkdir(parents=True, exist_ok=True)
+    return [unit for glob in target.sources for unit in _units_of(generated, glob, folder)]
+
+
+def _units_of(generated: Path, glob: str, folder: Path) -> list[Unit]:
     """Include sources in one file: most of the time goes into the headers they share."""
     sources = sorted(generated.glob(glob))
-    if glob.endswith('__description.c'):
-        return sources  # each defines the same static names, and they share few headers
-    unit = folder / (glob.replace('/', '.').replace('*', '') + sources[0].suffix)
+    name = glob.replace('/', '.').replace('*', '')
+    if glob.endswith('__description.c'):  # each defines the same static names
+        return [
+            Unit(source, str(folder / f'{number}{name}.o'), source.stat().st_size)
+            for number, source in enumerate(sources)
+        ]
+    unit = folder / (name + sources[0].suffix)
     unit.write_text(''.join(f'#include "{source}"\n' for source in sources))
-    return [unit]
+    return [Unit(unit, f'{unit}.o', sum(source.stat().st_size for source in sources))]
 
 
 def _include_flags(generated: Path) -> list[str]:

@@ -40,7 +40,8 @@ def generate(package: InterfacePackage, out: Path) -> None:
     # Forked here, each generator inherits the parsed files, which are most of the work.
     with multiprocessing.get_context('fork').Pool(os.cpu_count()) as pool:
         jobs = [(name, arguments, out / name) for name in GENERATORS]
-        pool.starmap(_run_generator, jobs, chunksize=1)
+        for done, name in enumerate(pool.imap_unordered(_run_generator, jobs), start=1):
+            print(f'{name}, generator {done} of {len(jobs)}', flush=True)
 
 
 def referenced_packages(package: InterfacePackage, out: Path) -> list[str]:
@@ -116,13 +117,15 @@ def _describe_types(arguments: dict[str, Any], out: Path) -> None:
     generate_type_hash(_write_arguments(arguments, out))
 
 
-def _run_generator(name: str, arguments: dict[str, Any], out: Path) -> None:
+def _run_generator(job: tuple[str, dict[str, Any], Path]) -> str:
+    name, arguments, out = job
     templates = Path(sys.prefix, 'share', name, 'resource')
     folder = out / arguments['package_name']
     _generator_function(name)(
         _write_arguments({**arguments, 'template_dir': str(templates)}, folder)
     )
     _write_visibility_headers(templates, folder)
+    return name
 
 
 def _generator_function(name: str) -> Callable[[str], Any]:

@@ -2,10 +2,10 @@
 
 Steps, each skipped when nothing it reads has changed since it last ended well:
 
-    environment   a virtual environment with the pinned wheels
+    packages      a virtual environment with the pinned wheels
     variables     what ROS 2 expects to find in os.environ
-    interfaces    bindings of every package in interfaces/
-    package       bt_orchestrator, installed as a user would have it
+    builds        bindings of every package in interfaces/ and of the user's own ones, and
+                  bt_orchestrator, installed as a user would have it
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import time
 from pathlib import Path
 
 from lock import only_one
+from projects import remember
 from report import Failure, say
 from steps import Environment
 from system import install_missing_packages
@@ -31,6 +32,8 @@ def main() -> None:
     use_interpreter(environment.interpreter(options.python))
     with only_one(environment.folder.with_suffix('.lock')):
         started = time.monotonic()
+        for folder in options.interfaces:
+            remember(folder, environment.own_interfaces)
         install_missing_packages(environment.folder.with_suffix('.apt.log'))
         if environment.refresh():
             say(f'{environment.folder} is ready after {time.monotonic() - started:.0f} s')
@@ -46,6 +49,14 @@ def parse_arguments() -> argparse.Namespace:
         '--python',
         metavar='EXE',
         help='Python 3.10 to 3.13 to build with (default: the one used before, else python3)',
+    )
+    parser.add_argument(
+        '--interfaces',
+        metavar='FOLDER',
+        action='append',
+        default=[],
+        help='an interface package of your own (package.xml, action/, msg/, srv/), which is built '
+        'and installed too, now and whenever it has changed; repeat it for several',
     )
     return parser.parse_args()
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import subprocess
+from collections.abc import Mapping
 from pathlib import Path
 
 from report import Failure
@@ -11,15 +12,24 @@ from report import Failure
 # A sourced ROS 2 distribution, an active virtual environment, one of our own environments.
 FOREIGN = ('PYTHON', 'AMENT_', 'CMAKE_', 'COLCON_', 'ROS_', '_ROS_', 'LD_', 'VIRTUAL_ENV')
 
+NONE: Mapping[str, str] = {}
 
-def run_logged(log: Path, *command: str, **variables: str) -> None:
+
+def clean_environment() -> dict[str, str]:
+    """Return the variables of this process, without what would mix other packages in."""
+    return {name: value for name, value in os.environ.items() if not name.startswith(FOREIGN)}
+
+
+def run_logged(
+    log: Path, *command: str, cwd: Path | None = None, variables: Mapping[str, str] = NONE
+) -> None:
     """Write all output to `log`, of which a failure shows the end."""
-    clean = {name: value for name, value in os.environ.items() if not name.startswith(FOREIGN)}
     with log.open('w') as output:
         result = subprocess.run(
             command,
             check=False,
-            env={**clean, **variables},
+            cwd=cwd,
+            env={**clean_environment(), **variables},
             stdin=subprocess.DEVNULL,
             stdout=output,
             stderr=subprocess.STDOUT,

@@ -19,11 +19,11 @@ def find_sources(*paths: Path) -> list[Path]:
     return sorted(found)
 
 
-def digest(files: Iterable[Path], *salt: str) -> str:
-    """A fingerprint of names and contents."""
+def digest(files: Iterable[Path], root: Path, *salt: str) -> str:
+    """A fingerprint of contents, and of names under `root`: the same wherever `root` lies."""
     sha = hashlib.sha256('\0'.join(salt).encode())
     for path in files:
-        sha.update(f'\0{path}\0'.encode())
+        sha.update(f'\0{path.relative_to(root)}\0'.encode())
         sha.update(path.read_bytes())
     return sha.hexdigest()
 

@@ -5,20 +5,18 @@ from __future__ import annotations
 import os
 import shutil
 import sys
-from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from commands import base_interpreter, run_logged
-from report import timed
-from sources import copy_tree, digest, find_sources
+from installer import Installer
+from projects import Project, interface_project, package_project, read_list
+from report import Failure, say, step
+from sources import digest
 
 SCRIPTS = Path(__file__).resolve().parents[1]
-PACKAGE = 'bt_orchestrator'
-# All that setup.py packs, and itself.
-PACKED = (
-    *(PACKAGE, 'config', 'launch', 'resource', 'schemas', 'trees'),
-    *('package.xml', 'pyproject.toml', 'setup.cfg', 'setup.py'),
-)
+REQUIREMENTS = SCRIPTS / 'requirements'
+INSTALLERS = REQUIREMENTS / 'installers.txt'
 VARIABLES = Path(__file__).with_name('ros_variables.py')
 
 
@@ -27,10 +25,12 @@ class Environment:
 
     def __init__(self, root: Path, distro: str) -> None:
         self.folder = root / '.venv' / distro
+        self.own_interfaces = root / '.venv' / 'interfaces.txt'
         self._root = root
         self._distro = distro
         self._state = self.folder / 'bootstrap'
         self._python = self.folder / 'bin' / 'python'
+        self._installer = Installer(self._python, self._state)
 
     def interpreter(self, wanted: str | None) -> str:
         """Path of the interpreter to build with: the wanted one, else the last one, else this."""
@@ -43,47 +43,61 @@ class Environment:
 
     def refresh(self) -> bool:
         """Bring everything up to date; tell whether anything was to do."""
-        requirements = self._requirements()
-        foundation = digest(requirements, sys.version, os.path.realpath(sys.executable))
-        variables = digest([VARIABLES], foundation)
-        done = [
-            self._step('environment', foundation, lambda: self._create(requirements)),
-            self._step('variables', variables, self._install_variables),
+        lists = [REQUIREMENTS / f'{name}.txt' for name in ('dev', 'runtime', self._distro)]
+        pins = [*lists, INSTALLERS]
+        interpreter = os.path.realpath(sys.executable)
+        foundation = digest(pins, REQUIREMENTS, sys.version, interpreter)
+        new = not self._is_done('environment', foundation)
+        variables = digest([VARIABLES], VARIABLES.parent, foundation)
+        due = [
+            project
+            for project in self._projects(foundation)
+            if new or not self._is_done(project.name, project.stamp)
         ]
+        if new:
+            say(f'makes {self.folder} in two steps; what they print is in its folder bootstrap')
+            packages = sum(len(_pins(path)) for path in pins)
+            with step(f'1 of 2, {packages} packages of PyPI, ROS 2 among them', self._logs):
+                self._create(lists)
+                self._done('environment', foundation)
+        if not self._is_done('variables', variables):
+            self._install_variables()
+            self._done('variables', variables)
+        if due:
+            number = '2 of 2' if new else '1 of 1'
+            with step(f'{number}, {_names(due)}', self._logs):
+                self._build(due)
+        return new or bool(due)
+
+    def _projects(self, foundation: str) -> list[Project]:
         interfaces = self._root / 'interfaces'
-        builder = find_sources(interfaces / 'rosidl_pip')
-        for project in sorted(path.parent for path in interfaces.glob('*/setup.py')):
-            sources = [*builder, *find_sources(project)]
-            done.append(self._install_step(project.name, foundation, sources, project, interfaces))
-        sources = find_sources(*(self._root / name for name in PACKED))
-        done.append(self._install_step(PACKAGE, foundation, sources, self._root, self._root))
-        return any(done)
+        own = sorted(path.parent for path in interfaces.glob('*/package.xml'))
+        builder = interfaces / 'rosidl_pip'
+        projects = [
+            *(
+                interface_project(folder, builder, self._python, foundation)
+                for folder in (*own, *read_list(self.own_interfaces))
+            ),
+            package_project(self._root, self._python, foundation),
+        ]
+        names = [project.name for project in projects]
+        if twice := sorted({name for name in names if names.count(name) > 1}):
+            raise Failure(f'{", ".join(twice)}: more than one folder; see {self.own_interfaces}')
+        return projects
 
-    def _requirements(self) -> list[Path]:
-        folder = SCRIPTS / 'requirements'
-        return [folder / f'{name}.txt' for name in ('dev', 'runtime', self._distro)]
-
-    def _step(self, name: str, stamp: str, action: Callable[[], None]) -> bool:
-        """Run `action`, unless it ended well before with the same `stamp`."""
-        file = self._state / f'{name}.stamp'
-        if file.exists() and file.read_text() == stamp:
-            return False
-        file.unlink(missing_ok=True)
-        with timed(name):
-            action()
-        file.write_text(stamp)
-        return True
-
-    def _create(self, requirements: list[Path]) -> None:
+    def _create(self, lists: list[Path]) -> None:
         """Start from nothing: what an older list had installed must not hide a missing pin."""
         if self.folder.exists():
             shutil.rmtree(self.folder)
         self._state.mkdir(parents=True)
-        run_logged(self._state / 'venv.log', sys.executable, '-m', 'venv', str(self.folder))
-        for path in requirements:
-            # The lists are complete, so a package that they lack is to be noticed, not fetched.
-            # One of them (empy) comes as source only; dev.txt, the first, brings what builds it.
-            self._pip(path.stem, '--no-deps', '--no-build-isolation', '-r', path)
+        command = (sys.executable, '-m', 'venv', '--without-pip', str(self.folder))
+        run_logged(self._state / 'venv.log', *command)
+        self._installer.prepare(INSTALLERS)
+        # The lists are complete, so a package that they lack is to be noticed, not fetched. One of
+        # them (empy) comes as source only; the first list brings what builds it.
+        first, *others = lists
+        self._installer.install_lists(first.stem, first)
+        self._installer.install_lists(self._distro, *others)
         (self._state / 'interpreter').write_text(sys.executable)
 
     def _install_variables(self) -> None:
@@ -95,21 +109,41 @@ class Environment:
         (site_packages / '_ros_variables.pth').write_text(line)
         (self.folder / 'log').mkdir(exist_ok=True)
 
-    def _install_step(
-        self, name: str, foundation: str, sources: list[Path], project: Path, base: Path
-    ) -> bool:
-        """Install `project` from a copy of its `sources`, all of which lie under `base`."""
+    def _build(self, projects: list[Project]) -> None:
+        """Build all at the same time, then install what came of it."""
+        scratch, wheels = self._state / 'build', self._state / 'wheels'
+        for folder in (scratch, wheels):
+            shutil.rmtree(folder, ignore_errors=True)
+        for project in projects:
+            self._stamp(project.name).unlink(missing_ok=True)
+            (wheels / project.name).mkdir(parents=True)
+        with ThreadPoolExecutor() as pool:
+            list(pool.map(lambda each: each.build(scratch, wheels / each.name), projects))
+        self._installer.install_wheels('build', *sorted(wheels.glob('*/*.whl')))
+        for project in projects:
+            self._done(project.name, project.stamp)
+        shutil.rmtree(scratch, ignore_errors=True)
 
-        def install() -> None:
-            copy = self._state / 'build'
-            copy_tree(sources, base, copy)
-            project_copy = copy / project.relative_to(base)
-            # Built against what is installed here, by the setuptools that is installed here.
-            self._pip(name, '--no-deps', '--no-build-isolation', '--force-reinstall', project_copy)
-            shutil.rmtree(copy)
+    def _logs(self) -> list[Path]:
+        return list(self._state.glob('*.log'))
 
-        return self._step(name, digest(sources, foundation), install)
+    def _stamp(self, name: str) -> Path:
+        return self._state / f'{name}.stamp'
 
-    def _pip(self, log: str, *arguments: str | Path) -> None:
-        command = [self._python, '-m', 'pip', 'install', '--disable-pip-version-check', *arguments]
-        run_logged(self._state / f'{log}.log', *map(str, command))
+    def _is_done(self, name: str, stamp: str) -> bool:
+        """Tell whether the step ended well before, with the same `stamp`."""
+        file = self._stamp(name)
+        return file.exists() and file.read_text() == stamp
+
+    def _done(self, name: str, stamp: str) -> None:
+        self._stamp(name).write_text(stamp)
+
+
+def _pins(path: Path) -> list[str]:
+    return [line for line in path.read_text().splitlines() if line[:1].isalpha()]
+
+
+def _names(projects: list[Project]) -> str:
+    if len(projects) < 3:
+        return ' and '.join(project.name for project in projects)
+    return f'{len(projects) - 1} packages of interfaces and {projects[-1].name}'

@@ -10,7 +10,7 @@ import sysconfig
 from pathlib import Path
 
 from commands import run_logged
-from report import Failure, timed
+from report import Failure, step
 
 
 def install_missing_packages(log: Path) -> None:
@@ -23,7 +23,7 @@ def install_missing_packages(log: Path) -> None:
             'system packages are missing; install them and run this again:\n'
             f'    sudo apt-get install -y {" ".join(missing)}'
         )
-    with timed(f'apt-get install {" ".join(missing)}'):
+    with step(f'apt-get install {" ".join(missing)}', lambda: [log]):
         _apt_get(log, 'update')
         _apt_get(log, 'install', '--no-install-recommends', *missing)
     if still := _missing_packages():
@@ -46,6 +46,9 @@ def _missing_packages() -> list[str]:
     return missing
 
 
+NO_QUESTIONS = {'DEBIAN_FRONTEND': 'noninteractive'}
+
+
 def _apt_get(log: Path, *arguments: str) -> None:
-    options = ('-y', '-qq', '-o', 'DPkg::Lock::Timeout=300')  # another apt-get may be at work
-    run_logged(log, 'apt-get', *options, *arguments, DEBIAN_FRONTEND='noninteractive')
+    options = ('-y', '-q', '-o', 'DPkg::Lock::Timeout=300')  # another apt-get may be at work
+    run_logged(log, 'apt-get', *options, *arguments, variables=NO_QUESTIONS)

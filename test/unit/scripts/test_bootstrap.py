@@ -1,0 +1,198 @@
+"""scripts/environment: what it installs with, builds again, and shows meanwhile."""
+
+from __future__ import annotations
+
+import shutil
+import time
+from pathlib import Path
+
+import projects
+import pytest
+import report
+from commands import run_logged
+from installer import Installer
+from projects import Project, interface_project
+from sources import digest, find_sources
+
+PACKAGE_XML = '<package><name>drill_interfaces</name></package>'
+
+
+def program(path: Path, *lines: str) -> Path:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text('\n'.join(['#!/bin/sh', *lines, '']))
+    path.chmod(0o755)
+    return path
+
+
+@pytest.fixture
+def environment(tmp_path: Path) -> Path:
+    """Give a folder like .venv/<distro>, whose Python says what it was asked, in ``asked``."""
+    (tmp_path / 'logs').mkdir()
+    asked = tmp_path / 'asked'
+    program(tmp_path / 'bin' / 'python', f'echo "python $@" >>{asked}')
+    return tmp_path
+
+
+def asked(environment: Path) -> list[str]:
+    return (environment / 'asked').read_text().splitlines()
+
+
+def make_installer(environment: Path) -> Installer:
+    return Installer(environment / 'bin' / 'python', environment / 'logs')
+
+
+def test_a_silent_step_shows_every_moment_what_its_program_said_last(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(report, 'SILENCE_S', 0.01)
+    log = tmp_path / 'pip.log'
+    shown = ''
+    with report.step('1 of 2, packages', lambda: [log]):
+        run_logged(log, 'echo', 'Collecting numpy==2.4.6 (from -r kilted.txt (line 4))')
+        deadline = time.monotonic() + 20
+        while 'Collecting numpy' not in shown and time.monotonic() < deadline:
+            shown += capsys.readouterr().err
+    assert '1 of 2, packages: 0 s  Collecting numpy==2.4.6\n' in shown
+    assert capsys.readouterr().err.endswith(' s\n')
+
+
+def test_nothing_may_be_silent_for_five_seconds() -> None:
+    assert report.SILENCE_S < 5
+
+
+def test_a_failure_shows_the_end_of_its_log(tmp_path: Path) -> None:
+    with pytest.raises(report.Failure, match='no such option') as failure:
+        run_logged(tmp_path / 'a.log', 'sh', '-c', 'echo no such option; exit 2')
+    assert str(tmp_path / 'a.log') in str(failure.value)
+
+
+def test_uv_installs_where_there_is_one(environment: Path) -> None:
+    program(environment / 'bin' / 'uv', f'echo "uv $@ into $VIRTUAL_ENV" >>{environment}/asked')
+    make_installer(environment).install_wheels('build', Path('a.whl'))
+    [line] = asked(environment)
+    assert line.startswith('uv pip install')
+    assert '--force-reinstall a.whl --no-deps --no-build-isolation' in line
+    assert line.endswith(f'into {environment}')
+
+
+def test_pip_does_what_uv_cannot(environment: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    program(environment / 'bin' / 'uv', 'echo no route to host; exit 1')
+    make_installer(environment).install_lists('runtime', Path('runtime.txt'))
+    [line] = asked(environment)
+    assert line.startswith('python -m pip install')
+    assert '-r runtime.txt' in line
+    assert 'once more with pip' in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('setting', ['global.index-url', ':env:.proxy', 'install.no-index'])
+def test_a_pip_that_was_told_where_to_look_does_the_work(
+    environment: Path, setting: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr('installer.find_spec', lambda name: None)
+    says = f'case "$*" in *config*) echo "{setting}=\'x\'";; esac'
+    program(environment / 'bin' / 'python', f'echo "python $@" >>{environment}/asked', says)
+    pins = environment / 'installers.txt'
+    pins.write_text('pip==26.3\nuv==0.13.9\n')
+    make_installer(environment).prepare(pins)
+    assert asked(environment) == ['python -m ensurepip', 'python -m pip config list']
+
+
+def test_uv_comes_as_a_wheel_or_not_at_all(
+    environment: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr('installer.find_spec', lambda name: None)
+    pins = environment / 'installers.txt'
+    pins.write_text('pip==26.3\nuv==0.13.9\n')
+    make_installer(environment).prepare(pins)
+    assert '-m pip install --only-binary :all: uv==0.13.9' in asked(environment)[-1]
+
+
+def interfaces(folder: Path, environment: Path) -> Project:
+    """Describe a package in `folder`, whose build says so in ``asked`` and makes ``d.whl``."""
+    builder = environment / 'rosidl_pip'
+    builder.mkdir(exist_ok=True)
+    (folder / 'action').mkdir(parents=True, exist_ok=True)
+    (folder / 'package.xml').write_text(PACKAGE_XML)
+    python = program(
+        environment / 'bin' / 'python', f'echo built >>{environment}/asked', 'echo $$ >"$4/d.whl"'
+    )
+    return interface_project(folder, builder, python, 'foundation')
+
+
+def build(project: Project, environment: Path) -> str:
+    wheels = environment / 'wheels'
+    shutil.rmtree(wheels, ignore_errors=True)
+    wheels.mkdir()
+    project.build(environment / 'logs' / 'scratch', wheels)
+    return (wheels / 'd.whl').read_text()
+
+
+@pytest.fixture
+def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv('XDG_CACHE_HOME', str(tmp_path / 'cache'))
+    return tmp_path / 'cache'
+
+
+def test_interfaces_are_built_once_for_all_clones(environment: Path, cache: Path) -> None:
+    first = build(interfaces(environment / 'clone' / 'drill', environment), environment)
+    second = build(interfaces(environment / 'other' / 'drill', environment), environment)
+    assert first == second
+    assert asked(environment) == ['built']
+
+
+@pytest.mark.parametrize('changed', ['drill/action/Drill.action', 'rosidl_pip/compile.py'])
+def test_changed_interfaces_are_built_again(environment: Path, cache: Path, changed: str) -> None:
+    build(interfaces(environment / 'drill', environment), environment)
+    (environment / changed).write_text('new')
+    build(interfaces(environment / 'drill', environment), environment)
+    assert asked(environment) == ['built', 'built']
+
+
+def test_a_home_that_cannot_be_written_costs_time_only(environment: Path, cache: Path) -> None:
+    cache.write_text('a file where a folder should be')
+    assert build(interfaces(environment / 'drill', environment), environment)
+
+
+def test_the_cache_does_not_grow_for_ever(
+    environment: Path, cache: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(projects, 'KEPT_WHEELS', 2)
+    project = interfaces(environment / 'drill', environment)
+    for number in range(4):
+        (environment / 'drill' / 'action' / 'Drill.action').write_text(str(number))
+        project = interfaces(environment / 'drill', environment)
+        build(project, environment)
+    kept = list((cache / 'bt_orchestrator' / 'interfaces').iterdir())
+    assert len(kept) == 2
+    assert project.stamp in [path.name for path in kept]
+
+
+def test_an_own_package_is_remembered_until_its_folder_is_gone(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    known = tmp_path / 'venv' / 'interfaces.txt'
+    folder = tmp_path / 'drill'
+    folder.mkdir()
+    (folder / 'package.xml').write_text(PACKAGE_XML)
+    for _ in range(2):
+        projects.remember(str(folder), known)
+    assert projects.read_list(known) == [folder]
+    shutil.rmtree(folder)
+    assert projects.read_list(known) == []
+    assert 'is no folder any more' in capsys.readouterr().err
+
+
+def test_a_folder_that_is_no_package_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(report.Failure, match=r'expected an interface package with package\.xml'):
+        projects.remember(str(tmp_path), tmp_path / 'interfaces.txt')
+    assert not (tmp_path / 'interfaces.txt').exists()
+
+
+def test_a_fingerprint_tells_names_and_contents_and_not_places(tmp_path: Path) -> None:
+    prints = []
+    for folder, name, text in (('a', 'x', '1'), ('b', 'x', '1'), ('c', 'y', '1'), ('d', 'x', '2')):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / name).write_text(text)
+        prints.append(digest(find_sources(tmp_path / folder), tmp_path / folder))
+    assert prints[0] == prints[1]
+    assert len(set(prints)) == 3
