@@ -79,6 +79,10 @@ class PseudoTerminal:
         self._set_size(self._slave)
         self._process.send_signal(signal.SIGWINCH)
 
+    def press(self, keys: str) -> None:
+        """Press keys, as a person does."""
+        os.write(self._master, keys.encode())
+
     def send(self, with_signal: signal.Signals) -> None:
         """Send the program a signal."""
         self._process.send_signal(with_signal)

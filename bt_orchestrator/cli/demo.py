@@ -6,27 +6,34 @@ import argparse
 import json
 import os
 import random
+import shlex
+import sys
 from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
 from bt_orchestrator.cli.bootstrap import installed_types, load_cell
+from bt_orchestrator.cli.called_as import called_as, verb_as
+from bt_orchestrator.cli.demo_dialogue import Dialogue
 from bt_orchestrator.cli.demo_folder import DemoFolder, DemoRecord, default_folder
 from bt_orchestrator.cli.demo_programs import READY_S, DemoPrograms
+from bt_orchestrator.cli.demo_show import DemoShow, Interrupted
 from bt_orchestrator.cli.folders import add_trees_option, shipped
 from bt_orchestrator.cli.forecast_text import forecast_lines
 from bt_orchestrator.cli.numbers import factor
-from bt_orchestrator.cli.programs import ProgramFailed
-from bt_orchestrator.cli.submit import submit
-from bt_orchestrator.cli.watch import follow, live_or, say
+from bt_orchestrator.cli.watch import live_or, say
+from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import from_record
-from bt_orchestrator.model.events import CellStateChanged, Event, JobAborted, JobCompleted
-from bt_orchestrator.model.order import WorkOrder
+from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.screen.advice import DEFAULT_NODE, Shell
+from bt_orchestrator.screen.keys import Keys
+from bt_orchestrator.screen.keys import keyboard as person_at_keyboard
 from bt_orchestrator.screen.plain import EventLines
-from bt_orchestrator.screen.words import DEFAULT_NODE, hold_text
+from bt_orchestrator.screen.words import hold_text
 from bt_orchestrator.script.order_file import read_order
+from bt_orchestrator.sim.controllers.selection import WrongSelection, select
 from bt_orchestrator.sim.forecast_fold import forecast
 from bt_orchestrator.stop_signals import StopSignals
 from bt_orchestrator.store.reader import JournalReader, Wanted
@@ -34,8 +41,9 @@ from bt_orchestrator.store.reader import JournalReader, Wanted
 DESCRIPTION = """\
 Show the whole path on this machine: simulated controllers in two processes, the tree node in a
 third, one work order, progress as it happens, and a summary. Needs no cell and no robot;
-everything it starts is gone when it ends. A demo that was killed, or whose tree node was, leaves
-its controllers at work, as on a real line, and goes on with --resume."""
+everything it starts is gone when it ends. A hold is answered with a key, or with the command that
+is printed. A demo that was killed, or whose tree node was, leaves its controllers at work, as on a
+real line, and goes on with --resume."""
 
 INTERRUPTED = 130
 
@@ -69,6 +77,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help='executor of the tree node',
     )
     parser.add_argument(
+        '--on-hold',
+        choices=('ask', 'end'),
+        default='ask',
+        help='what a hold does: wait for its answer (default), or end the demo with exit status 1',
+    )
+    parser.add_argument(
         '--resume',
         action='store_true',
         help='take over from a demo that was killed: its journal, its controllers, its order',
@@ -85,83 +99,83 @@ def run(args: argparse.Namespace) -> int:
     """Carry out the verb; 0 when every item was packed."""
     with ExitStack() as stack:
         stop = stack.enter_context(StopSignals())
+        types = installed_types()
+        new = None if args.resume else _checked(args, types)
         folder = stack.enter_context(DemoFolder(args.folder or default_folder()))
-        record = folder.left() if args.resume else _begin(args, folder)
-        cell = load_cell(Path(record.cell), installed_types())
+        if new is not None:
+            folder.begin()
+        record = folder.left() if new is None else new
+        domain = f'ROS_DOMAIN_ID={record.domain}'
+        is_set = os.environ.get('ROS_DOMAIN_ID') == record.domain
+        shell = Shell(program=called_as() if is_set else f'{domain} {called_as()}')
         os.environ['ROS_DOMAIN_ID'] = record.domain
         os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
-        print(f'demo in ROS_DOMAIN_ID={record.domain}')
-        programs = DemoPrograms(folder, record)
+        print(f'demo in {domain}')
+        programs = DemoPrograms(folder, record, _resume(args))
         try:
-            programs.start(args, cell)
-            return _show(folder, record, programs, stop)
+            programs.start(load_cell(Path(record.cell), types))
+            job, holds = _show(programs, record, shell, stop, asks=args.on_hold == 'ask')
+        except Interrupted:
+            say('interrupted: stopping everything that was started')
+            return INTERRUPTED
         finally:
             programs.finish()
+        for hold in holds:
+            say(hold_text(hold))
+        return _sum_up(folder, load_cell(Path(record.cell), types), job)
 
 
-def _begin(args: argparse.Namespace, folder: DemoFolder) -> DemoRecord:
-    """Make room for a new demo, which keeps to itself.
+def _checked(args: argparse.Namespace, types: ActionTypes) -> DemoRecord:
+    """Return what a new demo is made of, which keeps to itself.
 
     Another ROS graph may have action servers of the same names, hence the domain.
+
+    :raises OrchestratorError: a file or a fault is wrong; nothing has been started yet
     """
-    folder.begin()
-    cell = args.cell or shipped('config', 'reference_cell.yaml')
+    path = args.cell or shipped('config', 'reference_cell.yaml')
     order = args.order or shipped('config', 'orders', 'wo_1001.yaml')
-    domain = os.environ.get('ROS_DOMAIN_ID') or str(random.randint(1, 101))
-    return DemoRecord(domain, str(cell.resolve()), str(order.resolve()))
-
-
-def _show(
-    folder: DemoFolder, record: DemoRecord, programs: DemoPrograms, stop: StopSignals
-) -> int:
-    """Submit the order unless it is there, follow it to its end, and sum up."""
-    from bt_orchestrator.ros.client import NodeClient
-
-    events: list[Event] = []
-    with NodeClient(DEFAULT_NODE, READY_S) as client:
-        statuses: list[Any] = []
-        client.on_status(statuses.append)
-        _wait_for_servers(client, statuses, stop)
-        with live_or(lambda: EventLines(say), DEFAULT_NODE) as viewer:
-            follow(client, viewer, events.append)
-            job = _job(client, statuses, read_order(Path(record.order)).order)
-            while not stop.requested and not _is_over(events, statuses[-1], job):
-                programs.check()
-                client.spin()
-                viewer.refresh()
-    for hold in statuses[-1].holds:
-        say(hold_text(hold))
-    if stop.requested:
-        say('interrupted: stopping everything that was started')
-        return INTERRUPTED
-    return _sum_up(folder, load_cell(Path(record.cell), installed_types()), job)
-
-
-def _job(client: Any, statuses: Sequence[Any], order: WorkOrder) -> str:
-    """Return the id of the order's job, which a resumed demo has already."""
-    known = {job.id for job in statuses[-1].jobs}
-    if order.order is not None and order.order in known:
-        return order.order
-    answer = submit(client, order)
-    if not answer.accepted:
-        raise ProgramFailed('\n'.join([answer.message, *answer.findings]))
-    return str(answer.job)
-
-
-def _wait_for_servers(client: Any, statuses: Sequence[Any], stop: StopSignals) -> None:
-    """Wait until the node sees every action server."""
-    client.wait_until(
-        lambda: stop.requested or (statuses and all(c.available for c in statuses[-1].components)),
-        'every action server at the node',
+    try:
+        select(load_cell(path, types), (), args.fail, types)
+    except WrongSelection as error:
+        raise WrongUse(str(error)) from error
+    read_order(order)
+    return DemoRecord(
+        domain=os.environ.get('ROS_DOMAIN_ID') or str(random.randint(1, 101)),
+        cell=str(path.resolve()),
+        order=str(order.resolve()),
+        speed=args.speed,
+        faults=args.fail,
+        trees=[str(folder.resolve()) for folder in args.trees],
+        executor=args.executor,
     )
 
 
-def _is_over(events: Sequence[Event], status: Any, job: str) -> bool:
-    """Tell whether the job has ended, or nothing goes on without an operator."""
-    ended = any(isinstance(e, JobCompleted | JobAborted) and e.job == job for e in events[-20:])
-    over = any(j.id == job and j.state in ('Ended', 'Aborted') for j in status.jobs)
-    states = (e.state for e in reversed(events) if isinstance(e, CellStateChanged))
-    return ended or over or next(states, status.state) == 'Held'
+def _resume(args: argparse.Namespace) -> str:
+    """Return the command that takes over from this demo."""
+    folder = f' --folder {shlex.quote(str(args.folder))}' if args.folder else ''
+    return f'{verb_as("demo")} --resume{folder}'
+
+
+def _show(
+    programs: DemoPrograms, record: DemoRecord, shell: Shell, stop: StopSignals, *, asks: bool
+) -> tuple[str, Sequence[Any]]:
+    """Show the order from its submission to its end.
+
+    :param asks: a hold waits for its answer; otherwise it ends the demo
+    :return: the id of its job, and what is held
+    :raises ProgramFailed: the tree node has gone
+    :raises Interrupted: somebody wants an end
+    """
+    from bt_orchestrator.ros.client import NodeClient
+
+    with ExitStack() as stack:
+        viewer = stack.enter_context(live_or(lambda: EventLines(shell, say), shell))
+        keyboard = person_at_keyboard() if asks and sys.stdout.isatty() else None
+        keys = None if keyboard is None else stack.enter_context(Keys(keyboard))
+        dialogue = stack.enter_context(Dialogue(shell, keys))
+        show = DemoShow(programs, viewer, dialogue, stop)
+        client = stack.enter_context(NodeClient(DEFAULT_NODE, READY_S, show.look))
+        return show.follow(client, read_order(Path(record.order)).order, asks=asks)
 
 
 def _sum_up(folder: DemoFolder, cell: Cell, job: str) -> int:

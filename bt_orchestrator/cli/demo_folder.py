@@ -7,7 +7,7 @@ import json
 import os
 import select
 import signal
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from types import TracebackType
@@ -30,6 +30,10 @@ class DemoRecord:
     cell: str
     order: str
     """Path of the work order."""
+    speed: float = 4.0
+    faults: Sequence[str] = ()
+    trees: Sequence[str] = ()
+    executor: str = 'single'
     processes: Mapping[str, int] = field(default_factory=dict)
     """Process ids by name."""
 

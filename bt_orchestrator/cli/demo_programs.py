@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -15,6 +14,9 @@ READY_S = 60.0
 
 NODE = 'tree node'
 
+REMEMBERED_S = 24 * 3600
+"""For so long the controllers remember how a goal ended: a demo is resumed after any coffee."""
+
 
 class DemoPrograms:
     """States: to be started, running, finished.
@@ -23,19 +25,24 @@ class DemoPrograms:
     all, which know what became of their goals.
     """
 
-    def __init__(self, folder: DemoFolder, record: DemoRecord) -> None:
+    def __init__(self, folder: DemoFolder, record: DemoRecord, resume: str) -> None:
+        """Look which of them still run.
+
+        :param resume: the command that takes over from this demo
+        """
         self._folder = folder
         self._record = record
+        self._resume = resume
         self._taken_over = {n: pid for n, pid in record.processes.items() if is_ours(pid)}
         self._started: dict[str, Program] = {}
         self._goes_on = False
 
-    def start(self, args: argparse.Namespace, cell: Cell) -> None:
+    def start(self, cell: Cell) -> None:
         """Start what does not run yet, and wait until all of it is ready.
 
         :raises ProgramFailed: one of them ends instead
         """
-        for name, verb in self._verbs(args, cell):
+        for name, verb in self._verbs(cell):
             if name in self._taken_over:
                 print(f'[{self._taken_over[name]}] {name} still runs', flush=True)
                 continue
@@ -44,6 +51,12 @@ class DemoPrograms:
             self._keep()
         for program in self._started.values():
             print(f'[{program.pid}] {program.wait_ready("ready", READY_S)}', flush=True)
+
+    def about_node(self) -> str:
+        """Return the number of the tree node's process, and what can be tried with it."""
+        node = self._started.get(NODE)
+        pid = node.pid if node else self._taken_over[NODE]
+        return f'the tree node is process {pid}: try kill -9 {pid}, and then {self._resume}'
 
     def check(self) -> None:
         """Look after the tree node.
@@ -56,7 +69,7 @@ class DemoPrograms:
             self._goes_on = True
             raise ProgramFailed(
                 'the tree node has gone, and the controllers go on with what they do; take over '
-                'with: bt-orchestrator demo --resume (a new demo without it ends them)'
+                f'with: {self._resume} (a new demo without --resume ends them)'
             )
 
     def finish(self) -> None:
@@ -73,18 +86,18 @@ class DemoPrograms:
         pids = {name: program.pid for name, program in self._started.items()}
         self._folder.keep(replace(self._record, processes={**self._taken_over, **pids}))
 
-    def _verbs(self, args: argparse.Namespace, cell: Cell) -> Iterator[tuple[str, list[str]]]:
+    def _verbs(self, cell: Cell) -> Iterator[tuple[str, list[str]]]:
         names = list(cell.components)
         halves = (names[: len(names) // 2], names[len(names) // 2 :])
         for number, half in enumerate(halves, 1):
-            verb = ['sim-cell', '--cell', self._record.cell, '--speed', str(args.speed)]
-            verb += ['--only', ','.join(half)]
-            for fault in args.fail:
+            verb = ['sim-cell', '--cell', self._record.cell, '--speed', str(self._record.speed)]
+            verb += ['--only', ','.join(half), '--result-timeout', str(REMEMBERED_S)]
+            for fault in self._record.faults:
                 if fault.split('.')[0].split('#')[0] in half:
                     verb += ['--fail', fault]
             yield f'controllers {number}', verb
-        verb = ['run', '--cell', self._record.cell, '--executor', args.executor]
+        verb = ['run', '--cell', self._record.cell, '--executor', self._record.executor]
         verb += ['--journal', str(self._folder.journal), '--auto-resume', '--script-paths']
-        for trees in args.trees:
-            verb += ['--trees', str(trees)]
+        for trees in self._record.trees:
+            verb += ['--trees', trees]
         yield NODE, verb

@@ -20,7 +20,7 @@ from bt_orchestrator.diagnosis.domain import domain, domain_id, other_domains, r
 from bt_orchestrator.diagnosis.journal_folder import journal_folder
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.screen.words import DEFAULT_NODE
+from bt_orchestrator.screen.advice import DEFAULT_NODE
 
 DESCRIPTION = """\
 Look at this machine, and with --cell at everything a cell needs on the ROS graph. Each line says

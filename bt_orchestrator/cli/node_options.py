@@ -10,7 +10,7 @@ import sys
 from typing import Any
 
 from bt_orchestrator.cli.numbers import node_name, seconds
-from bt_orchestrator.screen.words import DEFAULT_NODE, PROGRAM
+from bt_orchestrator.screen.advice import DEFAULT_NODE, PROGRAM
 
 
 def add_node_options(parser: argparse.ArgumentParser) -> None:

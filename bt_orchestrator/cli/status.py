@@ -6,6 +6,7 @@ import argparse
 import json
 
 from bt_orchestrator.cli.node_options import add_node_options
+from bt_orchestrator.screen.advice import Shell
 from bt_orchestrator.screen.words import status_lines
 
 
@@ -26,5 +27,5 @@ def run(args: argparse.Namespace) -> int:
     if args.json:
         print(json.dumps(to_plain(status)))
     else:
-        print('\n'.join(status_lines(status, args.node)))
+        print('\n'.join(status_lines(status, Shell(args.node))))
     return 0

@@ -15,6 +15,7 @@ from bt_orchestrator.cli.forecast_text import forecast_lines, job_lines
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import to_plain
+from bt_orchestrator.model.hold_words import hold_words
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.ports import ActionTypes, EventSink
 from bt_orchestrator.runtime.waits import PartWait
@@ -135,10 +136,7 @@ def lines_of(done: Run) -> Iterator[str]:
 
 
 def _hold_lines(hold: Hold) -> Iterator[str]:
-    subject = hold.item if hold.key is None else hold.key
-    where = '' if hold.section is None else f', section {hold.section}'
-    message = f' ({hold.message})' if hold.message else ''
-    yield f'  hold {hold.id}{where}: {subject}: {hold.reason}{message}'
+    yield f'  hold {hold.id}: {hold_words(hold)}'
     yield f'    possible answers: {", ".join(hold.answers)}'
 
 

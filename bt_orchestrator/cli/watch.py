@@ -7,13 +7,19 @@ import json
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.model.codec import from_record
 from bt_orchestrator.model.events import Event
+from bt_orchestrator.screen.advice import Shell
 from bt_orchestrator.screen.viewer import Viewer
 from bt_orchestrator.stop_signals import StopSignals
+
+if TYPE_CHECKING:  # it needs rich, which takes its time
+    from bt_orchestrator.screen.live import LiveView
+
+Lines = TypeVar('Lines', bound=Viewer)
 
 DESCRIPTION = """\
 Show a running tree node until Ctrl-C: its belt, what every section does or waits for, jobs, flags,
@@ -74,7 +80,7 @@ def follow(client: Any, viewer: Viewer, also: Callable[[Event], object] | None =
 
 
 @contextmanager
-def live_or(other: Callable[[], Viewer], node: str) -> Iterator[Viewer]:
+def live_or(other: Callable[[], Lines], shell: Shell) -> Iterator[LiveView | Lines]:
     """Open the live view if the standard output is a terminal, otherwise another one."""
     from bt_orchestrator.screen.live import LiveView, terminal
 
@@ -84,7 +90,7 @@ def live_or(other: Callable[[], Viewer], node: str) -> Iterator[Viewer]:
     if console is None:
         yield other()
         return
-    with LiveView(console, node) as live:
+    with LiveView(console, shell) as live:
         yield live
 
 
@@ -95,12 +101,13 @@ def _viewer(args: argparse.Namespace, node: str) -> Iterator[Viewer]:
     from bt_orchestrator.screen.machine import JsonView
     from bt_orchestrator.screen.plain import PlainView
 
+    shell = Shell(node)
     if args.json:
         yield JsonView(node, say, to_plain)
     elif args.plain:
-        yield PlainView(node, say)
+        yield PlainView(shell, say)
     else:
-        with live_or(lambda: PlainView(node, say), node) as viewer:
+        with live_or(lambda: PlainView(shell, say), shell) as viewer:
             yield viewer
 
 

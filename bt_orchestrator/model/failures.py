@@ -73,6 +73,11 @@ def raise_hold(state: CellState, key: e.TaskKey, task: Task) -> e.HoldRaised:
     return e.HoldRaised(
         hold=state.next_hold,
         **key._asdict(),
+        name=task.name,
+        component=task.component,
+        action=task.action,
+        attempt=failed.attempt,
+        attempts=task.retries + 1,
         reason=failed.reason.value if failed.reason else 'failed',
         message='; '.join(filter(None, said)),
         answers=offered,

@@ -399,6 +399,11 @@ def _hold_raised(event: e.HoldRaised, state: CellState) -> None:
         answers=event.answers,
         since=event.time,
         owner=event.owner,
+        name=event.name,
+        component=event.component,
+        action=event.action,
+        attempt=event.attempt,
+        attempts=event.attempts,
     )
     state.holds[hold.id] = hold
     state.holds_raised += 1

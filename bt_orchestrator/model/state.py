@@ -224,6 +224,14 @@ class Hold:
     since: float
     owner: str = ''
     """Who paused the cell; empty: nobody in particular."""
+    name: str = ''
+    """Task constant; this and the following are empty, or 0, where no task is held."""
+    component: str = ''
+    action: str = ''
+    attempt: int = 0
+    """Number of the attempt that failed, from 1; 0: none was made."""
+    attempts: int = 0
+    """Attempts that the script allows."""
 
     @property
     def is_pause(self) -> bool:

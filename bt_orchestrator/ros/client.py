@@ -29,14 +29,18 @@ class NodeUnreachable(OrchestratorError):
 class NodeClient:
     """A client of one tree node. A context: entering joins the ROS graph, leaving leaves it."""
 
-    def __init__(self, node: str, timeout_s: float) -> None:
+    def __init__(
+        self, node: str, timeout_s: float, meanwhile: Callable[[], object] | None = None
+    ) -> None:
         """Prepare a client.
 
         :param node: the tree node's full name, for instance /bt_orchestrator
         :param timeout_s: longest time to wait for the node and for each of its answers
+        :param meanwhile: called again and again while it waits; what it raises ends the waiting
         """
         self._name = '/' + node.strip('/')
         self._timeout_s = timeout_s
+        self._meanwhile = meanwhile
 
     def __enter__(self) -> NodeClient:
         rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
@@ -151,3 +155,5 @@ class NodeClient:
     def spin(self) -> None:
         """Handle what comes within STEP_S."""
         self._executor.spin_once(timeout_sec=STEP_S)
+        if self._meanwhile is not None:
+            self._meanwhile()

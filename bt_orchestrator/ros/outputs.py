@@ -20,6 +20,7 @@ from bt_orchestrator.model.events import (
     ItemEvent,
     TaskEvent,
 )
+from bt_orchestrator.model.hold_words import hold_words
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.ros.event_message import event_message
@@ -138,7 +139,7 @@ class Diagnostics:
         }
         values |= {f'time in {m.value} (s)': f'{s:.1f}' for m, s in state.times(now).items()}
         for hold in state.holds.values():
-            values[f'hold {hold.id}'] = f'{hold.task or hold.item or hold.message}: {hold.reason}'
+            values[f'hold {hold.id}'] = hold_words(hold)
         return values
 
     def _servers(self) -> DiagnosticStatus:

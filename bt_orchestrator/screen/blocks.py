@@ -136,6 +136,16 @@ def holds(rows: Sequence[HoldRow], width: int, glyphs: Glyphs) -> Block:
     return of_lines('holds', lines, weights, 'lines about holds', least=min(len(lines), 6))
 
 
+def next_lines(texts: Sequence[str], width: int) -> Block:
+    """Return what can be typed next; nothing of it is cut."""
+    wrapped = [
+        _cut(Text(part), width)
+        for text in texts
+        for part in wrap(text, max(width, 20), subsequent_indent='      ')
+    ]
+    return of_lines('next', wrapped, [0] * len(wrapped), 'lines', least=len(wrapped))
+
+
 def troubles(view: CellView, width: int, glyphs: Glyphs) -> Block:
     """Return the components that can be sent nothing."""
     lines = [_cut(Text(f'{glyphs.held} {text}', style=CARE), width) for text in view.troubles]

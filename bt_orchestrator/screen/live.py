@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import TracebackType
 from typing import Any
 
-from rich.console import Console
+from rich.console import Console, Group
 from rich.live import Live
+from rich.text import Text
 
 from bt_orchestrator.model.events import Event
+from bt_orchestrator.screen import words
+from bt_orchestrator.screen.advice import Shell
 from bt_orchestrator.screen.picture import Picture
 from bt_orchestrator.screen.tree_view import Branch
 from bt_orchestrator.screen.view import CellView, cell_view
@@ -28,14 +31,12 @@ def terminal() -> Console | None:
 
 
 class LiveView:
-    """A context: entering takes the terminal's second screen, leaving gives the first one back.
+    """A context: entering takes the terminal's second screen, leaving gives the first one back."""
 
-    Nothing is drawn before the first status.
-    """
-
-    def __init__(self, console: Console, node: str) -> None:
+    def __init__(self, console: Console, shell: Shell) -> None:
         self._console = console
-        self._node = node
+        self._shell = shell
+        self._notes: tuple[str, ...] = ()
         self._view: CellView | None = None
         self._tree: Branch | None = None
         self._blackboard: Mapping[str, str] | None = None
@@ -59,12 +60,17 @@ class LiveView:
 
     def on_status(self, status: Any) -> None:
         """Show how the cell stands."""
-        self._view = cell_view(status, self._node)
+        self._view = cell_view(status, self._shell)
         self._hearing.heard(time.monotonic())
         self._is_new = True
 
     def on_event(self, event: Event) -> None:
         """Show nothing: what an event changes, the status says."""
+
+    def on_notes(self, notes: Sequence[str]) -> None:
+        """Show lines below all else."""
+        self._is_new |= self._notes != tuple(notes)
+        self._notes = tuple(notes)
 
     def on_tree(self, tree: Branch) -> None:
         """Show the behaviour tree in place of the sections."""
@@ -80,12 +86,23 @@ class LiveView:
         """Draw, if there is something new, the terminal has another size, or time has passed."""
         now, size = time.monotonic(), self._console.size
         is_due = now - self._drawn_at >= PACE_S or size != self._drawn_size
-        if self._view is None or not (self._is_new or is_due):
+        if not (self._is_new or is_due):
             return
         self._is_new, self._drawn_at, self._drawn_size = False, now, size
-        self._live.update(self._picture(self._view, now), refresh=True)
+        self._live.update(self._picture(now), refresh=True)
 
-    def _picture(self, view: CellView, now: float) -> Picture:
+    def _picture(self, now: float) -> Picture | Group:
+        if self._view is None:
+            age = words.duration(self._hearing.age_s(now))
+            return Group(*map(Text, (f'waiting for {self._shell.node}, {age}', *self._notes)))
         silent_s = self._hearing.silent_s(now)
         age_s = 0.0 if silent_s is not None else self._hearing.age_s(now)
-        return Picture(view, self._node, age_s, silent_s, self._tree, self._blackboard)
+        return Picture(
+            self._view,
+            self._shell.node,
+            age_s,
+            silent_s,
+            self._tree,
+            self._blackboard,
+            self._notes,
+        )

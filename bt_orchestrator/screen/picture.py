@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from textwrap import wrap
 
@@ -16,10 +16,10 @@ from bt_orchestrator.screen.glyphs import ASCII, UNICODE, Glyphs
 from bt_orchestrator.screen.tree_view import Branch
 from bt_orchestrator.screen.view import CellView
 
-DISPLAYED = ('holds', 'troubles', 'jobs', 'body', 'blackboard', 'flags')
+DISPLAYED = ('holds', 'next', 'troubles', 'jobs', 'body', 'blackboard', 'flags')
 """From top to bottom."""
 
-IMPORTANCE = ('holds', 'body', 'jobs', 'troubles', 'blackboard', 'flags')
+IMPORTANCE = ('holds', 'next', 'body', 'jobs', 'troubles', 'blackboard', 'flags')
 """Who gets room first."""
 
 ROOMY = 20
@@ -38,6 +38,8 @@ class Picture:
     """For how long nothing was heard of the node; None: all is well."""
     tree: Branch | None = None
     blackboard: Mapping[str, str] | None = None
+    notes: Sequence[str] = ()
+    """Lines below all else, which are always there."""
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         glyphs = ASCII if options.ascii_only else UNICODE
@@ -54,8 +56,10 @@ class Picture:
         for notice in self._notices():
             wrapped = wrap(notice, max(width, 20), max_lines=3)
             head += [Text(part, style='reverse bold') for part in wrapped]
+        feet = [Text(part) for note in self.notes for part in wrap(note, max(width, 20))]
         parts = self._blocks(width, glyphs)
-        lines = [*head, *_stacked(parts, width, room - len(head), glyphs)][:room]
+        lines = [*head, *_stacked(parts, width, room - len(head) - len(feet), glyphs)]
+        lines = [*lines[: room - len(feet)], *feet][:room]
         for line in lines:
             line.truncate(width, overflow='ellipsis')
         return lines
@@ -73,6 +77,8 @@ class Picture:
         found = {'body': self._body(width, glyphs)}
         if view.holds:
             found['holds'] = blocks.holds(view.holds, width, glyphs)
+        if view.next_lines:
+            found['next'] = blocks.next_lines(view.next_lines, width)
         if view.troubles:
             found['troubles'] = blocks.troubles(view, width, glyphs)
         if view.jobs:

@@ -3,29 +3,54 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.screen import words
+from bt_orchestrator.screen.advice import Shell, hold_advice, next_choices, next_lines
 from bt_orchestrator.screen.progress import Progress
 from bt_orchestrator.screen.tree_view import Branch, paths
 from bt_orchestrator.screen.viewer import Hearing
 
 
 class EventLines:
-    """Says what happens, and nothing else."""
+    """Says what happens, what an operator can do about it, and nothing else."""
 
-    def __init__(self, say: Callable[[str], object]) -> None:
+    def __init__(self, shell: Shell, say: Callable[[str], object]) -> None:
+        self._shell = shell
         self._say = say
         self._progress = Progress()
+        self._is_first = True
+        self._next: list[str] = []
+        self._notes: tuple[str, ...] = ()
 
     def on_status(self, status: Any) -> None:
-        """Say nothing."""
+        """Say what can be typed where the cell has come to stand."""
+        if self._is_first:
+            self._say_all(self._held(status))
+        self._is_first = False
+        effects = [choice.effect for choice in next_choices(status)]
+        if effects != self._next:
+            self._next = effects
+            self._say_all(f'next: {text}' for text in next_lines(status, self._shell))
+
+    def _held(self, status: Any) -> Iterator[str]:
+        """Yield what was held before anybody listened."""
+        for hold in status.holds:
+            yield words.hold_text(hold)
+            yield from (f'  {text}' for text in hold_advice(hold, self._shell))
 
     def on_event(self, event: e.Event) -> None:
         """Say what happened."""
         self._say_all(self._progress.follow(event))
+        if isinstance(event, e.HoldRaised):
+            self._say_all(f'  {text}' for text in hold_advice(_Raised(event), self._shell))
+
+    def on_notes(self, notes: Sequence[str]) -> None:
+        """Say notes that are new."""
+        self._say_all(note for note in notes if note not in self._notes)
+        self._notes = tuple(notes)
 
     def on_tree(self, tree: Branch) -> None:
         """Say nothing."""
@@ -44,9 +69,8 @@ class EventLines:
 class PlainView(EventLines):
     """Says how the cell stands at first, and then what changes."""
 
-    def __init__(self, node: str, say: Callable[[str], object]) -> None:
-        super().__init__(say)
-        self._node = node
+    def __init__(self, shell: Shell, say: Callable[[str], object]) -> None:
+        super().__init__(shell, say)
         self._hearing = Hearing(time.monotonic())
         self._is_away = True
         self._troubles: list[str] = []
@@ -60,8 +84,11 @@ class PlainView(EventLines):
         troubles = [text for text in (words.failure(status), *words.troubles(status)) if text]
         if self._is_away:
             self._is_away = False
-            self._say_all(words.status_lines(status, self._node))
+            self._is_first = False
+            self._next = [choice.effect for choice in next_choices(status)]
+            self._say_all(words.status_lines(status, self._shell))
         else:
+            super().on_status(status)
             self._say_all(text for text in troubles if text not in self._troubles)
             gone = [text for text in self._troubles if text not in troubles]
             self._say_all(f'over: {text}' for text in gone)
@@ -69,12 +96,6 @@ class PlainView(EventLines):
                 self._say_all(text for text in [words.stopped(status)] if text)
         self._stopped = words.stopped(status)
         self._troubles = troubles
-
-    def on_event(self, event: e.Event) -> None:
-        """Say what happened, and what an operator can do about it."""
-        super().on_event(event)
-        if isinstance(event, e.HoldRaised):
-            self._say_all(f'  {text}' for text in words.hold_advice(_Raised(event), self._node))
 
     def on_tree(self, tree: Branch) -> None:
         """Say which behaviours came to something else."""
@@ -95,7 +116,7 @@ class PlainView(EventLines):
         silent_s = self._hearing.silent_s(time.monotonic())
         if silent_s is not None and not self._is_away:
             self._is_away = True
-            self._say(f'no news from {self._node} for {words.duration(silent_s)}')
+            self._say(f'no news from {self._shell.node} for {words.duration(silent_s)}')
 
     def _say_changes(self, what: str, before: Mapping[str, str], now: Mapping[str, str]) -> None:
         self._say_all(f'{what} {k}  {v}' for k, v in now.items() if before.get(k) != v)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.hold_words import hold_words
 
 
 class Progress:
@@ -40,8 +41,7 @@ class Progress:
         elif isinstance(event, e.ItemRemoved):
             yield f'section {event.section:<3} {event.item} {event.how.replace("_", " ")}'
         elif isinstance(event, e.HoldRaised):
-            about = event.task or event.item or event.message
-            yield f'HOLD {event.hold}: {about}, {event.reason}'
+            yield f'HOLD {event.hold}: {hold_words(event)}'
         elif isinstance(event, e.CellStateChanged):
             self.held = event.state == 'Held'
             reason = f' ({event.reason})' if event.reason else ''

@@ -8,6 +8,7 @@ from enum import IntEnum
 from typing import Any, NamedTuple
 
 from bt_orchestrator.screen import words
+from bt_orchestrator.screen.advice import Shell, hold_advice, next_lines
 
 
 class Weight(IntEnum):
@@ -84,6 +85,8 @@ class CellView:
     initialization: tuple[str, ...]
     jobs: tuple[JobRow, ...]
     holds: tuple[HoldRow, ...]
+    next_lines: tuple[str, ...]
+    """What can be typed where the cell stands and waits for somebody."""
     troubles: tuple[str, ...]
     flags: tuple[str, ...]
 
@@ -93,10 +96,10 @@ class CellView:
         return bool(self.holds)
 
 
-def cell_view(status: Any, node: str) -> CellView:
+def cell_view(status: Any, shell: Shell) -> CellView:
     """Return the view of a status (bt_orchestrator_interfaces/msg/Status).
 
-    :param node: full name of the tree node, for the command lines
+    :param shell: for the command lines
     """
     return CellView(
         cell=words.one_line(status.cell),
@@ -111,9 +114,10 @@ def cell_view(status: Any, node: str) -> CellView:
         initialization=tuple(map(words.one_line, status.initialization_waiting)),
         jobs=tuple(_job(job, status) for job in status.jobs),
         holds=tuple(
-            HoldRow(words.hold_text(hold), tuple(words.hold_advice(hold, node)))
+            HoldRow(words.hold_text(hold), tuple(hold_advice(hold, shell)))
             for hold in status.holds
         ),
+        next_lines=tuple(next_lines(status, shell)),
         troubles=tuple(words.troubles(status)),
         flags=tuple(map(words.flag_count, status.flags)),
     )

@@ -6,16 +6,12 @@ text of one line without control characters, whatever a controller wrote into it
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from datetime import datetime
 from typing import Any
 
-PROGRAM = 'bt-orchestrator'
-
-DEFAULT_NODE = '/bt_orchestrator'
-
-OTHER_VERBS = {'remove_item': 'remove-item {hold.item}', 'resume': 'resume --hold {hold.id}'}
-"""Answers that are given by a verb of their own; all others by `answer`."""
+from bt_orchestrator.model.hold_words import hold_words
+from bt_orchestrator.screen.advice import Shell, hold_advice, next_lines
 
 BAD_COUNTS = ('rejected', 'missing', 'nonconforming')
 """Counts of a job that are shown only when there are any."""
@@ -26,7 +22,7 @@ def one_line(text: str) -> str:
     return ''.join(c if c.isprintable() else '\ufffd' for c in ' '.join(text.split()))
 
 
-def status_lines(status: Any, node: str) -> Iterator[str]:
+def status_lines(status: Any, shell: Shell) -> Iterator[str]:
     """Yield a whole status as text."""
     since = f'{status.state} for {duration(state_s(status))}'
     yield f'cell {one_line(status.cell)}: {since}, belt {belt(status)}, seq {status.seq}'
@@ -49,7 +45,8 @@ def status_lines(status: Any, node: str) -> Iterator[str]:
         yield f'  flag {flag_count(flag)}'
     for hold in status.holds:
         yield f'  {hold_text(hold)}'
-        yield from (f'    {text}' for text in hold_advice(hold, node))
+        yield from (f'    {text}' for text in hold_advice(hold, shell))
+    yield from (f'  next: {text}' for text in next_lines(status, shell))
 
 
 def stopped(status: Any) -> str:
@@ -161,29 +158,7 @@ def trouble(component: Any) -> str:
 
 def hold_text(hold: Any) -> str:
     """Say what is held, where, and why."""
-    where = f'section {hold.section}, ' if hold.section else ''
-    about = one_line(hold.item or hold.job)
-    of_what = f' of {about}' if about else ''
-    what = f'{one_line(hold.task)}{of_what}' if hold.task else about
-    message = f' ({one_line(hold.message)})' if hold.message else ''
-    named = f'{where}{what}: ' if where or what else ''
-    return f'hold {hold.id}: {named}{one_line(hold.reason)}{message}'
-
-
-def hold_advice(hold: Any, node: str) -> list[str]:
-    """Return what an operator can type about a hold, and what instead."""
-    commands = [command(hold, answer, node) for answer in hold.answers]
-    others: Sequence[str] = hold.answers[1:]
-    if others:
-        commands[1:] = [f'or {", ".join(others)} in place of {hold.answers[0]}']
-    return commands
-
-
-def command(hold: Any, answer: str, node: str) -> str:
-    """Return the command line that gives an answer to a hold."""
-    verb = OTHER_VERBS.get(answer, f'answer {hold.id} {answer}').format(hold=hold)
-    to_node = '' if node == DEFAULT_NODE else f' --node {node}'
-    return f'{PROGRAM} {verb} --reason "WHY"{to_node}'
+    return one_line(f'hold {hold.id}: {hold_words(hold)}')
 
 
 def duration(seconds: float) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.hold_words import hold_words
 from bt_orchestrator.sim.wait_log import Waits, WaitSpan
 
 
@@ -44,8 +45,7 @@ class HoldBar:
     """From a hold to its answer."""
 
     hold: str
-    subject: str
-    reason: str
+    words: str
     start_s: float
     end_s: float
 
@@ -140,9 +140,7 @@ class GanttFold:
 
     def _end_hold(self, hold: str, end_s: float) -> None:
         raised = self._open_holds.pop(hold)
-        bar = HoldBar(
-            hold, raised.task or raised.item or 'the cell', raised.reason, raised.time, end_s
-        )
+        bar = HoldBar(hold, hold_words(raised), raised.time, end_s)
         self._holds[_row(raised.job, raised.section)].append(bar)
 
     def chart(self, cell: str, sections: int, waits: Waits, total_s: float) -> Gantt:

@@ -144,8 +144,7 @@ class _Page:
 
     def _hold(self, group: Svg, hold: HoldBar, y: float) -> None:
         bar = self._bar(group, hold.start_s, hold.end_s, y + 1, height=LANE - 2, class_='hold')
-        what = f'hold {hold.hold}: {hold.subject}, {hold.reason}'
-        bar.add('title', f'{what}\n{_span(hold.start_s, hold.end_s)}')
+        bar.add('title', f'hold {hold.hold}: {hold.words}\n{_span(hold.start_s, hold.end_s)}')
         room = self._x(hold.end_s) - self._x(hold.start_s) - 4
         group.label(self._x(hold.start_s) + 3, y + 12, f'HOLD {hold.hold}', 'task', room)
 

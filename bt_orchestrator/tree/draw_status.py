@@ -7,6 +7,7 @@ from typing import Any
 
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.hold_words import attempt_words
 from bt_orchestrator.model.pauses import release_command
 from bt_orchestrator.model.script import INDEX, Script, SectionList, Task
 from bt_orchestrator.tree.draw_state import LineState, Mark, SectionMark, TaskMark
@@ -178,8 +179,16 @@ def _held(hold: Plain) -> TaskMark:
     message = f' ({hold["message"]})' if hold['message'] else ''
     answers = ' | '.join(hold['answers'])
     return TaskMark(
-        Mark.HELD, f'(hold {hold["id"]})', f'{hold["reason"]}{message}; answer with {answers}'
+        Mark.HELD,
+        f'(hold {hold["id"]})',
+        f'{hold["reason"]}{message}{_attempt(hold)}; answer with {answers}',
     )
+
+
+def _attempt(hold: Plain) -> str:
+    """Return which attempt failed, where the status knows it."""
+    words = attempt_words(hold.get('attempt', 0), hold.get('attempts', 0))
+    return f', {words}' if words else ''
 
 
 def _job(job: Plain) -> str:

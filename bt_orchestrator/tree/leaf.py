@@ -167,6 +167,9 @@ class ActionLeaf(TaskWaiter, Ticked):
         return e.HoldRaised(
             hold=self.subject.state.next_hold,
             **self.subject.key._asdict(),
+            name=self.subject.task.name,
+            component=self.subject.task.component,
+            action=self.subject.task.action,
             reason='slot_occupied',
             message=f'{there} stands where {self.subject.key.item} would be placed',
             answers=('retry',),  # the others would leave a second position in the slot

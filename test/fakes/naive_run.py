@@ -175,7 +175,12 @@ class NaiveRun(ABC):
         hold = SimpleNamespace(id=str(next(self._hold_ids)), reason=reason, where=where)
         hold.answers, hold.task = answers, task
         self.holds.append(hold)
-        self.say('hold.raised', where, hold=hold, reason=reason, answers=answers)
+        facts: Row = {}
+        if task:
+            action, name = task.does
+            facts = {'name': name, 'action': action, 'component': task.device.name}
+            facts |= {'attempt': task.attempt, 'attempts': task.given.get('retries', 0) + 1}
+        self.say('hold.raised', where, hold=hold, **facts, reason=reason, answers=answers)
 
     def at(self, after: float, task: Task, end: str, certain: float) -> None:
         """Note how an attempt ends after a while; of one time what was certain earlier is first.

@@ -96,7 +96,7 @@ def test_a_demo_whose_tree_node_was_killed_is_resumed(
     *controllers, node = started_pids(demo)
     os.kill(node, signal.SIGKILL)
     assert demo.wait() == 1
-    assert 'take over with: bt-orchestrator demo --resume' in demo.errors
+    assert re.search(r'take over with: \S*bt-orchestrator demo --resume ', demo.errors)
     assert [is_there(pid) for pid in controllers] == [True] * 2
 
     again = resumed(tmp_path)
@@ -108,3 +108,53 @@ def test_without_a_killed_demo_there_is_nothing_to_resume(tmp_path: Path) -> Non
     again = resumed(tmp_path)
     assert again.wait() == 1
     assert 'there is no demo to resume' in again.errors
+
+
+@pytest.mark.parametrize(
+    ('wrong', 'said'),
+    [
+        (['--fail', 'componnt_3a.#1=abort'], 'did you mean `component_3a`'),
+        (['--fail', 'component_3a.#1=abrt'], 'one of false, reject, abort'),
+        (['--speed', '0'], 'expected a number greater than 0'),
+        (['--order', 'no_such.yaml'], 'no_such.yaml'),
+        (['--cell', 'no_such.yaml'], 'no_such.yaml'),
+    ],
+)
+def test_what_is_wrong_is_said_before_anything_is_started(
+    wrong: Sequence[str], said: str, tmp_path: Path
+) -> None:
+    demo = ProgramProcess(['demo', *wrong], tmp_path, 'demo')
+    assert demo.wait() in (1, 2)
+    assert said in demo.errors
+    assert demo.output == ''
+    assert not (tmp_path / 'bt_orchestrator').exists(), 'the last demo is left as it is'
+
+
+def test_a_hold_waits_for_the_command_that_is_printed_or_ends_the_demo(tmp_path: Path) -> None:
+    held = ['demo', '--speed', '10', '--fail', 'component_3a.#1=abort']
+    demo = ProgramProcess(held, tmp_path, 'demo')
+    try:
+        demo.wait_ready('HOLD 1: section 4, 4.1 (TASK_A) of WO-1001/1 at component_3a')
+        demo.wait_ready('bt-orchestrator answer 1 retry --reason "WHY"')
+        answer = ProgramProcess(
+            ['answer', '1', 'retry', '--reason', 'in a test'], tmp_path, 'answer'
+        )
+        assert answer.wait() == 0, answer.errors
+        assert demo.wait(2 * PATIENCE_S) == 0, demo.errors
+    finally:
+        demo.send(signal.SIGTERM)
+        demo.wait()
+    ended = ProgramProcess([*held, '--on-hold', 'end'], tmp_path, 'ended')
+    assert ended.wait(2 * PATIENCE_S) == 1
+    assert ended.output.count('hold 1: section 4') == 1
+
+
+def test_a_node_that_is_killed_before_it_said_anything_is_missed_at_once(tmp_path: Path) -> None:
+    demo = ProgramProcess(['demo', '--speed', '10'], tmp_path, 'demo')
+    demo.wait_ready('tree node ready')
+    *controllers, node = started_pids(demo)
+    os.kill(node, signal.SIGKILL)
+    assert demo.wait() == 1
+    assert 'the tree node has gone' in demo.errors
+    for pid in controllers:
+        stop_process(pid)

@@ -55,7 +55,7 @@ def test_every_command_does_what_it_is_for(start_cell: StartCell, tmp_path: Path
         assert (done.returncode, done.stderr) == (0, ''), f'{command}\n{done.stdout}{done.stderr}'
         printed += done.stdout
 
-    assert 'hold 1: section 2, work of WO-1/1: aborted' in printed
+    assert 'hold 1: section 2, work (TASK_A) of WO-1/1 at' in printed
     assert f'\n{cell.node.pid}\n' in printed, 'who has the journal'
     assert 'ok    worker: state topic: /worker/state (/sim_cell)' in printed
     assert 'ok    tree node: /bt_orchestrator runs' in printed

@@ -90,7 +90,7 @@ def test_a_hold_is_shown_and_answered(held_cell: CellProcesses) -> None:
     folder = held_cell.folder
     status, output, _ = run_verb(folder, 'status')
     assert status == 0
-    assert f'hold {hold.id}: section 2, work of WO-1/1: aborted' in output
+    assert f'hold {hold.id}: section 2, work (TASK_A) of WO-1/1 at' in output
 
     wrong = run_verb(folder, 'answer', 'H99', 'retry', '--reason', 'x')
     assert wrong[0] == 1

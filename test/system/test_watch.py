@@ -56,7 +56,7 @@ def test_a_held_cell_on_a_terminal(held_cell: CellProcesses, open_terminal: Open
     terminal = open_terminal('watch')
     terminal.until_shows(f'bt-orchestrator answer {hold.id} retry --reason "WHY"')
     assert terminal.lines[0].startswith('small_cell  ■ Held')
-    assert f'■ hold {hold.id}: section 2, work of WO-1/1: aborted' in terminal.text
+    assert f'■ hold {hold.id}: section 2, work (TASK_A) of WO-1/1 at' in terminal.text
     assert '│ WO-1/1 │' in terminal.lines[1]
 
     assert held_cell.watch.answer(hold.id, 'retry').accepted
@@ -101,7 +101,7 @@ def test_without_colour_and_without_a_screen(
     dumb = open_terminal('watch', environment={'TERM': 'dumb'})
     colourless.until_shows('■ hold 1: section 2')
     assert not re.search(rb'\x1b\[[\d;]*3[0-7]', colourless.raw)
-    dumb.until_shows('hold 1: section 2, work of WO-1/1: aborted')
+    dumb.until_shows('hold 1: section 2, work (TASK_A) of WO-1/1 at')
     assert b'\x1b[?1049h' not in dumb.raw
 
 

@@ -30,6 +30,14 @@ class HoldRaised(Event):
     section: int | None = None
     item: str | None = None
     task: str | None = None
+    name: str = ''
+    """Task constant; this and the following are empty, or 0, where no task is held."""
+    component: str = ''
+    action: str = ''
+    attempt: int = 0
+    """Number of the attempt that failed, from 1; 0: none was made."""
+    attempts: int = 0
+    """Attempts that the script allows."""
     reason: str
     message: str = ''
     answers: tuple[str, ...] = ()

@@ -103,7 +103,10 @@ def test_a_hold_is_told_with_its_answers(capsys: pytest.CaptureFixture[str]) -> 
 
     assert lines[:3] == [
         'held at 15.5 s:',
-        '  hold 1, section 2: 2.1 of WO-1001/2: aborted (aborted by the simulated controller)',
+        (
+            '  hold 1: section 2, 2.1 (TASK_A) of WO-1001/2 at component_1a (/component_1a/task), '
+            'attempt 1 of 1: aborted (aborted by the simulated controller)'
+        ),
         '    possible answers: retry, mark_done, skip, reject, abort_job',
     ]
 

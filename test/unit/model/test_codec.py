@@ -57,6 +57,7 @@ SAMPLES: dict[str, Any] = {
     'action': '/a2/do',
     'component': 'a2',
     'attempt': 2,
+    'attempts': 3,
     'goal': 'b04965e6-a9bb-591f-8f8a-1adcb2c8dc39',
     'args': {'pose': {'frame': 'belt', 'position': {'x': 1.5}}, 'names': ['a', 'b']},
     'cause': 'timeout',

@@ -11,6 +11,7 @@ from fakes import statuses
 from rich.cells import cell_len
 from rich.console import Console
 
+from bt_orchestrator.screen.advice import Shell
 from bt_orchestrator.screen.picture import Picture
 from bt_orchestrator.screen.tree_view import Branch, Status
 from bt_orchestrator.screen.view import cell_view
@@ -20,7 +21,7 @@ SIZES = [(w, h) for w in (20, 40, 60, 80, 120) for h in (6, 10, 24, 50)]
 
 
 def picture(status: Any, **about: Any) -> Picture:
-    return Picture(cell_view(status, NODE), NODE, **about)
+    return Picture(cell_view(status, Shell(NODE)), NODE, **about)
 
 
 def drawn(shown: Picture, width: int = 80, height: int = 24) -> list[str]:
@@ -83,9 +84,26 @@ def test_bad_items_have_signs_where_there_is_only_ascii() -> None:
 def test_a_hold_shows_what_to_type() -> None:
     found = drawn(picture(statuses.status(state='Held', holds=[statuses.hold()])))
     assert found[0].startswith('small_cell  ■ Held  ')
-    at = found.index('■ hold 1: section 2, work of WO-1/1: aborted')
+    at = found.index(
+        '■ hold 1: section 2, work (TASK_A) of WO-1/1 at arm (/arm/task), attempt 1 of 2:'
+    )
+    assert found[at + 1] == '      aborted'
+    at += 1
     assert found[at + 1] == '  bt-orchestrator answer 1 retry --reason "WHY"'
     assert found[at + 2] == '  or skip in place of retry'
+
+
+def test_a_cell_that_stands_shows_what_to_type_next() -> None:
+    found = drawn(picture(statuses.status(state='Stopped')))
+    at = found.index('bt-orchestrator reset --reason "WHY"   gets the cell ready to start')
+    assert found[at - 1].startswith('next ───')
+
+
+@pytest.mark.parametrize(('width', 'height'), SIZES)
+def test_notes_stay_below_all_else(width: int, height: int) -> None:
+    lines = picture(nasty(), notes=['first', 'last']).lines(width, height)
+    assert len(lines) <= height
+    assert [line.plain for line in lines[-2:]] == ['first', 'last']
 
 
 def test_a_command_is_wrapped_and_never_cut() -> None:

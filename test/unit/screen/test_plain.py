@@ -10,12 +10,13 @@ import pytest
 from fakes import statuses
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.screen import machine, plain
+from bt_orchestrator.screen import machine, plain, words
+from bt_orchestrator.screen.advice import Shell
 from bt_orchestrator.screen.machine import JsonView
 from bt_orchestrator.screen.plain import EventLines, PlainView
 from bt_orchestrator.screen.tree_view import Branch, Status
 
-NODE = '/bt_orchestrator'
+NODE = Shell()
 
 
 class Time:
@@ -90,7 +91,7 @@ def test_a_hold_is_told_with_what_to_type() -> None:
     said: list[str] = []
     PlainView(NODE, said.append).on_event(raised())
     assert [line.strip() for line in said] == [
-        '0.00 s  HOLD 1: work, aborted',
+        '0.00 s  HOLD 1: work: aborted',
         'bt-orchestrator answer 1 retry --reason "WHY"',
         'or skip in place of retry',
     ]
@@ -103,21 +104,52 @@ def test_a_hold_of_the_whole_cell_is_told_by_its_message() -> None:
     )
     PlainView(NODE, said.append).on_event(hold)
     assert [line.strip() for line in said] == [
-        '0.00 s  HOLD 1: 1 job, restarted',
+        '0.00 s  HOLD 1: restarted (1 job)',
         'bt-orchestrator resume --hold 1 --reason "WHY"',
     ]
 
 
 def test_events_alone() -> None:
     said: list[str] = []
-    view = EventLines(said.append)
+    view = EventLines(NODE, said.append)
     view.on_status(statuses.status())
     view.on_tree(branch(Status.RUNNING))
     view.on_blackboard({'k': 'v'})
     view.refresh()
     assert said == []
     view.on_event(raised())
-    assert len(said) == 1
+    assert said[0].endswith('HOLD 1: work: aborted')
+    assert len(said) == 3, 'and what to type'
+
+
+def test_what_was_held_before_anybody_listened_is_told_at_first() -> None:
+    said: list[str] = []
+    view = EventLines(NODE, said.append)
+    for _ in range(2):
+        view.on_status(statuses.status(holds=[statuses.hold()]))
+    assert [line.strip() for line in said] == [
+        words.hold_text(statuses.hold()),
+        'bt-orchestrator answer 1 retry --reason "WHY"',
+        'or skip in place of retry',
+    ]
+
+
+def test_what_can_be_typed_where_a_cell_has_come_to_stand() -> None:
+    said: list[str] = []
+    for view in (EventLines(NODE, said.append), PlainView(NODE, said.append)):
+        view.on_status(statuses.status())
+        said.clear()
+        for seq in (7, 8):
+            view.on_status(statuses.status(state='Aborted', seq=seq))
+        assert [line.split(' --')[0] for line in said] == ['next: bt-orchestrator clear'] * 2
+
+
+def test_notes_are_told_once() -> None:
+    said: list[str] = []
+    view = EventLines(NODE, said.append)
+    for notes in (['a'], ['a', 'b'], ['b']):
+        view.on_notes(notes)
+    assert said == ['a', 'b']
 
 
 def test_a_node_that_goes_away_and_comes_back(clock: Time) -> None:
@@ -152,7 +184,7 @@ def test_changes_of_tree_and_blackboard() -> None:
 
 def test_machines_get_what_is_different(clock: Time) -> None:
     said: list[str] = []
-    view = JsonView(NODE, said.append, to_plain)
+    view = JsonView(NODE.node, said.append, to_plain)
     view.on_status(statuses.status())
     view.on_status(statuses.status(stamp=statuses.stamp(1001)))
     view.on_status(statuses.status(seq=8))
@@ -173,4 +205,4 @@ def test_machines_get_what_is_different(clock: Time) -> None:
         'children': [],
     }
     assert records[3]['values'] == {'/cell/belt': 'moving'}
-    assert records[4] == {'kind': 'away', 'node': NODE, 'silent_s': 3.1}
+    assert records[4] == {'kind': 'away', 'node': NODE.node, 'silent_s': 3.1}

@@ -8,9 +8,11 @@ from typing import Any
 import pytest
 from fakes import statuses
 
+from bt_orchestrator.model.packml import VERBS, Mode, possible_in
 from bt_orchestrator.screen import words
+from bt_orchestrator.screen.advice import Shell, hold_advice, next_choices
 
-NODE = words.DEFAULT_NODE
+NODE = Shell()
 
 
 def test_a_whole_status() -> None:
@@ -31,10 +33,56 @@ def test_a_whole_status() -> None:
         '  section 2   WO-1/1         work TASK_A at /work/task',
         '  worker: no action server at /worker/task',
         '  flag clear: 0 of 1',
-        '  hold 1: section 2, work of WO-1/1: aborted (gripper open)',
+        (
+            '  hold 1: section 2, work (TASK_A) of WO-1/1 at arm (/arm/task), attempt 1 of 2: '
+            'aborted (gripper open)'
+        ),
         '    bt-orchestrator answer 1 retry --reason "WHY"',
         '    or skip in place of retry',
     ]
+
+
+@pytest.mark.parametrize(
+    ('about', 'lines'),
+    [
+        ({'state': 'Stopped'}, ['reset --reason "WHY"   gets the cell ready to start']),
+        (
+            {'state': 'Aborted'},
+            [
+                'clear --as-shown 7 --reason "WHY"   if the belt is as shown here',
+                'clear --belt 1=ITEM,2=empty --reason "WHY"   else: every slot as it really is',
+            ],
+        ),
+        (
+            {'state': 'Stopped', 'jobs': []},
+            [
+                'submit ORDER.yaml   gives it a work order',
+                'reset --reason "WHY"   gets the cell ready to start',
+            ],
+        ),
+        (
+            {'state': 'Stopped', 'jobs': [], 'waits_for': 'reset and start'},
+            ['reset --reason "WHY"   gets the cell ready to start'],
+        ),
+        ({'state': 'Idle'}, ['start --reason "WHY"   lets the cell begin to work']),
+        ({'state': 'Idle', 'jobs': []}, ['submit ORDER.yaml   gives it a work order']),
+        ({'state': 'Complete', 'jobs': []}, ['submit ORDER.yaml   gives it a work order']),
+        ({'state': 'Complete'}, ['reset --reason "WHY"   gets the cell ready to start']),
+        ({'state': 'Execute'}, []),
+        ({'state': 'Stopped', 'holds': [statuses.hold()]}, []),
+    ],
+)
+def test_what_can_be_typed_next(about: dict[str, Any], lines: list[str]) -> None:
+    said = list(words.status_lines(statuses.status(**about), NODE))
+    begin = '  next: bt-orchestrator '
+    assert [line.removeprefix(begin) for line in said if line.startswith(begin)] == lines
+
+
+def test_every_state_in_which_a_cell_waits_for_somebody_names_commands_it_takes() -> None:
+    for mode in Mode:
+        for choice in next_choices(statuses.status(state=mode.value)):
+            verbs = [VERBS[cause] for cause in possible_in(mode)]
+            assert choice.name in [*verbs, 'submit'], mode
 
 
 def stopped(**fields: Any) -> Any:
@@ -126,17 +174,23 @@ def test_why_a_component_can_be_sent_nothing(component: object, said: str) -> No
     ],
 )
 def test_what_an_operator_types_about_a_hold(about: dict[str, Any], advice: list[str]) -> None:
-    assert words.hold_advice(statuses.hold(**about), NODE) == advice
+    assert hold_advice(statuses.hold(**about), NODE) == advice
 
 
 def test_a_node_of_another_name_stands_in_the_command() -> None:
-    (command, _) = words.hold_advice(statuses.hold(), '/left/bt_orchestrator')
+    (command, _) = hold_advice(statuses.hold(), Shell('/left/bt_orchestrator'))
     assert command.endswith(' --node /left/bt_orchestrator')
 
 
 def test_a_hold_of_the_whole_cell() -> None:
     paused = statuses.hold(
-        task='', item='', job='', section=0, reason='paused', message='Ada: lunch'
+        task='',
+        item='',
+        job='',
+        section=0,
+        attempt=0,
+        reason='paused',
+        message='Ada: lunch',
     )
     assert words.hold_text(paused) == 'hold 1: paused (Ada: lunch)'
 

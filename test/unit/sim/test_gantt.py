@@ -107,7 +107,7 @@ def test_failed_attempts_and_holds_are_marked() -> None:
     (failed,) = bars(svg, 'section_4', 'failed')
     (hold,) = bars(svg, 'section_4', 'hold')
     assert title(failed).endswith('aborted')
-    assert title(hold).startswith('hold 1: 4.1, aborted')
+    assert title(hold).startswith('hold 1: section 4, 4.1 (TASK_A) of WO/2 at component_3a')
     assert {'hold', 'attempt that failed', 'waits for an answer to a hold'} <= set(words(svg))
 
 

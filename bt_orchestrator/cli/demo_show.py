@@ -1,0 +1,105 @@
+"""The course of a demo in front of a person: submitting, looking, and when it is over."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from bt_orchestrator.cli.demo_dialogue import Dialogue
+from bt_orchestrator.cli.demo_programs import DemoPrograms
+from bt_orchestrator.cli.programs import ProgramFailed
+from bt_orchestrator.cli.submit import submit
+from bt_orchestrator.cli.watch import follow
+from bt_orchestrator.model.events import Event, JobAborted, JobCompleted
+from bt_orchestrator.model.isa95 import JobWord
+from bt_orchestrator.model.order import WorkOrder
+from bt_orchestrator.screen.plain import EventLines
+from bt_orchestrator.stop_signals import StopSignals
+
+if TYPE_CHECKING:  # they need rich and rclpy, which take their time
+    from bt_orchestrator.ros.client import NodeClient
+    from bt_orchestrator.screen.live import LiveView
+
+_OVER = (JobWord.ENDED.value, JobWord.ABORTED.value)
+
+
+class Interrupted(Exception):
+    """Somebody wants the demo to end."""
+
+
+class DemoShow:
+    """One order on a line whose programs run."""
+
+    def __init__(
+        self,
+        programs: DemoPrograms,
+        viewer: LiveView | EventLines,
+        dialogue: Dialogue,
+        stop: StopSignals,
+    ) -> None:
+        self._programs = programs
+        self._viewer = viewer
+        self._dialogue = dialogue
+        self._stop = stop
+        self._status: Any = None
+        self._job = ''
+        self._ended: set[str] = set()
+
+    def look(self) -> None:
+        """Do what has to be done all the time, whatever is waited for.
+
+        :raises ProgramFailed: the tree node has gone
+        :raises Interrupted: somebody wants an end
+        """
+        if self._stop.requested:
+            raise Interrupted
+        self._programs.check()
+        if self._job and self._of_job() is not None:  # what came before it is over soon
+            self._dialogue.look(self._status)
+        self._viewer.on_notes([*self._dialogue.lines(), self._programs.about_node()])
+        self._viewer.refresh()
+
+    def follow(
+        self, client: NodeClient, order: WorkOrder, *, asks: bool
+    ) -> tuple[str, Sequence[Any]]:
+        """Give the order unless it is there, and look until nothing goes on.
+
+        :param asks: a hold does not end the demo
+        :return: the id of its job, and what is held
+        """
+        client.on_status(self._on_status)
+        client.wait_until(self._all_are_there, 'every action server at the node')
+        follow(client, self._viewer, self._on_event)
+        self._job = self._ordered(client, order)
+        while not self._is_over(asks=asks):
+            client.spin()
+        return self._job, self._status.holds
+
+    def _on_status(self, status: Any) -> None:
+        self._status = status
+
+    def _on_event(self, event: Event) -> None:
+        if isinstance(event, JobCompleted | JobAborted):
+            self._ended.add(event.job)
+
+    def _all_are_there(self) -> bool:
+        return self._status is not None and all(c.available for c in self._status.components)
+
+    def _ordered(self, client: NodeClient, order: WorkOrder) -> str:
+        """Return the id of the order's job, which a resumed demo has already."""
+        if order.order in {job.id for job in self._status.jobs}:
+            return str(order.order)
+        answer = submit(client, order)
+        if not answer.accepted:
+            raise ProgramFailed('\n'.join([answer.message, *answer.findings]))
+        return str(answer.job)
+
+    def _is_over(self, *, asks: bool) -> bool:
+        """Tell whether the job has ended, or nothing goes on and nobody is asked."""
+        job = self._of_job()
+        ended = job is not None and job.state in _OVER
+        return ended or self._job in self._ended or (not asks and self._status.state == 'Held')
+
+    def _of_job(self) -> Any:
+        """Return how the job stands; None: the node has not said so yet."""
+        return next((one for one in self._status.jobs if one.id == self._job), None)

@@ -1,0 +1,82 @@
+"""What a hold says to a person: the one sentence that status, views, logs and pictures share."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+
+class HoldFacts(Protocol):
+    """A hold as an event, in the state, or in a status message; empty or 0: not known, or none."""
+
+    @property
+    def section(self) -> int | None:
+        """Section; none for the belt, initialization and the whole cell."""
+
+    @property
+    def job(self) -> str | None:
+        """Id of the job."""
+
+    @property
+    def item(self) -> str | None:
+        """Id of the item."""
+
+    @property
+    def task(self) -> str | None:
+        """Id of the task in its script."""
+
+    @property
+    def name(self) -> str:
+        """Task constant."""
+
+    @property
+    def component(self) -> str:
+        """Component that the task is for."""
+
+    @property
+    def action(self) -> str:
+        """Action of the component."""
+
+    @property
+    def attempt(self) -> int:
+        """Number of the attempt that failed, from 1."""
+
+    @property
+    def attempts(self) -> int:
+        """Attempts that the script allows."""
+
+    @property
+    def reason(self) -> str:
+        """Why, in one word."""
+
+    @property
+    def message(self) -> str:
+        """Words of the server, or of the orchestrator."""
+
+
+def hold_words(hold: HoldFacts) -> str:
+    """Say where something is held, what, and why."""
+    message = f' ({hold.message})' if hold.message else ''
+    attempt = attempt_words(hold.attempt, hold.attempts)
+    named = ', '.join(filter(None, (_section(hold), _subject(hold), attempt)))
+    return f'{f"{named}: " if named else ""}{hold.reason}{message}'
+
+
+def _section(hold: HoldFacts) -> str:
+    return f'section {hold.section}' if hold.section else ''
+
+
+def _subject(hold: HoldFacts) -> str:
+    about = hold.item or hold.job or ''
+    if not hold.task:
+        return about
+    name = f' ({hold.name})' if hold.name else ''
+    of_what = f' of {about}' if about else ''
+    where = f' at {hold.component} ({hold.action})' if hold.component else ''
+    return f'{hold.task}{name}{of_what}{where}'
+
+
+def attempt_words(attempt: int, attempts: int) -> str:
+    """Say which attempt failed; one that an operator added is beyond those allowed."""
+    if not attempt:
+        return ''
+    return f'attempt {attempt} of {attempts}' if attempt <= attempts else f'attempt {attempt}'

@@ -1,0 +1,104 @@
+"""What a person can type: the answers to a hold, and what comes next where a cell stands."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+from bt_orchestrator.model.isa95 import JobWord
+from bt_orchestrator.model.packml import Mode
+
+PROGRAM = 'bt-orchestrator'
+
+DEFAULT_NODE = '/bt_orchestrator'
+
+OTHER_VERBS = {'remove_item': 'remove-item {item}', 'resume': 'resume --hold {hold}'}
+"""Answers that are given by a verb of their own; all others by `answer`."""
+
+WHY = '--reason "WHY"'
+
+_ENDED = (JobWord.ENDED.value, JobWord.ABORTED.value)
+
+
+_WAITING_FOR_ORDERS = (Mode.STOPPED.value, Mode.IDLE.value, Mode.COMPLETE.value)
+
+
+class Shell(NamedTuple):
+    """How the reader's shell reaches one node."""
+
+    node: str = DEFAULT_NODE
+    """Full name of the tree node."""
+    program: str = PROGRAM
+    """What to type for this program there, with variables in front where they are needed."""
+
+    def command(self, words: str) -> str:
+        """Return a command line.
+
+        :param words: the verb with its arguments
+        """
+        to_node = '' if self.node == DEFAULT_NODE else f' --node {self.node}'
+        return f'{self.program} {words}{to_node}'
+
+
+class Choice(NamedTuple):
+    """One thing that a person can do now."""
+
+    name: str
+    """In one word."""
+    words: str
+    """The verb with its arguments, but for the reason."""
+    effect: str = ''
+    needs_reason: bool = True
+    is_complete: bool = True
+    """Nothing in the words has to be filled in."""
+
+    def text(self) -> str:
+        """Return the verb with all that has to be typed."""
+        return f'{self.words} {WHY}' if self.needs_reason else self.words
+
+
+def hold_advice(hold: Any, shell: Shell) -> list[str]:
+    """Return what an operator can type about a hold, and what instead."""
+    commands = [shell.command(choice.text()) for choice in hold_choices(hold)]
+    others: Sequence[str] = hold.answers[1:]
+    if others:
+        commands[1:] = [f'or {", ".join(others)} in place of {hold.answers[0]}']
+    return commands
+
+
+def hold_choices(hold: Any) -> tuple[Choice, ...]:
+    """Return the answers that a hold offers."""
+    about = {'hold': hold.id, 'item': shlex.quote(hold.item)}
+    verbs = ((word, OTHER_VERBS.get(word, f'answer {{hold}} {word}')) for word in hold.answers)
+    return tuple(Choice(word, verb.format(**about)) for word, verb in verbs)
+
+
+def next_choices(status: Any) -> tuple[Choice, ...]:
+    """Return what can be done where the cell stands and nothing goes on without a person.
+
+    Nothing for a cell that works, and for one that is held: a hold says what it offers.
+    """
+    return () if status.holds else tuple(_next_choices(status))
+
+
+def _next_choices(status: Any) -> Iterator[Choice]:
+    waits = any(job.state not in _ENDED for job in status.jobs)
+    if status.state == Mode.ABORTED.value:
+        shown = f'clear --as-shown {status.seq}'
+        yield Choice('clear', shown, 'if the belt is as shown here')
+        each = 'clear --belt 1=ITEM,2=empty'
+        yield Choice('clear', each, 'else: every slot as it really is', is_complete=False)
+    elif status.state == Mode.IDLE.value and waits:
+        yield Choice('start', 'start', 'lets the cell begin to work')
+    elif status.state in _WAITING_FOR_ORDERS:
+        if not waits and not status.waits_for:
+            order, effect = 'submit ORDER.yaml', 'gives it a work order'
+            yield Choice('submit', order, effect, needs_reason=False, is_complete=False)
+        if status.state == Mode.STOPPED.value or waits:
+            yield Choice('reset', 'reset', 'gets the cell ready to start')
+
+
+def next_lines(status: Any, shell: Shell) -> list[str]:
+    """Return what can be typed next, with what it does."""
+    return [f'{shell.command(one.text())}   {one.effect}' for one in next_choices(status)]
