@@ -41,6 +41,10 @@ class Refused(OrchestratorError):
         self.findings = tuple(findings)
         super().__init__('\n'.join(str(finding) for finding in self.findings))
 
+    def __reduce__(self) -> tuple[type[Refused], tuple[Sequence[Finding]]]:
+        """Let one process tell another of it; an exception is made from its text otherwise."""
+        return Refused, (self.findings,)
+
     @property
     def count(self) -> str:
         """How many mistakes there are, in words."""

@@ -160,10 +160,14 @@ class NodeWatcher:
 
     def call(self, kind: Any, service: str, request: Any) -> Any:
         """Call a service of the node and return its response."""
+        return self.ros.wait(self.begin(kind, service, request), f'an answer of {service}')
+
+    def begin(self, kind: Any, service: str, request: Any) -> Any:
+        """Call a service of the node and return the future of its response."""
         client = self._client(kind, service)
         self.ros.spin_until(client.service_is_ready, f'the service {service}')
         self._be_known()
-        return self.ros.wait(client.call_async(request), f'an answer of {service}')
+        return client.call_async(request)
 
     def _client(self, kind: Any, service: str) -> Any:
         if service not in self._clients:

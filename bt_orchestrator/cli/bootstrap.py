@@ -14,12 +14,13 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import ActionTypes, EventSink, EventStore, Foresight, Journal
-from bt_orchestrator.script.admission import admit
+from bt_orchestrator.script.admission import admitted
 from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.script.lookup import find_script
 from bt_orchestrator.script.order_file import OrderFile, OrderPlaces, bind_order, draft_order
 from bt_orchestrator.script.parameter_uses import action_types
 from bt_orchestrator.script.script_file import read_script
+from bt_orchestrator.script.source_text import read_text
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryStore
 from bt_orchestrator.store.sqlite import SqliteStore
@@ -128,9 +129,7 @@ def build_foresight(cell: Cell) -> Foresight:
 
 
 def _admitted(path: Path, cell: Cell, types: ActionTypes) -> Script:
-    script = read_script(path, cell, types)
-    admit(path, script)
-    return script
+    return admitted(read_text(path), str(path), cell, types)
 
 
 def load_jobs(

@@ -26,6 +26,7 @@ from bt_orchestrator.model.script import Script
 _T = TypeVar('_T')
 _TEMPLATE = '$'
 _NOT_FINITE = '$float'
+_DIGEST = '$digest'
 _SCALARS = (str, int, bool, type(None))
 """What is written as it is; a float may be none that JSON has."""
 _encode = json.JSONEncoder(ensure_ascii=False, allow_nan=False).encode
@@ -98,8 +99,11 @@ def event_types() -> Mapping[str, type[e.Event]]:
 
 def digest(definition: Script | Cell) -> str:
     """Name a script or a cell by what it says: equal ones have equal digests."""
-    text = json.dumps(to_plain(definition), sort_keys=True)
-    return hashlib.sha256(text.encode()).hexdigest()[:12]
+    known = vars(definition)
+    if _DIGEST not in known:  # as a cached property: it takes as long as all of it is large
+        text = json.dumps(to_plain(definition), sort_keys=True)
+        known[_DIGEST] = hashlib.sha256(text.encode()).hexdigest()[:12]
+    return str(known[_DIGEST])
 
 
 def to_plain(value: Any) -> Any:

@@ -2,10 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.order import Job
+
+
+@dataclass(frozen=True)
+class Sharing:
+    """What was found out of scripts that are to share flags (semantics 4.1), by their digests.
+
+    A proof may take long; this is how it is made before it is needed, and elsewhere.
+    """
+
+    among: frozenset[str]
+    """Scripts that were live, and the new ones. It holds for any part of them."""
+    why_not: Mapping[str, str] = field(default_factory=dict)
+    """By new script that does not fit to those before it, the reason."""
 
 
 @dataclass(frozen=True)
@@ -18,6 +32,8 @@ class AddJobs:
     position: int | None = None
     """Of the first, from 1; None: the end."""
     held: bool = False
+    sharing: Sharing | None = None
+    """None: nothing is known yet."""
 
 
 @dataclass(frozen=True)
@@ -45,6 +61,7 @@ class UpdateJob:
     job: Job
     """What it is to be; its id names the job."""
     by: By
+    sharing: Sharing | None = None
 
 
 @dataclass(frozen=True)

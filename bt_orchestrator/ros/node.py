@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -22,13 +23,14 @@ from bt_orchestrator.ports import EventStore, Foresight, Journal
 from bt_orchestrator.ros.action_types import InstalledActionTypes
 from bt_orchestrator.ros.clock import RosClock
 from bt_orchestrator.ros.events_service import EventsService
-from bt_orchestrator.ros.executors import make_executor, spin_once
+from bt_orchestrator.ros.executors import make_executor, soon, spin_once
 from bt_orchestrator.ros.expected_ends import ExpectedEnds
 from bt_orchestrator.ros.gateway import RosGateway
 from bt_orchestrator.ros.heart import Heart
 from bt_orchestrator.ros.identity import Presence
 from bt_orchestrator.ros.inspection.start import start_inspection
 from bt_orchestrator.ros.inspection.tick_statistics import TickStatistics
+from bt_orchestrator.ros.order_process import order_process
 from bt_orchestrator.ros.order_reader import OrderReader
 from bt_orchestrator.ros.outputs import Diagnostics, EventsTopic, StatusTopic
 from bt_orchestrator.ros.parameters import declare
@@ -100,7 +102,8 @@ class TreeNode:
         self._housekeeping = self._keep_house()
         pulse = Pulse(node)
         self._expected = self._look_ahead(parts, pulse, store)
-        self._run_job = self._take_requests(types, store)
+        self._orders = self._read_orders()
+        self._run_job = self._take_requests(store)
         self._status = self._show(pulse)
         self._ticks = TickStatistics()
         self._inspected = start_inspection(
@@ -146,6 +149,7 @@ class TreeNode:
     def close(self) -> None:
         """Let go of everything."""
         self._expected.close()
+        self._orders.close()
         if self._housekeeping is not None and not self.orchestrator.broken:
             self._housekeeping.finish()
         self.orchestrator.close()
@@ -174,14 +178,17 @@ class TreeNode:
         keep_jobs = self.parameters.journal_keep_jobs
         return Housekeeping(self.orchestrator.state, self._journal, keep_jobs)
 
-    def _take_requests(self, types: InstalledActionTypes, store: EventStore) -> RunJobServer:
-        """Offer the services and the action, which has to be destroyed."""
+    def _read_orders(self) -> OrderReader:
         parameters, state = self.parameters, self.orchestrator.state
-        orders = OrderReader(state, types, parameters.trees, any_path=parameters.script_paths)
+        process = order_process(state.cell, parameters.trees, any_path=parameters.script_paths)
+        return OrderReader(state, process, partial(soon, self.executor))
+
+    def _take_requests(self, store: EventStore) -> RunJobServer:
+        """Offer the services and the action, which has to be destroyed."""
         Services(self.node, self.orchestrator)
-        QueueServices(self.node, self.orchestrator, orders)
+        QueueServices(self.node, self.orchestrator, self._orders)
         EventsService(self.node, self.orchestrator.state, store)
-        run_job = RunJobServer(self.node, self.orchestrator, orders, self._expected)
+        run_job = RunJobServer(self.node, self.orchestrator, self._orders, self._expected)
         self.orchestrator.add_sink(run_job)
         return run_job
 

@@ -1,153 +1,225 @@
-"""Work orders that come over ROS 2: read, checked and bound to their scripts (formats)."""
+"""Work orders that come over ROS 2: read in a process of their own, one request after another.
+
+The tick thread hands requests over and takes the answers; a thread that only waits asks the
+process. What is to be done with an answer is written as steps: a generator that yields what it
+wants read, and is sent what became of it.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+import contextlib
+import itertools
+import logging
+import pickle
+import queue
+import threading
+from collections import OrderedDict, deque
+from collections.abc import Callable, Generator, Iterator, Mapping
+from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
-from typing import Any
 
-from bt_orchestrator.errors import Refused
-from bt_orchestrator.model.by import By
-from bt_orchestrator.model.commands import RefusedRequest
-from bt_orchestrator.model.order import Job, WorkOrder
+from bt_orchestrator.child_process import FAREWELL_S, ChildFailed, ChildProcess, ChildTooLate
+from bt_orchestrator.model.codec import digest
+from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState
-from bt_orchestrator.ports import ActionTypes
-from bt_orchestrator.runtime.command_record import ADD
-from bt_orchestrator.runtime.orders import FITS
-from bt_orchestrator.script.admission import admit
-from bt_orchestrator.script.lookup import find_below, find_script
-from bt_orchestrator.script.order_file import (
-    OrderPlaces,
-    bind_order,
-    params_from_text,
-    parse_draft,
-)
-from bt_orchestrator.script.parameter_uses import action_types
-from bt_orchestrator.script.script_file import read_script
+from bt_orchestrator.ros.order_process import NotRead
+from bt_orchestrator.script.desk_pickles import unpickled
+from bt_orchestrator.script.order_desk import ChangedJob, Question, Reading, Wanted
+
+log = logging.getLogger(__name__)
 
 PREFIX = 'WO-'
 """Of the ids that are assigned to orders without one."""
 
-ANY_PATH = '--script-paths'
-"""The option of the node that allows paths outside its folders."""
+READ_WITHIN_S = 10.0
+"""Longest time for one request; a script of 2,000 tasks takes a tenth of it."""
+
+MOST_WAITING = 200
+"""Requests that wait to be read."""
+
+SCRIPTS_KEPT = 32
+"""Scripts that need not be sent again, beside those of live jobs."""
+
+LATE = (
+    f'reading this took longer than {READ_WITHIN_S:g} s and was given up; try the script with '
+    'bt-orchestrator check, or give fewer orders at a time'
+)
+BUSY = (
+    f'{MOST_WAITING} requests with orders wait to be read; give this one again when some of them '
+    'are answered'
+)
+
+ToRead = Wanted | Callable[[], Wanted]
+"""What to read, or what says that when its turn has come; it may raise NotRead."""
+
+Steps = Generator[ToRead, Reading, None]
+"""May raise what a request makes it raise, and is told by NotRead that nothing was read."""
+
+
+@dataclass(frozen=True)
+class _Waiting:
+    steps: Steps
+    wanted: ToRead
+    ended: Callable[[Exception | None], None]
 
 
 class OrderReader:
-    """Makes jobs of what clients ask for. Nothing is changed here."""
+    """Has orders read in the order in which they came. Nothing is changed here."""
 
     def __init__(
         self,
         state: CellState,
-        types: ActionTypes,
-        trees: Sequence[Path],
-        *,
-        any_path: bool,
+        process: ChildProcess,
+        soon: Callable[[Callable[[], None]], None],
     ) -> None:
-        """Read scripts for clients.
+        """Start the process, so that it is ready for the first order.
 
-        :param trees: folders in which scripts are looked up
-        :param any_path: whether a client may also name a script elsewhere by its path; any
-            participant of the ROS 2 domain is a client
+        :param soon: lets the tick thread call something; called by another thread
         """
         self._state = state
-        self._types = types
-        self._types_by_component = action_types(state.cell, types)
-        self._trees = trees
-        self._find = find_script if any_path else partial(find_below, option=ANY_PATH)
+        self._process = process
+        self._soon = soon
+        self._waiting: deque[_Waiting] = deque()
+        self._current: _Waiting | None = None
+        self._scripts: OrderedDict[str, Script] = OrderedDict()
+        self._pickled: dict[str, bytes] = {}
+        self._questions: queue.SimpleQueue[tuple[Question, Mapping[str, Script]] | None]
+        self._questions = queue.SimpleQueue()
+        self._closed = False
+        self._thread = threading.Thread(target=self._ask_all, daemon=True)
+        self._thread.start()
 
-    def jobs(self, orders: Sequence[Any]) -> list[Job | Refused]:
-        """Make a job of each order (bt_orchestrator_interfaces/msg/WorkOrder), or say why not.
+    def follow(self, steps: Steps, ended: Callable[[Exception | None], None]) -> None:
+        """Take steps, with what they want read in between.
 
-        Orders without an id get the next ones that were never used, here or before.
+        :param ended: called at their end, with the exception that ended them; may be at once
         """
-        ids = self._free_ids({order.order for order in orders})
-        return [self._job_or_refusal(order, ids) for order in orders]
-
-    def job_of_text(self, text: str) -> Job:
-        """Make a job of a work order as it stands in a file.
-
-        :raises Refused: with every mistake
-        """
-        draft = parse_draft(text, 'order')
-        order, places = draft.order, draft.places
-        if not places.is_sure('script'):
-            raise Refused(places.findings)
         try:
-            script = self._script(order.script)
-        except Refused as refused:
-            raise Refused([*places.findings, *refused.findings]) from None
-        return self._bound(order, script, self._free_ids({order.order or ''}), places)
+            wanted = next(steps)
+        except StopIteration:
+            ended(None)
+        except Exception as error:  # noqa: BLE001 - a bad request never stops the node
+            ended(error)
+        else:
+            self._put(_Waiting(steps, wanted, ended))
 
-    def changed(self, name: str, request: Any) -> Job | None:
-        """Make of a queued job what a request (srv/QueueUpdate) wants it to be.
+    def close(self) -> None:
+        """Read no more, and end the process."""
+        self._closed = True
+        self._questions.put(None)
+        self._process.close()
+        self._thread.join(FAREWELL_S)
 
-        What the request leaves open stays; parameters that a new script does not have are gone.
+    def _put(self, waiting: _Waiting) -> None:
+        if len(self._waiting) >= MOST_WAITING:
+            self._go_on(waiting, NotRead(BUSY))
+            return
+        self._waiting.append(waiting)
+        self._begin()
 
-        :return: None if there is no such job
-        :raises Refused: with every mistake
-        """
-        live = self._state.jobs.get(name)
-        if live is None:
-            return None
-        script = self._script(request.script) if request.script else live.job.script
-        kept = {key: value for key, value in live.job.params.items() if key in script.params}
-        given = params_from_text(_texts(request.params), script)
-        quantity = request.quantity or live.job.quantity
-        order = WorkOrder(script.name, name, quantity, {**kept, **given})
-        return self._bound(order, script, iter(()))
-
-    def _job_or_refusal(self, order: Any, ids: Iterator[str]) -> Job | Refused:
+    def _begin(self) -> None:
+        """Have the next one read, unless one is being read."""
+        if self._current is not None or not self._waiting:
+            return
+        self._current = self._waiting.popleft()
+        wanted = self._current.wanted
         try:
-            script = self._script(order.script)
-            params = params_from_text(_texts(order.params), script)
-            wanted = WorkOrder(order.script, order.order or None, order.quantity or None, params)
-            return self._bound(wanted, script, ids)
-        except Refused as refused:
-            return refused
+            held = {**self._scripts, **self._state.scripts}
+            question = self._question(wanted() if callable(wanted) else wanted, held)
+        except NotRead as why:
+            self._finish(why)
+        else:
+            self._questions.put((question, held))
 
-    def _script(self, name: str) -> Script:
-        """Read and prove a script.
+    def _question(self, wanted: Wanted, held: Mapping[str, Script]) -> Question:
+        named = tuple(wanted.named)
+        nameless = sum(not name for name in named)
+        taken = frozenset(named)
+        free = (name for name in self._state.order_ids.free(PREFIX) if name not in taken)
+        live = tuple(name for name, one in self._state.scripts.items() if one.dependencies)
+        return Question(
+            wanted,
+            tuple(itertools.islice(free, nameless)),
+            live,
+            self._sent({*live, *_changed(wanted)}),
+            frozenset(held),
+        )
 
-        :raises Refused: with every mistake in it
+    def _sent(self, names: set[str]) -> Mapping[str, bytes]:
+        """Return scripts of live jobs for the process, which may be a new one.
+
+        Made here: what a script works out about itself is added to it in this thread.
         """
-        path = self._find(name, self._trees)
-        script = read_script(path, self._state.cell, self._types)
-        admit(path, script)
-        return script
+        self._pickled = {
+            name: self._pickled.get(name) or pickle.dumps(self._state.scripts[name])
+            for name in names
+        }
+        return self._pickled
 
-    def _bound(
-        self,
-        order: WorkOrder,
-        script: Script,
-        ids: Iterator[str],
-        places: OrderPlaces | None = None,
-    ) -> Job:
-        name = order.order or next(ids)
-        return bind_order(order, script, name, places, types=self._types_by_component)
+    def _finish(self, outcome: Reading | NotRead) -> None:
+        """Go on with what was read, and with the next request."""
+        waiting, self._current = self._current, None
+        assert waiting is not None
+        if isinstance(outcome, Reading):
+            self._keep(outcome)
+        try:
+            self._go_on(waiting, outcome)
+        finally:
+            self._begin()
 
-    def _free_ids(self, taken: Collection[str]) -> Iterator[str]:
-        return (name for name in self._state.order_ids.free(PREFIX) if name not in taken)
+    def _keep(self, reading: Reading) -> None:
+        for job in reading.read:
+            if isinstance(job, Job):
+                self._scripts[digest(job.script)] = job.script
+        while len(self._scripts) > SCRIPTS_KEPT:
+            self._scripts.popitem(last=False)
+
+    def _go_on(self, waiting: _Waiting, outcome: Reading | NotRead) -> None:
+        error: Exception | None = None
+        try:
+            if isinstance(outcome, NotRead):
+                waiting.steps.throw(outcome)
+            else:
+                waiting.steps.send(outcome)
+            waiting.steps.close()
+        except StopIteration:
+            pass
+        except Exception as raised:  # noqa: BLE001 - a bad request never stops the node
+            error = raised
+        waiting.ended(error)
+
+    # --- in the thread that waits -----------------------------------------------------------
+
+    def _ask_all(self) -> None:
+        with contextlib.suppress(ChildFailed):
+            self._process.ready()  # told with the first order that cannot be read for it
+        while (asked := self._questions.get()) is not None:
+            outcome = self._ask(*asked)
+            if not self._closed:
+                self._soon(partial(self._finish, outcome))
+
+    def _ask(self, question: Question, held: Mapping[str, Script]) -> Reading | NotRead:
+        why = ''
+        for _ in range(2):  # somebody may have ended the process, or it took too much memory
+            try:
+                answer = self._process.ask(pickle.dumps(question), READ_WITHIN_S)
+                reading = unpickled(answer, held)
+                assert isinstance(reading, (Reading, NotRead))
+                return reading
+            except ChildTooLate:
+                return NotRead(LATE)
+            except Exception as error:  # noqa: BLE001 - the node goes on without orders
+                why = str(error) or repr(error)
+        if not self._closed:
+            log.error('orders cannot be read: %s', why)
+        return NotRead(
+            f'orders cannot be read now: {why}, twice; give this one again, and see whether the '
+            'machine of the node has memory and processes left'
+        )
 
 
-def name_of(order: Any) -> str:
-    """Return the words by which a client knows its order (msg/WorkOrder)."""
-    return str(order.order or order.script or 'the order')
-
-
-def refused_orders(orders: Sequence[Any], read: Sequence[Job | Refused], by: By) -> RefusedRequest:
-    """Return what is put on record of orders that were read, some of them with mistakes."""
-    each = [
-        f'{one.id} {FITS}' if isinstance(one, Job) else f'{name_of(order)} is {one.in_short}'
-        for order, one in zip(orders, read, strict=True)
-    ]
-    ids = tuple(
-        one.id if isinstance(one, Job) else order.order
-        for order, one in zip(orders, read, strict=True)
-    )
-    return RefusedRequest(ADD, by, '; '.join(each), ids, tuple(each))
-
-
-def _texts(params: Sequence[Any]) -> Mapping[str, str]:
-    return {param.key: param.value for param in params}
+def _changed(wanted: Wanted) -> Iterator[str]:
+    """Yield the script of a job that is to be changed."""
+    if isinstance(wanted, ChangedJob):
+        yield wanted.script

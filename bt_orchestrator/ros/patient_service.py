@@ -1,8 +1,11 @@
-"""Services that say their answer again to a client that could not hear it yet.
+"""Services that say their answer later, and again to a client that could not hear it yet.
 
 A service is two DDS topics, discovered one by one. The request of a fresh client can come before
 the way back to it is known; the middleware then waits for 100 ms and drops the answer, and rclpy
 warns. The client would wait for ever.
+
+What takes long is not waited for: a callback returns `Later`, and the answer is sent
+when it is there.
 """
 
 from __future__ import annotations
@@ -22,6 +25,26 @@ UNHEARD = 'failed to send response (timeout)'
 """What the warning says."""
 
 
+class Later:
+    """An answer that is not there yet. Everything happens in one thread."""
+
+    def __init__(self) -> None:
+        self._response: Any = None
+        self._send: Callable[[Any], None] | None = None
+
+    def answer(self, response: Any) -> None:
+        """Send it, or have it sent."""
+        self._response = response
+        if self._send is not None:
+            self._send(response)
+
+    def then(self, send: Callable[[Any], None]) -> None:
+        """Name what sends it; it may be there already."""
+        self._send = send
+        if self._response is not None:
+            send(self._response)
+
+
 class Logger(Protocol):
     """The part of a ROS 2 logger that is needed here."""
 
@@ -32,7 +55,10 @@ class Logger(Protocol):
 def create_patient_service(
     node: Node, kind: Any, name: str, callback: Callable[[Any, Any], Any]
 ) -> None:
-    """Create a service whose answers are sent again if its client cannot hear them yet."""
+    """Create a service whose answers are sent again if its client cannot hear them yet.
+
+    :param callback: returns the response, or `Later`
+    """
     service: Any = node.create_service(kind, name, callback)
     answers = PatientAnswers(
         service.service_name, service.send_response, partial(_once, node), node.get_logger()
@@ -61,8 +87,11 @@ class PatientAnswers:
         self._logger = logger
 
     def send(self, response: Any, header: Any) -> None:
-        """Send an answer, now and if need be later."""
-        self._attempt(response, header, 0)
+        """Send an answer: now, or when it is there, and again if need be."""
+        if isinstance(response, Later):
+            response.then(lambda there: self._attempt(there, header, 0))
+        else:
+            self._attempt(response, header, 0)
 
     def _attempt(self, response: Any, header: Any, number: int) -> None:
         if self._is_heard(response, header):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
 from typing import Any
 
 from bt_orchestrator_interfaces.msg import OrderAnswer
@@ -29,12 +29,15 @@ from bt_orchestrator.model.job_commands import (
 )
 from bt_orchestrator.model.limits import listed
 from bt_orchestrator.model.order import Job
-from bt_orchestrator.ros.order_reader import OrderReader, name_of, refused_orders
-from bt_orchestrator.ros.serving import by, serve, tell
+from bt_orchestrator.ros.order_process import NotRead
+from bt_orchestrator.ros.order_reader import OrderReader, Steps, ToRead
+from bt_orchestrator.ros.order_requests import Told, asked_orders, name_of, refused_orders, total
+from bt_orchestrator.ros.serving import by, serve, serve_orders, tell
 from bt_orchestrator.runtime.command_record import ADD, UPDATE
 from bt_orchestrator.runtime.job_queue import standing
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.runtime.orders import FITS
+from bt_orchestrator.script.order_desk import AskedOrder, ChangedJob, Reading
 
 NEXT = 'next'
 """The one command to a job that is about its place, and not about its state."""
@@ -45,42 +48,47 @@ class QueueServices:
 
     def __init__(self, node: Node, orchestrator: Orchestrator, orders: OrderReader) -> None:
         self._orchestrator = orchestrator
-        self._orders = orders
-        serve(node, SubmitOrder, 'submit_order', self._submit)
-        serve(node, QueueAdd, 'queue/add', self._add)
+        serve_orders(node, SubmitOrder, 'submit_order', orders, self._submit)
+        serve_orders(node, QueueAdd, 'queue/add', orders, self._add)
         serve(node, QueueMove, 'queue/move', self._move)
-        serve(node, QueueUpdate, 'queue/update', self._update)
+        serve_orders(node, QueueUpdate, 'queue/update', orders, self._update)
         serve(node, QueueCommand, 'queue/command', self._command)
         serve(node, QueueStopAfter, 'queue/stop_after', self._stop_after)
 
-    def _submit(self, request: Any, response: Any) -> None:
-        answer, (of_order,) = self._queue([request], None, held=False, by=by(request))
+    def _submit(self, request: Any, response: Any) -> Steps:
+        answer, answers = yield from self._queue([request], None, held=False, by=by(request))
         tell(response, answer)
-        response.job, response.findings = of_order.job, of_order.findings
+        for of_order in answers:
+            response.job, response.findings = of_order.job, of_order.findings
 
-    def _add(self, request: Any, response: Any) -> None:
+    def _add(self, request: Any, response: Any) -> Steps:
         if not request.orders:
             tell(response, self._refuse(ADD, request, 'name at least one order'))
             return
         position = request.position or None
-        answer, response.answers = self._queue(
+        answer, response.answers = yield from self._queue(
             request.orders, position, held=request.held, by=by(request)
         )
         tell(response, answer)
 
     def _queue(
         self, orders: Sequence[Any], position: int | None, *, held: bool, by: By
-    ) -> tuple[Answer, list[OrderAnswer]]:
-        read = self._orders.jobs(orders)
+    ) -> Generator[ToRead, Reading, tuple[Answer, list[OrderAnswer]]]:
+        try:
+            reading = yield asked_orders(orders)
+        except NotRead as why:
+            return self._orchestrator.ask(RefusedRequest(ADD, by, str(why))), []
+        read = reading.read
         jobs = tuple(job for job in read if isinstance(job, Job))
         if len(jobs) < len(read):
             self._orchestrator.ask(refused_orders(orders, read, by))
-            count = sum(len(one.findings) for one in read if isinstance(one, Refused))
-            answer = Answer(accepted=False, message=f'refused with {count} findings')
+            answer = Answer(accepted=False, message=f'refused with {total(read)} findings')
+            told = Told()
             return answer, [
-                _of_reading(order, one) for order, one in zip(orders, read, strict=True)
+                _of_reading(order, one, told) for order, one in zip(orders, read, strict=True)
             ]
-        answer = self._orchestrator.ask(AddJobs(jobs, by, position, held))
+        command = AddJobs(jobs, by, position, held, reading.sharing)
+        answer = self._orchestrator.ask(command)
         if answer.accepted:
             message = '; '.join(['queued', *standing(self._orchestrator.state)])
             return answer, [OrderAnswer(job=job.id, message=message) for job in jobs]
@@ -91,21 +99,29 @@ class QueueServices:
         command = MoveJob(request.job, request.position, by(request))
         tell(response, self._orchestrator.ask(command))
 
-    def _update(self, request: Any, response: Any) -> None:
+    def _update(self, request: Any, response: Any) -> Steps:
         try:
-            job = self._orders.changed(request.job, request)
-        except Refused as refused:
-            self._refuse(UPDATE, request, refused.in_short, request.job)
-            response.message = refused.count
-            response.findings = [str(finding) for finding in refused.findings]
+            (wish,) = asked_orders([request]).orders
+            reading = yield lambda: self._change(request.job, wish)
+        except NotRead as why:
+            tell(response, self._refuse(UPDATE, request, str(why), request.job))
             return
-        if job is None:
-            queue = self._orchestrator.state.queue
-            there = listed((one.job.id for one in queue), 'nothing')
-            message = f'{request.job} is not there; in the queue: {there}'
-            tell(response, self._refuse(UPDATE, request, message, request.job))
+        (read,) = reading.read
+        if isinstance(read, Refused):
+            self._refuse(UPDATE, request, read.in_short, request.job)
+            response.message, response.findings = read.count, Told().of(read)
             return
-        tell(response, self._orchestrator.ask(UpdateJob(job, by(request))))
+        command = UpdateJob(read, by(request), reading.sharing)
+        tell(response, self._orchestrator.ask(command))
+
+    def _change(self, name: str, wish: AskedOrder) -> ChangedJob:
+        """Return what is to be made of a job as it is now."""
+        state = self._orchestrator.state
+        now = state.jobs.get(name)
+        if now is None:
+            there = listed((one.job.id for one in state.queue), 'nothing')
+            raise NotRead(f'{name} is not there; in the queue: {there}')
+        return ChangedJob(name, now.digest, now.job.quantity, now.job.params, wish)
 
     def _refuse(self, verb: str, request: Any, message: str, *jobs: str) -> Answer:
         """Put a request on record that cannot be made a command."""
@@ -123,10 +139,7 @@ class QueueServices:
         tell(response, self._orchestrator.ask(StopAfter(request.after, by(request))))
 
 
-def _of_reading(order: Any, read: Job | Refused) -> OrderAnswer:
+def _of_reading(order: Any, read: Job | Refused, told: Told) -> OrderAnswer:
     if isinstance(read, Job):
         return OrderAnswer(message=f'{read.id} {FITS}')
-    return OrderAnswer(
-        message=f'{name_of(order)} is {read.count}',
-        findings=[str(finding) for finding in read.findings],
-    )
+    return OrderAnswer(message=f'{name_of(order)} is {read.count}', findings=told.of(read))

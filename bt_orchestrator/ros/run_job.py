@@ -20,16 +20,18 @@ from bt_orchestrator.deadlines import NS_PER_S
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.codec import json_of
-from bt_orchestrator.model.commands import Answer
+from bt_orchestrator.model.commands import RefusedRequest
 from bt_orchestrator.model.events import Event, TaskFailed
 from bt_orchestrator.model.job_commands import AddJobs, ControlJob
 from bt_orchestrator.model.job_report import ItemReport, JobReport
-from bt_orchestrator.model.order import Job
 from bt_orchestrator.ros.expected_ends import ExpectedEnds
 from bt_orchestrator.ros.job_message import job_messages
-from bt_orchestrator.ros.order_reader import OrderReader, refused_orders
+from bt_orchestrator.ros.order_process import NotRead
+from bt_orchestrator.ros.order_reader import OrderReader, Steps
+from bt_orchestrator.ros.order_requests import Told, asked_orders, refused_orders, written_order
 from bt_orchestrator.ros.serving import by
 from bt_orchestrator.ros.stamps import to_time
+from bt_orchestrator.runtime.command_record import ADD
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 
 RESULT_TIMEOUT_S = 900
@@ -65,6 +67,7 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
         self._orders = orders
         self._expected = expected
         self._served: dict[str, _Served] = {}
+        self._being_read: list[Any] = []
         super().__init__(
             node,
             RunJob,
@@ -93,45 +96,50 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
     # --- requests ---------------------------------------------------------------------------
 
     def _begin(self, handle: Any) -> None:
-        """Queue the order of a goal that was accepted."""
+        """Queue the order of a goal that was accepted, once it was read."""
         handle.execute()
-        try:
-            self._queue(handle)
-        except Exception as error:  # noqa: BLE001 - a bad goal never stops the node
-            self._node.get_logger().error(f'run_job failed: {error!r}')
-            self._refuse(handle, f'internal error, see the log of the node: {error!r}')
+        self._being_read.append(handle)
 
-    def _queue(self, handle: Any) -> None:
+        def ended(error: Exception | None) -> None:
+            self._being_read.remove(handle)
+            if error is not None:
+                self._node.get_logger().error(f'run_job failed: {error!r}')
+                self._refuse(handle, f'internal error, see the log of the node: {error!r}')
+
+        self._orders.follow(self._queue(handle), ended)
+
+    def _queue(self, handle: Any) -> Steps:
         goal, who = handle.request, by(handle.request, 'run_job')
-        read = self._read(goal)
+        try:
+            reading = yield written_order(goal.text) if goal.text else asked_orders([goal.order])
+        except NotRead as why:
+            self._refuse(handle, self._orchestrator.ask(_unread(who, str(why))).message)
+            return
+        if handle.is_cancel_requested:
+            words = 'the goal was cancelled before its order was queued'
+            self._refuse(handle, self._orchestrator.ask(_unread(who, words)).message)
+            return
+        (read,) = reading.read
         if isinstance(read, Refused):
             self._orchestrator.ask(refused_orders([goal.order], [read], who))
-            self._refuse(handle, read.count, [str(finding) for finding in read.findings])
+            self._refuse(handle, read.count, Told().of(read))
             return
         # From now on its events are its own: it is queued within `ask`, and may even end there.
         # An order that was given before is refused there, and the events are not those of a goal.
         is_known = read.id in self._served or read.id in self._orchestrator.state.jobs
         if not is_known:
             self._served[read.id] = _Served(handle, JobReport(read.id), who, JobStatus())
-        answer = self._add(read, goal.position or None, who)
+        command = AddJobs((read,), who, goal.position or None, sharing=reading.sharing)
+        answer = self._orchestrator.ask(command)
         if not answer.accepted:
             if not is_known:
                 del self._served[read.id]
             self._refuse(handle, answer.message)
 
-    def _add(self, job: Job, position: int | None, who: By) -> Answer:
-        return self._orchestrator.ask(AddJobs((job,), who, position))
-
-    def _read(self, goal: Any) -> Job | Refused:
-        if not goal.text:
-            return self._orders.jobs([goal.order])[0]
-        try:
-            return self._orders.job_of_text(goal.text)
-        except Refused as refused:
-            return refused
-
     def _cancel(self, handle: Any) -> CancelResponse:
         """Abort the job of a goal; the goal ends when the last item has left the line."""
+        if any(one is handle for one in self._being_read):
+            return CancelResponse.ACCEPT  # it will not be queued
         served = next((s for s in self._served.values() if s.handle is handle), None)
         if served is None:
             return CancelResponse.REJECT
@@ -186,6 +194,10 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
             return result
 
         super().notify_execute(handle, conclude)
+
+
+def _unread(who: By, why: str) -> RefusedRequest:
+    return RefusedRequest(ADD, who, why)
 
 
 def _item(item: ItemReport) -> ItemMessage:

@@ -9,7 +9,8 @@ from rclpy.node import Node
 
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.commands import Answer
-from bt_orchestrator.ros.patient_service import create_patient_service
+from bt_orchestrator.ros.order_reader import OrderReader, Steps
+from bt_orchestrator.ros.patient_service import Later, create_patient_service
 
 
 def serve(node: Node, kind: Any, name: str, handle: Callable[[Any, Any], None]) -> None:
@@ -22,12 +23,38 @@ def serve(node: Node, kind: Any, name: str, handle: Callable[[Any, Any], None]) 
         try:
             handle(request, response)
         except Exception as error:  # noqa: BLE001 - a bad request never stops the node
-            node.get_logger().error(f'{name} failed: {error!r}')
-            response.accepted = False
-            response.message = f'internal error, see the log of the node: {error!r}'
+            _tell_of_failure(node, name, response, error)
         return response
 
     create_patient_service(node, kind, f'~/{name}', answer)
+
+
+def serve_orders(
+    node: Node, kind: Any, name: str, orders: OrderReader, handle: Callable[[Any, Any], Steps]
+) -> None:
+    """Offer a private service that answers when the orders of its request were read.
+
+    :param handle: fills the response in steps, as above
+    """
+
+    def answer(request: Any, response: Any) -> Any:
+        later = Later()
+
+        def ended(error: Exception | None) -> None:
+            if error is not None:
+                _tell_of_failure(node, name, response, error)
+            later.answer(response)
+
+        orders.follow(handle(request, response), ended)
+        return later
+
+    create_patient_service(node, kind, f'~/{name}', answer)
+
+
+def _tell_of_failure(node: Node, name: str, response: Any, error: Exception) -> None:
+    node.get_logger().error(f'{name} failed: {error!r}')
+    response.accepted = False
+    response.message = f'internal error, see the log of the node: {error!r}'
 
 
 def tell(response: Any, answer: Answer) -> None:

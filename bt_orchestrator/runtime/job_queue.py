@@ -57,7 +57,12 @@ def _add(command: AddJobs, state: CellState) -> tuple[str, list[e.Event]]:
     if command.position is not None:
         _check_position(command.position, len(state.queue) + 1)
     queued = orders.queue(
-        state, command.jobs, position=command.position, held=command.held, by=command.by
+        state,
+        command.jobs,
+        position=command.position,
+        held=command.held,
+        by=command.by,
+        sharing=command.sharing,
     )
     how = 'is queued and held' if command.held else 'is queued'
     return '\n'.join([*(f'{job.id} {how}' for job in command.jobs), *standing(state)]), queued
@@ -67,7 +72,7 @@ def _add(command: AddJobs, state: CellState) -> tuple[str, list[e.Event]]:
 def _update(command: UpdateJob, state: CellState) -> tuple[str, list[e.Event]]:
     new = command.job
     _allowed(state, job_control.UPDATE, new.id)
-    return f'{new.id} is updated', orders.change(state, new)
+    return f'{new.id} is updated', orders.change(state, new, command.sharing)
 
 
 def standing(state: CellState) -> Iterator[str]:

@@ -2,28 +2,29 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
+from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import Script
+from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.proof.deadlock import deadlock
 from bt_orchestrator.script.composing import compose
 from bt_orchestrator.script.report import START, Place, Report
-from bt_orchestrator.script.source_text import read_text
+from bt_orchestrator.script.script_file import parse_script
 from bt_orchestrator.script.yaml_nodes import ListNode, MapNode, Node, Scalar
 
 
-def admit(path: Path, script: Script) -> None:
-    """Let a script pass, or refuse it where the flag of the circle is declared.
+def admitted(text: str, file: str, cell: Cell, types: ActionTypes) -> Script:
+    """Read the text of a script that may run; the file's name stands in the findings.
 
-    :raises Refused: the line would get stuck
+    :raises Refused: with every mistake in it, or because the line would get stuck; this is told
+        where the flag of the circle is declared
     """
+    script = parse_script(text, file, cell, types)
     found = deadlock(script)
-    if found is None:
-        return
-    report = Report(str(path))
-    place = flag_place(read_text(path), found.flags)
-    report.add(place, str(found), found.hint)
-    report.refuse()
+    if found is not None:
+        report = Report(file)
+        report.add(flag_place(text, found.flags), str(found), found.hint)
+        report.refuse()
+    return script
 
 
 def flag_place(text: str, flags: tuple[str, ...]) -> Place:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
 import subprocess
 import sys
 import time
@@ -11,6 +13,7 @@ from collections.abc import Callable, Iterator
 import pytest
 from fakes.shipped import REFERENCE_CELL, REFERENCE_ORDER, TREES
 
+from bt_orchestrator.child_process import framed
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.foresight_process import ForesightProcess
 from bt_orchestrator.model.codec import to_plain
@@ -49,10 +52,11 @@ def test_questions_are_answered_and_the_process_ends(begun: Simulation) -> None:
     until(lambda: process.ends_s)
 
     assert process.ends_s == {'WO-1001': pytest.approx(EPOCH_S + 39.0)}
-    child = process._process
+    child = process._process.pid
     assert child is not None
     process.close()
-    assert child.poll() is not None
+    with pytest.raises(ProcessLookupError):
+        os.kill(child, 0)
     ask(process, begun)  # too late, and harmless
     assert process.ends_s == {}
 
@@ -63,9 +67,9 @@ def test_a_process_that_dies_takes_the_forecasts_with_it_and_nothing_else(
     process = ForesightProcess(begun.state.cell)
     ask(process, begun)
     until(lambda: process.ends_s)
-    child = process._process
+    child = process._process.pid
     assert child is not None
-    child.kill()
+    os.kill(child, signal.SIGKILL)
     ask(process, begun)
     until(lambda: not process.ends_s)
     process.close()
@@ -78,7 +82,7 @@ def test_what_was_never_asked_needs_no_end(begun: Simulation) -> None:
 def test_nobody_left_to_hear_the_answer_is_no_error(begun: Simulation) -> None:
     words = [sys.executable, '-m', 'bt_orchestrator.cli.foresight_process']
     pipe = subprocess.PIPE
-    child = subprocess.Popen(words, stdin=pipe, stdout=pipe, stderr=pipe, text=True)
+    child = subprocess.Popen(words, stdin=pipe, stdout=pipe, stderr=pipe)
     assert child.stdin is not None
     assert child.stdout is not None
     child.stdout.close()
@@ -86,6 +90,7 @@ def test_nobody_left_to_hear_the_answer_is_no_error(begun: Simulation) -> None:
         'state': state_to_plain(begun.state),
         'known': {'observed_s': {}, 'now_s': EPOCH_S},
     }
-    child.stdin.write(f'{json.dumps(to_plain(begun.state.cell))}\n{json.dumps(question)}\n')
+    for one in (to_plain(begun.state.cell), question):
+        child.stdin.write(framed(json.dumps(one).encode()))
     _, errors = child.communicate(timeout=LONGEST_S)
-    assert (child.returncode, errors) == (0, '')
+    assert (child.returncode, errors) == (0, b'')

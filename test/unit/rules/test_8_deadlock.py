@@ -382,7 +382,7 @@ def test_8_2_scripts_that_share_flags_get_stuck_together_as_the_graph_says(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Items of both follow each other in many orders; the queue would refuse the later script."""
-    monkeypatch.setattr('bt_orchestrator.runtime.orders.get_stuck_together', lambda _: False)
+    monkeypatch.setattr('bt_orchestrator.proof.sharing.get_stuck_together', lambda _: False)
     seen: Counter[bool] = Counter()
 
     @example(211)

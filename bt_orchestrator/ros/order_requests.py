@@ -1,0 +1,123 @@
+"""Requests with work orders as what is to be read, and what is said of them in answers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from bt_orchestrator.errors import Refused
+from bt_orchestrator.model.by import By
+from bt_orchestrator.model.commands import RefusedRequest
+from bt_orchestrator.model.limits import FINDINGS, MESSAGE, REQUEST_BYTES, cut
+from bt_orchestrator.model.order import Job
+from bt_orchestrator.ros.order_process import NotRead
+from bt_orchestrator.runtime.command_record import ADD
+from bt_orchestrator.runtime.orders import FITS
+from bt_orchestrator.script.order_desk import AskedOrder, Orders, WrittenOrder
+
+ORDER_BYTES = 40
+"""What an order counts, beside its texts."""
+
+ON_RECORD = 100
+"""Orders of one request that are put on record one by one when they are refused."""
+
+ALL = 'bt-orchestrator check, where the files are, shows all'
+
+
+def asked_orders(orders: Sequence[Any]) -> Orders:
+    """Return the orders of a request (bt_orchestrator_interfaces/msg/WorkOrder).
+
+    :raises NotRead: they are too many, or too large
+    """
+    size = 0
+    asked = []
+    for order in orders:
+        asked.append(asked_order(order))
+        size += ORDER_BYTES + _size(asked[-1])
+        if size > REQUEST_BYTES:
+            raise NotRead(_too_large(len(orders), len(asked) - 1))
+    return Orders(tuple(asked))
+
+
+def asked_order(order: Any) -> AskedOrder:
+    """Return one order, or what a queued job is to be."""
+    return AskedOrder(
+        order.script,
+        getattr(order, 'order', ''),
+        order.quantity,
+        {param.key: param.value for param in order.params},
+    )
+
+
+def written_order(text: str) -> WrittenOrder:
+    """Return an order that came as the text of a file.
+
+    :raises NotRead: it is too large
+    """
+    if len(text) > REQUEST_BYTES:
+        raise NotRead(
+            f'the text has {len(text)} characters, and a request may have {REQUEST_BYTES}; is '
+            'this a work order?'
+        )
+    return WrittenOrder(text)
+
+
+def name_of(order: Any) -> str:
+    """Return the words by which a client knows its order (msg/WorkOrder)."""
+    return str(order.order or order.script or 'the order')
+
+
+def refused_orders(orders: Sequence[Any], read: Sequence[Job | Refused], by: By) -> RefusedRequest:
+    """Return what is put on record of orders that were read, some of them with mistakes."""
+    if len(orders) > ON_RECORD:
+        bad = [(o, r) for o, r in zip(orders, read, strict=True) if isinstance(r, Refused)]
+        first, one = bad[0]
+        words = f'{len(bad)} of {len(orders)} orders are refused; {name_of(first)} is '
+        return RefusedRequest(ADD, by, cut(words + one.in_short, MESSAGE))
+    each = [
+        f'{one.id} {FITS}' if isinstance(one, Job) else f'{name_of(order)} is {one.in_short}'
+        for order, one in zip(orders, read, strict=True)
+    ]
+    ids = tuple(
+        one.id if isinstance(one, Job) else order.order
+        for order, one in zip(orders, read, strict=True)
+    )
+    return RefusedRequest(ADD, by, '; '.join(each), ids, tuple(each))
+
+
+class Told:
+    """Findings for one answer: not more than it may have."""
+
+    def __init__(self) -> None:
+        self._left = FINDINGS
+
+    def of(self, refused: Refused) -> list[str]:
+        """Return the mistakes of one order."""
+        told = refused.findings[: self._left]
+        self._left -= len(told)
+        more = len(refused.findings) - len(told)
+        rest = [f'and {more} more; {ALL}'] if more else []
+        return [*map(str, told), *rest]
+
+
+def _size(order: AskedOrder) -> int:
+    params: Mapping[str, str] = order.params
+    return sum(map(_bytes, (order.script, order.order, *params, *params.values())))
+
+
+def _bytes(text: str) -> int:
+    return len(text) if text.isascii() else len(text.encode(errors='replace'))
+
+
+def total(read: Iterable[Job | Refused]) -> int:
+    """Count the mistakes in all orders."""
+    return sum(len(one.findings) for one in read if isinstance(one, Refused))
+
+
+def _too_large(count: int, fits: int) -> str:
+    what = f'{count} orders have' if count > 1 else 'the order has'
+    return (
+        f'{what} more text than a request may have, {REQUEST_BYTES} bytes (an order counts '
+        f'{ORDER_BYTES} and its texts); '
+        + (f'give {fits} or fewer at a time' if fits else 'is this what was meant?')
+    )

@@ -1,0 +1,237 @@
+"""Where orders are read, bound to their scripts and proven, apart from the line that runs them.
+
+What is asked and answered goes between two processes, so that both are plain frozen facts.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import pickle
+from collections import OrderedDict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+
+from bt_orchestrator.errors import Refused
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.codec import digest
+from bt_orchestrator.model.job_commands import Sharing
+from bt_orchestrator.model.order import Job, WorkOrder
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.proof.sharing import examine
+from bt_orchestrator.script.admission import admitted
+from bt_orchestrator.script.lookup import find_below, find_script
+from bt_orchestrator.script.order_file import bind_order, params_from_text, parse_draft
+from bt_orchestrator.script.parameter_uses import action_types
+from bt_orchestrator.script.source_text import read_text
+
+ANY_PATH = '--script-paths'
+"""The option of the node that allows paths outside its folders."""
+
+SCRIPTS_KEPT = 32
+"""Scripts, good and bad, that need not be read again while their text stays the same."""
+
+
+@dataclass(frozen=True)
+class AskedOrder:
+    """A work order as texts, as a client names it."""
+
+    script: str
+    order: str = ''
+    quantity: int = 0
+    params: Mapping[str, str] = field(default_factory=dict)
+    """Written as in YAML."""
+
+
+@dataclass(frozen=True)
+class Orders:
+    """Make a job of each of these."""
+
+    orders: tuple[AskedOrder, ...]
+
+    @property
+    def named(self) -> Iterator[str]:
+        """Ids that are given; empty where one is to be assigned."""
+        return (order.order for order in self.orders)
+
+
+@dataclass(frozen=True)
+class WrittenOrder:
+    """Make a job of a work order as it stands in a file."""
+
+    text: str
+
+    @property
+    def named(self) -> Iterator[str]:
+        """Nobody knows before it is read whether there is one."""
+        return iter(('',))
+
+
+@dataclass(frozen=True)
+class ChangedJob:
+    """Make of a queued job what is wanted; what the wish leaves open stays.
+
+    Parameters that a new script does not have are gone.
+    """
+
+    job: str
+    script: str
+    """Digest of the one that it has now."""
+    quantity: int
+    params: Mapping[str, object]
+    wish: AskedOrder
+
+    @property
+    def named(self) -> Iterator[str]:
+        """It keeps its id."""
+        return iter((self.job,))
+
+
+Wanted = Orders | WrittenOrder | ChangedJob
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is wanted, and all that has to be known of the line for it."""
+
+    wanted: Wanted
+    free_ids: tuple[str, ...] = ()
+    """For orders without one."""
+    live: tuple[str, ...] = ()
+    """Digests of the scripts of live jobs that have flags."""
+    scripts: Mapping[str, bytes] = field(default_factory=dict)
+    """Those and the one of a job to be changed, pickled, by digest."""
+    held: frozenset[str] = frozenset()
+    """Digests of scripts that whoever asks has; they are not sent again."""
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What became of each order, and whether their scripts can share the line."""
+
+    read: tuple[Job | Refused, ...]
+    sharing: Sharing
+
+
+class OrderDesk:
+    """Makes jobs of orders for one cell."""
+
+    def __init__(
+        self, cell: Cell, types: ActionTypes, trees: Sequence[Path], *, any_path: bool
+    ) -> None:
+        """Read scripts for clients.
+
+        :param trees: folders in which scripts are looked up
+        :param any_path: whether a client may also name a script elsewhere by its path; any
+            participant of the ROS 2 domain is a client
+        """
+        self._cell = cell
+        self._types = types
+        self._types_by_component = action_types(cell, types)
+        self._trees = trees
+        self._find = find_script if any_path else partial(find_below, option=ANY_PATH)
+        self._read: OrderedDict[tuple[Path, bytes], Script | Refused] = OrderedDict()
+        self._sent: dict[str, Script] = {}
+
+    def answer(self, question: Question) -> Reading:
+        """Read what is wanted."""
+        self._take_in(question.scripts)
+        read = tuple(self._jobs(question.wanted, iter(question.free_ids)))
+        new = {digest(job.script): job.script for job in read if isinstance(job, Job)}
+        live = {name: self._sent[name] for name in question.live}
+        return Reading(read, examine(new, live))
+
+    def _take_in(self, scripts: Mapping[str, bytes]) -> None:
+        """Know the scripts that are live now, and no others."""
+        self._sent = {
+            name: self._sent.get(name) or pickle.loads(data) for name, data in scripts.items()
+        }
+
+    def _jobs(self, wanted: Wanted, ids: Iterator[str]) -> Iterator[Job | Refused]:
+        match wanted:
+            case Orders(orders):
+                scripts = _Scripts(self)
+                yield from (self._asked(order, scripts, ids) for order in orders)
+            case WrittenOrder(text):
+                yield self._written(text, ids)
+            case ChangedJob():
+                yield self._changed(wanted)
+
+    def _asked(self, order: AskedOrder, scripts: _Scripts, ids: Iterator[str]) -> Job | Refused:
+        name = order.order or next(ids)
+        script = scripts.named(order.script)
+        if isinstance(script, Refused):
+            return script
+        params = params_from_text(order.params, script)
+        wanted = WorkOrder(order.script, order.order or None, order.quantity or None, params)
+        return self._bound(wanted, script, name)
+
+    def _written(self, text: str, ids: Iterator[str]) -> Job | Refused:
+        try:
+            draft = parse_draft(text, 'order')
+        except Refused as refused:
+            return refused
+        order, places = draft.order, draft.places
+        if not places.is_sure('script'):
+            return Refused(places.findings)
+        script = self.script(order.script)
+        if isinstance(script, Refused):
+            return Refused([*places.findings, *script.findings])
+        try:
+            name = order.order or next(ids)
+            return bind_order(order, script, name, places, types=self._types_by_component)
+        except Refused as refused:
+            return refused
+
+    def _changed(self, wanted: ChangedJob) -> Job | Refused:
+        wish = wanted.wish
+        script = self.script(wish.script) if wish.script else self._sent[wanted.script]
+        if isinstance(script, Refused):
+            return script
+        kept = {key: value for key, value in wanted.params.items() if key in script.params}
+        given = params_from_text(wish.params, script)
+        quantity = wish.quantity or wanted.quantity
+        order = WorkOrder(script.name, wanted.job, quantity, {**kept, **given})
+        return self._bound(order, script, wanted.job)
+
+    def _bound(self, order: WorkOrder, script: Script, name: str) -> Job | Refused:
+        try:
+            return bind_order(order, script, name, types=self._types_by_component)
+        except Refused as refused:
+            return refused
+
+    def script(self, name: str) -> Script | Refused:
+        """Read and prove a script, unless its text is one that was read before."""
+        try:
+            path = self._find(name, self._trees)
+            text = read_text(path)
+        except Refused as refused:
+            return refused
+        key = (path, hashlib.sha256(text.encode()).digest())
+        if key not in self._read:
+            self._read[key] = self._admitted(text, path)
+        self._read.move_to_end(key)
+        if len(self._read) > SCRIPTS_KEPT:
+            self._read.popitem(last=False)
+        return self._read[key]
+
+    def _admitted(self, text: str, path: Path) -> Script | Refused:
+        try:
+            return admitted(text, str(path), self._cell, self._types)
+        except Refused as refused:
+            return refused
+
+
+class _Scripts:
+    """The scripts of one request: each is looked for once, however many orders name it."""
+
+    def __init__(self, desk: OrderDesk) -> None:
+        self._desk = desk
+        self._by_name: dict[str, Script | Refused] = {}
+
+    def named(self, name: str) -> Script | Refused:
+        if name not in self._by_name:
+            self._by_name[name] = self._desk.script(name)
+        return self._by_name[name]

@@ -1,0 +1,138 @@
+"""While orders are read, the node does everything else; what reads them may end at any moment."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+from pathlib import Path
+from typing import Any
+
+from bt_orchestrator_interfaces.msg import WorkOrder
+from bt_orchestrator_interfaces.srv import GetEvents, QueueAdd, SubmitOrder
+from cell_processes import CellProcesses, small_script
+
+from bt_orchestrator.model.limits import FINDINGS, REQUEST_BYTES
+from bt_orchestrator.script.composing import MOST_NODES
+
+LIGHT = 5
+"""Questions that are answered while one request is read: one may be in front of it."""
+
+MODULE = b'bt_orchestrator.ros.order_process'
+
+
+def reading_process(cell: CellProcesses) -> int:
+    """Return the process that reads the orders of a node, once it is there."""
+    found: list[int] = []
+
+    def look() -> bool:
+        node = cell.node.pid
+        children = Path(f'/proc/{node}/task').glob('*/children')
+        pids = [int(pid) for one in children for pid in one.read_text().split()]
+        found[:] = [pid for pid in pids if MODULE in _words(pid)]
+        return bool(found)
+
+    cell.watch.ros.spin_until(look, 'the process that reads orders')
+    return found[0]
+
+
+def is_there(pid: int) -> bool:
+    return MODULE in _words(pid)
+
+
+def _words(pid: int) -> list[bytes]:
+    try:
+        return Path(f'/proc/{pid}/cmdline').read_bytes().split(b'\0')
+    except FileNotFoundError:
+        return []
+
+
+def ask_meanwhile(cell: CellProcesses) -> None:
+    """Ask the node for other things, one after another."""
+    for _ in range(LIGHT):
+        assert cell.watch.call(GetEvents, 'get_events', GetEvents.Request()).accepted
+
+
+def answer(cell: CellProcesses, future: Any) -> Any:
+    cell.watch.ros.spin_until(future.done, 'the answer')
+    return future.result()
+
+
+def order(script: Path, name: str = '') -> SubmitOrder.Request:
+    return SubmitOrder.Request(script=str(script), order=name, quantity=1)
+
+
+def test_others_are_answered_while_a_large_script_is_read(small_cell: CellProcesses) -> None:
+    stray = ', '.join(['x'] * (MOST_NODES - 100))
+    path = small_cell.script(f'script: wrong\nsections: {{}}\nstray: [{stray}]\n', 'wrong')
+    future = small_cell.watch.begin(SubmitOrder, 'submit_order', order(path))
+    ask_meanwhile(small_cell)
+    assert not future.done(), 'the light ones came first'
+
+    told = answer(small_cell, future)
+    assert not told.accepted
+    assert any('stray' in finding for finding in told.findings)
+    small_cell.watch.submit(small_cell.script(small_script()))
+    assert small_cell.watch.until_ended('WO-1').packed == 1
+    small_cell.stop()
+
+
+def test_many_mistakes_are_counted_and_some_of_them_told(small_cell: CellProcesses) -> None:
+    wrong = '\n'.join(f'    - {{task: NONE_{n}, action: feeder/task}}' for n in range(3_000))
+    path = small_cell.script(f'script: wrong\nsections:\n  1:\n{wrong}\n', 'wrong')
+    told = small_cell.watch.call(SubmitOrder, 'submit_order', order(path))
+    assert len(told.findings) == FINDINGS + 1
+    assert re.fullmatch(r'and 29\d\d more; bt-orchestrator check.*', told.findings[-1])
+    small_cell.stop()
+
+
+def test_a_reading_that_is_killed_is_begun_again(small_cell: CellProcesses) -> None:
+    path = small_cell.script(small_script())
+    child = reading_process(small_cell)
+    os.kill(child, signal.SIGSTOP)
+    first, second = (
+        small_cell.watch.begin(SubmitOrder, 'submit_order', order(path, name))
+        for name in ('first', 'second')
+    )
+    ask_meanwhile(small_cell)
+    assert not first.done()
+    os.kill(child, signal.SIGKILL)
+    assert [answer(small_cell, one).job for one in (first, second)] == ['first', 'second']
+    queued = [event['job'] for event in small_cell.watch.seen('job.queued')]
+    assert queued == ['first', 'second']
+    small_cell.watch.until_ended('second')
+    small_cell.stop()
+
+
+def test_a_reading_that_takes_too_long_is_told_and_the_next_one_works(
+    small_cell: CellProcesses,
+) -> None:
+    path = small_cell.script(small_script())
+    small_cell.watch.submit(path, order='WO-0')  # it is ready
+    os.kill(reading_process(small_cell), signal.SIGSTOP)
+    told = answer(small_cell, small_cell.watch.begin(SubmitOrder, 'submit_order', order(path)))
+    assert not told.accepted
+    assert 'reading this took longer than' in told.message
+    small_cell.watch.submit(path, order='WO-1')
+    assert small_cell.watch.until_ended('WO-1').packed == 1
+    small_cell.stop()
+
+
+def test_no_process_is_left_of_a_node_that_is_killed(small_cell: CellProcesses) -> None:
+    child = reading_process(small_cell)
+    small_cell.node.kill()
+    small_cell.watch.ros.spin_until(lambda: not is_there(child), 'the end of the process')
+
+
+def test_a_request_that_is_too_large_is_refused_at_once(small_cell: CellProcesses) -> None:
+    path = small_cell.script(small_script())
+    large = WorkOrder(script=str(path), order='x' * REQUEST_BYTES)
+    orders = [WorkOrder(script=str(path), quantity=1), large]
+    os.kill(reading_process(small_cell), signal.SIGSTOP)  # nothing is given to it
+    told = small_cell.watch.call(QueueAdd, 'queue/add', QueueAdd.Request(orders=orders))
+    assert not told.accepted
+    assert '2 orders have more text than a request may have, 1000000 bytes' in told.message
+    assert 'give 1 or fewer at a time' in told.message
+    assert not small_cell.watch.seen('job.queued')
+    os.kill(reading_process(small_cell), signal.SIGCONT)
+    small_cell.stop()
