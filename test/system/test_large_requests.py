@@ -98,6 +98,7 @@ def test_a_reading_that_is_killed_is_begun_again(small_cell: CellProcesses) -> N
     assert not first.done()
     os.kill(child, signal.SIGKILL)
     assert [answer(small_cell, one).job for one in (first, second)] == ['first', 'second']
+    small_cell.watch.until('job.queued', count=2)
     queued = [event['job'] for event in small_cell.watch.seen('job.queued')]
     assert queued == ['first', 'second']
     small_cell.watch.until_ended('second')

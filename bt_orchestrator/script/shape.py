@@ -1,0 +1,71 @@
+"""Telling a text that is meant as one of the users' files from any other.
+
+Of what is something else nothing is quoted: a client may name any file that the node can read, and
+has no right to what is in it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+
+from bt_orchestrator.errors import Finding, Refused
+from bt_orchestrator.script.keys import Table
+from bt_orchestrator.script.report import START, Report, listing, nearest
+from bt_orchestrator.script.yaml_nodes import ListNode, MapNode, Node
+
+_MISSPELT = 0.8
+"""How alike a word and a key are at least, if the key is meant."""
+
+_INDENTED = re.compile(r'(?m)^([ ]*)(?![#\s]|---|%)\S')
+_KEY = re.compile(r'([ {]*)["\']?([\w-]{1,64})["\']?[ ]*:(?=\s|$)')
+
+
+def refuse_strangers(
+    text: str, root: Node | None, found: Report, tables: Iterable[Table], what: str = ''
+) -> None:
+    """Refuse a text that is meant as something else.
+
+    :param root: what it says as YAML; None: it is none, or the file is empty
+    :param found: what YAML itself forbids in it
+    :param what: how to name what it is not, if not by the table
+    :raises Refused: it is, and nothing in it is told
+    """
+    tables = tuple(tables)
+    kind = _stranger(text, root, tables)
+    if kind is None:
+        return
+    table = tables[0]
+    needed = [key.name for key in table.keys if key.required]
+    hint = f'write a mapping with the key{"s" if len(needed) > 1 else ""} {listing(needed)}'
+    words = f'this is not {what or table.name}, but {kind}'
+    raise Refused([Finding(found.file, START.line, START.column, words, hint)])
+
+
+def _stranger(text: str, root: Node | None, tables: tuple[Table, ...]) -> str | None:
+    """Say what a text is, if it is not meant as what the tables describe."""
+    if isinstance(root, MapNode):
+        keys = [entry.key.text for entry in (*root.entries, *root.repeated)]
+        return None if not keys or _are_meant(keys, tables) else 'a mapping of other keys'
+    if isinstance(root, ListNode):
+        return 'a list'
+    if root is not None:
+        return 'text' if root.text else None
+    return None if not _INDENTED.search(text) or _are_meant(_keys(text), tables) else 'no YAML'
+
+
+def _are_meant(keys: Iterable[str], tables: tuple[Table, ...]) -> bool:
+    known = {name for table in tables for name in (*table.by_name, *table.misplaced)}
+    needed = [key.name for table in tables for key in table.keys if key.required]
+    return any(key in known or nearest(key, needed, _MISSPELT) for key in keys)
+
+
+def _keys(text: str) -> Iterator[str]:
+    """Yield what looks like the outermost keys of a text that is no YAML."""
+    text = text.removeprefix('\ufeff')
+    first = _INDENTED.search(text)
+    indent = len(first[1]) if first else 0
+    for line in text.splitlines():
+        key = _KEY.match(line)
+        if key is not None and (len(key[1]) == indent or '{' in key[1]):
+            yield key[2]
