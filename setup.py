@@ -49,7 +49,7 @@ setuptools.setup(
     python_requires='>=3.10',
     # ROS 2 packages are not named here: they come from a distribution or from its wheels, and
     # py_trees_ros exists only in the former. package.xml lists them all.
-    install_requires=['graphviz', 'py_trees>=2.2,<2.7', 'PyYAML', 'rich>=13.7'],
+    install_requires=['argcomplete>=2', 'graphviz', 'py_trees>=2.2,<2.7', 'PyYAML', 'rich>=13.7'],
     extras_require={'test': ['hypothesis', 'jsonschema', 'pyte', 'pytest', 'pytest-timeout']},
     entry_points={
         'console_scripts': [

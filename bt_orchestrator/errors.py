@@ -30,6 +30,11 @@ class Finding:
         return f'{text}; {self.hint}' if self.hint else text
 
 
+def counted(number: int, what: str) -> str:
+    """Return a number with the singular or plural of what is counted."""
+    return f'{number} {what}' if number == 1 else f'{number} {what}s'
+
+
 _TOLD, _LONGEST = 3, 300
 """Mistakes that are told in short, and the characters of each."""
 
@@ -48,7 +53,7 @@ class Refused(OrchestratorError):
     @property
     def count(self) -> str:
         """How many mistakes there are, in words."""
-        return f'refused with {len(self.findings)} findings'
+        return f'refused with {counted(len(self.findings), "finding")}'
 
     @property
     def in_short(self) -> str:

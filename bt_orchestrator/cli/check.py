@@ -12,7 +12,7 @@ from typing import Any
 
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.folders import add_trees_option, script_folders
-from bt_orchestrator.errors import Finding, Refused
+from bt_orchestrator.errors import Finding, Refused, counted
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import ActionTypes
@@ -101,10 +101,6 @@ def summary(script: Script, cell: Cell) -> str:
         f' and {len(script.initialization)} of initialization' if script.initialization else ''
     )
     return (
-        f'{script.name}: {_count(tasks, "task")} in {_count(sections, "section")}'
+        f'{script.name}: {counted(tasks, "task")} in {counted(sections, "section")}'
         f'{initialization}, fits cell {cell.name}'
     )
-
-
-def _count(number: int, what: str) -> str:
-    return f'{number} {what}' if number == 1 else f'{number} {what}s'

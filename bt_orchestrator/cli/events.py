@@ -6,6 +6,8 @@ import argparse
 import itertools
 import sys
 import threading
+import time
+from collections import deque
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -22,6 +24,9 @@ from bt_orchestrator.store.reader import JournalReader, Wanted
 
 POLL_S = 0.2
 """Time between two looks into a journal that is followed."""
+
+QUIET_S = 1.0
+"""After so long without an event a person is told that this is no fault."""
 
 DESCRIPTION = """\
 Print every event of a running tree node from now on, one JSON object a line, until Ctrl-C. With
@@ -44,6 +49,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--count', type=whole, metavar='N', help='end after N events')
     parser.add_argument(
         '--since-seq', type=whole, metavar='SEQ', help='begin after this sequence number'
+    )
+    parser.add_argument(
+        '--last', type=whole, metavar='N', help='begin with the last N events that there are'
     )
     parser.add_argument('--journal', type=Path, metavar='FILE', help='read this journal file')
     parser.add_argument('--job', metavar='JOB', help='with --journal: of this job only')
@@ -72,6 +80,8 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _refuse_contradictions(args: argparse.Namespace) -> None:
+    if args.last is not None and args.since_seq is not None:
+        raise WrongUse('--last and --since-seq both say where to begin; leave one of them out')
     if args.journal is None and any(getattr(args, name) for name in _OF_JOURNAL):
         raise WrongUse('filters, --follow, --format and -o are for a journal: add --journal FILE')
     if args.follow and args.format == 'xes':
@@ -87,9 +97,17 @@ def _of_node(args: argparse.Namespace, stop: StopSignals) -> int:
 
     left = args.count
     with NodeClient(args.node, args.timeout) as client:
-        follower = EventFollower(client, args.since_seq, _say_removed, _say_anew)
+        after_seq = args.since_seq
+        if args.last is not None:
+            after_seq = max(client.status().seq - args.last, 0)
+        follower = EventFollower(client, after_seq, _say_removed, _say_anew)
+        quiet_at: float | None = time.monotonic() + QUIET_S
         while not stop.requested and left != 0:
+            if quiet_at is not None and time.monotonic() >= quiet_at:
+                quiet_at = None
+                print(f'waiting for events of {client.name}; Ctrl-C ends', file=sys.stderr)
             for message in follower.take():
+                quiet_at = None
                 print(message.record, flush=True)
                 left = None if left is None else left - 1
                 if left == 0:
@@ -134,7 +152,13 @@ def _records(
     """Yield the records that are there, and with --follow those that come."""
     stopped = threading.Event()
     stop.notify(stopped.set)
-    while True:
+    if args.last is not None:
+        tail: deque[str] = deque(maxlen=args.last)
+        for seq, text in reader.records(wanted):
+            wanted = replace(wanted, after_seq=seq)
+            tail.append(text)
+        yield from tail
+    while args.last is None or args.follow:
         for seq, text in reader.records(wanted):
             wanted = replace(wanted, after_seq=seq)
             yield text

@@ -71,9 +71,7 @@ def _json(jobs: Sequence[JobRecord], args: argparse.Namespace) -> Iterator[str]:
 def _text(jobs: Sequence[JobRecord], args: argparse.Namespace) -> Iterator[str]:
     yield from table((*_HEADERS, *_HEADERS_BAD), [_row(job) for job in jobs])
     for job in jobs:
-        yield from _failures(job)
-        if args.items:
-            yield from _items(job)
+        yield from _items(job) if args.items else _failures(job, f'{job.job}: ')
 
 
 def _row(job: JobRecord) -> tuple[str, ...]:
@@ -84,10 +82,10 @@ def _row(job: JobRecord) -> tuple[str, ...]:
     return (*named, str(job.quantity), *map(str, numbers), failed)
 
 
-def _failures(job: JobRecord) -> Iterator[str]:
+def _failures(job: JobRecord, begin: str) -> Iterator[str]:
     for (task, reason), number in Counter((f.task, f.reason) for f in job.failures).items():
         times = f'{number} times ' if number > 1 else ''
-        yield f'{job.job}: {task} failed {times}({reason})'
+        yield f'{begin}{task} failed {times}({reason})'
 
 
 def _items(job: JobRecord) -> Iterator[str]:
@@ -96,6 +94,7 @@ def _items(job: JobRecord) -> Iterator[str]:
         yield f'{job.job}: its events were removed, and its items with them'
         return
     yield f'{job.job}:'
+    yield from _failures(job, '  ')
     for item in job.items.values():
         when = f'  {_when(item.ended)}' if item.ended else ''
         yield f'  {item.item}  {item.how or "on the line"}{when}'

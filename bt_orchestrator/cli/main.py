@@ -11,7 +11,11 @@ from collections.abc import Mapping, Sequence
 from types import ModuleType
 from typing import Any
 
+from bt_orchestrator.cli.command_parser import CommandParser
+from bt_orchestrator.cli.mistakes import print_mistakes
 from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.diagnosis.check import Verdict
+from bt_orchestrator.diagnosis.domain import domain, reach
 from bt_orchestrator.errors import OrchestratorError, Refused
 
 PROGRAM = 'bt-orchestrator'
@@ -39,6 +43,7 @@ VERBS: Mapping[str, tuple[str, str]] = {
     'stop': ('cell_command', 'let a cell finish the cycles in hand and stop'),
     'abort': ('cell_command', 'cancel every goal of a cell now; items and queue are kept'),
     'clear': ('clear', 'say what stands on the belt of a cell that was aborted'),
+    'completion': ('completion', 'what makes bash, zsh or fish complete command lines'),
     'doctor': ('doctor', 'what this machine and a cell on it lack, and what to do about it'),
     'remove-item': ('remove_item', 'record that an item was taken off the belt by hand'),
 }
@@ -58,6 +63,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     0: done, 1: something is refused or did not work out, 2: wrong use.
     """
     words = list(sys.argv[1:] if argv is None else argv)
+    if '_ARGCOMPLETE' in os.environ:
+        _complete(os.environ.get('COMP_LINE', ''))
     _print_anything()
     try:
         status = _carry_out(words)
@@ -80,15 +87,29 @@ def _carry_out(words: Sequence[str]) -> int:
         args = parsed(words)
         return int(_module(args.verb).run(args))
     except Refused as refused:
-        print(refused, file=sys.stderr)
+        print_mistakes(refused)
         return 1
     except OrchestratorError as error:
         return _complain(verb, str(error), 2 if isinstance(error, WrongUse) else 1)
+    except RuntimeError as error:
+        if not type(error).__module__.startswith('rclpy'):
+            raise  # a defect
+        return _complain(verb, f'{_of_ros(error)}; bt-orchestrator doctor looks at all of it', 1)
     except ModuleNotFoundError as error:
         if (error.name or PROGRAM).startswith('bt_orchestrator.'):
             raise  # a defect, nothing that a user can install
         what = f'the Python package {error.name} is not installed'
         return _complain(verb, f'{what}; install it, or source the ROS 2 workspace it is in', 1)
+
+
+def _of_ros(error: RuntimeError) -> str:
+    """Say why ROS 2 cannot be used: what is wrong with the environment, else in its own words."""
+    for look in (domain, reach):
+        found = look(os.environ)
+        if found.verdict is Verdict.FAIL:
+            return f'{found.name}: {found.found}; {found.remedy}'
+    # It ends with the place in the sources of rcl.
+    return f'ROS 2 says: {str(error).splitlines()[0].partition(", at /")[0]}'
 
 
 def parsed(words: Sequence[str]) -> argparse.Namespace:
@@ -98,8 +119,11 @@ def parsed(words: Sequence[str]) -> argparse.Namespace:
     """
     verb = _verb(words)
     own_words = without_ros_arguments(words) if verb in TAKE_ROS_ARGUMENTS else list(words)
+    if not words:
+        _parser_of_verbs().print_help()
+        raise SystemExit(2)
     if verb in VERBS and own_words[0] == verb:
-        parser = argparse.ArgumentParser(prog=f'{PROGRAM} {verb}', allow_abbrev=False)
+        parser = CommandParser(prog=f'{PROGRAM} {verb}')
         _module(verb).add_arguments(parser)
         # Options may stand anywhere, as in `queue add --held ORDER`.
         args = parser.parse_intermixed_args(own_words[1:])
@@ -128,9 +152,19 @@ def without_ros_arguments(words: Sequence[str]) -> list[str]:
     return own
 
 
-def _parser_of_verbs() -> argparse.ArgumentParser:
-    """Declare the verbs without their options, for help and for mistakes."""
-    parser = argparse.ArgumentParser(
+def _complete(line: str) -> None:
+    """Tell the shell how a command line may go on, and end."""
+    import argcomplete
+
+    argcomplete.autocomplete(_parser_of_verbs(with_options_of=_verb(line.split()[1:])))
+
+
+def _parser_of_verbs(with_options_of: str | None = None) -> argparse.ArgumentParser:
+    """Declare the verbs without their options, for help and for mistakes.
+
+    :param with_options_of: a verb that is declared as a whole; the others would take their time
+    """
+    parser = CommandParser(
         prog=PROGRAM,
         description='Behaviour trees of ROS 2 action clients for a cell along a conveyor.',
         epilog=f'{PROGRAM} VERB --help says more about a verb',
@@ -138,7 +172,9 @@ def _parser_of_verbs() -> argparse.ArgumentParser:
     parser.add_argument('--version', action=_Version, help='print the version and exit')
     verbs = parser.add_subparsers(dest='verb', metavar='VERB', required=True)
     for name, (_, help_line) in VERBS.items():
-        verbs.add_parser(name, help=help_line)
+        verb = verbs.add_parser(name, help=help_line)
+        if name == with_options_of:
+            _module(name).add_arguments(verb)
     return parser
 
 

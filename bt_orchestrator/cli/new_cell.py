@@ -27,7 +27,8 @@ from bt_orchestrator.script.starter_plan import FoundServer, Plan, plan_cell
 
 DESCRIPTION = """\
 Write a cell file, a script and a work order to begin with, with comments. They work as they are:
-check, render, simulate and sim-cell take them. Files that exist are left alone."""
+check, render, simulate and sim-cell take them. The schemas beside them let an editor help; they
+belong into version control with the rest. Files that exist are left alone."""
 
 EPILOG = """\
 --from-graph takes the action servers that run now: their names, types and task constants, and
@@ -41,6 +42,9 @@ SCHEMAS = {
     SCRIPT_FILE: 'script.schema.json',
     ORDER_FILE: 'work_order.schema.json',
 }
+
+SCHEMA_FOLDER = 'schemas'
+"""Beside the cell file."""
 
 
 class NothingWritten(OrchestratorError):
@@ -86,11 +90,20 @@ def new_cell(args: argparse.Namespace, found: Iterable[FoundServer], types: Acti
     _check(args)
     folder: Path = args.output or Path(args.name)
     plan = plan_cell(args.sections, found, types)
-    texts = starter_files(args.name, plan, _schemas())
+    schemas = _schemas()
+    places = {file: _from(file, name) for file, name in SCHEMAS.items() if name in schemas}
+    texts = starter_files(args.name, plan, places)
     _write({folder / name: text for name, text in texts.items()})
+    kept = {folder / SCHEMA_FOLDER / name: text for name, text in schemas.items()}
+    _write({path: text for path, text in kept.items() if not path.exists()})
     for line in _summary(plan, folder, from_graph=args.from_graph):
         print(line)
     return 0
+
+
+def _from(file: str, schema: str) -> str:
+    """Return where a schema is, seen from a file of the cell."""
+    return f'{"../" * file.count("/")}{SCHEMA_FOLDER}/{schema}'
 
 
 def _check(args: argparse.Namespace) -> None:
@@ -112,12 +125,15 @@ def _servers(args: argparse.Namespace) -> Iterable[FoundServer]:
 
 
 def _schemas() -> Mapping[str, str]:
-    """Return where the schemas are installed; an editor can do without."""
+    """Return the schemas by the name they get beside the cell; an editor can do without.
+
+    They are copied: a path into this installation would be wrong on every other computer.
+    """
     try:
-        folder = shipped('schemas').resolve()
-    except Refused:
+        folder = shipped('schemas')
+        return {name: (folder / name).read_text(encoding='utf-8') for name in SCHEMAS.values()}
+    except (OSError, Refused):
         return {}
-    return {file: str(folder / schema) for file, schema in SCHEMAS.items()}
 
 
 def _write(texts: Mapping[Path, str]) -> None:

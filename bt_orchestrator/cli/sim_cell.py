@@ -7,6 +7,7 @@ import re
 import sys
 from pathlib import Path
 
+from bt_orchestrator.cli.mistakes import print_mistakes
 from bt_orchestrator.cli.numbers import factor, seconds
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.stop_signals import StopSignals
@@ -142,7 +143,7 @@ def _simulate(args: argparse.Namespace, stop: StopSignals) -> int:
         )
         run_controllers(setup, stop, _say_ready, getattr(args, 'ros_args', ()))
     except Refused as refused:
-        print(refused, file=sys.stderr)
+        print_mistakes(refused)
         return 1
     except (WrongSelection, UnusableLog, BadRosArguments) as error:
         return _wrong_use(str(error))

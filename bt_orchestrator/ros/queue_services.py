@@ -16,7 +16,7 @@ from bt_orchestrator_interfaces.srv import (
 )
 from rclpy.node import Node
 
-from bt_orchestrator.errors import Refused
+from bt_orchestrator.errors import Refused, counted
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.commands import Answer, RefusedRequest
 from bt_orchestrator.model.job_commands import (
@@ -82,7 +82,9 @@ class QueueServices:
         jobs = tuple(job for job in read if isinstance(job, Job))
         if len(jobs) < len(read):
             self._orchestrator.ask(refused_orders(orders, read, by))
-            answer = Answer(accepted=False, message=f'refused with {total(read)} findings')
+            answer = Answer(
+                accepted=False, message=f'refused with {counted(total(read), "finding")}'
+            )
             told = Told()
             return answer, [
                 _of_reading(order, one, told) for order, one in zip(orders, read, strict=True)

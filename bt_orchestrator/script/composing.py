@@ -49,7 +49,7 @@ def compose(text: str, report: Report) -> Node | None:
     try:
         return _Composer(_events(text, _fast_loader()), report).document()
     except yaml.YAMLError as fault:
-        report_syntax(_clearest(text, fault), report)
+        report_syntax(_clearest(text, fault), text, report)
     except _GiveUp as limit:
         report.add(limit.place, limit.what, limit.hint)
     return None

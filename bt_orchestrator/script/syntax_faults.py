@@ -22,13 +22,15 @@ _SYNTAX_HINTS = (
 )
 
 
-def report_syntax(fault: yaml.YAMLError, report: Report) -> None:
-    """Report what the parser stumbled over, with a hint at the usual cause."""
+def report_syntax(fault: yaml.YAMLError, text: str, report: Report) -> None:
+    """Report what the parser stumbled over in a text, with a hint at the usual cause."""
     mark = getattr(fault, 'problem_mark', None) or getattr(fault, 'context_mark', None)
     place = Place(mark.line + 1, mark.column + 1) if mark else START
     problem = ' '.join(str(getattr(fault, 'problem', None) or fault).split())
     hints = (hint for fragment, hint in _SYNTAX_HINTS if fragment in problem)
     hint = next(hints, 'check brackets, quotes and indentation up to here')
+    if mark and text[: mark.index].endswith('$') and text.startswith('{', mark.index):
+        hint = 'put a reference in quotes: "${...}"'
     report.add(place, f'this is not YAML: {problem}', hint)
 
 

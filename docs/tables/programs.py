@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import importlib
 from collections.abc import Iterator
-from typing import Any
 
 from bt_orchestrator.cli.main import PROGRAM, VERBS
 from bt_orchestrator.node_parameters import MOST_JOBS, NodeParameters, Words, described
@@ -43,23 +42,11 @@ def _argument(action: argparse.Action) -> tuple[str, str]:
     return f'`{cell(words + value)}`', f'{cell(text)}{needed}'
 
 
-class _Recorder(argparse.ArgumentParser):
-    """A parser that can be asked for what was declared."""
-
-    def __init__(self) -> None:
-        self.declared: list[argparse.Action] = []
-        super().__init__(add_help=False)
-
-    def add_argument(self, *names: Any, **settings: Any) -> argparse.Action:
-        action = super().add_argument(*names, **settings)
-        self.declared.append(action)
-        return action
-
-
 def _declared(module: str) -> list[argparse.Action]:
-    parser = _Recorder()
+    """Return what a verb declares, groups included."""
+    parser = argparse.ArgumentParser(add_help=False)
     importlib.import_module(f'bt_orchestrator.cli.{module}').add_arguments(parser)
-    return parser.declared
+    return parser._actions  # noqa: SLF001 - argparse has no other list of them
 
 
 def _metavar(action: argparse.Action) -> str:

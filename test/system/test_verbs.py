@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import signal
 import time
 from pathlib import Path
 
@@ -52,6 +53,22 @@ def test_orders_that_are_refused_end_with_1(small_cell: CellProcesses) -> None:
     status, _, errors = run_verb(folder, 'submit', order_file(small_cell, '{quantity: 1}'))
     assert status == 1
     assert errors.startswith(f'{small_cell.folder}/order.yaml:1:')
+    small_cell.stop()
+
+
+def test_the_last_events_and_then_the_wait_for_more(small_cell: CellProcesses) -> None:
+    last = small_cell.watch.status.seq
+    listening = ProgramProcess(['events', '--last', '3'], small_cell.folder, 'last_events')
+    listening.wait_ready(f'"seq": {last}')
+    listening.send(signal.SIGINT)
+    assert listening.wait() == 0
+    seqs = [json.loads(line)['seq'] for line in listening.output.splitlines()]
+    assert seqs == [last - 2, last - 1, last]
+    quiet = ProgramProcess(['events'], small_cell.folder, 'quiet')
+    small_cell.watch.ros.spin_until(lambda: 'waiting for events' in quiet.errors, quiet.errors)
+    assert quiet.errors == 'waiting for events of /bt_orchestrator; Ctrl-C ends\n'
+    quiet.send(signal.SIGINT)
+    assert quiet.wait() == 0
     small_cell.stop()
 
 

@@ -48,6 +48,8 @@ def test_history_of_items(journal: str, capsys: pytest.CaptureFixture[str]) -> N
     assert 'J2' not in text
     assert '  J1/2  packed  ' in text
     assert '    work failed: aborted' in text
+    title, failed = text.splitlines()[3:5]
+    assert (title, failed) == ('J1:', '  work failed (aborted)'), 'under its job'
     assert text.count('    pack: {"item_present": true, "measurement": 0.0}') == 3
 
 
@@ -91,6 +93,15 @@ def test_events_with_filters(journal: str, capsys: pytest.CaptureFixture[str]) -
     assert [json.loads(line)['job'] for line in ended.splitlines()] == ['J1', 'J2']
     late = said(capsys, *words, '--from', '1970-01-01T00:00:25+00:00', '--event', 'task.')
     assert [json.loads(line)['time'] for line in late.splitlines()] == [25.0]
+
+
+def test_the_last_events(journal: str, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ('events', '--journal', journal, '--last')
+    assert seqs(said(capsys, *words, '3')) == [154, 155, 156]
+    assert seqs(said(capsys, *words, '900')) == list(range(1, 157))
+    assert seqs(said(capsys, *words, '0')) == []
+    assert seqs(said(capsys, *words, '2', '--job', 'J1', '--event', 'item.removed')) == [73, 92]
+    assert 'leave one of them out' in said(capsys, *words, '3', '--since-seq', '1', status=2)
 
 
 def test_events_in_other_formats(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import importlib.util
+import io
 import sys
 from collections.abc import Callable
 from types import ModuleType
@@ -68,7 +69,7 @@ def test_the_verb_gets_its_options_and_its_status_is_the_programs(use: Use) -> N
 
 @pytest.mark.parametrize(
     'words',
-    [[], ['chekc'], ['check', '--sped', '1'], ['check', '--spee', '1'], ['--cell', 'check']],
+    [['chekc'], ['check', '--sped', '1'], ['check', '--spee', '1'], ['--cell', 'check']],
 )
 def test_wrong_use(use: Use, words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     use(lambda args: 0)
@@ -174,3 +175,88 @@ def test_options_may_stand_between_what_is_named(words: list[str]) -> None:
     args = parsed(['queue', *words])
     assert (args.verb, args.action, args.what) == ('queue', 'add', ['a.yaml', 'b.yaml'])
     assert args.held
+
+
+def test_without_a_verb_all_of_them_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main([])
+    assert ended.value.code == 2
+    listed = capsys.readouterr().out
+    assert [verb for verb in VERBS if f'    {verb} ' not in listed.replace('\n', ' \n')] == []
+
+
+@pytest.mark.parametrize(
+    ('words', 'said'),
+    [
+        (['statsu'], "found 'statsu'; did you mean status?"),
+        (['status', '--jsn'], 'unrecognized arguments: --jsn; did you mean --json?'),
+        (['answer', '1', 'rety', '--reason', 'w'], "found 'rety'; did you mean retry?"),
+        (['qqqqqq'], "found 'qqqqqq'\n"),
+    ],
+)
+def test_what_was_probably_meant(
+    words: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit):
+        main(words)
+    assert said in capsys.readouterr().err
+
+
+class _Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def test_a_terminal_shows_fifty_mistakes(use: Use, monkeypatch: pytest.MonkeyPatch) -> None:
+    many = [Finding('a.yaml', line, 1, 'wrong', 'mend it') for line in range(1, 124)]
+    use(raising(Refused(many)))
+    shown: dict[str, list[str]] = {}
+    for name, stream in (('terminal', _Terminal()), ('pipe', io.StringIO())):
+        monkeypatch.setattr(sys, 'stderr', stream)
+        assert main(['check']) == 1
+        shown[name] = stream.getvalue().splitlines()
+    assert shown['pipe'] == [str(finding) for finding in many]
+    *first, last = shown['terminal']
+    assert first == shown['pipe'][:50]
+    assert last == '... and 73 more mistakes; check --json has all of them'
+
+
+def test_one_mistake_is_counted_as_one() -> None:
+    one = Finding('a.yaml', 1, 1, 'wrong', 'mend it')
+    assert Refused([one]).count == 'refused with 1 finding'
+    assert Refused([one, one]).count == 'refused with 2 findings'
+
+
+class RCLError(RuntimeError):
+    """As rclpy has it."""
+
+
+RCLError.__module__ = 'rclpy._rclpy_pybind11'
+
+
+@pytest.mark.parametrize(
+    ('domain', 'said'),
+    [
+        ('abc', "ROS_DOMAIN_ID: 'abc' is no domain; set a whole number from 0 to 232; "),
+        ('7', 'ROS 2 says: no memory; '),
+    ],
+)
+def test_ros_that_cannot_be_used(
+    use: Use,
+    domain: str,
+    said: str,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv('ROS_DOMAIN_ID', domain)
+    use(raising(RCLError('no memory, at /src/rcl/init.c:49\nmore')))
+    assert main(['check']) == 1
+    said_all = capsys.readouterr().err
+    assert said_all.startswith(f'bt-orchestrator check: error: {said}')
+    assert said_all.endswith('bt-orchestrator doctor looks at all of it\n')
+
+
+def test_a_defect_is_not_hidden(use: Use) -> None:
+    use(raising(RuntimeError('a defect')))
+    with pytest.raises(RuntimeError, match='a defect'):
+        main(['check'])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 from pathlib import Path
 
 import pytest
@@ -46,13 +47,17 @@ def test_the_files_work_as_they_are(
     assert '3       3         0' in capsys.readouterr().out
 
 
-def test_the_files_name_the_installed_schemas(here: Path) -> None:
+def test_the_files_name_schemas_that_are_moved_with_them(here: Path) -> None:
     write('mine', '--sections', '2')
-    for path in (here / 'mine').rglob('*.yaml'):
+    moved = here / 'mine'
+    moved = moved.rename(here / 'elsewhere')
+    files = list(moved.rglob('*.yaml'))
+    assert len(files) == 3
+    for path in files:
         first = path.read_text().partition('\n')[0]
         schema = Path(first.removeprefix('# yaml-language-server: $schema='))
-        assert schema.is_absolute()
-        assert schema.is_file()
+        assert not schema.is_absolute()
+        assert json.loads((path.parent / schema).read_text())['title']
 
 
 def test_nothing_is_overwritten(here: Path) -> None:
