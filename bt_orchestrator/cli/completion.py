@@ -27,9 +27,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns the exit status."""
-    import argcomplete
+    from argcomplete.shell_integration import shellcode
 
     # zsh runs what is made for bash, and asks for nothing else.
     kind = 'bash' if args.shell == 'zsh' else args.shell
-    sys.stdout.write(argcomplete.shellcode([PROGRAM], shell=kind))
+    sys.stdout.write(shellcode([PROGRAM], shell=kind))
     return 0

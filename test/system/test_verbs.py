@@ -58,7 +58,9 @@ def test_orders_that_are_refused_end_with_1(small_cell: CellProcesses) -> None:
 
 def test_the_last_events_and_then_the_wait_for_more(small_cell: CellProcesses) -> None:
     small_cell.run_small()
-    last = small_cell.watch.status.seq
+    watch = small_cell.watch
+    watch.ros.spin_until(lambda: watch.status.state == 'Complete', 'the end of all work')
+    last = watch.status.seq
     listening = ProgramProcess(['events', '--last', '3'], small_cell.folder, 'last_events')
     listening.wait_ready(f'"seq": {last}')
     listening.send(signal.SIGINT)
