@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from node_watcher import NodeWatcher
-from program_process import ProgramProcess
+from program_process import PROGRAM, ProgramProcess
 
 ROOT = Path(__file__).parents[1]
 
@@ -78,11 +78,13 @@ class CellProcesses:
         remapped: bool = False,
         speed: float = SPEED,
         run_options: Sequence[str] = (),
+        node_program: Sequence[str] = PROGRAM,
     ) -> None:
         """Start everything; `connect` waits for it.
 
         :param shares: which components each process simulates, as `--only` wants it
         :param remapped: whether the namespace is given in ROS 2's way, by a remapping
+        :param node_program: what Python runs as the tree node, if not the program itself
         """
         folder.mkdir(exist_ok=True)
         self.folder = folder
@@ -98,14 +100,14 @@ class CellProcesses:
         self.sims = [self.start_sim(share) for share in shares]
         words = ['run', '--cell', str(self.cell), '--trees', str(folder), *spaced]
         self._node_words = [*words, *run_options]
-        self.node = ProgramProcess(self._node_words, folder, 'node')
+        self.node = ProgramProcess(self._node_words, folder, 'node', node_program)
         self.watch = NodeWatcher(f'{namespace}/bt_orchestrator')
 
-    def start_sim(self, share: str = '') -> ProgramProcess:
+    def start_sim(self, share: str = '', program: Sequence[str] = PROGRAM) -> ProgramProcess:
         """Start simulated controllers in a further process."""
         only = ['--only', share] if share else []
         name = f'sim_{share.replace(",", "_") or "all"}'
-        return ProgramProcess([*self._sim_words, *only], self.folder, name)
+        return ProgramProcess([*self._sim_words, *only], self.folder, name, program)
 
     def kill_and_restart_node(self) -> None:
         """Kill the node as kill -9 does, and start it again."""
@@ -113,9 +115,7 @@ class CellProcesses:
         self.start_node()
         self.node.wait_ready()
 
-    def start_node(
-        self, program: Sequence[str] = ('-m', 'bt_orchestrator'), options: Sequence[str] = ()
-    ) -> None:
+    def start_node(self, program: Sequence[str] = PROGRAM, options: Sequence[str] = ()) -> None:
         """Start the node again, which must be gone.
 
         :param program: what Python runs, if not the program itself

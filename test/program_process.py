@@ -10,12 +10,15 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from bt_orchestrator.cli.main import PROGRAM
+from bt_orchestrator.cli.main import PROGRAM as NAME
 
 PATIENCE_S = 60.0
 """Longest time that a program may take to be ready or to end, on a busy machine."""
 
 _LOOK_S = 0.02
+
+PROGRAM = ('-m', 'bt_orchestrator')
+"""What Python runs."""
 
 
 class ProgramProcess:
@@ -29,7 +32,7 @@ class ProgramProcess:
         words: Sequence[str],
         folder: Path,
         name: str,
-        program: Sequence[str] = ('-m', 'bt_orchestrator'),
+        program: Sequence[str] = PROGRAM,
         within: Sequence[str] = (),
         cwd: Path | None = None,
     ) -> None:
@@ -132,7 +135,7 @@ class ProgramProcess:
 def program_in(folder: Path) -> Path:
     """Put the program of this very environment into a new folder for PATH."""
     folder.mkdir()
-    program = folder / PROGRAM
+    program = folder / NAME
     program.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m bt_orchestrator "$@"\n')
     program.chmod(0o755)
     return folder

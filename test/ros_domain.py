@@ -5,7 +5,7 @@ from __future__ import annotations
 import fcntl
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, MutableMapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TextIO
@@ -17,6 +17,17 @@ DOMAINS = range(1, 102)
 
 APART = 37
 """Workers, whose process ids are neighbours, begin as far from each other as three can."""
+
+
+PROFILES = ('FASTDDS_DEFAULT_PROFILES_FILE', 'FASTRTPS_DEFAULT_PROFILES_FILE')
+"""The second is Jazzy's name, of which Kilted warns."""
+
+
+def discover_fast(environment: MutableMapping[str, str] = os.environ) -> None:
+    """Let processes find each other in tenths of a second instead of up to three seconds."""
+    is_jazzy = os.environ.get('ROS_DISTRO') == 'jazzy'
+    profile = Path(__file__).parent / 'data' / 'fast_discovery.xml'
+    environment[PROFILES[is_jazzy]] = str(profile)
 
 
 class OwnDomain:

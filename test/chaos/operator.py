@@ -11,6 +11,7 @@ from bt_orchestrator_interfaces.srv import AnswerHold, Command, SubmitOrder
 from chaos.truth import Controllers, attempts, journal
 from node_watcher import NodeWatcher
 
+from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.runtime.cell_commands import RESUME
 
 ANSWERED_S = 2.0
@@ -40,13 +41,24 @@ class Operator:
     """
 
     def __init__(
-        self, watch: NodeWatcher, script: str, items: int, journal: Path, log: Path
+        self,
+        watch: NodeWatcher,
+        script: str,
+        items: int,
+        journal: Path,
+        log: Path,
+        spared: str = '',
     ) -> None:
+        """Prepare.
+
+        :param spared: whose pauses are not released, if anybody's
+        """
         self._watch = watch
         self._script = script
         self._items = items
         self._journal = journal
         self._log = log
+        self._spared = spared
         self.orders = 1
         self.gives_more = True
         self._asked: Any = _Nothing()
@@ -88,6 +100,8 @@ class Operator:
     def _due(self) -> Iterator[tuple[Any, str, dict[str, Any]]]:
         """Yield what could be asked for: services, and what they are told."""
         for hold in self._watch.status.holds:
+            if self._spared and hold.owner == self._spared:
+                continue
             if RESUME in hold.answers:
                 # By name, which says that the line was looked at (semantics 7.3).
                 yield Command, 'command', {'command': RESUME, 'hold': hold.id}
@@ -105,12 +119,18 @@ class Operator:
 
     def _state_of_order(self) -> str | None:
         name = f'WO-{self.orders}'
-        return next((job.state for job in self._watch.status.jobs if job.id == name), None)
+        state = next((job.state for job in self._watch.status.jobs if job.id == name), None)
+        if state is None and self._watch.seen('job.completed', job=name):
+            return ENDED  # so many have ended since that the status does not list it any more
+        return state
 
     def _answer(self, hold: Any) -> str:
         """Decide as somebody does who has looked at the machine: its own log is the truth."""
+        if hold.reason == Reason.MISSING_RESULT.value:
+            return 'mark_done'  # by hand: what had the result was marked done, and has none
         done = any(Controllers(self._log).succeeded(goal) for goal in self._goals_of(hold))
-        return 'mark_done' if done else 'retry'
+        undone = 'retry' if 'retry' in hold.answers else 'skip'
+        return 'mark_done' if done else undone
 
     def _goals_of(self, hold: Any) -> list[str]:
         """Return the goals that were to do what is held; of the belt: its last move."""

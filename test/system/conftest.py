@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-from cell_processes import ROOT, SMALL_CELL, CellProcesses, StartCell
-
-PROFILES = ('FASTDDS_DEFAULT_PROFILES_FILE', 'FASTRTPS_DEFAULT_PROFILES_FILE')
-"""The second is Jazzy's name, of which Kilted warns."""
+from cell_processes import SMALL_CELL, CellProcesses, StartCell
+from ros_domain import discover_fast
 
 
 @pytest.fixture(scope='session', autouse=True)
 def fast_discovery() -> Iterator[None]:
     """Let processes find each other in tenths of a second instead of up to three seconds."""
-    is_jazzy = os.environ.get('ROS_DISTRO') == 'jazzy'
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv(PROFILES[is_jazzy], str(ROOT / 'test' / 'data' / 'fast_discovery.xml'))
+        changed: dict[str, str] = {}
+        discover_fast(changed)
+        for name, value in changed.items():
+            patch.setenv(name, value)
         yield
 
 
