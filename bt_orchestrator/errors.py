@@ -80,6 +80,21 @@ class JournalFailed(OrchestratorError):
     """Events could not be made durable; what they would have done is not done."""
 
 
+class DamagedRecord(OrchestratorError):
+    """An event in the journal is not what was written; those before it are as they were."""
+
+    def __init__(self, first: int, last: int, what: str) -> None:
+        """Name the events that cannot be read.
+
+        :param what: how they are, in a word or two
+        """
+        self.last = last
+        which = f'the record of event {first} is'
+        if last > first:
+            which = f'the records of events {first} to {last} are'
+        super().__init__(f'{which} {what}')
+
+
 class JournalMismatch(OrchestratorError):
     """The journal's unfinished work does not fit the cell that is to be run."""
 

@@ -159,6 +159,15 @@ class EventStore(Protocol):
     def is_restored(self) -> bool:
         """Tell whether this history goes on from a copy of another one (semantics 9.2)."""
 
+    def missing(self, after: int) -> str:
+        """Tell, in words, what was written after an event and is not to be had; empty: nothing."""
+
+    def go_on_after(self, seq: int) -> None:
+        """Let another history begin after an event, with the next `append`.
+
+        What is missing was told to others under its numbers, and these get other events now.
+        """
+
     def append(self, events: Sequence[Event]) -> None:
         """Make the events durable, all or none.
 
@@ -169,6 +178,7 @@ class EventStore(Protocol):
         """Return the events with a seq greater than `after`, oldest first.
 
         :param most: so many at most; -1: all
+        :raises DamagedRecord: the next one cannot be read; those before it are as they were
         """
 
     def first_seq(self) -> int:

@@ -15,12 +15,13 @@ from pathlib import Path
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.numbers import seconds
 from bt_orchestrator.diagnosis import machine
-from bt_orchestrator.diagnosis.check import Check, Verdict, fail, ok, worst
+from bt_orchestrator.diagnosis.check import Check, Verdict, fail, ok, warn, worst
 from bt_orchestrator.diagnosis.domain import domain, domain_id, other_domains, reach
 from bt_orchestrator.diagnosis.journal_folder import journal_folder
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.screen.advice import DEFAULT_NODE
+from bt_orchestrator.store.keeping import readable_by_others
 
 DESCRIPTION = """\
 Look at this machine, and with --cell at everything a cell needs on the ROS graph. Each line says
@@ -50,7 +51,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         default=Path('journal.db'),
         metavar='FILE',
-        help='where a journal is to be: its folder is tried (default: the working directory)',
+        help='where a journal is, or is to be: its folder is tried, and who may open it '
+        '(default: journal.db in the working directory)',
     )
     parser.add_argument(
         '--timeout',
@@ -98,12 +100,26 @@ def examine(args: argparse.Namespace) -> Iterator[Check]:
     yield machine.prefixes(environment)
     yield machine.log_folder(environment)
     yield journal_folder(args.journal.absolute().parent)
+    yield from _rights(args.journal)
     yield domain(environment)
     yield reach(environment)
     yield from machine.interface_packages()
     cell, found = _cell(args.cell)
     yield from found
     yield from _with_ros(args, cell)
+
+
+def _rights(journal: Path) -> Iterator[Check]:
+    """Say who may open the files of a journal that is there."""
+    name = 'journal files'
+    try:
+        wide = readable_by_others(journal)
+        if wide:
+            yield warn(name, wide, f'chmod 600 {journal}*, unless somebody means it so')
+        elif journal.exists():
+            yield ok(name, f'{journal} is for its owner alone')
+    except OSError as error:
+        yield warn(name, f'{journal}: {error.strerror}', 'run this as the user of the node')
 
 
 def _cell(path: Path | None) -> tuple[Cell | None, list[Check]]:

@@ -14,7 +14,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import IO
 
-from bt_orchestrator.cli.journal_output import OUTPUTS
+from bt_orchestrator.cli.journal_output import OUTPUTS, say_damage
 from bt_orchestrator.cli.moments import add_period_options
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.numbers import whole
@@ -36,7 +36,10 @@ said on stderr. With --journal read a journal file instead, whether its node run
 end."""
 
 EPILOG = """\
-xes: one trace an item, the tasks are the activities (IEEE 1849-2016); csv: one row an event"""
+xes: one trace an item, the tasks are the activities (IEEE 1849-2016); csv: one row an event
+
+exit status: 0 everything was printed, 1 something was not (of a damaged journal, say), 2 wrong
+use"""
 
 _OF_JOURNAL = ('job', 'event', 'since', 'until', 'follow', 'output', 'format')
 
@@ -133,7 +136,7 @@ def _say_removed(first: int, last: int) -> None:
 
 def _of_journal(args: argparse.Namespace, stop: StopSignals) -> int:
     wanted = Wanted(args.since_seq or 0, args.job, tuple(args.event or ()), args.since, args.until)
-    with JournalReader(args.journal) as reader, _opened(args.output) as file:
+    with JournalReader(args.journal, say_damage) as reader, _opened(args.output) as file:
         first = reader.first_seq()
         if args.since_seq is not None and first > args.since_seq + 1:
             _say_removed(args.since_seq + 1, first - 1)
@@ -143,7 +146,7 @@ def _of_journal(args: argparse.Namespace, stop: StopSignals) -> int:
             if args.follow:
                 file.flush()
         output.close()
-    return 0
+        return 1 if reader.damaged else 0
 
 
 def _records(

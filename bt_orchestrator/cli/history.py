@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from datetime import datetime
 from pathlib import Path
 
-from bt_orchestrator.cli.journal_output import shown
+from bt_orchestrator.cli.journal_output import say_damage, shown
 from bt_orchestrator.cli.moments import add_period_options
 from bt_orchestrator.cli.tables import table
 from bt_orchestrator.model.codec import json_of
@@ -36,18 +36,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Carry out the verb; returns 1 if a job that was asked for is not there."""
-    with JournalReader(args.journal) as reader:
+    """Carry out the verb; returns 1 if a job is not there, or a record is damaged."""
+    with JournalReader(args.journal, say_damage) as reader:
         history = History(reader.summaries())
         for _, text in reader.records(Wanted(job=args.job, events=FOLLOWED)):
             history.follow(json.loads(text))
+        damaged = reader.damaged
     jobs = [job for job in history.jobs.values() if _is_wanted(job, args)]
     if args.job is not None and not jobs:
         print(f'the journal {args.journal} knows no job {args.job}', file=sys.stderr)
         return 1
     for line in _json(jobs, args) if args.json else _text(jobs, args):
         print(line)
-    return 0
+    return 1 if damaged else 0
 
 
 def _is_wanted(job: JobRecord, args: argparse.Namespace) -> bool:

@@ -20,7 +20,7 @@ def orchestrator_started(event: e.OrchestratorStarted, state: CellState) -> None
         _stay(state, state.time)
     state.mode_since = event.time
     state.cell_digest, state.history, state.boot = event.digest, event.history, event.boot
-    if event.restored:
+    if event.restored or event.missing:
         for key, task in state.running.items():
             state.tasks[key] = state.running[key] = changed(task, copied=True)
     state.shutting_down = False

@@ -175,14 +175,20 @@ def _item_removed(job: JobRecord, record: _Record) -> None:
     _end_item(job, record, how)
 
 
+def _item_of(job: JobRecord, record: _Record) -> ItemRecord:
+    """Return the item that a record is about, also if the one that began it cannot be read."""
+    name = record['item']
+    return job.items.setdefault(name, ItemRecord(name, record['time']))
+
+
 def _end_item(job: JobRecord, record: _Record, how: str) -> None:
-    item = job.items[record['item']]
+    item = _item_of(job, record)
     item.ended, item.how = record['time'], how
 
 
 def _task_succeeded(job: JobRecord, record: _Record) -> None:
     if 'item' in record and record.get('results'):
-        job.items[record['item']].results[record['task']] = record['results']
+        _item_of(job, record).results[record['task']] = record['results']
 
 
 def _task_failed(job: JobRecord, record: _Record) -> None:
@@ -193,7 +199,7 @@ def _task_failed(job: JobRecord, record: _Record) -> None:
 def _task_continued(job: JobRecord, record: _Record) -> None:
     if 'item' not in record or record['policy'] != OnFailure.CONTINUE.value:
         return
-    item = job.items[record['item']]
+    item = _item_of(job, record)
     if not item.nonconforming:
         _count(job, 'nonconforming')
     item.nonconforming.append(record['task'])

@@ -8,10 +8,12 @@ RESTARTED = 'restarted'
 """An orchestrator has taken over unfinished work."""
 RESTORED = 'restored'
 """The journal was brought back from a backup: the line may be further than it says."""
+MISSING = 'missing'
+"""Events that were written are not in the journal any more: the line is further than it says."""
 TWIN = 'twin'
 """Another node answers under the name of this one."""
 
-NAMED = frozenset((RESTARTED, RESTORED, TWIN))
+NAMED = frozenset((RESTARTED, RESTORED, MISSING, TWIN))
 """Somebody has to look at the line first, so these are released only by naming the hold."""
 
 

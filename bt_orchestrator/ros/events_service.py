@@ -7,7 +7,8 @@ from typing import Any
 from bt_orchestrator_interfaces.srv import GetEvents
 from rclpy.node import Node
 
-from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.errors import DamagedRecord, OrchestratorError
+from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import EventStore
 from bt_orchestrator.ros.event_message import event_message
@@ -22,14 +23,14 @@ class EventsService:
     def __init__(self, node: Node, state: CellState, store: EventStore) -> None:
         self._state = state
         self._store = store
+        self._log = node.get_logger()
         node.create_service(GetEvents, '~/get_events', self._answer)
 
     def _answer(self, request: Any, response: Any) -> Any:
         most = min(request.most or MOST, MOST)
         try:
-            response.first_seq = self._store.first_seq()
-            # What was removed cannot be told; a client sees that from first_seq.
-            found = self._store.read(request.after_seq, most)
+            # What was removed or is damaged cannot be told; a client sees that from first_seq.
+            response.first_seq, found = self._readable(request.after_seq, most)
             response.events = [event_message(event, self._store.history) for event in found]
         except (OrchestratorError, OverflowError) as error:
             response.message = str(error)
@@ -38,3 +39,17 @@ class EventsService:
         response.last_seq = self._state.seq
         response.accepted = True
         return response
+
+    def _readable(self, after: int, most: int) -> tuple[int, list[Event]]:
+        """Return events without gaps, and the first one that can be had."""
+        first = self._store.first_seq()
+        while True:
+            found: list[Event] = []
+            try:
+                found.extend(self._store.read(after, most))
+            except DamagedRecord as damage:
+                self._log.warning(f'{damage}; whoever asks for it gets what comes after')
+                if not found:
+                    after, first = damage.last, damage.last + 1
+                    continue
+            return first, found

@@ -39,7 +39,7 @@ from bt_orchestrator.ros.queue_services import QueueServices
 from bt_orchestrator.ros.run_job import RunJobServer
 from bt_orchestrator.ros.services import Services
 from bt_orchestrator.runtime.housekeeping import Housekeeping
-from bt_orchestrator.runtime.observed_durations import EVENTS_READ, ObservedDurations
+from bt_orchestrator.runtime.observed_durations import ObservedDurations, last_events
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.stop_signals import StopSignals
@@ -161,16 +161,19 @@ class TreeNode:
         self.node.destroy_node()
 
     def _engine(self, cell: Cell, store: EventStore) -> Orchestrator:
-        return Orchestrator(
+        orchestrator = Orchestrator(
             cell,
             self._gateway,
             RosClock(self.node),
             store,
-            [EventsTopic(self.node, store.history), self._durations],
+            [self._durations],
             wake=self.heart.wake,
             auto_start=self.parameters.auto_start,
             auto_resume=self.parameters.auto_resume,
         )
+        # Not before: where events are missing the take-over begins another history.
+        orchestrator.add_sink(EventsTopic(self.node, store.history))
+        return orchestrator
 
     def _keep_house(self) -> Housekeeping | None:
         if self._journal is None:
@@ -194,7 +197,7 @@ class TreeNode:
 
     def _look_ahead(self, parts: Parts, pulse: Pulse, store: EventStore) -> ExpectedEnds:
         state = self.orchestrator.state
-        self._durations.publish(list(store.read(after=max(0, state.seq - EVENTS_READ))))
+        self._durations.publish(last_events(store, state.seq))
         wanted = self.parameters.expected_end
         foresight = parts.make_foresight(state.cell) if wanted else None
         return ExpectedEnds(self.node, self.orchestrator, self._durations, foresight, pulse)

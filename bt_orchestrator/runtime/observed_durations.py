@@ -2,19 +2,38 @@
 
 from __future__ import annotations
 
+import logging
 import statistics
 from collections import defaultdict, deque
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from bt_orchestrator.errors import DamagedRecord
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.ports import EventStore
+
+log = logging.getLogger(__name__)
 
 KEPT = 9
 """So many durations of each task are remembered, the last ones."""
 
 EVENTS_READ = 1000
 """So many of the last events of a journal tell a node that starts how long tasks took before."""
+
+
+def last_events(store: EventStore, last: int) -> Sequence[e.Event]:
+    """Return what a node that starts learns from; no state depends on it.
+
+    :param last: the last event of the journal
+    """
+    after = max(0, last - EVENTS_READ)
+    while True:
+        try:
+            return list(store.read(after))
+        except DamagedRecord as damage:
+            log.warning('%s: how long tasks take is learned from the events after it', damage)
+            after = damage.last
 
 
 class ObservedDurations:

@@ -12,13 +12,13 @@ from importlib.resources import files
 from typing import TYPE_CHECKING
 
 from bt_orchestrator import model
-from bt_orchestrator.errors import JournalMismatch
+from bt_orchestrator.errors import DamagedRecord, JournalMismatch
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.packml import Mode
-from bt_orchestrator.model.pauses import RESTARTED, RESTORED
+from bt_orchestrator.model.pauses import MISSING, RESTARTED, RESTORED
 from bt_orchestrator.model.snapshot import state_from_plain
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import EventStore, Snapshot
@@ -37,7 +37,8 @@ def restore(cell: Cell, store: EventStore) -> CellState:
     """Return the state where the journal ends: that of a snapshot, and the events after it.
 
     A snapshot is only a shorter way. One that cannot be used is ignored, and the events are
-    replayed from the beginning.
+    replayed from the beginning. If a record is damaged the state is that before its commit, unless
+    a snapshot leads past it; then also one of another program will do.
 
     :raises JournalMismatch: there is unfinished work, and the cell is not the one it was begun on
     :raises JournalUnusable: the journal cannot be read
@@ -48,7 +49,22 @@ def restore(cell: Cell, store: EventStore) -> CellState:
             return state
     beginning = store.beginning()
     state = CellState(cell) if beginning is None else _begin(cell, beginning)
-    _replay(state, store.read(state.seq))
+    is_whole = _replay(state, store.read(state.seq))
+    return state if is_whole else _past_the_damage(state, store)
+
+
+def _past_the_damage(state: CellState, store: EventStore) -> CellState:
+    """Return a state that a snapshot of another program leads to; if there is none, this one."""
+    for snapshot in store.snapshots():
+        if snapshot.seq <= state.seq:
+            continue
+        try:
+            later = _begin(state.cell, snapshot)
+            _replay(later, store.read(later.seq))
+        except JournalMismatch as error:
+            log.warning('the snapshot at event %d is ignored: %s', snapshot.seq, error)
+        else:
+            return later
     return state
 
 
@@ -108,10 +124,16 @@ def _begin(cell: Cell, beginning: Snapshot) -> CellState:
         ) from error
 
 
-def _replay(state: CellState, events: Iterable[e.Event]) -> None:
+def _replay(state: CellState, events: Iterable[e.Event]) -> bool:
+    """Apply events, as far as they can be read; returns whether that was all of them."""
+    damaged = False
     try:
         for event in events:
+            _refuse_gap(state, event)
             apply(state, event)
+    except DamagedRecord as damage:
+        log.error('%s; the state is that of event %d', damage, state.seq)
+        damaged = True
     except (AssertionError, KeyError) as error:
         raise JournalMismatch(
             f'the journal does not fit cell {state.cell.name}: event {state.seq + 1} cannot have '
@@ -122,6 +144,12 @@ def _replay(state: CellState, events: Iterable[e.Event]) -> None:
             f'the journal holds unfinished jobs ({", ".join(state.jobs)}) and the cell file has '
             'changed since they began; run them to their end with the file as it was'
         )
+    return not damaged
+
+
+def _refuse_gap(state: CellState, event: e.Event) -> None:
+    if event.seq > state.seq + 1:
+        raise DamagedRecord(state.seq + 1, event.seq - 1, 'not there')
 
 
 def take_over(
@@ -135,12 +163,17 @@ def take_over(
         releases the hold `restarted`, which stacks with every other one
     """
     is_copy = store.is_restored and store.history != state.history
-    end_of_copy = f'event {state.seq} of {_utc(state.time)}'
+    missing = store.missing(state.seq)
+    if missing:
+        log.error('%s', missing)
+        store.go_on_after(state.seq)
+    end = f'event {state.seq} of {_utc(state.time)}'
     yield e.OrchestratorStarted(
         cell=state.cell.name,
         digest=digest(state.cell),
         history=store.history,
         restored=is_copy,
+        missing=missing,
         boot=boot,
     )
     for name, component in state.cell.components.items():
@@ -156,10 +189,17 @@ def take_over(
     unfinished = _unfinished(len(state.jobs), len(adopted))
     if is_copy:
         looked_at = (
-            f'the journal is a copy that ends with {end_of_copy}: {unfinished}. Compare belt and '
+            f'the journal is a copy that ends with {end}: {unfinished}. Compare belt and '
             'queue with what was done since, before anything starts'
         )
+        looked_at += f'. Besides, {missing}' if missing else ''
         yield _waiting(state, RESTORED, looked_at)
+    elif missing:
+        looked_at = (
+            f'{missing}. The journal ends with {end}: {unfinished}. Items may be further than it '
+            'says, or packed: compare belt, counts and queue with the line, before anything starts'
+        )
+        yield _waiting(state, MISSING, looked_at)
     elif state.jobs and not auto_resume and not waits and _would_go_on(state):
         yield _waiting(state, RESTARTED, unfinished)
 

@@ -160,6 +160,13 @@ class _From:
     history = ''
     is_restored = False
 
+    def missing(self, after: int) -> str:  # noqa: ARG002 - the port's
+        """Return nothing: the state is whole."""
+        return ''
+
+    def go_on_after(self, seq: int) -> None:
+        """Do nothing: nothing is missing."""
+
     def append(self, events: Sequence[e.Event]) -> None:
         """Keep nothing: nobody will go on from here."""
 

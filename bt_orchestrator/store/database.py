@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sqlite3
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -37,6 +38,8 @@ def unusable_otherwise(path: Path) -> Iterator[None]:
         yield
     except sqlite3.Error as error:
         raise JournalUnusable(f'the journal {path} cannot be used: {error}') from error
+    except OSError as error:
+        raise JournalUnusable(f'the journal {path} cannot be opened: {error.strerror}') from error
     except (KeyError, TypeError, ValueError) as error:
         raise JournalUnusable(
             f'the journal {path} holds a record that cannot be read: {error!r}'
@@ -62,6 +65,19 @@ def log_of(path: Path) -> Path:
     """Return the write-ahead log beside a journal."""
     journal = path.resolve()
     return journal.with_name(journal.name + '-wal')
+
+
+def log_size(database: sqlite3.Connection) -> int:
+    """Return how many bytes of the log SQLite relies on; moves into the journal what can be."""
+    try:
+        _, frames, _ = database.execute('PRAGMA wal_checkpoint(PASSIVE)').fetchone()
+    except sqlite3.OperationalError:
+        return sys.maxsize  # it finds less than it wants to read
+    return _LOG_HEADER + frames * (_FRAME_HEADER + pragma(database, 'page_size')) if frames else 0
+
+
+_LOG_HEADER, _FRAME_HEADER = 32, 24
+"""Bytes, by SQLite's description of its file format."""
 
 
 def has_log(path: Path) -> bool:

@@ -30,6 +30,13 @@ class MemoryStore:
         """Return False: there are no copies of it."""
         return False
 
+    def missing(self, after: int) -> str:  # noqa: ARG002 - the port's
+        """Return nothing: what is in memory is whole."""
+        return ''
+
+    def go_on_after(self, seq: int) -> None:
+        """Do nothing: nothing is ever missing."""
+
     def append(self, events: Sequence[Event]) -> None:
         """Keep the events."""
         self._events.extend(events)

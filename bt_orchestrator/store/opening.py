@@ -10,13 +10,16 @@ from pathlib import Path
 from typing import IO
 
 from bt_orchestrator.store.database import JournalUnusable, has_log, log_of, unchanging
+from bt_orchestrator.store.keeping import make_folder, make_private
+from bt_orchestrator.store.mark import Reached, mark_of
 from bt_orchestrator.store.schema import SCHEMA, bring_up_to_date, schema_of
 
 
 def take_lock(path: Path) -> IO[str]:
     """Take the lock beside a journal."""
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
+        make_folder(path.parent)
+        make_private(_lock_of(path))
         lock = _lock_of(path).open('a+')
     except OSError as error:
         raise JournalUnusable(f'the journal {path} cannot be opened: {error.strerror}') from error
@@ -39,6 +42,11 @@ def refuse_in_use(copy: Path) -> None:
             _claim(lock, copy, fcntl.LOCK_SH)
     except FileNotFoundError:
         pass
+    except PermissionError as error:
+        raise JournalUnusable(
+            f'it cannot be seen whether a node has {copy} in use ({_lock_of(copy).name}: '
+            f'{error.strerror}); do this as the user of that node, or of a copy in another folder'
+        ) from error
 
 
 def _claim(lock: IO[str], path: Path, how: int) -> None:
@@ -68,9 +76,10 @@ def _sign(lock: IO[str]) -> None:
         pass
 
 
-def to_read(path: Path) -> sqlite3.Connection | None:
+def to_read(path: Path, reached: Reached | None) -> sqlite3.Connection | None:
     """Open a journal of today for reading; None: it has to be made, or to be brought up to date.
 
+    :param reached: what its mark says
     :raises JournalUnusable: it is not ours, newer, or may not be written; an older one: damaged
     """
     if not path.exists() or not path.stat().st_size:
@@ -78,6 +87,12 @@ def to_read(path: Path) -> sqlite3.Connection | None:
             raise JournalUnusable(
                 f'the journal {path} is missing, and its newest events are in '
                 f'{log_of(path).name}: put both back, or move the log away'
+            )
+        if reached is not None and reached.seq:
+            raise JournalUnusable(
+                f'the journal {path} is missing: {mark_of(path).name} says that it was written up '
+                f'to event {reached.seq}. Put it back, or restore a backup; on a line that was '
+                f'cleared by hand, move {mark_of(path).name} away to begin with a new one'
             )
         return None
     if not (os.access(path, os.R_OK | os.W_OK) and os.access(path.parent, os.W_OK)):
@@ -100,6 +115,8 @@ def to_read(path: Path) -> sqlite3.Connection | None:
 
 def to_write(path: Path, synchronous: str) -> sqlite3.Connection:
     """Open a journal for writing, of today's schema from here on."""
+    if not path.exists():
+        make_private(path)
     database = sqlite3.connect(path, isolation_level=None, timeout=10.0)
     try:
         version = schema_of(database, path)

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import os
 import sqlite3
 from collections.abc import Iterator
 from contextlib import closing, suppress
-from datetime import datetime, timezone
 from pathlib import Path
 from typing import NamedTuple
 
 from bt_orchestrator.store.database import JournalUnusable, unchanging, unusable_otherwise
+from bt_orchestrator.store.keeping import aside_of, copy_file, make_private, sync
+from bt_orchestrator.store.mark import Reached, write_mark
 from bt_orchestrator.store.opening import refuse_in_use, take_lock
 from bt_orchestrator.store.schema import (
     begin_restored,
@@ -22,6 +22,9 @@ from bt_orchestrator.store.schema import (
 ENDINGS = ('', '-wal', '-shm')
 """Of the files that are one journal. The first goes first: a log without its journal is refused by
 every start, while a journal without its log looks whole and lacks the newest events."""
+
+MARK = '-mark'
+"""Of the mark beside them. It is there at every moment: a journal that is missing is noticed."""
 
 
 class BroughtBack(NamedTuple):
@@ -54,34 +57,43 @@ def bring_back(copy: Path, path: Path, *, move_aside: bool = False) -> BroughtBa
             )
         scratch = path.with_name(f'{path.name}.restoring')
         try:
-            history, last_seq = _made(copy, scratch)
+            made = _made(copy, scratch)
             aside = _moved_aside(path)
+            _beside(scratch, MARK).rename(_beside(path, MARK))
             scratch.rename(path)
-            _sync(path.parent)
+            sync(path.parent)
         except OSError as error:
             what = f'{copy} cannot be brought back as {path}: {error.strerror}'
             raise JournalUnusable(what) from error
         finally:
             _remove(scratch)
-    return BroughtBack(history, last_seq, aside)
+    return BroughtBack(made.history, made.seq, aside)
 
 
-def _made(copy: Path, scratch: Path) -> tuple[str, int]:
+def _made(copy: Path, scratch: Path) -> Reached:
     """Make a whole journal of today beside the place where it is to be."""
     _remove(scratch)  # what a restore that was cut short has left
     with unusable_otherwise(copy), closing(unchanging(copy)) as source:
         if not schema_of(source, copy):
             raise JournalUnusable(f'the copy {copy} is empty')
+        make_private(scratch)
         with closing(sqlite3.connect(scratch, isolation_level=None)) as made:
             source.backup(made)
             _refuse_damage(made, copy)
             made.execute('PRAGMA journal_mode = DELETE')
             bring_up_to_date(made, schema_of(made, copy))
             begin_restored(made)
-            (last,) = made.execute('SELECT coalesce(max(seq), 0) FROM events').fetchone()
-            history = history_of(made).id
-    _sync(scratch)
-    return history, int(last)
+            reached = Reached(history_of(made).id, *_end_of(made))
+    sync(scratch)
+    write_mark(_beside(scratch, MARK), reached)
+    return reached
+
+
+def _end_of(made: sqlite3.Connection) -> tuple[int, float]:
+    """Return the seq and the time of the last event."""
+    query = "SELECT seq, json_extract(record, '$.time') FROM events ORDER BY seq DESC LIMIT 1"
+    row = made.execute(query).fetchone()
+    return (int(row[0]), float(row[1])) if row else (0, 0.0)
 
 
 def _refuse_damage(made: sqlite3.Connection, copy: Path) -> None:
@@ -95,28 +107,24 @@ def _moved_aside(path: Path) -> Path | None:
     there = list(_there(path))
     if not there:
         return None
-    moment = datetime.now(timezone.utc)
-    aside = path.with_name(f'{path.name}.aside-{moment:%Y%m%dT%H%M%S.%fZ}')
+    aside = aside_of(path, 'aside')
+    if _beside(path, MARK).exists():  # it stays until that of the new journal takes its place
+        copy_file(_beside(path, MARK), _beside(aside, MARK))
     for ending in there:
-        path.with_name(path.name + ending).rename(aside.with_name(aside.name + ending))
-    _sync(path.parent)
+        _beside(path, ending).rename(_beside(aside, ending))
+    sync(path.parent)
     return aside
 
 
+def _beside(path: Path, ending: str) -> Path:
+    return path.with_name(path.name + ending)
+
+
 def _there(path: Path) -> Iterator[str]:
-    return (ending for ending in ENDINGS if path.with_name(path.name + ending).exists())
+    return (ending for ending in ENDINGS if _beside(path, ending).exists())
 
 
 def _remove(scratch: Path) -> None:
-    for ending in (*ENDINGS, '-journal'):
+    for ending in (*ENDINGS, '-journal', MARK):
         with suppress(FileNotFoundError):
-            scratch.with_name(scratch.name + ending).unlink()
-
-
-def _sync(path: Path) -> None:
-    """Have a file, or the names in a folder, on the disk."""
-    descriptor = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
+            _beside(scratch, ending).unlink()

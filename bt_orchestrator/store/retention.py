@@ -8,11 +8,6 @@ from collections.abc import Collection
 BATCH = 2000
 """Most events that one transaction removes."""
 
-_QUEUED = """
-    SELECT seq, json_extract(record, '$.job') FROM events
-    WHERE json_extract(record, '$.event') = 'job.queued' ORDER BY seq
-"""
-
 
 def first_needed(database: sqlite3.Connection, live: Collection[str], keep_jobs: int) -> int:
     """Return the seq of the first event that must stay; 0: none has to go.
@@ -20,7 +15,7 @@ def first_needed(database: sqlite3.Connection, live: Collection[str], keep_jobs:
     That is where the first job begins that is live or among the `keep_jobs` last others. So what
     is there of a job that counts is there from its beginning.
     """
-    queued = database.execute(_QUEUED).fetchall()
+    queued = database.execute('SELECT seq, job FROM queued ORDER BY seq').fetchall()
     others = [seq for seq, job in queued if job not in live]
     if len(others) <= keep_jobs:
         return 0
@@ -39,5 +34,6 @@ def remove_batch(database: sqlite3.Connection, before: int) -> bool:
         return False
     kept = database.execute('SELECT coalesce(max(seq), 0) FROM beginning').fetchone()[0]
     end = min(before, kept + 1)
-    database.execute('DELETE FROM events WHERE seq < ?', (min(end, first + BATCH),))
+    for table in ('events', 'queued'):
+        database.execute(f'DELETE FROM {table} WHERE seq < ?', (min(end, first + BATCH),))
     return bool(first + BATCH < end)

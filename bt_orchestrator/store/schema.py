@@ -2,6 +2,7 @@
 
 Schema 1 had the events alone. Schema 2 adds what is derived from them: states to start from, the
 summaries of jobs that ended, and where jobs begin. Schema 3 adds a name that no other journal has.
+Schema 4 adds a check to every row; those of an older program stay without one.
 A step forward adds and never rewrites events; each runs in one transaction, so a file is of one
 schema or of the other, whatever happens.
 """
@@ -13,9 +14,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from bt_orchestrator.store.checks import check_of
 from bt_orchestrator.store.database import JournalUnusable, pragma, transaction
 
-SCHEMA = 3
+SCHEMA = 4
 """Version of the tables, kept in SQLite's user_version."""
 
 APPLICATION_ID = 0x62746F72
@@ -64,6 +66,24 @@ _STEPS: Sequence[Sequence[str]] = (
            ) STRICT""",
         f'INSERT INTO history (one, id) VALUES (1, {_RANDOM})',
     ),
+    # 4
+    (
+        # See `checks`. NULL: of an older program.
+        'ALTER TABLE events ADD COLUMN checksum INTEGER',
+        # 1: the last event of a commit. Only after such a one is the state that of a settle.
+        'ALTER TABLE events ADD COLUMN ends INTEGER',
+        'ALTER TABLE jobs ADD COLUMN checksum INTEGER',
+        'ALTER TABLE history ADD COLUMN checksum INTEGER',
+        # From this event on every one has a check.
+        'ALTER TABLE history ADD COLUMN checked_from INTEGER NOT NULL DEFAULT 1',
+        'UPDATE history SET checked_from = (SELECT coalesce(max(seq), 0) + 1 FROM events)',
+        # The events with which jobs begin; not as an index over the text of records, for no row
+        # could be removed then whose text is damaged.
+        'CREATE TABLE queued (seq INTEGER PRIMARY KEY, job TEXT NOT NULL) STRICT',
+        """INSERT INTO queued SELECT seq, json_extract(record, '$.job') FROM events
+               WHERE json_extract(record, '$.event') = 'job.queued'""",
+        'DROP INDEX jobs_queued',
+    ),
 )
 
 
@@ -90,6 +110,7 @@ def bring_up_to_date(database: sqlite3.Connection, version: int) -> None:
         for step in _STEPS[version:]:
             for statement in step:
                 database.execute(statement)
+        _seal(database)
         database.execute(f'PRAGMA application_id = {APPLICATION_ID}')
         database.execute(f'PRAGMA user_version = {SCHEMA}')
 
@@ -100,19 +121,43 @@ class History(NamedTuple):
     id: str
     is_restored: bool
     """It goes on from a copy that was brought back."""
+    checked_from: int = 1
+    """Events before this one are of a program that knew no checks."""
 
 
 def history_of(database: sqlite3.Connection) -> History:
     """Return the history that a journal of today holds.
 
-    :raises ValueError: it has none
+    :raises ValueError: it has none, or it is damaged
     """
-    row = database.execute('SELECT id, restored FROM history').fetchone()
+    row = database.execute(f'SELECT {_OF_HISTORY}, checksum FROM history').fetchone()
     if row is None:
         raise ValueError('the table history is empty')
-    return History(str(row[0]), bool(row[1]))
+    if row[-1] != _check(row[:-1]):
+        raise ValueError('the row of the table history is damaged')
+    return History(str(row[0]), bool(row[1]), int(row[2]))
 
 
 def begin_restored(database: sqlite3.Connection) -> None:
     """Let a journal of today, which is a copy, begin a history of its own."""
-    database.execute(f'UPDATE history SET id = {_RANDOM}, restored = 1')
+    with transaction(database):
+        database.execute(f'UPDATE history SET id = {_RANDOM}, restored = 1')
+        _seal(database)
+
+
+def begin_history(database: sqlite3.Connection, history: str) -> None:
+    """Let a journal of today go on under another name."""
+    database.execute('UPDATE history SET id = ?, restored = 0', (history,))
+    _seal(database)
+
+
+_OF_HISTORY = 'id, restored, checked_from'
+
+
+def _seal(database: sqlite3.Connection) -> None:
+    row = database.execute(f'SELECT {_OF_HISTORY} FROM history').fetchone()
+    database.execute('UPDATE history SET checksum = ?', (_check(row),))
+
+
+def _check(row: Sequence[object]) -> int:
+    return check_of(1, '\t'.join(str(value) for value in row).encode())

@@ -2,30 +2,38 @@
 
 from __future__ import annotations
 
-import json
+import logging
 import sqlite3
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
-from itertools import chain
 from pathlib import Path
+from uuid import uuid4
 
 from bt_orchestrator.errors import JournalFailed
-from bt_orchestrator.model.codec import from_record, json_of, to_text
+from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.history import JobRecord, job_to_plain
 from bt_orchestrator.ports import Snapshot
-from bt_orchestrator.store import opening, retention, snapshots
+from bt_orchestrator.store import opening, retention, rows, snapshots
+from bt_orchestrator.store.checks import check_of
 from bt_orchestrator.store.database import (
     JournalUnusable,
+    has_log,
+    log_size,
     transaction,
     unchanging,
     unusable_otherwise,
 )
 from bt_orchestrator.store.files_in_use import FilesInUse
-from bt_orchestrator.store.schema import history_of
+from bt_orchestrator.store.keeping import aside_of, keep_aside, readable_by_others
+from bt_orchestrator.store.mark import Mark, Reached
+from bt_orchestrator.store.schema import History, begin_history, history_of
+from bt_orchestrator.store.shortfall import shortfall
 
-_AT_ONCE = 50
-"""Most events that are written with one statement; a settle has a few."""
+log = logging.getLogger(__name__)
+
+_EVERY = 1 << 62
+"""Greater than the seq of any event."""
 
 _PAGE = 1000
 """Events that one query reads."""
@@ -58,16 +66,22 @@ class SqliteStore:
         self._lock = opening.take_lock(path)
         self._files: FilesInUse | None = None
         """None: it is only read so far."""
+        self._end = _EVERY
+        """What stands after this event is not read, and removed with the first write."""
+        self._mark = Mark(path)
         try:
             with unusable_otherwise(path):
-                found = opening.to_read(path)
+                found = opening.to_read(path, self._mark.found)
                 self._database = found or opening.to_write(path, synchronous)
-                self._history = history_of(self._database)
+                self._history = self._on_file = history_of(self._database)
                 if found is None:
-                    self._files = FilesInUse(path)
+                    self._files = FilesInUse(path, lambda: log_size(self._database))
+                wide = readable_by_others(path)
         except BaseException:
             self._lock.close()
             raise
+        if wide:
+            log.warning('%s; is that so on purpose? chmod 600 %s*', wide, path)
 
     @property
     def history(self) -> str:
@@ -86,36 +100,50 @@ class SqliteStore:
 
         :raises JournalFailed: they are not; nothing of them is in the journal
         """
-        rows = [(event.seq, to_text(event)) for event in events]
-        if len(rows) <= _AT_ONCE:  # one statement is a transaction of its own, and takes less time
-            values = ', '.join(['(?, ?)'] * len(rows))
-            with self._writable():
-                self._database.execute(f'INSERT INTO events VALUES {values}', tuple(chain(*rows)))
-            return
-        with self._writing():
-            self._database.executemany('INSERT INTO events VALUES (?, ?)', rows)
+        with self._writable():
+            if self._history == self._on_file:
+                rows.add(self._database, events)
+            else:
+                self._append_to_a_new_history(events)
+        self._mark.write(Reached(self.history, events[-1].seq, events[-1].time))
 
     def read(self, after: int = 0, most: int = -1) -> Iterator[Event]:
         """Yield the events with a seq greater than `after`, oldest first.
 
         :param most: so many at most; -1: all
+        :raises DamagedRecord: the next one cannot be read; those before it are as they were
         :raises JournalUnusable: the file is damaged
         """
+        with unusable_otherwise(self._path):
+            before = after if after + 1 >= self.first_seq() else 0
+            yield from rows.events_of(self._rows(after, most), before, self._on_file.checked_from)
+
+    def _rows(self, after: int, most: int) -> Iterator[rows.Row]:
         while most:
             wanted = _PAGE if most < 0 else min(most, _PAGE)
-            page = self._page(after, wanted)
+            page = rows.page(self._database, after, self._end, wanted)
             yield from page
             if len(page) < wanted:
                 return
             after = page[-1].seq
             most -= wanted if most > 0 else 0
 
-    def _page(self, after: int, most: int) -> list[Event]:
-        """Return some events; no query stays open, which would keep the file open."""
-        query = 'SELECT record FROM events WHERE seq > ? ORDER BY seq LIMIT ?'
+    def missing(self, after: int) -> str:
+        """Tell, in words, what was written after an event and is not to be had; empty: nothing."""
         with unusable_otherwise(self._path):
-            rows = self._database.execute(query, (after, most)).fetchall()
-            return [from_record(json.loads(record)) for (record,) in rows]
+            last = rows.last_seq(self._database)
+        return shortfall(self._mark, self._on_file.id, last, after)
+
+    def go_on_after(self, seq: int) -> None:
+        """Let a history of its own begin after an event.
+
+        If events stand after it, or a log that SQLite cannot read to its end, the files are first
+        kept under another name, as they are.
+        """
+        self._history = History(uuid4().hex, False, self._on_file.checked_from)
+        self._end = seq
+        if self._files is not None:  # it was brought up to date
+            self._only_read_again()
 
     def first_seq(self) -> int:
         """Return the seq of the first event that is kept, or that is to come."""
@@ -130,7 +158,10 @@ class SqliteStore:
 
     def snapshots(self) -> Iterator[Snapshot]:
         """Yield the states to start from, newest first."""
-        return snapshots.sound_snapshots(self._database)
+        for seq in snapshots.kept(self._database):
+            found = snapshots.sound_snapshot(self._database, seq) if seq <= self._end else None
+            if found is not None:
+                yield found
 
     def beginning(self) -> Snapshot | None:
         """Return the state before which events were removed, if some were.
@@ -145,10 +176,14 @@ class SqliteStore:
 
         :raises JournalFailed: neither is kept
         """
-        rows = [(job.job, job.queued, json_of(job_to_plain(job))) for job in ended]
+        texts = [(job.job, job.queued, json_of(job_to_plain(job))) for job in ended]
+        summaries = [(*row, check_of(0, row[-1].encode())) for row in texts]
         with self._writing():
             snapshots.keep_snapshot(self._database, snapshot)
-            self._database.executemany('INSERT OR REPLACE INTO jobs VALUES (?, ?, ?)', rows)
+            self._database.executemany(
+                'INSERT OR REPLACE INTO jobs VALUES (?, ?, ?, ?)', summaries
+            )
+        self._mark.sync()
 
     # --- retention --------------------------------------------------------------------------
 
@@ -181,6 +216,7 @@ class SqliteStore:
     def close(self) -> None:
         """Close the file and let others have it."""
         self._database.close()
+        self._mark.close()
         if self._files is not None:
             self._files.release()
         self._lock.close()
@@ -194,10 +230,18 @@ class SqliteStore:
     def _writable(self) -> Iterator[None]:
         try:
             files = self._files or self._begin_to_write()
+            files.check()
             yield
             files.check()
         except (sqlite3.Error, JournalUnusable) as error:
             raise JournalFailed(f'the journal {self._path} cannot be written: {error}') from error
+
+    def _append_to_a_new_history(self, events: Sequence[Event]) -> None:
+        with transaction(self._database):
+            rows.remove_after(self._database, self._end)
+            begin_history(self._database, self.history)
+            rows.add(self._database, events)
+        self._on_file, self._end = self._history, _EVERY
 
     def _begin_to_write(self) -> FilesInUse:
         """Open for writing what was only read so far.
@@ -205,12 +249,14 @@ class SqliteStore:
         First close, then open: a process that closes any descriptor of a file loses all its locks
         on that file, and the next program that looks into the journal takes the log away.
         """
-        read = self._end()
+        read = rows.last_seq(self._database)
         self._database.close()
         try:
+            if self._history != self._on_file and (read > self._end or has_log(self._path)):
+                keep_aside(self._path, aside_of(self._path, 'damaged'))
             self._database = opening.to_write(self._path, self._synchronous)
             self._refuse_another_end(read)
-            self._files = FilesInUse(self._path)
+            self._files = FilesInUse(self._path, lambda: log_size(self._database))
         except BaseException:
             self._only_read_again()
             raise
@@ -221,8 +267,8 @@ class SqliteStore:
 
         :raises JournalUnusable: what was read is not what is there
         """
-        found = self._end()
-        if history_of(self._database) != self._history:
+        found = rows.last_seq(self._database)
+        if history_of(self._database) != self._on_file:
             raise JournalUnusable('another journal has taken its place since it was read')
         if found != read:
             raise JournalUnusable(
@@ -236,8 +282,3 @@ class SqliteStore:
             self._files.release()
             self._files = None
         self._database = unchanging(self._path)
-
-    def _end(self) -> int:
-        """Return the seq of the last event; 0: there is none."""
-        (last,) = self._database.execute('SELECT coalesce(max(seq), 0) FROM events').fetchone()
-        return int(last)

@@ -116,6 +116,9 @@ class OrchestratorStarted(Event):
     """Which journal this is: random, and of no other one; empty: of a program that knew none."""
     restored: bool = False
     """All that came before is a copy, which was brought back: the line may be further."""
+    missing: str = ''
+    """What was written before and is not in the journal any more, in words: a file was damaged,
+    taken away or replaced, and the line is further than the journal says; empty: nothing."""
     boot: str = ''
     """Of the machine it runs on, another id after each boot; empty: not known."""
 

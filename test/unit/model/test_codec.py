@@ -91,6 +91,7 @@ SAMPLES: dict[str, Any] = {
     'restored': True,
     'since': 11.5,
     'commands': {'hold': 40, '...': 2},
+    'missing': '2 events are missing',
 }
 """A value for every field of every event."""
 

@@ -14,6 +14,7 @@ from fakes.long_journal import LongRun
 
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.runtime.recovery import restore
+from bt_orchestrator.store.checks import check_of_event
 from bt_orchestrator.store.reader import JournalReader
 from bt_orchestrator.store.schema import SCHEMA
 from bt_orchestrator.store.sqlite import SqliteStore
@@ -155,8 +156,12 @@ def test_overwritten_pages(tmp_path: Path) -> None:
 
 def test_a_record_that_nobody_can_read(tmp_path: Path) -> None:
     path = killed(tmp_path)
-    seq = 100_000
-    change(path, f'INSERT INTO events VALUES ({seq}, \'{{"event": "no.such"}}\')')
+    store = SqliteStore(path)
+    seq = 1 + max(event.seq for event in store.read())
+    store.close()
+    text = '{"event": "no.such"}'
+    check = check_of_event(seq, text.encode(), 1)
+    change(path, f"INSERT INTO events VALUES ({seq}, '{text}', {check}, 1)")
     with refused_untouched(path, 'holds a record that cannot be read'):
         start(path)
 

@@ -47,7 +47,7 @@ def test_schema_1_becomes_that_of_today_with_every_event_as_it_was(path: Path) -
         'snapshots',
         'beginning',
         'jobs',
-        'jobs_queued',
+        'queued',
         'history',
     }
 

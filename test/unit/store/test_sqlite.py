@@ -11,6 +11,7 @@ import pytest
 
 from bt_orchestrator.errors import JournalFailed
 from bt_orchestrator.model.events import Event, JobStarted
+from bt_orchestrator.store.checks import check_of_event
 from bt_orchestrator.store.database import JournalUnusable
 from bt_orchestrator.store.schema import APPLICATION_ID, SCHEMA
 from bt_orchestrator.store.sqlite import SqliteStore
@@ -81,7 +82,10 @@ def test_a_damaged_file_is_refused_and_kept(path: Path) -> None:
 def test_a_record_that_cannot_be_read_is_refused(path: Path) -> None:
     SqliteStore(path).close()
     database = sqlite3.connect(path)
-    database.execute('INSERT INTO events VALUES (1, \'{"event": "no.such"}\')')
+    text = '{"event": "no.such"}'
+    database.execute(
+        'INSERT INTO events VALUES (1, ?, ?, 1)', (text, check_of_event(1, text.encode(), 1))
+    )
     database.commit()
     database.close()
     store = SqliteStore(path)

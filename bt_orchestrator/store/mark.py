@@ -1,0 +1,144 @@
+"""The high-water mark beside a journal: how far it had been written, kept outside of it.
+
+What SQLite finds in damaged files looks like a whole journal that ends earlier. The mark is
+rewritten after each commit, so it is never ahead of the journal unless the journal went back.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import re
+import zlib
+from pathlib import Path
+from typing import NamedTuple
+
+from bt_orchestrator.store.keeping import PRIVATE
+
+log = logging.getLogger(__name__)
+
+MOST = 4096
+"""Bytes of a mark that are read; it has about a hundred."""
+
+_LINE = re.compile(
+    rb'(bt_orchestrator mark 1 (\w{1,64}) (\d{20}) (-?\d{1,15}\.\d{6})) ([0-9a-f]{8})\n'
+)
+
+
+class Reached(NamedTuple):
+    """What a mark says."""
+
+    history: str
+    seq: int
+    """The last event that was written."""
+    time: float
+    """When that event happened, seconds since the epoch."""
+
+
+class Mark:
+    """States: only looked at, written (from `write` on), closed."""
+
+    def __init__(self, journal: Path) -> None:
+        """Look at the mark of a journal; nothing is made or changed."""
+        self.path = mark_of(journal)
+        self._file: int | None = None
+        self._failed = False
+        self.found = read_mark(self.path)
+        """What it said before it was written; None: there was none, or it cannot be read."""
+
+    def write(self, reached: Reached) -> None:
+        """Note how far the journal is written; a few microseconds, and no fsync.
+
+        A mark that lags behind after a power cut does no harm. One that cannot be written only
+        means that less is noticed later, so that stops nothing.
+        """
+        if self._failed:
+            return
+        try:
+            if self._file is None:
+                self._file = _opened(self.path)
+            os.pwrite(self._file, _line(reached), 0)
+        except OSError as error:
+            self._failed = True
+            log.warning('%s cannot be written (%s): %s', self.path, error.strerror, _UNNOTICED)
+
+    def sync(self) -> None:
+        """Have on the disk what was written, in the file of that name."""
+        if self._file is None:
+            return
+        try:
+            if not _is_at(self._file, self.path):
+                log.warning('%s was taken away, and is made again', self.path)
+                last = os.pread(self._file, MOST, 0)
+                os.close(self._file)
+                self._file = None
+                self._file = _opened(self.path)
+                os.pwrite(self._file, last, 0)
+            os.fsync(self._file)
+        except OSError as error:
+            log.warning('%s cannot be written (%s): %s', self.path, error.strerror, _UNNOTICED)
+
+    def close(self) -> None:
+        """Have it on the disk, and let go of it."""
+        self.sync()
+        if self._file is not None:
+            os.close(self._file)
+            self._file = None
+
+
+_UNNOTICED = 'that events are missing would not be noticed'
+
+
+def mark_of(journal: Path) -> Path:
+    """Return the place of the mark beside a journal."""
+    real = journal.resolve()
+    return real.with_name(f'{real.name}-mark')
+
+
+def read_mark(path: Path) -> Reached | None:
+    """Return what a mark says; None, with a warning, if it cannot be read."""
+    try:
+        file = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+        try:
+            text = os.read(file, MOST)
+        finally:
+            os.close(file)
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        log.warning('%s cannot be read (%s): %s', path, error.strerror, _UNNOTICED)
+        return None
+    found = _LINE.match(text)
+    if found is None or zlib.crc32(found[1]) != int(found[5], 16):
+        log.warning('%s is damaged, and is made again: %s', path, _UNNOTICED)
+        return None
+    return Reached(found[2].decode(), int(found[3]), float(found[4]))
+
+
+def write_mark(path: Path, reached: Reached) -> None:
+    """Make a mark, on the disk when this returns.
+
+    :raises OSError: it cannot be made
+    """
+    file = _opened(path)
+    try:
+        os.pwrite(file, _line(reached), 0)
+        os.fsync(file)
+    finally:
+        os.close(file)
+
+
+def _line(reached: Reached) -> bytes:
+    said = f'bt_orchestrator mark 1 {reached.history} {reached.seq:020d} {reached.time:.6f}'
+    return b'%s %08x\n' % (said.encode(), zlib.crc32(said.encode()))
+
+
+def _opened(path: Path) -> int:
+    return os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, PRIVATE)
+
+
+def _is_at(file: int, path: Path) -> bool:
+    try:
+        return os.path.samestat(os.fstat(file), path.stat())
+    except FileNotFoundError:
+        return False

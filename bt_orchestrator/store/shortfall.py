@@ -1,0 +1,40 @@
+"""What a journal lacks, by its mark and by its rows, in words."""
+
+from __future__ import annotations
+
+from datetime import datetime, timezone
+
+from bt_orchestrator.store.mark import Mark
+
+
+def shortfall(mark: Mark, history: str, last_row: int, read: int) -> str:
+    """Tell what was written and is not to be had any more; empty: nothing, as far as is known.
+
+    :param history: of the journal
+    :param last_row: the last event of which there is a row, as it was written or not
+    :param read: the event up to which the journal could be read
+    """
+    found = mark.found
+    if found is not None and found.history != history:
+        return (
+            f'{mark.path.name} is of another journal (history {found.history}), which was written '
+            f'here up to event {found.seq} of {_utc(found.time)}: the file was replaced, or the '
+            'mark was'
+        )
+    marked = found.seq if found is not None else 0
+    number = max(marked, last_row) - read
+    if number <= 0:
+        return ''
+    what = f'{number} event{"s are" if number > 1 else " is"} missing'
+    if last_row > read:
+        return f'{what}: a record after event {read} is damaged, or it is not there'
+    assert found is not None
+    return f'{what}: event {found.seq} of {_utc(found.time)} had been written'
+
+
+def _utc(seconds: float) -> str:
+    try:
+        moment = datetime.fromtimestamp(seconds, timezone.utc)
+    except (OverflowError, ValueError, OSError):
+        return f'{seconds:g} s'
+    return f'{moment:%Y-%m-%d %H:%M:%S} UTC'
