@@ -24,7 +24,8 @@ def orchestrator_started(event: e.OrchestratorStarted, state: CellState) -> None
         for key, task in state.running.items():
             state.tasks[key] = state.running[key] = changed(task, copied=True)
     state.shutting_down = False
-    forget_skips(state, state.queue)  # older journals have skips of jobs that have not started
+    # Older journals have skips of jobs that have not started.
+    forget_skips(state, lambda job: not job.started)
 
 
 def orchestrator_stopping(_: e.OrchestratorStopping, state: CellState) -> None:
@@ -45,7 +46,7 @@ def cell_state_changed(event: e.CellStateChanged, state: CellState) -> None:
     # Not when it is left: an order that arrives in Stopped must not see what was before.
     if state.mode in _FORGET_ONCE:
         state.done_once.clear()
-        forget_skips(state, [job for job in state.jobs.values() if not job.progress.started])
+        forget_skips(state, lambda job: not job.progress.started)
     if state.mode is Mode.STARTING:
         state.had_work = state.has_work
 

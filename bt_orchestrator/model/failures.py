@@ -171,4 +171,4 @@ def abort_all_on_the_belt(state: CellState, reason: str) -> Iterator[e.Event]:
 def _jobs_on_the_belt(state: CellState) -> list[JobState]:
     """Return the jobs with something on the belt, in the order of the queue."""
     there = {state.items[s.slot].job for s in state.sections.values() if s.slot is not None}
-    return [job for name, job in state.jobs.items() if name in there]
+    return [job for name, job in state.jobs.line.items() if name in there]

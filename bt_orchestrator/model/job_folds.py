@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.initialization import Preparation
@@ -28,46 +28,46 @@ def job_queued(event: e.JobQueued, state: CellState) -> None:
     """Put a new job into the queue."""
     script = state.scripts[event.digest]
     job = Job(event.job, script, event.quantity, event.params)
-    _begin_flags(state, script, besides=event.job)
-    state.jobs[event.job] = JobState(job, event.digest, queued_at=event.time, held=event.held)
+    _begin_flags(state, script)
+    queued = JobState(job, event.digest, queued_at=event.time, held=event.held)
+    state.jobs.add(queued, event.position)
     state.order_ids.add(event.job)
-    if event.position is not None:
-        _put(state, event.job, event.position)
     if not event.held:
         state.had_work = True
 
 
 def job_moved(event: e.JobMoved, state: CellState) -> None:
     """Put a queued job at another place."""
-    _put(state, event.job, event.position)
+    state.jobs.move(event.job, event.position)
 
 
 def job_updated(event: e.JobUpdated, state: CellState) -> None:
     """Let a queued job be another one, as if it had been queued so."""
-    live = _queued(state, event.job)
-    script, before = state.scripts[event.digest], live.digest
-    _begin_flags(state, script, besides=event.job)
+    script, live = state.scripts[event.digest], state.jobs.queued(event.job)
+    before = live.digest
     _forget_initialization(state, live)
-    live.job = Job(event.job, script, event.quantity, event.params)
-    live.digest = event.digest
+    with state.jobs.changing(event.job) as changed:
+        _begin_flags(state, script)
+        changed.job = Job(event.job, script, event.quantity, event.params)
+        changed.digest = event.digest
     _forget_unused(state, before)
 
 
 def job_held(event: e.JobHeld, state: CellState) -> None:
     """Let later jobs pass."""
-    _queued(state, event.job).held = True
+    state.jobs.hold(event.job, held=True)
 
 
 def job_released(event: e.JobReleased, state: CellState) -> None:
     """Let it start in its turn; to the cell it is as if an order had arrived."""
-    _queued(state, event.job).held = False
+    state.jobs.hold(event.job, held=False)
     state.had_work = True
 
 
 def job_removed(event: e.JobRemoved, state: CellState) -> None:
     """Forget a job that has not started, but for its id."""
-    removed = _queued(state, event.job)
-    del state.jobs[event.job]
+    removed = state.jobs.queued(event.job)
+    state.jobs.remove(event.job)
     _forget_initialization(state, removed)
     _forget_unused(state, removed.digest)
 
@@ -93,8 +93,7 @@ def queue_stop_reached(event: e.QueueStopReached, state: CellState) -> None:
 
 def job_started(event: e.JobStarted, state: CellState) -> None:
     """Take a job out of the queue, behind those on the line; held ones in front stay queued."""
-    _queued(state, event.job).started_at = event.time
-    state.jobs = {job.job.id: job for job in (*state.on_the_line, *state.queue)}
+    state.jobs.start(event.job, event.time)
 
 
 def job_paused(event: e.JobPaused, state: CellState) -> None:
@@ -115,8 +114,7 @@ def job_stopping(event: e.JobStopping, state: CellState) -> None:
 
 def job_aborting(event: e.JobAborting, state: CellState) -> None:
     """Let it end; what is on the line drains."""
-    job = state.jobs[event.job]
-    job.aborting, job.paused, job.held, job.end_reason = True, False, False, event.reason
+    state.jobs.abort(event.job, event.reason)
 
 
 # --- ended jobs -----------------------------------------------------------------------------
@@ -124,7 +122,7 @@ def job_aborting(event: e.JobAborting, state: CellState) -> None:
 
 def job_ended(event: e.JobCompleted | e.JobAborted, state: CellState) -> None:
     """Keep the job among the last that ended."""
-    ended = state.jobs.pop(event.job)
+    ended = state.jobs.remove(event.job)
     ended.ended_at = event.time
     _forget_initialization(state, ended)
     state.ended[event.job] = ended
@@ -139,31 +137,14 @@ def job_cleared(event: e.JobCleared, state: CellState) -> None:
     del state.ended[event.job]
 
 
-def _queued(state: CellState, name: str) -> JobState:
-    job = state.jobs[name]
-    assert not job.started, f'{name} is not in the queue'
-    return job
-
-
-def _put(state: CellState, name: str, position: int) -> None:
-    """Give a queued job its place in the queue, from 1."""
-    moved = _queued(state, name)
-    queue = [job for job in state.queue if job is not moved]
-    assert 1 <= position <= len(queue) + 1, f'there is no place {position} in the queue'
-    queue.insert(position - 1, moved)
-    state.jobs = {job.job.id: job for job in (*state.on_the_line, *queue)}
-
-
-def _begin_flags(state: CellState, script: Script, besides: str) -> None:
+def _begin_flags(state: CellState, script: Script) -> None:
     """Set the flags that no other live job names to what a script begins with.
 
     They are back at their initial count (semantics 4.2), and a script that sees them otherwise
     than the one before may begin with its own.
     """
-    others = (live for name, live in state.jobs.items() if name != besides)
-    named = {d.flag for live in others for d in live.job.script.dependencies}
     for dependency in script.dependencies:
-        if dependency.flag not in named:
+        if not state.jobs.names_flag(dependency.flag):
             state.flags[dependency.flag] = FlagState(dependency.initial, dependency.capacity)
 
 
@@ -172,16 +153,15 @@ def _forget_initialization(state: CellState, job: JobState) -> None:
         state.tasks.pop(e.TaskKey(job.job.id, None, None, task.id), None)
 
 
-def forget_skips(state: CellState, jobs: Iterable[JobState]) -> None:
+def forget_skips(state: CellState, may_forget: Callable[[JobState], bool]) -> None:
     """Let initialization that jobs did not need, as it was done, be judged again (5.1)."""
-    for job in jobs:
-        for task in job.job.script.initialization:
-            key = e.TaskKey(job.job.id, None, None, task.id)
-            progress = state.tasks.get(key)
-            if progress and progress.phase is Phase.DONE and not progress.attempt:
-                del state.tasks[key]
+    for key, progress in list(state.tasks.items()):
+        if key.job is None or key.section is not None or not may_forget(state.jobs[key.job]):
+            continue
+        if progress.phase is Phase.DONE and not progress.attempt:
+            del state.tasks[key]
 
 
 def _forget_unused(state: CellState, digest: str) -> None:
-    if not any(job.digest == digest for job in state.jobs.values()):
+    if not state.jobs.users(digest):
         del state.scripts[digest], state.preparations[digest]

@@ -6,8 +6,9 @@ mark that tells how much is missing, for its goal has ended all the same.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection
 from dataclasses import dataclass
+from itertools import islice
 
 REQUEST_BYTES = 1_000_000
 """Longest request, all its texts together."""
@@ -64,6 +65,13 @@ REFUSALS = Share(64e3, 300.0)
 """What the single records of refused commands write, of all senders together."""
 
 
+QUEUE_SHOWN = 100
+"""So many jobs of the queue are told of in a status, and are looked ahead at."""
+
+QUEUE_PAGE = 500
+"""Most jobs of the queue in one answer."""
+
+
 def cut(text: str, most: int) -> str:
     """Return a text of at most `most` characters, with a mark in place of what is missing."""
     if len(text) <= most:
@@ -72,9 +80,8 @@ def cut(text: str, most: int) -> str:
     return text[: max(0, most - len(mark))] + mark
 
 
-def listed(names: Iterable[str], otherwise: str) -> str:
+def listed(names: Collection[str], otherwise: str) -> str:
     """Return names for a message, not more than NAMES_LISTED; `otherwise` if there are none."""
-    every = list(names)
-    more = len(every) - NAMES_LISTED
-    shown = ', '.join(every[:NAMES_LISTED]) or otherwise
+    more = len(names) - NAMES_LISTED
+    shown = ', '.join(islice(names, NAMES_LISTED)) or otherwise
     return f'{shown} and {more} more' if more > 0 else shown

@@ -50,27 +50,16 @@ def _hold_in_words(state: CellState) -> Iterator[str]:
 
 def feeding_job(state: CellState) -> JobState | None:
     """Return the first job that has source cycles left and is not held (semantics 6.1, 6.6)."""
-    for job in state.jobs.values():
-        if not job.held and job.cycles_left > 0:
+    for job in state.jobs.line.values():
+        if job.cycles_left > 0:
             return job
-    return None
-
-
-def earlier_jobs(state: CellState, job: str) -> Iterator[JobState]:
-    """Yield the live jobs in front of a job; those that are held are passed (semantics 6.6)."""
-    for one in state.jobs.values():
-        if one.job.id == job:
-            return
-        if not one.held:
-            yield one
+    return state.jobs.next
 
 
 def may_not_begin(state: CellState, job: JobState) -> Wait | None:
     """Say what keeps a job from its first initialization task, or cycle (semantics 6.6)."""
     if job.started:
         return None
-    if job.held:
-        return Wait(f'waiting for {job.job.id} to be released', WaitKind.JOB, job.job.id)
     if state.stop_after is not None:
         return _the_line_stops(state.stop_after)
     return None
@@ -109,7 +98,7 @@ def _is_ahead(state: CellState, section: SectionState, at: int, job: JobState) -
 
 def waits_for_earlier_jobs(state: CellState, job: str, sections: tuple[int, ...]) -> Wait | None:
     """Say which earlier job keeps sections from preparing for a job (semantics 5.2)."""
-    for earlier in earlier_jobs(state, job):
+    for earlier in state.jobs.before(job):
         for number in sections:
             if not is_done_with(state, state.sections[number], earlier):
                 name = earlier.job.id
@@ -123,7 +112,7 @@ def waits_for_initialization(state: CellState, job: str, section: int) -> Wait |
 
     Those of earlier jobs too: done later they would change what this job works with.
     """
-    for earlier in earlier_jobs(state, job):
+    for earlier in state.jobs.before(job):
         wait = waits_for_tasks(state, earlier, _preparation(state, earlier).of_section[section])
         if wait is not None:
             return wait

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from bt_orchestrator.model.events import TaskKey
 from bt_orchestrator.model.line import (
-    earlier_jobs,
     is_done_with,
     may_not_begin,
     stopped_because,
@@ -34,7 +33,7 @@ def waits_for_its_turn(state: CellState, job: str, task: Task) -> Wait | None:
 
 def _waits_in_order(state: CellState, job: str, task: Task) -> Wait | None:
     """Say what an earlier job is still to do with the same component (semantics 5.2)."""
-    for earlier in earlier_jobs(state, job):
+    for earlier in state.jobs.before(job):
         there = [t for t in earlier.job.script.initialization if t.component == task.component]
         wait = waits_for_tasks(state, earlier, there)
         if wait is not None:
@@ -50,7 +49,7 @@ def remains_done(state: CellState, job: str, task: Task) -> bool:
     """
     live = state.jobs[job]
     source = state.sections[live.job.script.source]
-    before = list(earlier_jobs(state, job))
+    before = list(state.jobs.before(job))
     return (
         all(is_done_with(state, source, earlier) for earlier in before)
         and not _prepares(state, live, task)

@@ -11,6 +11,7 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.events import INDEX_KEY, TaskKey
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.initialization import Preparation
+from bt_orchestrator.model.live_jobs import LiveJobs
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.order_ids import OrderIds
 from bt_orchestrator.model.packml import Mode
@@ -301,7 +302,7 @@ class CellState:
     """By digest; those that a live job uses."""
     preparations: dict[str, Preparation] = field(default_factory=dict, metadata=DERIVED)
     """What initialization means in this cell, by digest."""
-    jobs: dict[str, JobState] = field(default_factory=dict)
+    jobs: LiveJobs = field(default_factory=LiveJobs)
     """Live jobs: those that have started, in the order they did, then the queue."""
     ended: dict[str, JobState] = field(default_factory=dict)
     """The last jobs that ended, oldest first."""
@@ -341,17 +342,17 @@ class CellState:
     @property
     def on_the_line(self) -> list[JobState]:
         """The jobs that have started and not ended."""
-        return [job for job in self.jobs.values() if job.started]
+        return list(self.jobs.line.values())
 
     @property
     def queue(self) -> list[JobState]:
         """The jobs that have not started, in order."""
-        return [job for job in self.jobs.values() if not job.started]
+        return self.jobs.queue()
 
     @property
     def has_work(self) -> bool:
         """Tell whether any job is on the line, or allowed to be."""
-        return any(not job.held for job in self.jobs.values())
+        return self.jobs.any_allowed
 
     def task(self, key: TaskKey) -> Task | None:
         """Return the task that a key names; None for the belt's own move."""

@@ -55,7 +55,7 @@ def _carry_out(command: JobCommand, state: CellState) -> tuple[str, list[e.Event
 @_carry_out.register
 def _add(command: AddJobs, state: CellState) -> tuple[str, list[e.Event]]:
     if command.position is not None:
-        _check_position(command.position, len(state.queue) + 1)
+        _check_position(command.position, state.jobs.waiting + 1)
     queued = orders.queue(
         state,
         command.jobs,
@@ -89,7 +89,7 @@ def standing(state: CellState) -> Iterator[str]:
 @_carry_out.register
 def _move(command: MoveJob, state: CellState) -> tuple[str, list[e.Event]]:
     _check_queued(state, command.job)
-    _check_position(command.position, len(state.queue))
+    _check_position(command.position, state.jobs.waiting)
     moved = e.JobMoved(job=command.job, position=command.position)
     return f'{command.job} is at position {command.position}', [moved]
 
@@ -229,7 +229,7 @@ def _unknown(state: CellState, name: str) -> str:
 def _check_queued(state: CellState, name: str) -> JobState:
     job = state.jobs.get(name)
     if job is None or job.started:
-        queue = listed((one.job.id for one in state.queue), 'nothing')
+        queue = listed(state.jobs.queued_names, 'nothing')
         why = 'has started' if job else 'is not there'
         raise CommandRefused(f'{name} {why}; in the queue: {queue}')
     return job

@@ -58,11 +58,11 @@ def may_end_a_job(event: e.Event) -> bool:
 
 def jobs_ended(state: CellState) -> Iterator[e.JobCompleted | e.JobAborted]:
     """Yield the end of every job of which nothing remains."""
-    for name, job in list(state.jobs.items()):
+    for job in state.jobs.at_work():
         if is_complete(state, job):
             kind = e.JobAborted if job.aborting else e.JobCompleted
             yield kind(
-                job=name,
+                job=job.job.id,
                 exit_status=job.exit_status,
                 reason=job.end_reason,
                 counts=asdict(job.progress),
@@ -106,7 +106,7 @@ _STANDING = (Mode.STOPPING, Mode.STOPPED, Mode.CLEARING, Mode.RESETTING, Mode.ID
 
 
 def _is_interrupted(state: CellState) -> bool:
-    return any(job.started for job in state.jobs.values())
+    return bool(state.jobs.line)
 
 
 # --- the state of the cell --------------------------------------------------------------------

@@ -40,7 +40,7 @@ def remove(state: CellState, command: RemoveItem) -> Iterator[e.Event]:
     item = state.items.get(command.item)
     if item is None or not item.section or not item.present:
         standing = [s.slot for s in state.sections.values() if s.slot is not None]
-        present = listed((name for name in standing if state.items[name].present), 'nothing')
+        present = listed([name for name in standing if state.items[name].present], 'nothing')
         raise CommandRefused(f'{command.item} is not on the belt; on it: {present}')
     yield from decided(command)
     section = item.section

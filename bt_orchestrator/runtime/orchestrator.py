@@ -144,7 +144,6 @@ class Orchestrator:
         self._wake()
 
     def _tick_until_still(self) -> None:
-        self.tree.follow_jobs()
         for _ in range(MOST_TICKS):
             self.tree.tick()
             self._live_on(quiet=not self.tree.is_due)

@@ -17,6 +17,7 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.fold import apply
+from bt_orchestrator.model.limits import listed
 from bt_orchestrator.model.packml import Mode
 from bt_orchestrator.model.pauses import MISSING, RESTARTED, RESTORED
 from bt_orchestrator.model.snapshot import state_from_plain
@@ -140,9 +141,10 @@ def _replay(state: CellState, events: Iterable[e.Event]) -> bool:
             f'happened there ({error!r}); name the cell file that it was written with'
         ) from error
     if state.jobs and state.cell_digest != digest(state.cell):
+        unfinished = listed(state.jobs, 'none')
         raise JournalMismatch(
-            f'the journal holds unfinished jobs ({", ".join(state.jobs)}) and the cell file has '
-            'changed since they began; run them to their end with the file as it was'
+            f'the journal holds unfinished jobs ({unfinished}) and the cell file has changed '
+            'since they began; run them to their end with the file as it was'
         )
     return not damaged
 

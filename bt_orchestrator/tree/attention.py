@@ -8,22 +8,14 @@ anything it reads; when in doubt, everything is looked at again, from its first 
 from __future__ import annotations
 
 import math
-from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from heapq import heappop, heappush
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.events.tasks import TASK_EVENTS
 from bt_orchestrator.model.state import CellState
+from bt_orchestrator.tree.sharing import Part, Sharing
 from bt_orchestrator.tree.turns import Turns
-
-Part = int | str
-"""A section by its number, or one of the two others by name."""
-
-INITIALIZATION: Part = 'initialization'
-BELT: Part = 'belt'
-
-_CHANGE_SCRIPTS = (e.JobQueued, e.JobUpdated, e.JobRemoved, e.JobCompleted, e.JobAborted)
 
 
 class Attention:
@@ -45,7 +37,8 @@ class Attention:
         self._idle: list[int] = []
         self._at = math.inf
         self._concerns = self._table()
-        self._index()
+        self.sharing = Sharing(state.cell, self._place)
+        """Kept up by whoever compiles branches."""
         self.again()
 
     def __bool__(self) -> bool:
@@ -95,10 +88,8 @@ class Attention:
         concern = self._concerns.get(type(event))
         if concern is not None:
             concern(event)
-            return
-        if isinstance(event, _CHANGE_SCRIPTS):
-            self._index()
-        self.again()
+        else:
+            self.again()
 
     def _mark(self, places: Iterable[int]) -> None:
         for place in places:
@@ -125,22 +116,32 @@ class Attention:
         }
 
     def _task(self, event: e.TaskEvent) -> None:
-        # Initialization is not listed: every section may wait for it.
-        self._mark(self._tasks.get((event.job, event.task), self._all))
+        self._mark_some(
+            self.sharing.move()
+            if event.job is None
+            else self.sharing.task(self._state.jobs[event.job].digest, event.task)
+        )
 
     def _started(self, event: e.TaskStarted) -> None:
         """Mark the others: its own leaf, which has started it, says so already."""
-        self._mark(self._others.get((event.job, event.task), self._all))
+        self._mark_some(
+            self.sharing.beside_move()
+            if event.job is None
+            else self.sharing.beside_task(self._state.jobs[event.job].digest, event.task)
+        )
+
+    def _mark_some(self, places: Iterable[int] | None) -> None:
+        self._mark(self._all if places is None else places)
 
     def _flag(self, event: e.FlagEvent) -> None:
-        self._mark(self._flags[event.flag])
+        self._mark(self.sharing.flag(event.flag))
 
     def _component(self, event: e.ComponentStateChanged) -> None:
-        self._mark(self._components[event.component])
+        self._mark(self.sharing.component(event.component))
 
     def _cycle(self, event: e.CycleEvent) -> None:
         self._turns.touch(event.section)
-        self._mark((self._place[event.section], *self._ends))
+        self._mark((self._place[event.section], *self.sharing.ends))
 
     def _belt(self, _: e.Event) -> None:
         """Mark where there is work for an item, or may be; all others wait for the belt alike."""
@@ -148,13 +149,13 @@ class Attention:
         coming = False
         for number, section in self._state.sections.items():
             there = section.slot is not None
-            if number in self._working and (there or coming or section.cycle is not None):
+            if self.sharing.works(number) and (there or coming or section.cycle is not None):
                 self._turns.touch(number)
                 self._mark((self._place[number],))
             else:
                 self._idle.append(number)
             coming = there
-        self._mark(self._ends)
+        self._mark(self.sharing.ends)
 
     def _moved(self, _: e.ItemMoved) -> None:
         """Wait for `belt.indexed`, which follows at once and concerns everybody."""
@@ -166,39 +167,4 @@ class Attention:
         working = [n for n, s in sections if s.cycle is not None and s.cycle.item == event.item]
         around = (n for n in (event.section, event.section + 1) if n in self._place)
         self._mark(self._place[number] for number in (*around, *working))
-        self._mark(self._ends)
-
-    def _index(self) -> None:
-        """Work out which parts share flags, zones and components, for the live jobs."""
-        self._flags: dict[str, set[int]] = defaultdict(set)
-        self._components: dict[str, set[int]] = defaultdict(set)
-        zones: dict[str, set[int]] = defaultdict(set)
-        scripts = self._state.scripts.values()
-        for script in scripts:
-            for task in script.tasks.values():
-                place = self._place[script.section_of(task.id) or INITIALIZATION]
-                self._components[task.component].add(place)
-                for zone in script.zones_of.get(task.id, ()):
-                    zones[zone].add(place)
-            for dependency in script.dependencies:
-                for end in (dependency.upstream, dependency.downstream):
-                    self._flags[dependency.flag].add(self._place[script.section_of(end)])
-        conveyor = self._components[self._state.cell.conveyor.component.name]
-        conveyor.add(self._place[BELT])
-        whole_line = (INITIALIZATION, *{script.source for script in scripts}, BELT)
-        self._working = {number for script in scripts for number in script.sections}
-        self._ends = tuple(self._place[part] for part in whole_line)
-        """Places of what looks at the whole line: whether a job is through, whether a turn is."""
-        move: tuple[str | None, str] = (None, e.INDEX_KEY.task)
-        self._tasks = {move: conveyor}
-        self._others = {move: conveyor - {self._place[BELT]}}
-        """As `_tasks`, without the section itself where nothing else can go on beside the task."""
-        for name, job in self._state.jobs.items():
-            for number, tasks in job.job.script.sections.items():
-                own = {self._place[number]}
-                for step in tasks.steps:
-                    for task in step.tasks:
-                        shared = (zones[z] for z in job.job.script.zones_of.get(task.id, ()))
-                        places = own.union(self._components[task.component], *shared)
-                        self._tasks[name, task.id] = places
-                        self._others[name, task.id] = places if step.is_group else places - own
+        self._mark(self.sharing.ends)

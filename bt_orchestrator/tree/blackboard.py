@@ -49,6 +49,7 @@ class BlackboardProjection:
         self._client = Client(name=f'{space} state', namespace=space)
         self._names: dict[str, str] = {}
         """The whole name of every key that was set."""
+        self._zones = {z.name for script in state.scripts.values() for z in script.zones}
         self._acts = self._table()
         self._everything()
 
@@ -78,13 +79,14 @@ class BlackboardProjection:
     def _table(self) -> Mapping[type[e.Event], Callable[..., None]]:
         """Return what to do after an event, by its class."""
         moves = (e.ItemPlaced, e.ItemMissing, e.ItemMoved, e.ItemRemoved, e.PositionEnded)
-        names = (e.JobQueued, e.JobUpdated, e.HoldRaised, e.HoldReleased)
+        scripts, holds = (e.JobQueued, e.JobUpdated), (e.HoldRaised, e.HoldReleased)
         return {
             **dict.fromkeys(TASK_EVENTS, self._task),
             **dict.fromkeys((e.FlagRaised, e.FlagLowered), self._flag),
             **dict.fromkeys((e.BeltIndexStarted, e.BeltIndexed, e.BeatStarted), self._belt),
             **dict.fromkeys(moves, self._slots_around),
-            **dict.fromkeys(names, self._everything),
+            **dict.fromkeys(scripts, lambda event: self._script(event.digest)),
+            **dict.fromkeys(holds, self._everything),
             e.ComponentStateChanged: lambda event: self._ready(event.component),
             e.CellStateChanged: self._cell,
         }
@@ -99,9 +101,17 @@ class BlackboardProjection:
             self._slot(number)
         for flag, counter in self._state.flags.items():
             self._set(f'flags/{flag}', counter.count)
-        for script in self._state.scripts.values():
-            for zone in script.zones:
-                self._zone(zone.name)
+        for zone in self._zones:
+            self._zone(zone)
+
+    def _script(self, digest: str) -> None:
+        """Set the keys that the guards of a script read; a flag may begin anew with it."""
+        script = self._state.scripts[digest]
+        for dependency in script.dependencies:
+            self._set(f'flags/{dependency.flag}', self._state.flags[dependency.flag].count)
+        for zone in script.zones:
+            self._zones.add(zone.name)
+            self._zone(zone.name)
 
     def _flag(self, event: e.FlagEvent) -> None:
         self._set(f'flags/{event.flag}', event.count)

@@ -16,10 +16,10 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 from py_trees.composites import Composite
 
-from bt_orchestrator.model.events import Event
+from bt_orchestrator.model import events as e
 from bt_orchestrator.model.script import SectionList, Step, Task, index_task
 from bt_orchestrator.model.state import JobState
-from bt_orchestrator.tree.attention import BELT, INITIALIZATION, Attention
+from bt_orchestrator.tree.attention import Attention
 from bt_orchestrator.tree.belt import TurnsComplete
 from bt_orchestrator.tree.guards import (
     ConveyorGuard,
@@ -32,13 +32,20 @@ from bt_orchestrator.tree.leaf import ActionLeaf
 from bt_orchestrator.tree.policies import OnFailureDecorator, Retry
 from bt_orchestrator.tree.root import CellRoot
 from bt_orchestrator.tree.section import CompleteCycle, CycleOf, ReleaseConveyor, Section
+from bt_orchestrator.tree.sharing import BELT, INITIALIZATION
 from bt_orchestrator.tree.subject import Recorder, Subject
 from bt_orchestrator.tree.ticking import AtOnce, InOrder, Ticked
 from bt_orchestrator.tree.turns import Turns
 
 
 class CellTree:
-    """The tree of a cell, with a branch in it for every live job."""
+    """The tree of a cell, with branches in it for the jobs that can do anything at all.
+
+    Those are the ones on the line and the next one of the queue (`LiveJobs.at_work`), so the tree
+    is as large with ten thousand jobs that wait as with one. Branches come and go between ticks.
+    A job needs them for its initialization alone, which begins before the job does; the first
+    tick that its cycle is in hand is the one after the cycle's start.
+    """
 
     def __init__(self, recorder: Recorder, space: str) -> None:
         """Compile a tree for the jobs that the state has now.
@@ -62,8 +69,9 @@ class CellTree:
         self._branches: dict[str, list[Ticked]] = {}
         self._digests: dict[str, str] = {}
         """Of the scripts that the branches were compiled from."""
-        for job in state.jobs.values():
-            self.insert(job)
+        self._to_follow = True
+        """Other jobs may be at work than in the last tick."""
+        self.follow_jobs()
         self.root.setup_with_descendants()
 
     @property
@@ -73,27 +81,32 @@ class CellTree:
 
     def tick(self) -> None:
         """Tick every part that something has changed for since its last tick."""
+        self.follow_jobs()
         try:
             self.root.tick_once()
         except BaseException:
             self._attention.start_over()
             raise
 
-    def notice(self, event: Event) -> None:
+    def notice(self, event: e.Event) -> None:
         """Take note of an event that was applied to the state."""
         self._attention.notice(event)
+        self._to_follow = self._to_follow or isinstance(event, _AT_WORK)
 
     def notice_time(self) -> None:
         """Take note that a time has come that a part asked to be woken at."""
         self._attention.everywhere()
 
     def has(self, job: str) -> bool:
-        """Tell whether a job has its branches in the tree."""
+        """Tell whether a job has branches in the tree."""
         return job in self._branches
 
     def follow_jobs(self) -> None:
-        """Have a branch for every live job and no other, in their order. Only between ticks."""
-        jobs = self._recorder.state.jobs
+        """Have branches for the jobs at work, in their order. Only between ticks."""
+        if not self._to_follow:
+            return
+        self._to_follow = False
+        jobs = {job.job.id: job for job in self._recorder.state.jobs.at_work()}
         for name, digest in list(self._digests.items()):
             if name not in jobs or jobs[name].digest != digest:
                 self.prune(name)
@@ -107,6 +120,8 @@ class CellTree:
         """Add the branches of a job, behind those of the jobs in front. Only between ticks."""
         branches = self._branches[job.job.id] = []
         self._digests[job.job.id] = job.digest
+        self._attention.sharing.enter(job.digest, job.job.script)
+        self._attention.again()
         if job.job.script.initialization:
             branch = self._initialization(job)
             self._insert(branch, self.initialization)
@@ -118,7 +133,7 @@ class CellTree:
 
     def prune(self, job: str) -> None:
         """Take the branches of a job out. Only between ticks."""
-        del self._digests[job]
+        self._attention.sharing.leave(self._digests.pop(job))
         for branch in self._branches.pop(job):
             parent = branch.parent
             assert isinstance(parent, Composite)
@@ -202,6 +217,13 @@ class CellTree:
     def _ready(self, subject: Subject, behaviour: Ticked) -> Ticked:
         topic = self._recorder.state.cell.components[subject.task.component].state
         return behaviour if topic is None else ReadyGuard(subject, topic, behaviour, self._space)
+
+
+_AT_WORK = (
+    *(e.JobQueued, e.JobMoved, e.JobUpdated, e.JobHeld, e.JobReleased, e.JobRemoved),
+    *(e.JobStarted, e.JobAborting, e.JobCompleted, e.JobAborted),
+)
+"""Events after which other jobs may be at work."""
 
 
 def _decided(subject: Subject) -> Ticked:

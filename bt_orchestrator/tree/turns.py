@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from bt_orchestrator.model.line import owes_turn
+from bt_orchestrator.model.line import feeding_job, owes_turn
 from bt_orchestrator.model.state import CellState
 
 
@@ -31,7 +31,9 @@ class Turns:
     def owing(self) -> Mapping[int, str]:
         """Return what each section still has to do, by its number in ascending order."""
         # Whether the source may begin hangs on jobs, holds and initialization as well.
-        self._touched.update(script.source for script in self._state.scripts.values())
+        feeding = feeding_job(self._state)
+        if feeding is not None:
+            self._touched.add(feeding.job.script.source)
         self._touched.update(self._owing)
         for number in self._touched:
             owed = owes_turn(self._state, self._state.sections[number])

@@ -1,0 +1,247 @@
+"""The jobs that have not ended: those on the line, then the queue.
+
+A queue may be very long, and a line asks many times a second. So what is asked costs the same
+whatever the number of jobs that wait: which jobs are on the line, which one is next, whether any
+still uses a script or a flag.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from itertools import chain
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from bt_orchestrator.model.state import JobState
+
+
+class LiveJobs(Mapping[str, 'JobState']):
+    """Jobs by id: those that have started, in the order they did, then the queue in its order.
+
+    Only folds change it, and what it tells of a job in the queue: held, aborting.
+    """
+
+    def __init__(self, jobs: Iterable[JobState] = ()) -> None:
+        self.line: dict[str, JobState] = {}
+        """Those that have started, in the order they did; read only."""
+        self._queued: dict[str, JobState] = {}
+        self._keys: dict[str, float] = {}
+        """What the queue is sorted by; who is put between two others gets a number between."""
+        self._order: list[str] = []
+        """The queue."""
+        self._allowed: list[str] = []
+        """Those in the queue that may start when it is their turn, in its order."""
+        self._ending: set[str] = set()
+        """Jobs in the queue that are being aborted: they skip what they would prepare, and end."""
+        self._scripts: Counter[str] = Counter()
+        """How many jobs use a script, by its digest."""
+        self._flags: Counter[str] = Counter()
+        """How many jobs name a flag."""
+        for job in jobs:
+            self.add(job)
+
+    def __getitem__(self, name: str) -> JobState:
+        found = self.line.get(name)
+        return self._queued[name] if found is None else found
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.line or name in self._queued
+
+    def __iter__(self) -> Iterator[str]:
+        return chain(self.line, self._order)
+
+    def __len__(self) -> int:
+        return len(self.line) + len(self._order)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Mapping) and list(self.items()) == list(other.items())
+
+    __hash__ = None  # type: ignore[assignment]  # it changes
+
+    # --- the queue --------------------------------------------------------------------------
+
+    @property
+    def waiting(self) -> int:
+        """How many jobs are in the queue."""
+        return len(self._order)
+
+    @property
+    def queued_names(self) -> Sequence[str]:
+        """The queue, by id."""
+        return self._order
+
+    def queue(self, first: int = 1, most: int | None = None) -> list[JobState]:
+        """Return jobs of the queue in order.
+
+        :param first: place of the first one, from 1
+        :param most: so many; None: all
+        """
+        names = self._order[first - 1 : None if most is None else first - 1 + most]
+        return [self._queued[name] for name in names]
+
+    def place(self, name: str) -> int:
+        """Return the place of a job in the queue, from 1; 0: it is not there."""
+        return self._at(self._order, name) + 1 if name in self._queued else 0
+
+    @property
+    def next(self) -> JobState | None:
+        """The first job in the queue that may start: neither held nor being aborted."""
+        return self._queued[self._allowed[0]] if self._allowed else None
+
+    def first(self, most: int) -> list[JobState]:
+        """Return the jobs on the line, and the first ones of the queue."""
+        return [*self.line.values(), *self.queue(most=most)]
+
+    # --- what the line asks -----------------------------------------------------------------
+
+    @property
+    def any_allowed(self) -> bool:
+        """Tell whether any job is not held."""
+        return bool(self.line or self._ending or self._allowed)
+
+    def at_work(self) -> list[JobState]:
+        """Return the jobs that can do anything at all, in order.
+
+        Those that have started, and of the queue the next one and those that are being aborted.
+        Every other one waits for the next one to begin all of its items (semantics 5.2, 6.1).
+        """
+        queued = sorted((*self._ending, *self._allowed[:1]), key=self._keys.__getitem__)
+        return [*self.line.values(), *map(self._queued.__getitem__, queued)]
+
+    def before(self, name: str) -> Iterator[JobState]:
+        """Yield the jobs in front of one; those that are held are passed (semantics 6.6)."""
+        for one in self.line.values():
+            if one.job.id == name:
+                return
+            yield one
+        key = self._keys[name]
+        allowed = self._allowed[: self._at(self._allowed, name)]
+        ending = (one for one in self._ending if self._keys[one] < key)
+        for queued in sorted((*ending, *allowed), key=self._keys.__getitem__):
+            yield self._queued[queued]
+
+    def users(self, digest: str) -> int:
+        """Return how many jobs use a script."""
+        return self._scripts[digest]
+
+    def names_flag(self, flag: str) -> bool:
+        """Tell whether the script of any job names a flag."""
+        return flag in self._flags
+
+    # --- changes ----------------------------------------------------------------------------
+
+    def add(self, job: JobState, place: int | None = None) -> None:
+        """Take a job in, behind those on the line or in the queue.
+
+        :param place: the one in the queue that it gets, from 1; None: the last
+        """
+        name = job.job.id
+        self._count(job, 1)
+        if job.started:
+            self.line[name] = job
+            return
+        self._queued[name] = job
+        self._put(name, place)
+
+    def move(self, name: str, place: int) -> None:
+        """Give a job in the queue another place, from 1."""
+        job = self._take(name)
+        self._queued[name] = job
+        self._put(name, place)
+
+    def start(self, name: str, time: float) -> None:
+        """Take a job out of the queue, behind those on the line; held ones in front stay."""
+        job = self._take(name)
+        job.started_at = time
+        self.line[name] = job
+
+    @contextmanager
+    def changing(self, name: str) -> Iterator[JobState]:
+        """Let a job in the queue be another one; meanwhile it uses no script and no flag."""
+        job = self.queued(name)
+        self._count(job, -1)
+        yield job
+        self._count(job, 1)
+
+    def hold(self, name: str, *, held: bool) -> None:
+        """Let later jobs pass a job in the queue, or let it start in its turn again."""
+        self.queued(name).held = held
+        self._judge(name)
+
+    def abort(self, name: str, reason: str) -> None:
+        """Let a job end."""
+        job = self[name]
+        job.aborting, job.paused, job.held, job.end_reason = True, False, False, reason
+        if not job.started:
+            self._judge(name)
+
+    def remove(self, name: str) -> JobState:
+        """Take a job out and return it."""
+        job = self.line.pop(name, None) or self._take(name)
+        self._count(job, -1)
+        return job
+
+    def queued(self, name: str) -> JobState:
+        """Return a job in the queue."""
+        assert name in self._queued, f'{name} is not in the queue'
+        return self._queued[name]
+
+    def _put(self, name: str, place: int | None) -> None:
+        last = len(self._order) + 1
+        at = last if place is None else place
+        assert 1 <= at <= last, f'there is no place {at} in the queue'
+        self._keys[name] = self._key_at(at - 1)
+        self._order.insert(at - 1, name)
+        self._judge(name)
+
+    def _key_at(self, at: int) -> float:
+        """Return what sorts between the jobs that have a place now and the one in front."""
+        if not self._order:
+            return 0.0
+        if at == 0:
+            return self._keys[self._order[0]] - 1.0
+        if at == len(self._order):
+            return self._keys[self._order[-1]] + 1.0
+        before, after = self._keys[self._order[at - 1]], self._keys[self._order[at]]
+        between = (before + after) / 2
+        if before < between < after:
+            return between
+        self._keys = {name: float(number) for number, name in enumerate(self._order)}
+        return at - 0.5
+
+    def _take(self, name: str) -> JobState:
+        job = self.queued(name)
+        self._allow(name, may_start=False)
+        self._ending.discard(name)
+        del self._order[self._at(self._order, name)], self._queued[name], self._keys[name]
+        return job
+
+    def _judge(self, name: str) -> None:
+        """Look whether a job in the queue may start, or ends."""
+        job = self._queued[name]
+        if job.aborting:
+            self._ending.add(name)
+        self._allow(name, may_start=not job.held and not job.ending)
+
+    def _allow(self, name: str, *, may_start: bool) -> None:
+        at = self._at(self._allowed, name)
+        is_there = self._allowed[at : at + 1] == [name]
+        if may_start and not is_there:
+            self._allowed.insert(at, name)
+        elif is_there and not may_start:
+            del self._allowed[at]
+
+    def _at(self, names: list[str], name: str) -> int:
+        return bisect_left(names, self._keys[name], key=self._keys.__getitem__)
+
+    def _count(self, job: JobState, number: int) -> None:
+        for counts, key in (
+            (self._scripts, job.digest),
+            *((self._flags, dependency.flag) for dependency in job.job.script.dependencies),
+        ):
+            counts[key] += number
+            if not counts[key]:
+                del counts[key]
