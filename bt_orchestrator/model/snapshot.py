@@ -14,17 +14,19 @@ from __future__ import annotations
 import dataclasses
 import types
 import typing
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from enum import Enum
 from functools import lru_cache
+from types import MappingProxyType
 from typing import Any
 
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import from_plain, hints_of, to_plain
 from bt_orchestrator.model.initialization import Preparation
+from bt_orchestrator.model.live_jobs import LiveJobs
 from bt_orchestrator.model.packml import VERBS, Cause, Mode
 from bt_orchestrator.model.script import Script
-from bt_orchestrator.model.state import CellState
+from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.model.wish import STOP_AFTER
 
 SCALARS = (str, int, float, bool)
@@ -41,9 +43,8 @@ def state_to_plain(state: CellState) -> dict[str, Any]:
 
     :raises TypeError: it has a field whose annotation cannot be kept
     """
-    writer, hints = _Writer(), hints_of(CellState)
-    fields = {name: writer.write(hints[name], getattr(state, name)) for name in kept_fields()}
-    return {'state': fields, 'objects': writer.objects}
+    writer = Writer()
+    return {'state': writer.fields_of(state), 'objects': writer.objects}
 
 
 def state_from_plain(cell: Cell, plain: Mapping[str, Any]) -> CellState:
@@ -54,7 +55,7 @@ def state_from_plain(cell: Cell, plain: Mapping[str, Any]) -> CellState:
     :raises ValueError: the same
     """
     state = CellState(cell)
-    reader, hints, kept = _Reader(plain['objects']), hints_of(CellState), kept_fields()
+    reader, hints, kept = Reader(plain['objects']), hints_of(CellState), kept_fields()
     for name, value in _of_today(plain['state']).items():
         if name not in kept:
             raise TypeError(f'the state has no field {name}')
@@ -103,61 +104,104 @@ def _fit(state: CellState) -> None:
     state.readings = {n: state.readings.get(n, reading) for n, reading in fresh.readings.items()}
 
 
-class _Writer:
+class Writer:
+    """Makes plain data, and one list of the objects in it."""
+
     def __init__(self) -> None:
         self.objects: list[Any] = []
         self._places: dict[int, int] = {}
 
+    def fields_of(self, state: CellState) -> dict[str, Any]:
+        """Return the fields of a state."""
+        hints = hints_of(CellState)
+        return {name: self.write(hints[name], getattr(state, name)) for name in kept_fields()}
+
     def write(self, kind: Any, value: Any) -> Any:
         """Return plain data of a value with an annotation."""
-        if value is None:
-            return None
-        if kind is Any:
-            return to_plain(value)
-        if isinstance(kind, type):
-            return self._write_class(kind, value)
-        origin, arguments = typing.get_origin(kind), typing.get_args(kind)
-        if origin in (types.UnionType, typing.Union):
-            return self.write(_without_none(kind), value)
-        if origin in (dict, Mapping):
-            return self._write_mapping(arguments[0], arguments[1], value)
-        return [self.write(_member(kind), member) for member in _in_order(origin, value)]
+        return None if value is None else _how(kind)(self, value)
 
-    def _write_class(self, kind: type, value: Any) -> Any:
-        if _by_place(kind):
-            return self._place_of(kind, value)
-        if dataclasses.is_dataclass(kind):
-            return self._write_fields(kind, value)
-        if issubclass(kind, tuple):
-            members = zip(_of_tuple(kind), value, strict=True)
-            return [self.write(hint, member) for hint, member in members]
-        if issubclass(kind, Enum):
-            return value.value
-        if kind in SCALARS:
-            return value
-        raise TypeError(f'no way to keep a {kind.__name__}')
+    def write_fields(self, kind: type, value: Any) -> dict[str, Any]:
+        """Return the fields that have other values than their defaults."""
+        known = vars(value)
+        return {
+            name: self.write(hint, known[name])
+            for name, hint, default in _of_fields(kind)
+            if known[name] is not default and known[name] != default
+        }
 
-    def _write_mapping(self, key: Any, member: Any, value: Mapping[Any, Any]) -> Any:
-        if key is str:
-            return {name: self.write(member, one) for name, one in value.items()}
-        return [[self.write(key, k), self.write(member, one)] for k, one in value.items()]
-
-    def _write_fields(self, kind: type, value: Any) -> dict[str, Any]:
-        return {name: self.write(h, getattr(value, name)) for name, h in _of_fields(kind)}
-
-    def _place_of(self, kind: type, value: Any) -> int:
+    def place_of(self, kind: type, value: Any) -> int:
+        """Return the place of an object in the list; it gets one when it has none."""
         if id(value) not in self._places:
             self._places[id(value)] = place = len(self.objects)
             self.objects.append(None)  # its place; what it names may come after it
-            plain = to_plain(value) if kind is Script else self._write_fields(kind, value)
+            plain = to_plain(value) if kind is Script else self.write_fields(kind, value)
             self.objects[place] = plain
         return self._places[id(value)]
 
 
-class _Reader:
-    def __init__(self, objects: list[Any]) -> None:
+@lru_cache(maxsize=256)
+def _how(kind: Any) -> Callable[[Writer, Any], Any]:
+    """Return how a value with an annotation is written; ten thousand jobs have each of them."""
+    if kind is Any:
+        return lambda _, value: to_plain(value)
+    if isinstance(kind, type):
+        return _how_class(kind)
+    origin, arguments = typing.get_origin(kind), typing.get_args(kind)
+    if origin in (types.UnionType, typing.Union):
+        return _how(_without_none(kind))
+    if origin in (dict, Mapping):
+        return _how_mapping(arguments[0], arguments[1])
+    member = _member(kind)
+    if member in SCALARS:
+        return lambda _, value: _in_order(origin, list(value))
+    return lambda writer, value: [writer.write(member, one) for one in _in_order(origin, value)]
+
+
+def _how_class(kind: type) -> Callable[[Writer, Any], Any]:
+    if _by_place(kind):
+        return lambda writer, value: writer.place_of(kind, value)
+    if dataclasses.is_dataclass(kind):
+        return lambda writer, value: writer.write_fields(kind, value)
+    if kind is LiveJobs:
+        return _how_mapping(str, JobState)
+    if issubclass(kind, tuple):
+        return lambda writer, value: [
+            writer.write(hint, member) for hint, member in zip(_of_tuple(kind), value, strict=True)
+        ]
+    if issubclass(kind, Enum):
+        return lambda _, value: value.value
+    if kind in SCALARS:
+        return lambda _, value: value
+    raise TypeError(f'no way to keep a {kind.__name__}')
+
+
+def _how_mapping(key: Any, member: Any) -> Callable[[Writer, Any], Any]:
+    if key is str:
+        return lambda writer, value: {
+            name: writer.write(member, one) for name, one in value.items()
+        }
+    return lambda writer, value: [
+        [writer.write(key, k), writer.write(member, one)] for k, one in value.items()
+    ]
+
+
+_NOTHING: Mapping[int, Any] = MappingProxyType({})
+
+
+class Reader:
+    """Makes values of plain data again."""
+
+    def __init__(self, objects: list[Any], known: Mapping[int, Any] = _NOTHING) -> None:
+        """Begin.
+
+        :param known: objects by their places, which need not be made
+        """
         self._plain = objects
-        self._objects: dict[int, Any] = {}
+        self._objects = dict(known)
+
+    def add(self, objects: Iterable[Any]) -> None:
+        """Take in further objects."""
+        self._plain.extend(objects)
 
     def read(self, kind: Any, value: Any) -> Any:
         """Return the value of an annotation that plain data tells of."""
@@ -179,6 +223,8 @@ class _Reader:
             return self._object(kind, value)
         if dataclasses.is_dataclass(kind):
             return self._read_fields(kind, value)
+        if kind is LiveJobs:
+            return LiveJobs(self._read_mapping(str, JobState, value).values())
         if issubclass(kind, tuple):
             members = zip(_of_tuple(kind), value, strict=True)
             return kind(*(self.read(hint, member) for hint, member in members))
@@ -210,9 +256,16 @@ def _by_place(kind: type) -> bool:
 
 
 @lru_cache(maxsize=256)
-def _of_fields(kind: type) -> tuple[tuple[str, Any], ...]:
-    hints = hints_of(kind)
-    return tuple((field.name, hints[field.name]) for field in dataclasses.fields(kind))
+def _of_fields(kind: type) -> tuple[tuple[str, Any, Any], ...]:
+    """Return name, annotation and default of each field."""
+    hints, fields = hints_of(kind), dataclasses.fields(kind)
+    return tuple((field.name, hints[field.name], _default(field)) for field in fields)
+
+
+def _default(field: dataclasses.Field[Any]) -> Any:
+    if field.default_factory is not dataclasses.MISSING:
+        return field.default_factory()
+    return field.default  # MISSING, which equals nothing else
 
 
 @lru_cache(maxsize=256)

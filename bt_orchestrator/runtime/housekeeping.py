@@ -6,13 +6,11 @@ small pieces. If it fails the cell goes on; only the next start takes longer.
 
 from __future__ import annotations
 
-import json
 import logging
 
-from bt_orchestrator.errors import JournalFailed
 from bt_orchestrator.model.history import record_of
-from bt_orchestrator.model.snapshot import state_from_plain, state_to_plain
 from bt_orchestrator.model.state import CellState
+from bt_orchestrator.model.state_text import StateText
 from bt_orchestrator.ports import Journal, Snapshot
 from bt_orchestrator.runtime.recovery import stamp
 
@@ -47,6 +45,10 @@ class Housekeeping:
         )
         self._noted: set[str] = set()
         self._remove_before = 0
+        self._text: StateText | None = None
+        """A snapshot that is being written."""
+        self._first = 0
+        """Event with which the journal begins once that is kept; 0: as before."""
         self._failed_seq = 0
         """Where it failed last; it is tried again when something has happened since."""
 
@@ -59,59 +61,64 @@ class Housekeeping:
             return
         behind = self._state.seq - max(self._saved_seq, self._failed_seq)
         try:
-            if behind >= SNAPSHOT_AT_LATEST:
-                self._save()
+            if self._text is not None:
+                self._go_on(self._text)
+            elif behind >= SNAPSHOT_AT_LATEST:
+                self._begin()
             elif quiet:
                 self._at_leisure(behind)
         except Exception as error:  # noqa: BLE001 - whatever it is, the cell goes on
             log.warning('%s: no snapshot, nothing removed; tried again later', error)
-            self._failed_seq, self._remove_before = self._state.seq, 0
+            self._failed_seq, self._text, self._remove_before = self._state.seq, None, 0
 
     def finish(self) -> None:
         """Leave a snapshot to the next start."""
         try:
             if self._state.seq > self._saved_seq:
-                self._save()
+                text = StateText(self._state)
+                while not text.go_on():
+                    pass
+                self._save(text)
         except Exception as error:  # noqa: BLE001 - the node ends all the same
             log.warning('%s: the next start replays more events', error)
 
     def _at_leisure(self, behind: int) -> None:
         ended = self._state.ended.keys() - self._noted
         if behind >= SNAPSHOT_EVERY or ended:
-            self._save()
-            if ended:
-                self._look_for_old_events()
+            self._begin(self._first_needed() if ended else 0)
         elif self._remove_before and not self._journal.remove_batch(self._remove_before):
             self._remove_before = 0
 
-    def _save(self) -> None:
+    def _begin(self, first: int = 0) -> None:
+        """Begin to write a snapshot.
+
+        :param first: event before which all others are to be removed then; 0: none are
+        """
+        self._first = first
+        self._text = StateText(self._state, check=first > 0)
+        self._go_on(self._text)
+
+    def _go_on(self, text: StateText) -> None:
+        """Write as much as can be done at once."""
+        if not text.go_on():
+            return
+        self._text = None
+        snapshot = self._save(text)
+        if self._first:
+            self._journal.begin_with(snapshot)
+            self._remove_before = self._first
+
+    def _save(self, text: StateText) -> Snapshot:
         ended = [job for name, job in self._state.ended.items() if name not in self._noted]
-        self._journal.save(self._snapshot(), [record_of(job) for job in ended])
-        self._saved_seq = self._state.seq
+        snapshot = Snapshot(text.seq, self._stamp, text.text)
+        self._journal.save(snapshot, [record_of(job) for job in ended])
+        self._saved_seq = text.seq
         self._noted = set(self._state.ended)
+        return snapshot
 
-    def _look_for_old_events(self) -> None:
+    def _first_needed(self) -> int:
+        """Return the first event that has to stay; 0: those before it are gone, or all stay."""
         if self._keep_jobs == KEEP_ALL:
-            return
+            return 0
         first = self._journal.first_needed(self._state.jobs.keys(), self._keep_jobs)
-        if first <= self._journal.first_seq():
-            return
-        snapshot = self._snapshot()
-        self._check(snapshot)
-        self._journal.begin_with(snapshot)
-        self._remove_before = first
-
-    def _snapshot(self) -> Snapshot:
-        text = json.dumps(state_to_plain(self._state))  # ASCII: every text has that
-        return Snapshot(self._state.seq, self._stamp, text)
-
-    def _check(self, snapshot: Snapshot) -> None:
-        """Read a state back before the events that led to it are given up."""
-        again = vars(state_from_plain(self._state.cell, json.loads(snapshot.state)))
-        differ = [
-            name
-            for name, value in vars(self._state).items()
-            if name != 'preparations' and again[name] != value
-        ]
-        if differ:
-            raise JournalFailed(f'the state cannot be kept ({", ".join(differ)} would change)')
+        return first if first > self._journal.first_seq() else 0

@@ -21,6 +21,7 @@ from hypothesis import given
 from bt_orchestrator.model import snapshot as kept
 from bt_orchestrator.model.codec import hints_of
 from bt_orchestrator.model.fold import apply
+from bt_orchestrator.model.live_jobs import LiveJobs
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.snapshot import kept_fields, state_from_plain, state_to_plain
 from bt_orchestrator.model.state import (
@@ -46,6 +47,10 @@ def sample(kind: Any, number: int) -> Any:
         return {'x': [1.5, 'a'], 'y': {'z': True}}
     if kind is Script:
         return SCRIPT
+    if kind is LiveJobs:
+        queued, working = sample(JobState, 7), sample(JobState, 8)
+        queued.started_at = None
+        return LiveJobs([queued, working])
     if isinstance(kind, type):
         return _sample_of_class(kind, number)
     origin, arguments = typing.get_origin(kind), typing.get_args(kind)
@@ -112,24 +117,26 @@ def test_what_stands_in_two_places_is_one_thing() -> None:
 
 def test_an_annotation_that_cannot_be_kept_is_refused() -> None:
     with pytest.raises(TypeError, match=r'no way to keep tuple\[int, str\]'):
-        kept._Writer().write(tuple[int, str], (1, 'a'))
+        kept.Writer().write(tuple[int, str], (1, 'a'))
     with pytest.raises(TypeError, match='no way to keep a bytes'):
-        kept._Writer().write(dict[str, bytes], {'a': b'b'})
+        kept.Writer().write(dict[str, bytes], {'a': b'b'})
     with pytest.raises(TypeError, match='is not one kind or None'):
-        kept._Writer().write(int | str | None, 3)
+        kept.Writer().write(int | str | None, 3)
 
 
 def test_a_field_that_a_record_lacks_has_its_default() -> None:
     state = CellState(LINE.cell)
-    state.jobs['J'] = sample(JobState, 3)
+    before = sample(JobState, 3)
+    state.jobs.add(before)
     plain = state_to_plain(state)
     del plain['state']['beat']
     (job,) = [one for one in plain['objects'] if 'aborting' in one]
     del job['aborting']
     again = state_from_plain(LINE.cell, plain)
     assert again.beat == 1
-    assert again.jobs['J'].aborting is False
-    assert again.jobs['J'].items == state.jobs['J'].items
+    (read,) = again.jobs.values()
+    assert read.aborting is False
+    assert read.items == before.items
 
 
 @pytest.mark.parametrize(

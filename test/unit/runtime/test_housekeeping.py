@@ -15,16 +15,19 @@ from typing import Any
 import pytest
 from fakes.line import THREE, Line, with_section
 from fakes.long_journal import LongRun
+from fakes.operator import ann
 from fakes.virtual_run import snapshot
 
 from bt_orchestrator import model
 from bt_orchestrator.errors import JournalFailed, JournalMismatch
+from bt_orchestrator.model import state_text
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.fold import apply
-from bt_orchestrator.model.job_commands import AddJobs
+from bt_orchestrator.model.job_commands import AddJobs, ControlJob
 from bt_orchestrator.model.order import Job
-from bt_orchestrator.model.snapshot import state_from_plain, state_to_plain
+from bt_orchestrator.model.snapshot import Writer, state_from_plain, state_to_plain
 from bt_orchestrator.model.state import CellState, Reading
+from bt_orchestrator.ports import Snapshot
 from bt_orchestrator.runtime import housekeeping, recovery
 from bt_orchestrator.runtime.recovery import restore
 from bt_orchestrator.store.sqlite import SqliteStore
@@ -56,6 +59,11 @@ def restored(path: Path, line: Line = LINE) -> CellState:
         return restore(line.cell, store)
     finally:
         store.close()
+
+
+def kept(state: CellState) -> Snapshot:
+    text = json.dumps(state_to_plain(state))
+    return Snapshot(state.seq, recovery.stamp(state.cell), text)
 
 
 def replayed(path: Path) -> CellState:
@@ -182,8 +190,7 @@ def test_a_snapshot_that_the_events_contradict_is_ignored(
     store = SqliteStore(path)
     other = CellState(LINE.cell)
     other.seq = 30
-    text = housekeeping.Housekeeping(other, store)._snapshot()
-    store.save(text)
+    store.save(kept(other))
     store.close()
     assert snapshot(restored(path)) == expected
     assert 'the snapshot at event 30 is ignored' in caplog.text
@@ -285,12 +292,14 @@ def test_nothing_goes_that_replay_needs(path: Path) -> None:
 def test_nothing_goes_for_a_state_that_does_not_come_back(
     path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    def forgetful(state: CellState) -> dict[str, Any]:
-        plain = state_to_plain(state)
-        del plain['state']['beat']
-        return plain
+    fields_of = Writer.fields_of
 
-    monkeypatch.setattr(housekeeping, 'state_to_plain', forgetful)
+    def forgetful(writer: Writer, state: CellState) -> dict[str, Any]:
+        fields = fields_of(writer, state)
+        del fields['beat']
+        return fields
+
+    monkeypatch.setattr(Writer, 'fields_of', forgetful)
     run = LongRun(path, keep_jobs=0)
     run.job('J1')
     run.rest(3)
@@ -326,7 +335,7 @@ def test_a_beginning_of_another_cell_is_refused_in_words(path: Path) -> None:
     run.rest(3)
     assert is_queued(run, 'J2')
     run.go(lambda: run.orchestrator.state.sections[3].slot is not None)
-    run.housekeeping._journal.begin_with(run.housekeeping._snapshot())
+    run.store.begin_with(kept(run.orchestrator.state))
     run.kill()
     with pytest.raises(JournalMismatch, match=r'begins with a state, at event \d+, that does not'):
         restored(path, Line(2))
@@ -388,3 +397,69 @@ def test_a_state_with_a_text_that_has_no_utf8_is_kept(path: Path) -> None:
     store.close()
     again = state_from_plain(LINE.cell, json.loads(kept.state))
     assert again.readings == state.readings
+
+
+# --- a long queue ---------------------------------------------------------------------------
+
+
+@pytest.fixture
+def small_slices(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(state_text, 'SLICE', 10)
+
+
+def queue_many(run: LongRun) -> None:
+    script = run.line.script(THREE)
+    jobs = tuple(Job(f'Q-{n}', script, 1) for n in range(55))
+    assert run.orchestrator.ask(AddJobs(jobs)).accepted
+
+
+def test_the_state_of_a_long_queue_is_written_in_slices_while_the_line_goes_on(
+    path: Path, often: None, small_slices: None, replays: list[int]
+) -> None:
+    run = LongRun(path)
+    queue_many(run)
+    begun = run.orchestrator.state.seq
+    for turn in range(6):
+        assert not list(run.store.snapshots()), turn
+        run.housekeeping.turn(quiet=turn == 0)
+        assert run.clock.advance()
+        run.orchestrator.settle()
+        if turn == 2:
+            last = ControlJob('cancel', 'Q-54', ann())
+            assert run.orchestrator.ask(last).accepted
+    (kept_state,) = run.store.snapshots()
+    state = run.orchestrator.state
+    assert kept_state.seq == begun < state.seq
+    assert len(state.queue) < 54
+    run.kill()
+    replays.clear()
+    assert snapshot(restored(path)) == snapshot(state)
+    assert len(replays) == state.seq - begun
+
+
+@pytest.mark.parametrize('is_forgetful', [False, True])
+def test_every_job_of_a_long_queue_is_read_back_before_events_go(
+    path: Path,
+    is_forgetful: bool,
+    small_slices: None,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    run = LongRun(path)
+    run.job('J1')
+    run.housekeeping = housekeeping.Housekeeping(run.orchestrator.state, run.store, 0)
+    queue_many(run)
+    assert run.orchestrator.ask(ControlJob('hold', 'Q-40', ann())).accepted
+    write_fields = Writer.write_fields
+
+    def forgetful(writer: Writer, kind: type, value: Any) -> dict[str, Any]:
+        fields = write_fields(writer, kind, value)
+        fields.pop('held', None)
+        return fields
+
+    if is_forgetful:
+        monkeypatch.setattr(Writer, 'write_fields', forgetful)
+    run.rest(20)
+    assert ('the state cannot be kept (job Q-40 would change)' in caplog.text) is is_forgetful
+    assert (run.store.beginning() is None) is is_forgetful
+    run.kill()

@@ -1,0 +1,90 @@
+"""A state as text, written in slices while the cell goes on: a queue may be very long."""
+
+from __future__ import annotations
+
+import copy
+import json
+from collections import deque
+
+from bt_orchestrator.errors import JournalFailed
+from bt_orchestrator.model.frozen import changed
+from bt_orchestrator.model.live_jobs import LiveJobs
+from bt_orchestrator.model.snapshot import Reader, Writer, state_from_plain
+from bt_orchestrator.model.state import CellState, JobState
+
+SLICE = 250
+"""So many jobs of the queue are written at once: some milliseconds."""
+
+
+class StateText:
+    """The state of one moment. What is not in the queue is written at once, that in slices.
+
+    With `check` everything is read back: the events that led to it are to be given up.
+    """
+
+    def __init__(self, state: CellState, *, check: bool = False) -> None:
+        """Take a state as it is now.
+
+        :raises JournalFailed: it would not come back as it is
+        """
+        self.seq = state.seq
+        self._writer = Writer()
+        self._queued = deque(map(_copy, state.jobs.queue()))
+        near = copy.copy(state)
+        near.jobs = LiveJobs(state.jobs.line.values())
+        self._fields = self._writer.fields_of(near)
+        self._written = 0
+        """How many objects are in the pieces."""
+        self._pieces: list[str] = []
+        self._read_back: Reader | None = None
+        self._end_piece()
+        if check:
+            self._check(near)
+
+    def go_on(self) -> bool:
+        """Write the next jobs of the queue; returns whether that was all.
+
+        :raises JournalFailed: one would not come back as it is
+        """
+        jobs = [self._queued.popleft() for _ in range(min(SLICE, len(self._queued)))]
+        places = {job.job.id: self._writer.write(JobState, job) for job in jobs}
+        self._fields['jobs'].update(places)
+        self._end_piece()
+        if self._read_back is not None:
+            for job in jobs:
+                if self._read_back.read(JobState, places[job.job.id]) != job:
+                    raise JournalFailed(
+                        f'the state cannot be kept (job {job.job.id} would change)'
+                    )
+        return not self._queued
+
+    @property
+    def text(self) -> str:
+        """The whole as JSON, once all is written; ASCII, which every text has."""
+        objects = ', '.join(piece for piece in self._pieces if piece)
+        return f'{{"objects": [{objects}], "state": {json.dumps(self._fields)}}}'
+
+    def _end_piece(self) -> None:
+        piece = json.dumps(self._writer.objects[self._written :])
+        self._written = len(self._writer.objects)
+        self._pieces.append(piece[1:-1])
+        if self._read_back is not None:
+            self._read_back.add(json.loads(piece))
+
+    def _check(self, near: CellState) -> None:
+        again = vars(state_from_plain(near.cell, json.loads(self.text)))
+        differ = [
+            name
+            for name, value in vars(near).items()
+            if name != 'preparations' and again[name] != value
+        ]
+        if differ:
+            raise JournalFailed(f'the state cannot be kept ({", ".join(differ)} would change)')
+        # Scripts are the same now, and large: they are not compared again for every job.
+        known = {self._writer.place_of(type(one), one): one for one in near.scripts.values()}
+        self._read_back = Reader(json.loads(f'[{self._pieces[0]}]'), known)
+
+
+def _copy(job: JobState) -> JobState:
+    """Return a job in the queue as it is now; it may start before it is written."""
+    return changed(job, progress=changed(job.progress), items=dict(job.items))
