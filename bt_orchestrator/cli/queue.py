@@ -7,7 +7,7 @@ import json
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options, origin
 from bt_orchestrator.cli.numbers import whole_32
@@ -91,12 +91,36 @@ def _list(args: argparse.Namespace) -> int:
 
     with NodeClient(args.node, args.timeout) as client:
         status = client.status()
+        status.jobs = [*status.jobs, *others(client, status)]
     if args.json:
         jobs = [to_plain(job) for job in status.jobs]
         print(json.dumps({'stop_after': status.stop_after, 'jobs': jobs}))
     else:
         print('\n'.join(lines(status)))
     return 0
+
+
+class _Client(Protocol):
+    def call(self, kind: Any, service: str, request: Any) -> Any: ...
+
+
+def others(client: _Client, status: Any) -> list[Any]:
+    """Return the jobs of the queue that a status does not list."""
+    from bt_orchestrator_interfaces.srv import QueueList
+
+    listed = [job.id for job in status.jobs if job.position]
+    if status.queued <= len(listed):
+        return []
+    known, after = set(listed), listed[-1]
+    found: list[Any] = []
+    while True:
+        answer = client.call(QueueList, 'queue/list', QueueList.Request(after=after))
+        if answer.accepted and not answer.jobs:
+            return found
+        # What began behind a job that has left the queue meanwhile, begins with the first one.
+        after = answer.jobs[-1].id if answer.accepted else ''
+        found += [job for job in answer.jobs if job.id not in known]
+        known.update(job.id for job in answer.jobs)
 
 
 def lines(status: Any) -> Iterator[str]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.limits import QUEUE_SHOWN
 from bt_orchestrator.model.script import Script, SectionList, Step
 from bt_orchestrator.model.state import CellState, JobState
 
@@ -31,9 +32,10 @@ def periods(tasks: SectionList, cell: Cell, move_s: float) -> Iterator[float]:
 
 
 def expected_ends_s(state: CellState, cell: Cell) -> Mapping[str, float]:
-    """Return in how many seconds each live job ends, if nothing stops the line.
+    """Return in how many seconds jobs end that work, or soon will, if nothing stops the line.
 
-    Jobs that are held or paused, and what waits behind a paused one, are left out.
+    Jobs that are held or paused, what waits behind a paused one, and those far back in a long
+    queue are left out.
 
     :param cell: the one of the state, perhaps with other durations
     """
@@ -41,13 +43,16 @@ def expected_ends_s(state: CellState, cell: Cell) -> Mapping[str, float]:
         return {}
     ends: dict[str, float] = {}
     feed_s = 0.0
-    for name, job in state.jobs.items():
+    paces_s: dict[str, float] = {}
+    for job in state.jobs.first(QUEUE_SHOWN):
         if job.paused:
             break
         if not job.held:
-            pace_s = item_s(job.job.script, cell)
+            if job.digest not in paces_s:
+                paces_s[job.digest] = item_s(job.job.script, cell)
+            pace_s = paces_s[job.digest]
             feed_s += job.cycles_left * pace_s
-            ends[name] = max([feed_s + way for way in _ways_s(job, pace_s)], default=feed_s)
+            ends[job.job.id] = max([feed_s + way for way in _ways_s(job, pace_s)], default=feed_s)
     return ends
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import json
 import time
 from collections.abc import Mapping
@@ -9,6 +10,9 @@ from collections.abc import Mapping
 from rclpy.node import Node
 
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.limits import QUEUE_SHOWN
+from bt_orchestrator.model.live_jobs import LiveJobs
+from bt_orchestrator.model.order_ids import OrderIds
 from bt_orchestrator.model.pace import expected_ends_s
 from bt_orchestrator.model.snapshot import state_to_plain
 from bt_orchestrator.model.state import CellState
@@ -57,7 +61,7 @@ class ExpectedEnds:
         foresight = None if _waits(state) else self._foresight
         ends_s = foresight.ends_s if foresight is not None else {}
         known = {job: max(0.0, end_s - now_s) for job, end_s in ends_s.items()}
-        if all(job in known for job in state.jobs):
+        if all(job.job.id in known for job in state.jobs.first(QUEUE_SHOWN)):
             return known
         if self._cell is None:
             self._cell = as_observed(state.cell, self._durations.seconds())
@@ -77,13 +81,24 @@ class ExpectedEnds:
             self._asked_about = None
             return
         steady_s = time.monotonic()
-        about = (*state.jobs, self._durations.kinds)  # a task seen first changes what is known
+        jobs = (job.job.id for job in state.jobs.first(QUEUE_SHOWN))
+        about = (*jobs, self._durations.kinds)  # a task seen first changes what is known
         renews = steady_s - self._asked_s >= RENEW_S and state.seq != self._asked_seq
         if about != self._asked_about or renews:
             self._asked_s, self._asked_seq, self._asked_about = steady_s, state.seq, about
             now_s = self._node.get_clock().now().nanoseconds / 1e9
-            text = json.dumps(state_to_plain(state))
+            text = json.dumps(state_to_plain(nearest(state)))
             self._foresight.ask(text, self._durations.seconds(), now_s)
+
+
+def nearest(state: CellState) -> CellState:
+    """Return what a forecast has to know: of a long queue the first jobs, of the past nothing."""
+    near = copy.copy(state)
+    near.jobs = LiveJobs(state.jobs.first(QUEUE_SHOWN))
+    used = {job.digest for job in near.jobs.values()}
+    near.scripts = {name: script for name, script in state.scripts.items() if name in used}
+    near.ended, near.order_ids = {}, OrderIds()
+    return near
 
 
 def _waits(state: CellState) -> bool:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from typing import Any
 
 from bt_orchestrator_interfaces.msg import JobStatus, PassedTask
 
 from bt_orchestrator.model.events import TaskKey
 from bt_orchestrator.model.isa95 import job_word
+from bt_orchestrator.model.limits import QUEUE_PAGE
 from bt_orchestrator.model.state import CellState, End, JobState, Phase, TaskState
 
 UNKNOWN_S = -1.0
@@ -20,11 +22,21 @@ def job_messages(
 
     :param ends: in how many seconds jobs are expected to end
     """
-    places = {job.job.id: place for place, job in enumerate(state.queue, 1)}
     return [
-        _message(state, job, places.get(job.job.id, 0), ends.get(job.job.id, UNKNOWN_S))
+        _message(state, job, state.jobs.place(job.job.id), ends.get(job.job.id, UNKNOWN_S))
         for job in jobs
     ]
+
+
+def list_queue(state: CellState, request: Any, response: Any) -> None:
+    """Fill a response with jobs of the queue (bt_orchestrator_interfaces/srv/QueueList)."""
+    place = state.jobs.place(request.after)
+    if request.after and not place:
+        response.message = f'{request.after} is not in the queue'
+        return
+    most = min(request.most or QUEUE_PAGE, QUEUE_PAGE)
+    response.accepted, response.queued = True, state.jobs.waiting
+    response.jobs = job_messages(state, state.jobs.queue(place + 1, most), {})
 
 
 def _message(state: CellState, job: JobState, position: int, end_s: float) -> JobStatus:
@@ -46,7 +58,7 @@ def _message(state: CellState, job: JobState, position: int, end_s: float) -> Jo
         nonconforming=progress.nonconforming,
         missing=progress.missing,
         initialization=_to_prepare(state, job) if live else [],
-        passed=_prepared(state, job) if live else [],
+        passed=_prepared(state, job) if live and job.started else [],
     )
 
 
@@ -68,6 +80,8 @@ def _reason(progress: TaskState) -> str:
 
 def _to_prepare(state: CellState, job: JobState) -> list[str]:
     """Return the initialization tasks that have not succeeded yet."""
+    if not job.started:
+        return [task.id for task in job.job.script.initialization]
     return [
         task.id
         for task in job.job.script.initialization

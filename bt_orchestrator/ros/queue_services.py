@@ -9,6 +9,7 @@ from bt_orchestrator_interfaces.msg import OrderAnswer
 from bt_orchestrator_interfaces.srv import (
     QueueAdd,
     QueueCommand,
+    QueueList,
     QueueMove,
     QueueStopAfter,
     QueueUpdate,
@@ -29,6 +30,7 @@ from bt_orchestrator.model.job_commands import (
 )
 from bt_orchestrator.model.limits import listed
 from bt_orchestrator.model.order import Job
+from bt_orchestrator.ros.job_message import list_queue
 from bt_orchestrator.ros.order_process import NotRead
 from bt_orchestrator.ros.order_reader import OrderReader, Steps, ToRead
 from bt_orchestrator.ros.order_requests import Told, asked_orders, name_of, refused_orders, total
@@ -54,6 +56,7 @@ class QueueServices:
         serve_orders(node, QueueUpdate, 'queue/update', orders, self._update)
         serve(node, QueueCommand, 'queue/command', self._command)
         serve(node, QueueStopAfter, 'queue/stop_after', self._stop_after)
+        serve(node, QueueList, 'queue/list', self._list)
 
     def _submit(self, request: Any, response: Any) -> Steps:
         answer, answers = yield from self._queue([request], None, held=False, by=by(request))
@@ -121,7 +124,7 @@ class QueueServices:
         state = self._orchestrator.state
         now = state.jobs.get(name)
         if now is None:
-            there = listed((one.job.id for one in state.queue), 'nothing')
+            there = listed(state.jobs.queued_names, 'nothing')
             raise NotRead(f'{name} is not there; in the queue: {there}')
         return ChangedJob(name, now.digest, now.job.quantity, now.job.params, wish)
 
@@ -139,6 +142,9 @@ class QueueServices:
 
     def _stop_after(self, request: Any, response: Any) -> None:
         tell(response, self._orchestrator.ask(StopAfter(request.after, by(request))))
+
+    def _list(self, request: Any, response: Any) -> None:
+        list_queue(self._orchestrator.state, request, response)
 
 
 def _of_reading(order: Any, read: Job | Refused, told: Told) -> OrderAnswer:

@@ -6,7 +6,7 @@ requests are commands in the inbox of the cell, the ends of jobs come as events.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,6 +24,7 @@ from bt_orchestrator.model.commands import RefusedRequest
 from bt_orchestrator.model.events import Event, TaskFailed
 from bt_orchestrator.model.job_commands import AddJobs, ControlJob
 from bt_orchestrator.model.job_report import ItemReport, JobReport
+from bt_orchestrator.model.limits import QUEUE_SHOWN
 from bt_orchestrator.ros.expected_ends import ExpectedEnds
 from bt_orchestrator.ros.job_message import job_messages
 from bt_orchestrator.ros.order_process import NotRead
@@ -83,15 +84,24 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
         """Do nothing when a goal starts: rclpy would resume a waiting coroutine at every turn."""
 
     def publish(self, events: Sequence[Event]) -> None:
-        """Take in durable events: tell how jobs stand, and end the goals of those that ended."""
-        for served in list(self._served.values()):
+        """Take in durable events: tell how jobs stand, and end the goals of those that ended.
+
+        Of a long queue the first jobs are told how they stand, and those that the events name.
+        """
+        if not self._served:
+            return
+        named = {getattr(event, 'job', None) for event in events}
+        near = {job.job.id for job in self._orchestrator.state.jobs.first(QUEUE_SHOWN)}
+        ends = self._ends()
+        for name in [name for name in self._served if name in named or name in near]:
+            served = self._served[name]
             for event in events:
                 served.report.follow(event)
             if served.report.exit_status:
-                del self._served[served.report.job]
+                del self._served[name]
                 self._end(served)
             else:
-                self._feed_back(served)
+                self._feed_back(served, ends)
 
     # --- requests ---------------------------------------------------------------------------
 
@@ -151,19 +161,22 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
 
     # --- answers ----------------------------------------------------------------------------
 
-    def _feed_back(self, served: _Served) -> None:
-        status = self._status(served.report.job)
+    def _feed_back(self, served: _Served, ends: Mapping[str, float]) -> None:
+        status = self._status(served.report.job, ends)
         if status is not None and status != served.status:
             served.status = status
             served.handle.publish_feedback(RunJob.Feedback(status=status))
 
-    def _status(self, job: str) -> JobStatus | None:
+    def _ends(self) -> Mapping[str, float]:
+        """Return in how many seconds jobs are expected to end."""
+        return self._expected.within_s(self._node.get_clock().now().nanoseconds / NS_PER_S)
+
+    def _status(self, job: str, ends: Mapping[str, float]) -> JobStatus | None:
         state = self._orchestrator.state
         found = state.jobs.get(job) or state.ended.get(job)
         if found is None:
             return None
-        now_s = self._node.get_clock().now().nanoseconds / NS_PER_S
-        return job_messages(state, [found], self._expected.within_s(now_s))[0]
+        return job_messages(state, [found], ends)[0]
 
     def _end(self, served: _Served) -> None:
         report = served.report
@@ -171,7 +184,7 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
             job=report.job,
             exit_status=report.exit_status,
             message=report.reason,
-            status=self._status(report.job) or served.status,
+            status=self._status(report.job, self._ends()) or served.status,
             items=[_item(item) for item in report.items.values()],
             failures=[_failure(failure) for failure in report.failures],
         )

@@ -19,6 +19,7 @@ from bt_orchestrator_interfaces.msg import (
 from bt_orchestrator.model.cell import Component
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.events import TaskKey
+from bt_orchestrator.model.limits import QUEUE_SHOWN
 from bt_orchestrator.model.packml import VERBS, Cause, possible_in
 from bt_orchestrator.model.state import CellState, Cycle, Phase, SectionState, TaskState
 from bt_orchestrator.model.wish import way_to_work
@@ -37,7 +38,7 @@ def status_message(orchestrator: Orchestrator, now: float, ends: Mapping[str, fl
     :param ends: in how many seconds jobs are expected to end
     """
     state, tree = orchestrator.state, orchestrator.tree
-    jobs = (*state.jobs.values(), *list(state.ended.values())[-ENDED_SHOWN:])
+    jobs = (*state.jobs.first(QUEUE_SHOWN), *list(state.ended.values())[-ENDED_SHOWN:])
     return Status(
         stamp=to_time(now),
         seq=state.seq,
@@ -58,6 +59,7 @@ def status_message(orchestrator: Orchestrator, now: float, ends: Mapping[str, fl
         sections=[_section(orchestrator, section) for section in state.sections.values()],
         components=[_component(orchestrator, c) for c in state.cell.components.values()],
         jobs=job_messages(state, jobs, ends),
+        queued=state.jobs.waiting,
         flags=[
             FlagStatus(name=name, count=flag.count, capacity=flag.capacity)
             for name, flag in state.flags.items()

@@ -49,7 +49,9 @@ def change(state: CellState, job: Job, sharing: Sharing | None = None) -> list[e
 
     :raises CommandRefused: its flags contradict those of another live job
     """
-    others = {one.digest: one.job.script for name, one in state.jobs.items() if name != job.id}
+    own = state.jobs[job.id].digest
+    is_shared = state.jobs.users(own) > 1
+    others = {name: one for name, one in state.scripts.items() if name != own or is_shared}
     why = contradiction(job.script, others, sharing)
     if why is not None:
         raise CommandRefused(why)

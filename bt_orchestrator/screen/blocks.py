@@ -44,16 +44,26 @@ class Block:
 
 
 def of_lines(
-    title: str, lines: Sequence[Text], weights: Sequence[int], noun: str, least: int = 2
+    title: str,
+    lines: Sequence[Text],
+    weights: Sequence[int],
+    noun: str,
+    least: int = 2,
+    *,
+    unlisted: int = 0,
 ) -> Block:
-    """Return a block of which the lines of little weight go first."""
+    """Return a block of which the lines of little weight go first.
+
+    :param unlisted: how many things there are that have no line
+    """
 
     def draw(room: int) -> list[Text]:
         places = stay(weights, room)
         shown = [lines[place] for place in places]
-        return shown + more(len(lines) - len(shown), noun)[: room - len(shown)]
+        hidden = len(lines) - len(shown) + unlisted
+        return shown + more(hidden, noun)[: room - len(shown)]
 
-    return Block(title, draw, len(lines), least)
+    return Block(title, draw, len(lines) + bool(unlisted), least)
 
 
 def more(hidden: int, noun: str) -> list[Text]:
@@ -159,8 +169,11 @@ def _cut(text: Text, width: int) -> Text:
 # --- what goes on -----------------------------------------------------------------------------
 
 
-def jobs(rows: Sequence[JobRow], width: int, glyphs: Glyphs) -> Block:
-    """Return a line for each job; running ones stay longest."""
+def jobs(rows: Sequence[JobRow], width: int, glyphs: Glyphs, unlisted: int = 0) -> Block:
+    """Return a line for each job; running ones stay longest.
+
+    :param unlisted: how many there are besides
+    """
     names = widest([row.id for row in rows], max(width // 5, 6))
     scripts = widest([row.script for row in rows], width // 4)
     states = widest([row.state for row in rows], 17)
@@ -174,7 +187,7 @@ def jobs(rows: Sequence[JobRow], width: int, glyphs: Glyphs) -> Block:
         if width >= NARROW + bar_width:
             cells.append(Cell(bar(row, bar_width, glyphs), bar_width))
         lines.append(line([*cells, Cell(Text(row.counts), None)], width))
-    return of_lines('jobs', lines, [row.weight for row in rows], 'jobs')
+    return of_lines('jobs', lines, [row.weight for row in rows], 'jobs', unlisted=unlisted)
 
 
 def _job_style(row: JobRow) -> str:

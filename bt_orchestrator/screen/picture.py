@@ -82,7 +82,7 @@ class Picture:
         if view.troubles:
             found['troubles'] = blocks.troubles(view, width, glyphs)
         if view.jobs:
-            found['jobs'] = blocks.jobs(view.jobs, width, glyphs)
+            found['jobs'] = blocks.jobs(view.jobs, width, glyphs, view.unlisted_jobs)
         if self.blackboard:
             found['blackboard'] = blocks.blackboard(self.blackboard, width)
         if view.flags:

@@ -84,6 +84,8 @@ class CellView:
     rows: tuple[Row, ...]
     initialization: tuple[str, ...]
     jobs: tuple[JobRow, ...]
+    unlisted_jobs: int
+    """How many jobs of the queue have no row."""
     holds: tuple[HoldRow, ...]
     next_lines: tuple[str, ...]
     """What can be typed where the cell stands and waits for somebody."""
@@ -113,6 +115,7 @@ def cell_view(status: Any, shell: Shell) -> CellView:
         rows=tuple(row for section in status.sections for row in _rows(section, status)),
         initialization=tuple(map(words.one_line, status.initialization_waiting)),
         jobs=tuple(_job(job, status) for job in status.jobs),
+        unlisted_jobs=words.unlisted(status),
         holds=tuple(
             HoldRow(words.hold_text(hold), tuple(hold_advice(hold, shell)))
             for hold in status.holds

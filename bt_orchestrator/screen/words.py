@@ -36,6 +36,8 @@ def status_lines(status: Any, shell: Shell) -> Iterator[str]:
         yield f'  stands still: {status.stop_reason}, {one_line(status.stop_message)}'
     for job in status.jobs:
         yield f'  {job_name(job)}: {job.state}, {job_counts(job)}{expected_finish(job, status)}'
+    if unlisted(status):
+        yield f'  {unlisted(status)} more jobs in the queue: {shell.command("queue")}'
     for reason in status.initialization_waiting:
         yield f'  initialization  {one_line(reason)}'
     for section in status.sections:
@@ -47,6 +49,11 @@ def status_lines(status: Any, shell: Shell) -> Iterator[str]:
         yield f'  {hold_text(hold)}'
         yield from (f'    {text}' for text in hold_advice(hold, shell))
     yield from (f'  next: {text}' for text in next_lines(status, shell))
+
+
+def unlisted(status: Any) -> int:
+    """Return how many jobs of the queue a status does not list."""
+    return int(status.queued) - sum(1 for job in status.jobs if job.position)
 
 
 def stopped(status: Any) -> str:

@@ -52,6 +52,7 @@ def job(
     state: str = 'Running',
     quantity: int = 10,
     expected_end_s: float = -1.0,
+    position: int = 0,
     **counts: int,
 ) -> Any:
     names = ('started', 'placed', 'packed', 'rejected', 'nonconforming', 'missing')
@@ -61,6 +62,7 @@ def job(
         script='small',
         state=state,
         quantity=quantity,
+        position=position,
         expected_end_s=expected_end_s,
         **{**zeros, **counts},
     )
@@ -116,6 +118,7 @@ def status(**about: Any) -> Any:
         ],
         'components': [component('conveyor'), component('worker')],
         'jobs': [job(started=1, placed=1)],
+        'queued': 0,
         'flags': [SimpleNamespace(name='clear', count=0, capacity=1)],
         'holds': [],
     }

@@ -6,13 +6,21 @@ import json
 from typing import Any
 
 import pytest
+from bt_orchestrator_interfaces.srv import QueueList
 from fakes.dot_text import DotText
-from fakes.line import Line
+from fakes.line import THREE, Line
 from fakes.virtual_run import VirtualRun
 
+from bt_orchestrator.cli.queue import others
+from bt_orchestrator.model.pace import expected_ends_s
+from bt_orchestrator.model.snapshot import state_from_plain, state_to_plain
+from bt_orchestrator.ros.expected_ends import nearest
+from bt_orchestrator.ros.job_message import list_queue
 from bt_orchestrator.ros.messages import to_plain
 from bt_orchestrator.ros.status_message import status_message
 from bt_orchestrator.screen import words
+from bt_orchestrator.screen.advice import Shell
+from bt_orchestrator.screen.view import cell_view
 from bt_orchestrator.tree.draw import draw
 from bt_orchestrator.tree.draw_status import line_state
 
@@ -115,3 +123,81 @@ def test_initialization_that_ended_is_told() -> None:
     run.answer('mark_done')
     (job,) = status(run).jobs
     assert [(one.id, one.end) for one in job.passed] == [('home', 'marked_done')]
+
+
+# --- a long queue ---------------------------------------------------------------------------
+
+
+def long_queue(number: int) -> VirtualRun:
+    """Return a line that works on J, with many jobs behind it."""
+    line = Line()
+    run = line.begin(quantity=2).go(until=1.5)
+    script = line.script(THREE)
+    assert run.add(*((f'Q-{n}', script) for n in range(1, number + 1))).accepted
+    return run
+
+
+def test_a_status_lists_the_first_jobs_of_a_long_queue_and_counts_them() -> None:
+    message, short = status(long_queue(250)), status(long_queue(3))
+    assert [job.id for job in message.jobs] == ['J', *(f'Q-{n}' for n in range(1, 101))]
+    assert [job.position for job in message.jobs] == list(range(101))
+    assert message.queued == 250
+    more = '  150 more jobs in the queue: bt-orchestrator queue'
+    assert more in words.status_lines(message, Shell())
+    assert cell_view(message, Shell()).unlisted_jobs == 150
+    assert not any('more jobs' in line for line in words.status_lines(short, Shell()))
+
+
+class Asked:
+    """A node that is asked for its queue, and loses jobs from it meanwhile."""
+
+    def __init__(self, run: VirtualRun, *cancelled: str) -> None:
+        self.run = run
+        self._cancelled = list(cancelled)
+        self.asked = 0
+
+    def call(self, kind: Any, service: str, request: Any) -> Any:
+        assert (kind, service) == (QueueList, 'queue/list')
+        response = QueueList.Response()
+        if self._cancelled:
+            assert self.run.control('cancel', self._cancelled.pop(0)).accepted
+        list_queue(self.run.state, request, response)
+        self.asked += 1
+        return response
+
+
+@pytest.mark.parametrize('cancelled', [(), ('Q-7',), ('Q-100', 'Q-600'), ('Q-100', 'Q-500')])
+def test_the_others_are_asked_for_page_by_page(cancelled: tuple[str, ...]) -> None:
+    run = long_queue(1300)
+    message = status(run)
+    node = Asked(run, *cancelled)
+    found = [job.id for job in (*message.jobs, *others(node, message))]
+    assert sorted(set(found), key=found.index) == found
+    assert {'J', *(job.job.id for job in run.state.queue)} <= set(found)
+    assert node.asked <= 7
+
+
+def test_of_a_short_queue_nobody_asks_for_more() -> None:
+    run = long_queue(100)
+    node = Asked(run)
+    assert others(node, status(run)) == []
+    assert node.asked == 0
+
+
+def test_a_page_begins_behind_a_job_and_has_an_end() -> None:
+    run = long_queue(20)
+    response = QueueList.Response()
+    list_queue(run.state, QueueList.Request(after='Q-5', most=3), response)
+    assert [job.id for job in response.jobs] == ['Q-6', 'Q-7', 'Q-8']
+    assert (response.accepted, response.queued) == (True, 20)
+    response = QueueList.Response()
+    list_queue(run.state, QueueList.Request(after='J'), response)
+    assert (response.accepted, response.message) == (False, 'J is not in the queue')
+
+
+def test_a_forecast_is_asked_about_the_first_jobs() -> None:
+    run = long_queue(250)
+    near = state_from_plain(run.state.cell, state_to_plain(nearest(run.state)))
+    assert list(near.jobs) == ['J', *(f'Q-{n}' for n in range(1, 101))]
+    assert near.scripts == run.state.scripts
+    assert list(expected_ends_s(run.state, run.state.cell)) == list(near.jobs)
