@@ -26,6 +26,7 @@ def benches(args: argparse.Namespace) -> dict[tuple[str, ...], Bench]:
     return {
         ('simulator',): lambda: virtual_rows.simulator(rounds, 20 if quick else 500),
         ('sections',): lambda: virtual_rows.sections(rounds, 3 if quick else 60),
+        ('queue',): lambda: virtual_rows.queue(rounds, 2 if quick else 40),
         ('check',): lambda: virtual_rows.check(*((1, 8, 4) if quick else (3, 200, 10))),
         ('restart',): lambda: virtual_rows.restart(rounds, events),
         ('dispatch', 'polling', 'wrap', 'cpu', 'watcher'): lambda: ros_rows.dispatch(

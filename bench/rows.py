@@ -43,6 +43,7 @@ TARGETS = {
     'setup_time': Target('set-up time, 300 leaves / 10 leaves on 10 actions', 2, 1.2),
     'setup_memory': Target('memory added, 300 leaves / 10 leaves on 10 actions', 2, 1.2),
     'sections': Target('tick time, 200 sections / 5 sections, 5 working', 3, 1.5),
+    'queue': Target('CPU of an order, 800 jobs queued / 20', 2, 1.2),
     'drift_cpu': Target('CPU per task, last tenth / first tenth', 1.2, 1.05),
     'drift_memory': Target('memory, last tenth / first tenth', 1.2, 1.05),
     'idle': Target('idle CPU, ours / rclpy node with the same timer, no clients', 2, 1.3),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import statistics
 import tempfile
@@ -17,8 +18,10 @@ from bench.rows import Row
 from bench.whole_start import process_s
 from bt_orchestrator.cli.bootstrap import installed_types
 from bt_orchestrator.model.events import TaskSucceeded
+from bt_orchestrator.model.job_commands import AddJobs
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.proof.deadlock import deadlock
+from bt_orchestrator.ros.status_message import status_message
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.runtime.recovery import stamp
 from bt_orchestrator.script.cell_file import parse_cell, read_cell
@@ -30,6 +33,8 @@ from bt_orchestrator.store.memory import MemoryStore
 from bt_orchestrator.store.sqlite import SqliteStore
 
 ROOT = Path(__file__).parents[1]
+QUEUED = (20, 800)
+
 LENGTHS = (5, 20, 50, 100, 200)
 """Of lines in which five sections work."""
 
@@ -84,6 +89,46 @@ def _settle_s(length: int, items: int) -> float:
     used_s = time.process_time() - began
     simulation.close()
     return used_s / settles
+
+
+def queue(rounds: int, orders: int) -> Iterator[Row]:
+    """Compare an order that joins a long queue with one that joins a short one."""
+    few, many = QUEUED
+    found = [{waiting: _order_s(waiting, orders) for waiting in QUEUED} for _ in range(rounds)]
+    notes = {f'ms an order, {n} queued': min(one[n] for one in found) * 1e3 for n in QUEUED}
+    yield Row('queue', [one[many] / one[few] for one in found], notes)
+
+
+def _order_s(waiting: int, orders: int) -> float:
+    """Return the mean CPU seconds in which one order is queued, one is run, and a status told."""
+    types = installed_types()
+    cell = read_cell(ROOT / 'config' / 'reference_cell.yaml', types)
+    script = read_script(ROOT / 'trees' / 'reference_process.yaml', cell, types)
+    simulation = Simulation(cell, types, MemoryStore())
+    engine = simulation.orchestrator
+    numbers = itertools.count()
+
+    def give(number: int) -> None:
+        jobs = [Job(f'WO-{next(numbers)}', script, 1, {'label': 'A7'}) for _ in range(number)]
+        assert engine.ask(AddJobs(tuple(jobs))).accepted
+
+    def one() -> None:
+        give(1)
+        before = len(engine.state.queue)
+        while len(engine.state.queue) == before:
+            assert simulation.clock.advance()
+            engine.settle()
+        status_message(engine, simulation.clock.now(), {})
+
+    give(waiting)
+    for _ in range(5):
+        one()  # until the line is full
+    began = time.process_time()
+    for _ in range(orders):
+        one()
+    used_s = time.process_time() - began
+    simulation.close()
+    return used_s / orders
 
 
 def check(rounds: int, length: int, tasks: int) -> Iterator[Row]:
