@@ -8,10 +8,23 @@ NAME = 'bt_orchestrator'
 SHARE = f'share/{NAME}'
 
 
-def share_files(folder: str) -> tuple[str, list[str]]:
-    """Install the files of one top-level folder under share/."""
-    files = (path for path in Path(folder).glob('*') if path.is_file())
-    return f'{SHARE}/{folder}', sorted(str(path) for path in files)
+def share_files(folder: str) -> list[tuple[str, list[str]]]:
+    """Install all files below one top-level folder under share/, in the same folders."""
+    files: dict[str, list[str]] = {}
+    for path in sorted(Path(folder).rglob('*')):
+        if path.is_file() and not _is_left_over(path):
+            files.setdefault(f'{SHARE}/{path.parent.as_posix()}', []).append(str(path))
+    return list(files.items())
+
+
+def package_files() -> list[str]:
+    """Whatever stands in the package and is no code: profiles, schemas, texts, pages."""
+    files = (path for path in Path(NAME).rglob('*') if path.is_file() and path.suffix != '.py')
+    return sorted(str(path.relative_to(NAME)) for path in files if not _is_left_over(path))
+
+
+def _is_left_over(path: Path) -> bool:
+    return any(part == '__pycache__' or part.startswith('.') for part in path.parts)
 
 
 def develop_options() -> dict[str, dict[str, str]]:
@@ -34,18 +47,17 @@ setuptools.setup(
     maintainer_email='maintainers@example.org',
     license='Apache-2.0',
     packages=setuptools.find_packages(include=[NAME, f'{NAME}.*']),
-    package_data={NAME: ['py.typed']},
+    package_data={NAME: package_files()},
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (SHARE, ['package.xml']),
-        share_files('config'),
-        share_files('config/orders'),
-        share_files('launch'),
-        share_files('schemas'),
-        share_files('trees'),
+        *share_files('config'),
+        *share_files('launch'),
+        *share_files('schemas'),
+        *share_files('trees'),
     ],
     options=develop_options(),
-    zip_safe=True,
+    zip_safe=False,
     python_requires='>=3.10',
     # ROS 2 packages are not named here: they come from a distribution or from its wheels, and
     # py_trees_ros exists only in the former. package.xml lists them all.

@@ -17,6 +17,7 @@ from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.diagnosis.check import Verdict
 from bt_orchestrator.diagnosis.domain import domain, reach
 from bt_orchestrator.errors import OrchestratorError, Refused
+from bt_orchestrator.ros.fast_dds import keep_off_shared_memory
 
 PROGRAM = 'bt-orchestrator'
 
@@ -66,6 +67,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     if '_ARGCOMPLETE' in os.environ:
         _complete(os.environ.get('COMP_LINE', ''))
     _print_anything()
+    keep_off_shared_memory(os.environ)
     try:
         status = _carry_out(words)
         sys.stdout.flush()

@@ -17,7 +17,12 @@ from sources import digest
 SCRIPTS = Path(__file__).resolve().parents[1]
 REQUIREMENTS = SCRIPTS / 'requirements'
 INSTALLERS = REQUIREMENTS / 'installers.txt'
-VARIABLES = Path(__file__).with_name('ros_variables.py')
+VARIABLES = {
+    Path(__file__).with_name('ros_variables.py'): '_ros_variables.py',
+    SCRIPTS.parent / 'bt_orchestrator' / 'ros' / 'fast_dds.py': '_fast_dds.py',
+    SCRIPTS.parent / 'bt_orchestrator' / 'ros' / 'fast_dds_udp.xml': 'fast_dds_udp.xml',
+}
+"""Files that every Python process of the environment reads, and their names in site-packages."""
 
 
 class Environment:
@@ -48,7 +53,7 @@ class Environment:
         interpreter = os.path.realpath(sys.executable)
         foundation = digest(pins, REQUIREMENTS, sys.version, interpreter)
         new = not self._is_done('environment', foundation)
-        variables = digest([VARIABLES], VARIABLES.parent, foundation)
+        variables = digest(VARIABLES, self._root, foundation)
         due = [
             project
             for project in self._projects(foundation)
@@ -104,7 +109,8 @@ class Environment:
         """See `ros_variables`. Files named .pth run in the order of their names: ours is early."""
         version = f'python{sys.version_info.major}.{sys.version_info.minor}'
         site_packages = self.folder / 'lib' / version / 'site-packages'
-        shutil.copy(VARIABLES, site_packages / '_ros_variables.py')
+        for path, name in VARIABLES.items():
+            shutil.copy(path, site_packages / name)
         line = f"import _ros_variables; _ros_variables.set_up('{self._distro}')\n"
         (site_packages / '_ros_variables.pth').write_text(line)
         (self.folder / 'log').mkdir(exist_ok=True)

@@ -1,0 +1,34 @@
+"""Keeps Fast DDS off shared memory, where the user has not said what it is to use.
+
+A killed process leaves its segments and locks in /dev/shm. Whoever comes next complains of them in
+front of every output, waits for them, or hears nothing. UDP over the loopback interface costs
+a few microseconds more and leaves nothing behind.
+
+scripts/bootstrap copies this file and its profile beside the variables of its environment, where
+every Python process reads them; so it imports little.
+"""
+
+import os
+from collections.abc import MutableMapping
+
+PROFILE = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'fast_dds_udp.xml')
+
+TRANSPORTS = 'FASTDDS_BUILTIN_TRANSPORTS'
+PROFILES = 'FASTDDS_DEFAULT_PROFILES_FILE'
+OLD_PROFILES = 'FASTRTPS_DEFAULT_PROFILES_FILE'
+"""The only name that Jazzy and its elders read, and of which later ones warn."""
+OLD_DISTROS = ('humble', 'iron', 'jazzy')
+
+FOUND_BY_ITSELF = ('DEFAULT_FASTDDS_PROFILES.xml', 'DEFAULT_FASTRTPS_PROFILES.xml')
+"""Files that Fast DDS reads where a program is started."""
+
+
+def keep_off_shared_memory(environ: MutableMapping[str, str]) -> None:
+    """Set what is to be set before the first participant is made; what is set already stays."""
+    own = any(environ.get(name) for name in (TRANSPORTS, PROFILES, OLD_PROFILES))
+    if own or any(os.path.exists(name) for name in FOUND_BY_ITSELF):
+        return
+    # The first says nothing while ROS_AUTOMATIC_DISCOVERY_RANGE is LOCALHOST: there rmw_fastrtps
+    # adds shared memory by itself. Then the profile says where to listen, which is UDP alone.
+    environ[TRANSPORTS] = 'UDPv4'
+    environ[OLD_PROFILES if environ.get('ROS_DISTRO') in OLD_DISTROS else PROFILES] = PROFILE
