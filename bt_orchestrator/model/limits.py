@@ -6,9 +6,12 @@ mark that tells how much is missing, for its goal has ended all the same.
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import islice
+from typing import TypeVar
+
+_T = TypeVar('_T')
 
 REQUEST_BYTES = 1_000_000
 """Longest request, all its texts together."""
@@ -39,6 +42,9 @@ PAUSES = 32
 
 TWINS = 8
 """Most holds that stand at a time because of nodes of one name."""
+
+EVENTS_BYTES = 1_000_000
+"""Longest answer to a client that asks for events, as JSON; one event is always told."""
 
 NAMES_LISTED = 20
 """Most names that a message lists."""
@@ -78,6 +84,16 @@ def cut(text: str, most: int) -> str:
         return text
     mark = f' … ({len(text)} characters, the rest is cut)'
     return text[: max(0, most - len(mark))] + mark
+
+
+def fitting(things: Iterable[_T], most: int, size: Callable[[_T], int]) -> Iterator[_T]:
+    """Yield things for as long as they fit into a size together; the first one always."""
+    total = 0
+    for number, thing in enumerate(things):
+        total += size(thing)
+        if number and total > most:
+            return
+        yield thing
 
 
 def listed(names: Collection[str], otherwise: str) -> str:

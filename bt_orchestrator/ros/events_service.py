@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 from bt_orchestrator_interfaces.srv import GetEvents
 from rclpy.node import Node
 
 from bt_orchestrator.errors import DamagedRecord, OrchestratorError
-from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.limits import EVENTS_BYTES, fitting
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import EventStore
 from bt_orchestrator.ros.event_message import event_message
@@ -30,8 +31,7 @@ class EventsService:
         most = min(request.most or MOST, MOST)
         try:
             # What was removed or is damaged cannot be told; a client sees that from first_seq.
-            response.first_seq, found = self._readable(request.after_seq, most)
-            response.events = [event_message(event, self._store.history) for event in found]
+            response.first_seq, response.events = self._readable(request.after_seq, most)
         except (OrchestratorError, OverflowError) as error:
             response.message = str(error)
             return response
@@ -40,16 +40,22 @@ class EventsService:
         response.accepted = True
         return response
 
-    def _readable(self, after: int, most: int) -> tuple[int, list[Event]]:
-        """Return events without gaps, and the first one that can be had."""
+    def _readable(self, after: int, most: int) -> tuple[int, list[Any]]:
+        """Return the first event that can be had, and messages of events without gaps."""
         first = self._store.first_seq()
         while True:
-            found: list[Event] = []
+            found: list[Any] = []
             try:
-                found.extend(self._store.read(after, most))
+                found.extend(self._messages(after, most))
             except DamagedRecord as damage:
                 self._log.warning(f'{damage}; whoever asks for it gets what comes after')
                 if not found:
                     after, first = damage.last, damage.last + 1
                     continue
             return first, found
+
+    def _messages(self, after: int, most: int) -> Iterator[Any]:
+        """Yield as many events as one answer may tell."""
+        events = self._store.read(after, most)
+        messages = (event_message(event, self._store.history) for event in events)
+        return fitting(messages, EVENTS_BYTES, lambda message: len(message.record))

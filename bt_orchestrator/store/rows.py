@@ -5,17 +5,22 @@ from __future__ import annotations
 import json
 import sqlite3
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import closing
 from itertools import chain
 from typing import NamedTuple
 
 from bt_orchestrator.errors import DamagedRecord
 from bt_orchestrator.model.codec import from_record, to_text
 from bt_orchestrator.model.events import Event, JobQueued
+from bt_orchestrator.model.limits import fitting
 from bt_orchestrator.store.checks import check_of_event
 from bt_orchestrator.store.database import transaction
 
 _AT_ONCE = 50
 """Most events that are written with one statement; a settle has a few."""
+
+_PAGE, _PAGE_BYTES = 1000, 1_000_000
+"""Events that one query reads, and how much they may say together."""
 
 _INSERT = 'INSERT INTO events (seq, record, checksum, ends) VALUES '
 _ONE = '(?, ?, ?, ?)'
@@ -71,12 +76,17 @@ class Row(NamedTuple):
 
 
 def page(database: sqlite3.Connection, after: int, last: int, most: int) -> list[Row]:
-    """Return some rows; no query stays open, which would keep the file open."""
+    """Return the next rows, if any; no query stays open, which would keep the file open.
+
+    :param most: so many at most; -1: as many as one query reads
+    """
     query = (
         'SELECT seq, CAST(record AS BLOB), checksum, ends FROM events '
         'WHERE seq > ? AND seq <= ? ORDER BY seq LIMIT ?'
     )
-    return [Row._make(row) for row in database.execute(query, (after, last, most)).fetchall()]
+    wanted = _PAGE if most < 0 else min(most, _PAGE)
+    with closing(database.execute(query, (after, last, wanted))) as rows:
+        return list(fitting(map(Row._make, rows), _PAGE_BYTES, lambda row: len(row.text)))
 
 
 def events_of(rows: Iterable[Row], before: int, checked_from: int) -> Iterator[Event]:

@@ -35,9 +35,6 @@ log = logging.getLogger(__name__)
 _EVERY = 1 << 62
 """Greater than the seq of any event."""
 
-_PAGE = 1000
-"""Events that one query reads."""
-
 SYNCHRONOUS = ('FULL', 'NORMAL')
 
 
@@ -119,14 +116,10 @@ class SqliteStore:
             yield from rows.events_of(self._rows(after, most), before, self._on_file.checked_from)
 
     def _rows(self, after: int, most: int) -> Iterator[rows.Row]:
-        while most:
-            wanted = _PAGE if most < 0 else min(most, _PAGE)
-            page = rows.page(self._database, after, self._end, wanted)
+        while page := rows.page(self._database, after, self._end, most):
             yield from page
-            if len(page) < wanted:
-                return
             after = page[-1].seq
-            most -= wanted if most > 0 else 0
+            most -= len(page) if most > 0 else 0
 
     def missing(self, after: int) -> str:
         """Tell, in words, what was written after an event and is not to be had; empty: nothing."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sqlite3
+import tracemalloc
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -48,6 +49,22 @@ def test_what_was_appended_is_there_for_the_next(path: Path) -> None:
     assert list(second.read()) == events(1, 4)
     assert list(second.read(after=3)) == events(4, 4)
     second.close()
+
+
+def test_of_long_events_few_are_read_at_a_time(store: SqliteStore) -> None:
+    long = [JobStarted(seq=n, time=n / 2, job=f'{n}' * 1_000_000) for n in range(1, 31)]
+    for event in long:
+        store.append([event])
+    tracemalloc.start()
+    try:
+        first = next(iter(store.read()))
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert first == long[0]
+    assert peak < 10_000_000
+    assert list(store.read()) == long
+    assert list(store.read(after=3, most=2)) == long[3:5]
 
 
 def test_others_read_while_it_is_open(store: SqliteStore, path: Path) -> None:

@@ -1,0 +1,49 @@
+"""`~/get_events` tells much, and never so much that its answer keeps the node."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from bt_orchestrator_interfaces.srv import GetEvents
+from fakes.files_read import reference
+
+from bt_orchestrator.model.events import JobStarted
+from bt_orchestrator.model.limits import EVENTS_BYTES
+from bt_orchestrator.model.state import CellState
+from bt_orchestrator.ros.events_service import EventsService
+from bt_orchestrator.store.memory import MemoryStore
+
+LONG = 400_000
+
+
+class ServiceHost:
+    """What of a node the service needs."""
+
+    answer: Callable[[Any, Any], Any]
+
+    def get_logger(self) -> None:
+        """Return nothing, which nobody asks here."""
+
+    def create_service(self, kind: Any, name: str, answer: Callable[[Any, Any], Any]) -> None:
+        self.answer = answer
+
+
+def asked(lengths: list[int], **request: int) -> list[int]:
+    """Return the numbers of the events that are told of such a journal."""
+    store, host = MemoryStore('here'), ServiceHost()
+    store.append([JobStarted(seq=n, job='j' * size) for n, size in enumerate(lengths, 1)])
+    EventsService(host, CellState(reference()[0]), store)  # type: ignore[arg-type]
+    response = host.answer(GetEvents.Request(**request), GetEvents.Response())
+    assert response.accepted
+    return [event.seq for event in response.events]
+
+
+def test_an_answer_is_no_longer_than_its_limit() -> None:
+    assert asked([LONG] * 10) == [1, 2]
+    assert asked([LONG] * 10, after_seq=7) == [8, 9]
+    assert asked([10] * 10) == list(range(1, 11))
+
+
+def test_one_event_is_told_however_long() -> None:
+    assert asked([2 * EVENTS_BYTES] * 3, after_seq=1) == [2]
