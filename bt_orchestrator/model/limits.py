@@ -6,10 +6,10 @@ mark that tells how much is missing, for its goal has ended all the same.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import islice
-from typing import TypeVar
+from typing import Any, TypeVar
 
 _T = TypeVar('_T')
 
@@ -35,7 +35,19 @@ MESSAGE = 2_000
 """Longest words about a failure that are kept, in characters."""
 
 STATE_VALUE_BYTES = 64_000
-"""Longest value of a state topic that is kept, as JSON."""
+"""Longest value of a state topic that is kept."""
+
+STATE_VALUE_SHORT = 1_000
+"""The same where a topic says more than may be written."""
+
+FEEDBACK_BYTES = 16_000
+"""Longest feedback that a status shows."""
+
+RESULT_BYTES = 4_000_000
+"""Most that is kept of one result; the longest fields beyond that are left out."""
+
+PLACE = 100
+"""Longest name of a computer or a cell that another node tells of itself, in characters."""
 
 PAUSES = 32
 """Most pauses that stand at a time; a cell that has one starts nothing already."""
@@ -52,23 +64,32 @@ NAMES_LISTED = 20
 
 @dataclass(frozen=True)
 class Share:
-    """Bytes that may be written to the journal: so many at once, so many a second after that."""
+    """What may be used: so much at once, so much a second after that."""
 
     at_once: float
     per_s: float
 
 
+STATES_OF_ONE = Share(128e3, 2e3)
+"""Bytes that the values of one state topic write to the journal."""
+
+LOG_LINES = Share(50, 0.1)
+"""Lines that one part of the node logs about what others send."""
+
+REFUSED_GOALS = Share(1_000, 1.0)
+"""Goals of `run_job` that are refused with words; each result is kept for a while."""
+
 COMMANDS_OF_ONE = Share(16e6, 2e3)
-"""What the commands of one sender write. One work order writes about 600 bytes."""
+"""Bytes that the commands of one sender write; a work order writes about 600."""
 
 COMMANDS = Share(32e6, 2e3)
-"""What the commands of all senders write together."""
+"""Bytes that the commands of all senders write together."""
 
 REFUSALS_OF_ONE = Share(16e3, 100.0)
-"""What the single records of refused commands write, of one sender; others are counted."""
+"""Bytes of the single records of refused commands, of one sender; others are counted."""
 
 REFUSALS = Share(64e3, 300.0)
-"""What the single records of refused commands write, of all senders together."""
+"""Bytes of the single records of refused commands, of all senders together."""
 
 
 QUEUE_SHOWN = 100
@@ -101,3 +122,33 @@ def listed(names: Collection[str], otherwise: str) -> str:
     more = len(names) - NAMES_LISTED
     shown = ', '.join(islice(names, NAMES_LISTED)) or otherwise
     return f'{shown} and {more} more' if more > 0 else shown
+
+
+def rough_size(value: Any) -> int:
+    """Return about how many bytes a plain value takes as JSON, without making it."""
+    if isinstance(value, str):
+        return len(value) + 2
+    if isinstance(value, Mapping):
+        return sum(len(key) + 4 + rough_size(member) for key, member in value.items())
+    if isinstance(value, (list, tuple)):
+        return sum(map(rough_size, value)) + 2
+    return 8
+
+
+def shortened(value: Any, most: int) -> Any:
+    """Return a plain value, or in its place a text if it is longer than about `most` bytes."""
+    if isinstance(value, str):
+        return cut(value, most)
+    size = rough_size(value)
+    return f'… ({size} bytes, too long to be shown)' if size > most else value
+
+
+def without_longest(fields: Mapping[str, Any], most: int) -> dict[str, Any]:
+    """Return fields without the longest ones, so that all take at most about `most` bytes."""
+    sizes = {name: rough_size(value) for name, value in fields.items()}
+    total = sum(sizes.values())
+    for name in sorted(sizes, key=lambda name: -sizes[name]):
+        if total <= most:
+            break
+        total -= sizes.pop(name)
+    return {name: value for name, value in fields.items() if name in sizes}

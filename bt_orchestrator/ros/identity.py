@@ -20,6 +20,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.limits import PLACE, cut
 from bt_orchestrator.ros.handles import subscription
 from bt_orchestrator.ros.qos import LATCHED, publisher
 from bt_orchestrator.ros.stamps import to_time
@@ -30,6 +31,9 @@ LOOK_S = 1.0
 """Longest time to look for others; where the network is slow, they are found later."""
 
 _STEP_S = 0.02
+
+_MOST_KNOWN = 100
+"""Of more nodes of one name no note is taken: the cell holds already."""
 
 _FROM_ALL = QoSProfile(
     depth=20,
@@ -76,7 +80,8 @@ class Presence:
         known = {self.own.instance}
 
         def heard(other: Identity) -> None:
-            if other.instance not in known and not other.standby:
+            is_new = other.instance not in known and len(known) < _MOST_KNOWN
+            if is_new and not other.standby:
                 known.add(other.instance)
                 found(f'{name} also runs elsewhere: {where(other)}; stop one of the two')
 
@@ -143,6 +148,7 @@ def where(identity: Identity) -> str:
     """Say where a process is, what it runs and since when."""
     since = datetime.fromtimestamp(identity.started.sec)
     return (
-        f'process {identity.pid} on {identity.host}, with cell {identity.cell}, '
+        f'process {identity.pid} on {cut(identity.host, PLACE)}, with cell '
+        f'{cut(identity.cell, PLACE)}, '
         f'since {since:%Y-%m-%d %H:%M:%S}'
     )

@@ -38,6 +38,7 @@ from bt_orchestrator.ros.pulse import Pulse
 from bt_orchestrator.ros.queue_services import QueueServices
 from bt_orchestrator.ros.run_job import RunJobServer
 from bt_orchestrator.ros.services import Services
+from bt_orchestrator.ros.spare_log import SpareLog
 from bt_orchestrator.runtime.housekeeping import Housekeeping
 from bt_orchestrator.runtime.observed_durations import ObservedDurations, last_events
 from bt_orchestrator.runtime.orchestrator import Orchestrator
@@ -85,6 +86,7 @@ class TreeNode:
         :raises NoLibrary: the parameter `inspection` asks for one that cannot be loaded
         """
         self.node = node
+        self._log = SpareLog(node.get_logger())
         presence = Presence(node)  # hears others while this one is set up
         self.parameters = declare(node, defaults)
         types = InstalledActionTypes()
@@ -235,7 +237,7 @@ class TreeNode:
         except ExternalShutdownException:
             raise
         except Exception as error:  # noqa: BLE001 - an exception in a callback ends no cell
-            self.node.get_logger().error(f'a callback failed: {error!r}')
+            self._log.error(f'a callback failed: {error!r}')
 
 
 def run_node(

@@ -15,6 +15,8 @@ from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
+from bt_orchestrator.ros.spare_log import SpareLog
+
 if TYPE_CHECKING:
     from rclpy.node import Node
 
@@ -60,9 +62,9 @@ def create_patient_service(
     :param callback: returns the response, or `Later`
     """
     service: Any = node.create_service(kind, name, callback)
-    answers = PatientAnswers(
-        service.service_name, service.send_response, partial(_once, node), node.get_logger()
-    )
+    log = SpareLog(node.get_logger())
+    later = partial(_once, node)
+    answers = PatientAnswers(service.service_name, service.send_response, later, log)
     service.send_response = answers.send  # what every executor calls
 
 

@@ -6,6 +6,7 @@ requests are commands in the inbox of the cell, the ends of jobs come as events.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -18,19 +19,21 @@ from rclpy.node import Node
 
 from bt_orchestrator.deadlines import NS_PER_S
 from bt_orchestrator.errors import Refused
+from bt_orchestrator.model.allowance import Allowance
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.commands import RefusedRequest
 from bt_orchestrator.model.events import Event, TaskFailed
 from bt_orchestrator.model.job_commands import AddJobs, ControlJob
 from bt_orchestrator.model.job_report import ItemReport, JobReport
-from bt_orchestrator.model.limits import QUEUE_SHOWN
+from bt_orchestrator.model.limits import QUEUE_SHOWN, REFUSED_GOALS
 from bt_orchestrator.ros.expected_ends import ExpectedEnds
 from bt_orchestrator.ros.job_message import job_messages
 from bt_orchestrator.ros.order_process import NotRead
 from bt_orchestrator.ros.order_reader import OrderReader, Steps
 from bt_orchestrator.ros.order_requests import Told, asked_orders, refused_orders, written_order
 from bt_orchestrator.ros.serving import by
+from bt_orchestrator.ros.spare_log import SpareLog
 from bt_orchestrator.ros.stamps import to_time
 from bt_orchestrator.runtime.command_record import ADD
 from bt_orchestrator.runtime.orchestrator import Orchestrator
@@ -53,8 +56,9 @@ class _Served:
 class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazzy's rclpy
     """Serves `~/run_job`. Implements `ports.EventSink`.
 
-    Every goal is accepted: a refusal has no words in ROS 2. That of an order whose mistakes are
-    found ends at once, aborted, with the findings in its result.
+    A goal is accepted whatever its order is, for a refusal has no words in ROS 2: one with
+    mistakes ends at once, aborted, with the findings in its result. As these are kept for a
+    while, goals are refused while there are too many of them.
     """
 
     def __init__(
@@ -69,12 +73,14 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
         self._expected = expected
         self._served: dict[str, _Served] = {}
         self._being_read: list[Any] = []
+        self._log = SpareLog(node.get_logger())
+        self._refused = Allowance(REFUSED_GOALS)
         super().__init__(
             node,
             RunJob,
             '~/run_job',
             execute_callback=_never_called,
-            goal_callback=lambda _: GoalResponse.ACCEPT,
+            goal_callback=self._admit,
             handle_accepted_callback=self._begin,
             cancel_callback=self._cancel,
             result_timeout=RESULT_TIMEOUT_S,
@@ -105,6 +111,13 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
 
     # --- requests ---------------------------------------------------------------------------
 
+    def _admit(self, _: Any) -> GoalResponse:
+        """Accept a goal, to say why if its order is refused, unless too many were refused."""
+        if self._refused.left(time.monotonic()) >= 1:
+            return GoalResponse.ACCEPT
+        self._log.warning('run_job takes no goal now: too many orders were refused lately')
+        return GoalResponse.REJECT
+
     def _begin(self, handle: Any) -> None:
         """Queue the order of a goal that was accepted, once it was read."""
         handle.execute()
@@ -113,7 +126,7 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
         def ended(error: Exception | None) -> None:
             self._being_read.remove(handle)
             if error is not None:
-                self._node.get_logger().error(f'run_job failed: {error!r}')
+                self._log.error(f'run_job failed: {error!r}')
                 self._refuse(handle, f'internal error, see the log of the node: {error!r}')
 
         self._orders.follow(self._queue(handle), ended)
@@ -156,7 +169,7 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
         who = By(served.by.who, served.by.origin, 'the goal was cancelled')
         answer = self._orchestrator.ask(ControlJob('abort', served.report.job, who))
         if not answer.accepted:
-            self._node.get_logger().warning(f'run_job is not cancelled: {answer.message}')
+            self._log.warning(f'run_job is not cancelled: {answer.message}')
         return CancelResponse.ACCEPT if answer.accepted else CancelResponse.REJECT
 
     # --- answers ----------------------------------------------------------------------------
@@ -191,6 +204,7 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
         self._conclude(served.handle, result)
 
     def _refuse(self, handle: Any, message: str, findings: Sequence[str] = ()) -> None:
+        self._refused.use(1, time.monotonic())
         result = RunJob.Result(exit_status='refused', message=message, findings=list(findings))
         self._conclude(handle, result)
 

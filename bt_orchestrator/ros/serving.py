@@ -9,8 +9,10 @@ from rclpy.node import Node
 
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.commands import Answer
+from bt_orchestrator.model.limits import MESSAGE, cut
 from bt_orchestrator.ros.order_reader import OrderReader, Steps
 from bt_orchestrator.ros.patient_service import Later, create_patient_service
+from bt_orchestrator.ros.spare_log import SpareLog
 
 
 def serve(node: Node, kind: Any, name: str, handle: Callable[[Any, Any], None]) -> None:
@@ -18,12 +20,13 @@ def serve(node: Node, kind: Any, name: str, handle: Callable[[Any, Any], None]) 
 
     :param handle: fills the response; an exception becomes a refusal, and stops nothing
     """
+    log = SpareLog(node.get_logger())
 
     def answer(request: Any, response: Any) -> Any:
         try:
             handle(request, response)
         except Exception as error:  # noqa: BLE001 - a bad request never stops the node
-            _tell_of_failure(node, name, response, error)
+            _tell_of_failure(log, name, response, error)
         return response
 
     create_patient_service(node, kind, f'~/{name}', answer)
@@ -36,13 +39,14 @@ def serve_orders(
 
     :param handle: fills the response in steps, as above
     """
+    log = SpareLog(node.get_logger())
 
     def answer(request: Any, response: Any) -> Any:
         later = Later()
 
         def ended(error: Exception | None) -> None:
             if error is not None:
-                _tell_of_failure(node, name, response, error)
+                _tell_of_failure(log, name, response, error)
             later.answer(response)
 
         orders.follow(handle(request, response), ended)
@@ -51,10 +55,10 @@ def serve_orders(
     create_patient_service(node, kind, f'~/{name}', answer)
 
 
-def _tell_of_failure(node: Node, name: str, response: Any, error: Exception) -> None:
-    node.get_logger().error(f'{name} failed: {error!r}')
+def _tell_of_failure(said: SpareLog, name: str, response: Any, error: Exception) -> None:
+    said.error(f'{name} failed: {error!r}')
     response.accepted = False
-    response.message = f'internal error, see the log of the node: {error!r}'
+    response.message = cut(f'internal error, see the log of the node: {error!r}', MESSAGE)
 
 
 def tell(response: Any, answer: Answer) -> None:

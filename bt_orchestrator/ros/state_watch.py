@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import time
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from rclpy.event_handler import SubscriptionEventCallbacks
@@ -12,9 +13,15 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from bt_orchestrator.model.cell import Component, StateTopic
 from bt_orchestrator.model.goal import StateReading
 from bt_orchestrator.news import News
-from bt_orchestrator.ros.callbacks import report
+from bt_orchestrator.ros.callbacks import guarded, report
 from bt_orchestrator.ros.interface_classes import message_class
 from bt_orchestrator.ros.messages import field_value
+from bt_orchestrator.ros.spare_log import SpareLog
+from bt_orchestrator.ros.state_flow import StateFlow
+from bt_orchestrator.ros.timers import steady_timer
+
+_WAITING_S = 0.1
+"""Between two looks whether a value that had to wait may be told."""
 
 HEARS_ALL = QoSProfile(
     depth=1,
@@ -25,7 +32,9 @@ HEARS_ALL = QoSProfile(
 
 
 class StateWatch:
-    """Reports the value of the field whenever it changed; None when no publisher is left.
+    """Reports the value of the field when it has changed; None when no publisher is left.
+
+    Of a topic that changes without end the newest value is reported, when it may be.
 
     No one profile both hears every publisher and gets the latched value of those that keep one.
     So it begins with the one that hears all, looks at the publishers once a second, and subscribes
@@ -43,23 +52,26 @@ class StateWatch:
         self._path = state.field.split('.')
         self._class = message_class(state.type)
         self._news = news
-        self._value: Any = None
-        self._logger = node.get_logger().get_child(component.name)
+        self._flow = StateFlow(state.ready)
+        self._logger = SpareLog(node.get_logger().get_child(component.name))
+        self._timer = steady_timer(node, _WAITING_S, guarded(self._tell_newest, self._logger))
+        self._timer.cancel()
         self._subscribe(HEARS_ALL)
 
     def look(self) -> None:
         """Look at the publishers; called once a second."""
         publishers = self._node.get_publishers_info_by_topic(self._topic)
         if not publishers:
-            self._report(None)
+            self._hear(None)
             return
         wanted = best_profile([publisher.qos_profile for publisher in publishers])
         if wanted != self._profile:
-            self.close()
+            self._node.destroy_subscription(self._subscription)
             self._subscribe(wanted)
 
     def close(self) -> None:
         """Stop listening."""
+        self._node.destroy_timer(self._timer)
         self._node.destroy_subscription(self._subscription)
 
     def _subscribe(self, profile: QoSProfile) -> None:
@@ -75,14 +87,22 @@ class StateWatch:
 
     def _on_message(self, message: Any) -> None:
         try:
-            self._report(field_value(message, self._path))
+            self._hear(field_value(message, self._path))
         except Exception:  # noqa: BLE001 - one bad message, the cell goes on
             report(self._logger)
 
-    def _report(self, value: Any) -> None:
-        # Of another type is changed too: 1 and True are equal in Python.
-        if value != self._value or type(value) is not type(self._value):
-            self._value = value
+    def _hear(self, value: Any) -> None:
+        self._tell(self._flow.hear(value, time.monotonic()))
+        if self._flow.is_waiting and self._timer.is_canceled():
+            self._timer.reset()
+
+    def _tell_newest(self) -> None:
+        self._tell(self._flow.look(time.monotonic()))
+        if not self._flow.is_waiting:
+            self._timer.cancel()
+
+    def _tell(self, values: Iterable[Any]) -> None:
+        for value in values:
             self._news.add(StateReading(self._component, value))
 
 

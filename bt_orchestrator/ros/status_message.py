@@ -19,7 +19,7 @@ from bt_orchestrator_interfaces.msg import (
 from bt_orchestrator.model.cell import Component
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.events import TaskKey
-from bt_orchestrator.model.limits import QUEUE_SHOWN
+from bt_orchestrator.model.limits import FEEDBACK_BYTES, QUEUE_SHOWN, rough_size, shortened
 from bt_orchestrator.model.packml import VERBS, Cause, possible_in
 from bt_orchestrator.model.state import CellState, Cycle, Phase, SectionState, TaskState
 from bt_orchestrator.model.wish import way_to_work
@@ -174,6 +174,9 @@ def _feedback(orchestrator: Orchestrator, goal: str | None) -> str:
     feedback = flight.feedback if flight else None
     if feedback is None:
         return ''
+    if rough_size(feedback) > FEEDBACK_BYTES:
+        most = FEEDBACK_BYTES // max(1, len(feedback))
+        feedback = {name: shortened(value, most) for name, value in feedback.items()}
     return json_of(feedback)
 
 

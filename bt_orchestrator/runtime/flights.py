@@ -9,6 +9,7 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.action_type import TASK_RESULT
 from bt_orchestrator.model.failures import ABORT
 from bt_orchestrator.model.goal import GoalEnd, GoalRequest, GoalStatus, Reason, StateReading
+from bt_orchestrator.model.limits import MESSAGE, RESULT_BYTES, cut, without_longest
 from bt_orchestrator.model.script import Task, index_task
 from bt_orchestrator.model.state import CellState, TaskState
 from bt_orchestrator.model.uptime import seconds_between
@@ -232,17 +233,23 @@ def _of_end(state: CellState, key: e.TaskKey, end: GoalEnd) -> e.TaskEvent:
     """Return what the end of a goal means for its task (semantics 2.2, 2.3)."""
     task = state.running[key]
     assert task.goal is not None
-    results = {name: value for name, value in end.result.items() if name != TASK_RESULT}
+    words = _foreign(end.message) if _is_foreign_cancel(task, end) else end.message
+    said = {name: value for name, value in end.result.items() if name != TASK_RESULT}
+    results = without_longest(said, RESULT_BYTES)
     if end.status is GoalStatus.SUCCEEDED and end.result.get(TASK_RESULT, True) is not False:
         return e.TaskSucceeded(
-            **key._asdict(), attempt=task.attempt, goal=task.goal, results=results
+            **key._asdict(),
+            attempt=task.attempt,
+            goal=task.goal,
+            results=results,
+            left_out=tuple(name for name in said if name not in results),
         )
     return e.TaskFailed(
         **key._asdict(),
         attempt=task.attempt,
         goal=task.goal,
         reason=_reason(task, end).value,
-        message=_foreign(end.message) if _is_foreign_cancel(task, end) else end.message,
+        message=cut(words, MESSAGE),
     )
 
 

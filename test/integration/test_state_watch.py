@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from typing import Any
 
@@ -43,7 +44,7 @@ class World:
         def heard() -> bool:
             if publisher is not None:
                 publisher.publish(saying)
-            self._update()
+            self.update()
             return len(self.values) >= len(values)
 
         self.bench.run_until(heard, f'{values}, have {self.values}')
@@ -51,10 +52,16 @@ class World:
 
     def hears_no_more(self, *values: Any) -> None:
         self.bench.run_for(1.5)
-        self._update()
+        self.update()
         assert self.values == list(values)
 
-    def _update(self) -> None:
+    @property
+    def last(self) -> Any:
+        """The value that came last."""
+        self.update()
+        return self.values[-1]
+
+    def update(self) -> None:
         for entry in self.bench.gateway.drain():
             assert isinstance(entry, StateReading)
             self.values.append(entry.value)
@@ -137,3 +144,18 @@ def test_false_is_a_value(world: World) -> None:
 )
 def test_best_profile_matches_all_offers(offers: Any, best: QoSProfile) -> None:
     assert best_profile([profile(*offer) for offer in offers]) == best
+
+
+def test_a_topic_that_changes_without_end_is_told_so_often_only(world: World) -> None:
+    publisher = world.publisher(String, profile(RELIABLE, LATCHED))
+    numbers = itertools.count()
+
+    def flooded() -> bool:
+        publisher.publish(String(data=f'{next(numbers)} {"x" * 60_000}'))
+        world.update()
+        return next(numbers) > 2_000
+
+    world.bench.run_until(flooded, 'the end of the flood')
+    assert sum(map(len, world.values)) < 200_000
+    publisher.publish(String(data='READY'))
+    world.bench.run_until(lambda: world.last == 'READY', 'the newest value')

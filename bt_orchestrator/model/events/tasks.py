@@ -87,6 +87,8 @@ class TaskSucceeded(TaskEvent):
     attempt: int
     goal: str
     results: Mapping[str, Any] = field(default_factory=dict)
+    left_out: tuple[str, ...] = ()
+    """Fields that were too long to be kept: the longest of a result of more than 4 MB."""
 
 
 @dataclass(frozen=True, kw_only=True)

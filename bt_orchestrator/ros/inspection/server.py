@@ -19,6 +19,7 @@ from bt_orchestrator.ros.inspection.snapshot_streams import SnapshotStreams, Str
 from bt_orchestrator.ros.inspection.tick_statistics import TickStatistics
 from bt_orchestrator.ros.inspection.topic_names import StreamRefused
 from bt_orchestrator.ros.patient_service import create_patient_service
+from bt_orchestrator.ros.spare_log import SpareLog
 from bt_orchestrator.ros.timers import steady_timer
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 
@@ -41,7 +42,7 @@ class InspectionServer:
 
     def __init__(self, node: Node, orchestrator: Orchestrator, ticks: TickStatistics) -> None:
         """Offer the services, and open the default stream if the parameters say so."""
-        self._logger = node.get_logger().get_child('inspection')
+        self._logger = SpareLog(node.get_logger().get_child('inspection'))
         self._activity = ActivityLog()
         source = SnapshotSource(node, orchestrator, ticks, self._activity)
         self._snapshots = SnapshotStreams(node, source)

@@ -89,6 +89,7 @@ SAMPLES: dict[str, Any] = {
     'after': 'item',
     'history': '6a8f0c1d',
     'restored': True,
+    'left_out': ('image',),
     'since': 11.5,
     'commands': {'hold': 40, '...': 2},
     'missing': '2 events are missing',

@@ -1,0 +1,51 @@
+"""A log that others cannot fill: what is said because of their messages is said so often only."""
+
+from __future__ import annotations
+
+import time
+from typing import Protocol
+
+from bt_orchestrator.model.allowance import Allowance
+from bt_orchestrator.model.limits import LOG_LINES, MESSAGE, cut
+
+
+class Logger(Protocol):
+    """The part of a ROS 2 logger that is needed here."""
+
+    def error(self, message: str) -> object:
+        """Report an error."""
+
+    def warning(self, message: str) -> object:
+        """Report something odd."""
+
+
+class SpareLog:
+    """Hands on the first lines, and later few; each of them says how many were left out."""
+
+    def __init__(self, logger: Logger) -> None:
+        self._logger = logger
+        self._allowance = Allowance(LOG_LINES)
+        self._left_out = 0
+
+    def error(self, message: str) -> None:
+        """Report an error."""
+        if self._may_say():
+            self._logger.error(self._line(message))
+
+    def warning(self, message: str) -> None:
+        """Report something odd."""
+        if self._may_say():
+            self._logger.warning(self._line(message))
+
+    def _may_say(self) -> bool:
+        now = time.monotonic()
+        if self._allowance.left(now) < 1:
+            self._left_out += 1
+            return False
+        self._allowance.use(1, now)
+        return True
+
+    def _line(self, message: str) -> str:
+        left_out, self._left_out = self._left_out, 0
+        more = f' ({left_out} lines before this one were left out)' if left_out else ''
+        return cut(message, MESSAGE) + more
