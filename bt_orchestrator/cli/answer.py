@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options, call_and_print
+from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.script.given_results import results_text
 
 ANSWERS = ('retry', 'mark_done', 'skip', 'reject', 'abort_job')
 
@@ -14,6 +16,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = 'Decide about something that is held; `status` lists the holds.'
     parser.add_argument('hold', metavar='HOLD', help='id of the hold')
     parser.add_argument('answer', choices=ANSWERS, help='the decision')
+    parser.add_argument(
+        '--result',
+        action='append',
+        default=[],
+        metavar='FIELD=VALUE',
+        help='with mark_done: a result field of the task, for later tasks that refer to it, as in '
+        'measurement=3.5, pose.x=1.0 or values="[1, 2]"; may be repeated',
+    )
     add_who_options(parser)
     add_node_options(parser)
 
@@ -22,7 +32,11 @@ def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns 1 when the answer was refused."""
     from bt_orchestrator_interfaces.srv import AnswerHold
 
+    try:
+        results = results_text(args.result)
+    except ValueError as error:
+        raise WrongUse(f'answer: {error}') from error
     request = AnswerHold.Request(
-        hold=args.hold, answer=args.answer, who=args.who, reason=args.reason
+        hold=args.hold, answer=args.answer, results=results, who=args.who, reason=args.reason
     )
     return call_and_print(args, AnswerHold, 'answer_hold', request)

@@ -82,6 +82,14 @@ def _add_hold_options(parser: argparse.ArgumentParser) -> None:
         metavar='SECONDS',
         help='virtual seconds from a hold to the answer of --on-hold (default 0)',
     )
+    parser.add_argument(
+        '--result',
+        action='append',
+        default=[],
+        metavar='TASK.FIELD=VALUE',
+        help='with --on-hold mark_done: a result field of a task, for later tasks that refer to '
+        'it; may be repeated',
+    )
 
 
 def run(args: argparse.Namespace) -> int:
@@ -131,4 +139,6 @@ def _compare(args: argparse.Namespace, types: ActionTypes) -> int:
 
 
 def _options(args: argparse.Namespace) -> RunOptions:
-    return RunOptions(args.fail, args.on_hold, args.answer_after, args.trace, args.gantt)
+    return RunOptions(
+        args.fail, args.on_hold, args.answer_after, args.trace, args.gantt, args.result
+    )

@@ -12,6 +12,7 @@ from typing import Any
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.check import as_json
 from bt_orchestrator.cli.forecast_text import forecast_lines, job_lines
+from bt_orchestrator.cli.standing_results import standing_results
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import to_plain
@@ -43,6 +44,7 @@ class RunOptions:
     answer_after_s: float = 0.0
     trace: Path | None = None
     gantt: Path | None = None
+    results: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -69,6 +71,8 @@ def run_jobs(
     :raises WrongUse: the chart cannot be written
     :raises Refused: the cell does not take all jobs
     """
+    scripts = [one.job.script for one in given]
+    results = standing_results(options.results, scripts, cell, types)
     cell = with_faults(cell, options.faults, types)
     fold, gantt = ForecastFold(), GanttFold()
     with ExitStack() as stack:
@@ -79,7 +83,9 @@ def run_jobs(
         stack.callback(simulation.close)
         bootstrap.queue(simulation, given)
         log = WaitLog()
-        operator = StandingAnswers(simulation, options.on_hold, options.answer_after_s, WHO)
+        operator = StandingAnswers(
+            simulation, options.on_hold, options.answer_after_s, WHO, results
+        )
         outcome = simulation.run(_looks(simulation, log, operator if options.on_hold else None))
         waits, now_s = log.end(simulation.clock.now()), simulation.clock.now()
         if options.gantt is not None:

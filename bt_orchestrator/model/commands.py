@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.cell_commands import CellCommand
@@ -17,6 +19,8 @@ class AnswerHold:
     answer: str
     """One of the answers that the hold offers."""
     by: By
+    results: Mapping[str, Any] = field(default_factory=dict)
+    """Of `mark_done`: result fields of the task, for references of later tasks (semantics 6.3)."""
 
 
 @dataclass(frozen=True)

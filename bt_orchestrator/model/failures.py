@@ -8,6 +8,7 @@ from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.goal import Reason
+from bt_orchestrator.model.reference import Reference, references
 from bt_orchestrator.model.script import Task
 from bt_orchestrator.model.state import CellState, JobState, TaskState
 
@@ -69,7 +70,8 @@ def raise_hold(state: CellState, key: e.TaskKey, task: Task) -> e.HoldRaised:
     """Ask an operator about a task (semantics 7.1)."""
     failed = state.tasks[key]
     offered = answers(state, key, task)
-    said = (failed.message, _question(key, task, offered) if _is_open(failed, task) else '')
+    question = _question(key, task, offered) if _is_open(failed, task) else ''
+    said = (failed.message, question, _wanted(state, key))
     return e.HoldRaised(
         hold=state.next_hold,
         **key._asdict(),
@@ -95,7 +97,8 @@ def answers(state: CellState, key: e.TaskKey, task: Task) -> tuple[str, ...]:
     if is_open and failed.cancel_cause == ABORT_JOB:
         again = False
     offered = {
-        'retry': again,
+        # What lacks a result would lack it again.
+        'retry': again and failed.reason is not Reason.MISSING_RESULT,
         'mark_done': True,
         # An item that needs this task to leave the belt would not leave it.
         'skip': task.qty_change != -1 or not again,
@@ -119,6 +122,25 @@ def _question(key: e.TaskKey, task: Task, offered: tuple[str, ...]) -> str:
     done = 'placed in' if task.qty_change == 1 else 'taken out of'
     otherwise = ' or '.join(answer for answer in offered if answer != 'mark_done')
     return f'was {key.item} {done} section {key.section}? mark_done if it was, else {otherwise}'
+
+
+def _wanted(state: CellState, key: e.TaskKey) -> str:
+    """Say which results of a task later tasks of its item refer to: `mark_done` may give them."""
+    if key.job is None or key.item is None:
+        return ''
+    named = {
+        '.'.join(reference.fields)
+        for task in state.script(key.job).tasks.values()
+        for reference in (*references(task.args), *_of_condition(task))
+        if (reference.source, reference.name) == ('results', key.task)
+    }
+    given = ' '.join(f'--result {name}=VALUE' for name in sorted(named))
+    return f'later tasks use its results: mark_done takes them, {given}' if named else ''
+
+
+def _of_condition(task: Task) -> Iterator[Reference]:
+    if task.condition is not None:
+        yield from references(task.condition.value)
 
 
 def _policy(state: CellState, key: e.TaskKey, task: Task) -> OnFailure:

@@ -181,6 +181,10 @@ def _task_retrying(event: e.TaskRetrying, state: CellState) -> None:
 @_on(e.TaskSucceeded)
 def _task_succeeded(event: e.TaskSucceeded, state: CellState) -> None:
     _succeed(state, event.key, End.DONE)
+    _keep_results(state, event)
+
+
+def _keep_results(state: CellState, event: e.TaskSucceeded | e.TaskMarkedDone) -> None:
     if event.item is not None and event.results:
         state.items[event.item].results[event.task] = event.results
 
@@ -189,6 +193,7 @@ def _task_succeeded(event: e.TaskSucceeded, state: CellState) -> None:
 def _task_marked_done(event: e.TaskMarkedDone, state: CellState) -> None:
     _forget_done(state, event.key)
     _succeed(state, event.key, End.MARKED_DONE)
+    _keep_results(state, event)
 
 
 @_on(e.TaskSkipped)

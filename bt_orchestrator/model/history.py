@@ -216,6 +216,7 @@ _FOLDS: Mapping[str, Callable[[JobRecord, _Record], None]] = {
     'item.missing': _item_missing,
     'item.removed': _item_removed,
     'task.succeeded': _task_succeeded,
+    'task.marked_done': _task_succeeded,
     'task.failed': _task_failed,
     'task.continued': _task_continued,
 }

@@ -59,7 +59,7 @@ class JobReport:
         if event.item is None:
             return
         item = self.items[event.item]
-        if isinstance(event, e.TaskSucceeded) and event.results:
+        if isinstance(event, (e.TaskSucceeded, e.TaskMarkedDone)) and event.results:
             item.results[event.task] = event.results
         elif isinstance(event, e.TaskContinued) and event.policy == OnFailure.CONTINUE.value:
             item.nonconforming.append(event.task)

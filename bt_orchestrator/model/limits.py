@@ -43,6 +43,9 @@ STATE_VALUE_SHORT = 1_000
 FEEDBACK_BYTES = 16_000
 """Longest feedback that a status shows."""
 
+RESULTS_TEXT = 64_000
+"""Longest text with results that an operator gives, in characters."""
+
 RESULT_BYTES = 4_000_000
 """Most that is kept of one result; the longest fields beyond that are left out."""
 

@@ -105,7 +105,7 @@ class TreeNode:
         pulse = Pulse(node)
         self._expected = self._look_ahead(parts, pulse, store)
         self._orders = self._read_orders()
-        self._run_job = self._take_requests(store)
+        self._run_job = self._take_requests(types, store)
         self._status = self._show(pulse)
         self._ticks = TickStatistics()
         self._inspected = start_inspection(
@@ -188,9 +188,9 @@ class TreeNode:
         process = order_process(state.cell, parameters.trees, any_path=parameters.script_paths)
         return OrderReader(state, process, partial(soon, self.executor))
 
-    def _take_requests(self, store: EventStore) -> RunJobServer:
+    def _take_requests(self, types: InstalledActionTypes, store: EventStore) -> RunJobServer:
         """Offer the services and the action, which has to be destroyed."""
-        Services(self.node, self.orchestrator)
+        Services(self.node, self.orchestrator, types)
         QueueServices(self.node, self.orchestrator, self._orders)
         EventsService(self.node, self.orchestrator.state, store)
         run_job = RunJobServer(self.node, self.orchestrator, self._orders, self._expected)

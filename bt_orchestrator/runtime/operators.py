@@ -15,6 +15,9 @@ from bt_orchestrator.model.pauses import release_command
 from bt_orchestrator.model.state import CellState, Hold
 from bt_orchestrator.runtime.command_record import decided
 
+MARK_DONE = 'mark_done'
+"""The one answer that may carry results."""
+
 
 def answer(state: CellState, command: AnswerHold, now: float) -> Iterator[e.Event]:
     """Decide about a hold.
@@ -73,6 +76,11 @@ def _offering(state: CellState, command: AnswerHold) -> Hold:
             f'hold {hold.id} ({hold.task}: {hold.reason}) can be answered with '
             f'{", ".join(hold.answers)}; found {command.answer!r}'
         )
+    if command.results and (command.answer != MARK_DONE or hold.item is None):
+        raise CommandRefused(
+            f'results are given with {MARK_DONE}, of the task of an item; found {command.answer} '
+            f'of {hold.key}'
+        )
     return hold
 
 
@@ -81,8 +89,10 @@ def _retry(state: CellState, key: e.TaskKey, _: AnswerHold, now: float) -> Itera
     yield e.TaskRetrying(**key._asdict(), attempt=attempt, not_before=now)
 
 
-def _mark_done(state: CellState, key: e.TaskKey, _: AnswerHold, __: float) -> Iterator[e.Event]:
-    yield e.TaskMarkedDone(**key._asdict())
+def _mark_done(
+    state: CellState, key: e.TaskKey, command: AnswerHold, _: float
+) -> Iterator[e.Event]:
+    yield e.TaskMarkedDone(**key._asdict(), results=command.results)
     yield from effects.of_success(state, key)
 
 
@@ -103,7 +113,7 @@ def _abort_job(
 
 _ANSWERS = {
     'retry': _retry,
-    'mark_done': _mark_done,
+    MARK_DONE: _mark_done,
     'skip': _skip,
     'reject': _reject,
     'abort_job': _abort_job,

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
+from typing import Any
 
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.commands import AnswerHold, RemoveItem
@@ -23,12 +24,19 @@ class StandingAnswers:
     """An operator who always gives the same answers, after the same time."""
 
     def __init__(
-        self, simulation: Simulation, answers: Sequence[str], after_s: float, who: str
+        self,
+        simulation: Simulation,
+        answers: Sequence[str],
+        after_s: float,
+        who: str,
+        results: Mapping[str, Mapping[str, Any]] | None = None,
     ) -> None:
         """Stand by.
 
         :param answers: the first one that a hold offers is given
+        :param results: by task, what `mark_done` gives
         """
+        self._results = results or {}
         self._simulation = simulation
         self._answers = tuple(answers)
         self._after_s = after_s
@@ -90,7 +98,9 @@ class StandingAnswers:
         if answer == REMOVE_ITEM:
             command = RemoveItem(hold.item or '', self._by)
         else:
-            command = AnswerHold(hold.id, answer, self._by)
+            marked = answer == 'mark_done' and hold.item is not None
+            results = self._results.get(hold.task or '', {}) if marked else {}
+            command = AnswerHold(hold.id, answer, self._by, results)
         given = self._simulation.orchestrator.ask(command)
         if not given.accepted:
             self._complaints.append(given.message)

@@ -68,7 +68,7 @@ def answers(task: Task, on_the_belt: Iterable[Job]) -> list[str]:
     good = item and item.place and not (item.empty or item.rejected)
     jobs = [job] if job else on_the_belt
     sensible = {
-        'retry': again,
+        'retry': again and task.reason != 'missing_result',
         'mark_done': True,
         'skip': job and not (again and task.given.get('qty_change') == -1),
         'reject': good and not slot_in_doubt and task.id not in job.plan.trailing,

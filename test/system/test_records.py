@@ -73,3 +73,24 @@ def test_7_1_a_removal_and_what_is_refused_are_recorded_too(held_cell: CellProce
             expected |= {'event': 'operator.refused', 'message': told.rstrip('\n')}
         assert expected.items() <= event.items()
     held_cell.stop()
+
+
+def test_6_3_results_given_with_mark_done_fit_the_action_and_are_recorded(
+    held_cell: CellProcesses,
+) -> None:
+    (hold,) = held_cell.watch.status.holds
+
+    def give(result: str) -> tuple[int, str]:
+        words = ('answer', hold.id, 'mark_done', '--result', result)
+        return said(held_cell, *words, who='Ann', reason='by hand')
+
+    status, told = give('measurement=high')
+    assert status == 1
+    assert 'results: `measurement` must be a number' in told
+    assert give('mesurement=1')[0] == 1
+    assert give('measurement=2.5') == (0, f'hold {hold.id}: mark_done\n')
+    marked = held_cell.watch.until('task.marked_done')
+    assert marked['results'] == {'measurement': 2.5}
+    refused = [e for e in operators_events(held_cell) if e['event'] == 'operator.refused']
+    assert [e['command'] for e in refused] == ['mark_done', 'mark_done']
+    held_cell.stop()

@@ -136,6 +136,8 @@ class TaskMarkedDone(TaskEvent):
     """An operator answered that the task is done, whatever the controller said."""
 
     event: ClassVar[str] = 'task.marked_done'
+    results: Mapping[str, Any] = field(default_factory=dict)
+    """Result fields that the operator gave, for references of later tasks."""
 
 
 TASK_EVENTS = (

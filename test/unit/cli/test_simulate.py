@@ -304,3 +304,19 @@ def test_it_has_to_be_clear_which_script_is_replaced(tmp_path: Path) -> None:
 def test_two_runs_have_no_single_chart(quick_cell: Path) -> None:
     with pytest.raises(WrongUse, match='compares two runs'):
         simulated(REFERENCE_ORDER, '--what-if', quick_cell, '--gantt', 'x.svg')
+
+
+@pytest.mark.parametrize(
+    ('result', 'said'),
+    [
+        ('nothing.x=1', '--result is TASK.FIELD=VALUE, with a task of the scripts: '),
+        ('inspect.mesurement=1', 'has no field `mesurement`'),
+        ('inspect.measurement=high', '`measurement` must be a number'),
+        ('inspect.measurement', 'a result is FIELD=VALUE'),
+    ],
+)
+def test_a_result_that_no_task_has_is_wrong_use(tmp_path: Path, result: str, said: str) -> None:
+    asked = order(tmp_path, 'order', script='inspect_and_assemble', quantity=1)
+    with pytest.raises(WrongUse) as wrong:
+        simulated(asked, '--on-hold', 'mark_done', '--result', result)
+    assert said in str(wrong.value)

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import pytest
 from fakes.line import THREE, Line, with_section
+from fakes.operator import ann
+
+from bt_orchestrator.model.commands import AnswerHold
 
 # --- 6.1 ------------------------------------------------------------------------------------
 
@@ -166,6 +169,33 @@ def test_6_3_a_task_marked_done_has_no_results() -> None:
     run.answer('mark_done')
     run.go()
     assert run.reasons() == ['aborted', 'missing_result']
+
+
+def test_6_3_the_hold_says_which_results_later_tasks_use() -> None:
+    run = Line(faults={'a2': '#1=abort'}).run(MEASURED)
+    (hold,) = run.state.holds.values()
+    wanted = 'later tasks use its results: mark_done takes them, --result measurement=VALUE'
+    assert hold.message.endswith(wanted)
+
+
+def test_6_3_a_task_marked_done_has_the_results_that_the_operator_gave() -> None:
+    run = Line(faults={'a2': '#1=abort'}).run(MEASURED)
+    given = run.ask(AnswerHold('1', 'mark_done', ann(), {'measurement': 3.5}))
+    assert given.accepted
+    run.go()
+    assert run.ended
+    (marked,) = run.all('task.marked_done')
+    assert marked['results'] == {'measurement': 3.5}
+    (used,) = run.all('task.started', task='use')
+    assert used['args']['special_argument_2'] == 3.5
+
+
+@pytest.mark.parametrize('answer', ['retry', 'skip'])
+def test_6_3_results_go_with_mark_done_only(answer: str) -> None:
+    run = Line(faults={'a2': '#1=abort'}).run(MEASURED)
+    given = run.ask(AnswerHold('1', answer, ann(), {'measurement': 3.5}))
+    assert not given.accepted
+    assert given.message.startswith('results are given with mark_done')
 
 
 # --- 6.4 ------------------------------------------------------------------------------------

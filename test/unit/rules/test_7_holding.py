@@ -499,3 +499,39 @@ def test_7_4_a_stuck_line_names_the_circle() -> None:
         'section 3': 'waiting for an item',
         'belt': 'waiting for section 2 to finish with J/1',
     }
+
+
+# --- 7.1: what lacks a result ---------------------------------------------------------------
+
+LACKING = """
+sections:
+  1: [{id: place, @a1, qty_change: 1}, {id: look, @b1, on_failure: continue}]
+  2: [{id: use, @a2, args: {special_argument_2: "${results.look.measurement}"}}]
+  3: [{id: pack, @a3, qty_change: -1}]
+"""
+LACKING_SINK = LACKING.replace(
+    'args: {special_argument_2: "${results.look.measurement}"}', 'timeout: 9'
+).replace(
+    '{id: pack, @a3, ',
+    '{id: pack, @a3, args: {special_argument_2: "${results.look.measurement}"}, ',
+)
+
+
+@pytest.mark.parametrize(
+    ('text', 'answers'),
+    [
+        (LACKING, ('mark_done', 'skip', 'reject', 'abort_job')),
+        (LACKING_SINK, ('mark_done', 'reject', 'abort_job')),
+    ],
+    ids=['a task', 'the sink'],
+)
+def test_7_1_a_task_that_lacks_a_result_is_not_tried_again(
+    text: str, answers: tuple[str, ...]
+) -> None:
+    run = Line(faults={'b1': '#1=abort'}).run(text)
+    (hold,) = run.state.holds.values()
+    assert (hold.reason, hold.answers) == ('missing_result', answers)
+    assert not run.answer('retry').accepted
+    assert run.answer('mark_done').accepted
+    run.go()
+    assert run.ended

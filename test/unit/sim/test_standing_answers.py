@@ -15,11 +15,18 @@ from bt_orchestrator.store.memory import MemoryStore
 class Answered:
     """A run with an operator who answers the same every time."""
 
-    def __init__(self, line: Line, text: str, answers: list[str], after_s: float = 0.0) -> None:
+    def __init__(
+        self,
+        line: Line,
+        text: str,
+        answers: list[str],
+        after_s: float = 0.0,
+        results: dict[str, dict[str, object]] | None = None,
+    ) -> None:
         self.store = MemoryStore()
         simulation = Simulation(line.cell, line.types, self.store)
         simulation.submit([Job('J', line.script(text), 3)])
-        operator = StandingAnswers(simulation, answers, after_s, 'Ann')
+        operator = StandingAnswers(simulation, answers, after_s, 'Ann', results)
         self.outcome = simulation.run(operator.look)
         self.complaints = operator.complaints()
         self.job = simulation.state.ended.get('J')
@@ -112,3 +119,23 @@ def test_an_item_that_would_leave_the_belt_is_taken_off() -> None:
     assert [answer for _, answer, _ in done.decisions()] == ['reject', 'remove_item']
     assert done.job is not None
     assert done.job.progress.missing == 1
+
+
+def test_mark_done_gives_the_results_that_were_said() -> None:
+    text = """
+    sections:
+      1: [{id: place, @a1, qty_change: 1}]
+      2: [{id: look, @a2}]
+      3:
+        - {id: use, @a3, args: {special_argument_2: "${results.look.measurement}"}}
+        - {id: pack, @b3, qty_change: -1}
+    """
+    line = Line(3, faults={'a2': '#2=abort'})
+    done = Answered(line, text, ['mark_done'], results={'look': {'measurement': 2.5}})
+    assert (done.outcome, done.complaints) == (Outcome.FINISHED, [])
+    given = [
+        event.args['special_argument_2']
+        for event in done.store.read()
+        if isinstance(event, e.TaskStarted) and event.task == 'use'
+    ]
+    assert given[1] == 2.5

@@ -1,0 +1,76 @@
+"""Results of a task that an operator gives with `mark_done`, against its action's type (6.3)."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+from bt_orchestrator.errors import CommandRefused
+from bt_orchestrator.model.action_type import TASK_RESULT, ActionType, MessageType
+from bt_orchestrator.model.limits import RESULTS_TEXT
+from bt_orchestrator.script.argument_checks import MessageReader
+from bt_orchestrator.script.composing import compose
+from bt_orchestrator.script.report import Report
+from bt_orchestrator.script.yaml_nodes import MapNode, as_data, found, plain_value
+
+_TOLD = 5
+"""So many mistakes are told."""
+
+
+def given_results(text: str, action: ActionType) -> dict[str, Any]:
+    """Read `{measurement: 3.5, item_present: true}` as result fields of an action.
+
+    :raises CommandRefused: says what was expected, and what was found
+    """
+    if len(text) > RESULTS_TEXT:
+        raise CommandRefused(
+            f'the results have {len(text)} characters; expected at most {RESULTS_TEXT}'
+        )
+    report = Report('results')
+    node = compose(text, report)
+    values: dict[str, Any] = {}
+    if isinstance(node, MapNode):
+        values = MessageReader(report).read(node, _fields_to_give(action))
+    elif node is not None:
+        raise CommandRefused(f'results are a mapping, {{field: value, ...}}; found {found(node)}')
+    if report.findings:
+        told = [f'{one.what}; {one.hint}' for one in report.findings[:_TOLD]]
+        raise CommandRefused('results: ' + '. '.join(told))
+    return values
+
+
+def results_text(words: Sequence[str]) -> str:
+    """Return the text that says the same as `measurement=3.5`, `pose.x=1`, ... one field a word.
+
+    :raises ValueError: says what was expected
+    """
+    fields: dict[str, Any] = {}
+    for word in words:
+        name, equals, value = word.partition('=')
+        *around, last = name.strip().split('.')
+        if not equals or not all((*around, last)):
+            raise ValueError(f'a result is FIELD=VALUE, found {word!r}')
+        place = fields
+        for part in around:
+            place = place.setdefault(part, {})
+            if not isinstance(place, dict):
+                raise ValueError(f'{part} is given as a whole and in parts: {word!r}')
+        if last in place:
+            raise ValueError(f'{name} is given twice')
+        place[last] = _value(value)
+    return json.dumps(fields, ensure_ascii=False) if fields else ''
+
+
+def _value(text: str) -> Any:
+    """Return what YAML makes of a value; the first sign tells lists, mappings and quotes."""
+    if not text.startswith(('[', '{', '"', "'")):
+        return plain_value(text)
+    report = Report('value')
+    node = compose(text, report)
+    return text if node is None or report.findings else as_data(node)
+
+
+def _fields_to_give(action: ActionType) -> MessageType:
+    fields = {name: one for name, one in action.result.fields.items() if name != TASK_RESULT}
+    return MessageType(action.result.name, fields)

@@ -1,0 +1,84 @@
+"""Results that an operator gives are read against the action's type."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from bt_orchestrator.errors import CommandRefused
+from bt_orchestrator.model.action_type import ActionType, FieldType, MessageType
+from bt_orchestrator.script.given_results import given_results, results_text
+
+POINT = MessageType('geometry_msgs/msg/Point', {'x': FieldType('float', 'double')})
+ACTION = ActionType(
+    'pkg/action/Look',
+    MessageType('Goal', {}),
+    MessageType(
+        'pkg/action/Look_Result',
+        {
+            'task_result': FieldType('bool', 'boolean'),
+            'measurement': FieldType('float', 'float32'),
+            'count': FieldType('int', 'uint8', 0, 255),
+            'label': FieldType('str', 'string'),
+            'point': FieldType('message', 'geometry_msgs/Point', message=POINT),
+            'values': FieldType('int', 'int32[]', -(2**31), 2**31 - 1, is_array=True),
+        },
+    ),
+)
+
+
+@pytest.mark.parametrize(
+    ('words', 'results'),
+    [
+        (['measurement=3.5'], {'measurement': 3.5}),
+        (['measurement=3', 'label=a, b: c'], {'measurement': 3.0, 'label': 'a, b: c'}),
+        (['point.x=1'], {'point': {'x': 1.0}}),
+        (['point={x: 2.5}', 'values=[1, -2]'], {'point': {'x': 2.5}, 'values': [1, -2]}),
+        ([], {}),
+    ],
+)
+def test_results_are_read_as_their_types(words: list[str], results: dict[str, object]) -> None:
+    text = results_text(words)
+    assert (given_results(text, ACTION) if text else {}) == results
+
+
+@pytest.mark.parametrize(
+    ('text', 'said'),
+    [
+        ('{mesurement: 3.5}', 'has no field `mesurement`'),
+        ('{measurement: high}', '`measurement` must be a number (float32), not the text `high`'),
+        ('{count: 256}', '`count` must be a whole number from 0 to 255 (uint8)'),
+        ('{task_result: true}', 'has no field `task_result`'),
+        ('{point: {y: 1}}', 'has no field `point.y`'),
+        ('{point: 1}', '`point` must be a mapping (geometry_msgs/Point)'),
+        ('{values: [1, 2.5]}', '`values[1]` must be a whole number'),
+        ('[1, 2]', 'results are a mapping, {field: value, ...}; found a list'),
+        ('{measurement: .nan}', '`measurement` must be a finite number'),
+        ('{a: [', 'results: '),
+        ('x' * 100_000, 'the results have 100000 characters; expected at most 64000'),
+    ],
+)
+def test_what_does_not_fit_is_refused_with_what_would(text: str, said: str) -> None:
+    with pytest.raises(CommandRefused) as refused:
+        given_results(text, ACTION)
+    assert said in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ('words', 'said'),
+    [
+        (['measurement'], 'a result is FIELD=VALUE'),
+        (['=3'], 'a result is FIELD=VALUE'),
+        (['point..x=3'], 'a result is FIELD=VALUE'),
+        (['a=1', 'a=2'], 'a is given twice'),
+        (['a=1', 'a.b=2'], 'a is given as a whole and in parts'),
+    ],
+)
+def test_a_word_that_is_no_result_is_wrong_use(words: list[str], said: str) -> None:
+    with pytest.raises(ValueError, match=said):
+        results_text(words)
+
+
+def test_an_odd_text_stays_text() -> None:
+    assert json.loads(results_text(['label=[a', 'note=x = y'])) == {'label': '[a', 'note': 'x = y'}
