@@ -90,13 +90,15 @@ class Told:
 
     def __init__(self) -> None:
         self._left = FINDINGS
+        self._said_that_more = False
 
     def of(self, refused: Refused) -> list[str]:
         """Return the mistakes of one order."""
         told = refused.findings[: self._left]
         self._left -= len(told)
         more = len(refused.findings) - len(told)
-        rest = [f'and {more} more; {ALL}'] if more else []
+        rest = [f'and {more} more; {ALL}'] if more and not self._said_that_more else []
+        self._said_that_more |= more > 0
         return [*map(str, told), *rest]
 
 

@@ -69,6 +69,7 @@ class Peer:
         self.folder = Path(target.folder)
         self._until = 0.0
         self._clients: dict[str, Any] = {}
+        self._answered: set[str] = set()
 
     def begin(self) -> None:
         """Let the time run, as soon as the node is found."""
@@ -125,12 +126,13 @@ class Peer:
 
     def _answer(self, client: Any, service: str, request: Any, answer: Any) -> Any:
         self.count('requests')
-        if self.wait(_ASK_AGAIN_S, answer.done):
-            return answer.result()
-        again = client.call_async(request)
-        if self.wait(PATIENCE_S, lambda: answer.done() or again.done()):
-            return (answer if answer.done() else again).result()
-        self.complain(f'{service} gave no answer within {_ASK_AGAIN_S + PATIENCE_S:g} s')
+        asked = [answer]
+        if service not in self._answered and not self.wait(_ASK_AGAIN_S, answer.done):
+            asked.append(client.call_async(request))
+        if self.wait(PATIENCE_S, lambda: any(one.done() for one in asked)):
+            self._answered.add(service)
+            return next(one.result() for one in asked if one.done())
+        self.complain(f'{service} gave no answer within {PATIENCE_S:g} s')
         return None
 
     def pour(self, kind: Any, service: str, requests: Iterable[Any]) -> None:

@@ -13,11 +13,14 @@ from fakes.action_types import FakeActionTypes
 from fakes.script_texts import LINE, cell
 
 from bt_orchestrator.child_process import ChildFailed, ChildTooLate
+from bt_orchestrator.errors import Finding, Refused
+from bt_orchestrator.model.limits import FINDINGS
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ros import order_reader
 from bt_orchestrator.ros.order_process import NotRead
 from bt_orchestrator.ros.order_reader import BUSY, LATE, OrderReader, Steps
+from bt_orchestrator.ros.order_requests import Told
 from bt_orchestrator.script.desk_pickles import pickled
 from bt_orchestrator.script.order_desk import AskedOrder, OrderDesk, Orders
 
@@ -150,3 +153,12 @@ def test_an_exception_in_steps_is_told_and_stops_nothing(bench: Bench) -> None:
     bench.turn(2)
     assert [repr(one) for one in bench.ended] == ["RuntimeError('a defect')", 'None']
     assert bench.said == ['A']
+
+
+def test_what_is_left_out_of_an_answer_is_said_once() -> None:
+    told = Told()
+    refused = Refused([Finding('x', 1, 1, 'wrong')] * 60)
+    answers = [told.of(refused) for _ in range(200)]
+    assert [len(answer) for answer in answers[:3]] == [60, FINDINGS - 60 + 1, 0]
+    assert answers[1][-1].startswith('and 20 more; ')
+    assert sum(map(len, answers)) == FINDINGS + 1
