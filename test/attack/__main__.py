@@ -16,7 +16,7 @@ from attack.outcome import HEAD, Outcome
 from attack.siege import SILENT_S, Siege
 from ros_domain import OwnDomain, discover_fast
 
-SECONDS, SHORT_S = 15.0, 1.5
+SECONDS, SHORT_S = 15.0, 1.0
 MOST_MS = 200.0
 
 

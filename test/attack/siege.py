@@ -35,7 +35,7 @@ SILENT_S = 10.0
 _LATE_S = 180.0
 """An attacker that needs so much longer than its time was not answered, or hangs."""
 
-_QUIET_S = 1.0
+_QUIET_S = 0.5
 """What an attack leaves behind shows within that time."""
 
 _HERE = Path(__file__).parent
@@ -65,7 +65,8 @@ class Siege:
             cell(random.Random(seed)),
             shares=SHARES,
             speed=SPEED,
-            run_options=['--journal', str(self._journal)],
+            # The judge needs every event, however many jobs have ended.
+            run_options=['--journal', str(self._journal), '--journal-keep-jobs', '-1'],
             node_program=self._node_program,
         )
         tricky = [str(_HERE / 'tricky_controllers.py'), str(folder / NASTY)]

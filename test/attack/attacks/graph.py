@@ -163,6 +163,7 @@ class Subscribers(Attack):
     """Subscribers of status and events that come and go."""
 
     name = 'subscribers'
+    in_short = False  # verbs do it in every test
 
     _AT_ONCE = 10
 

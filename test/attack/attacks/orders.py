@@ -74,7 +74,6 @@ class Large(Attack):
     """Orders of 60 MB, of 199,000 lines, with 100,000 mistakes, and of aliases of aliases."""
 
     name = 'large'
-    in_short = False
     bounds = Bounds(peak_mb=700.0, grown_mb=200.0)
 
     def run(self, peer: Peer) -> None:
@@ -111,7 +110,6 @@ class Orders(Attack):
     """Thousands of good orders, which are taken out again."""
 
     name = 'orders'
-    in_short = False
     bounds = Bounds(peak_mb=250.0, grown_mb=150.0, journal_mb=25.0)
 
     _MOST = 10_000
