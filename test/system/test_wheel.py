@@ -1,53 +1,73 @@
-"""The wheel alone, in an empty environment without ROS 2: everything it reads has been packed."""
+"""The wheel, in an environment of its own: everything that it reads has been packed."""
 
 from __future__ import annotations
 
+import os
 import shutil
 import subprocess
 import sys
-from importlib.metadata import distribution
+import sysconfig
 from pathlib import Path
 
 import pytest
 from cell_processes import ROOT
 
-CELL = 'share/bt_orchestrator/config/reference_cell.yaml'
-ORDER = 'share/bt_orchestrator/config/orders/wo_1001.yaml'
-SCRIPT = 'share/bt_orchestrator/trees/inspect_and_assemble.yaml'
+CELL = 'config/reference_cell.yaml'
+ORDER = 'config/orders/wo_1001.yaml'
+SCRIPT = 'trees/inspect_and_assemble.yaml'
+OF_ROS = ('AMENT_', 'LD_', 'PYTHON', 'ROS_', '_ROS_')
+SHARED = ('config', 'launch', 'schemas', 'trees')
+LEFT_OUT = ('.*', 'test', 'docs', 'bench', 'build', '*.egg-info', '__pycache__')
 
 
-def needed_packages() -> list[Path]:
-    """Folders with what the wheel requires, as it is installed here."""
-    names, found = ['bt_orchestrator'], set()
-    while names:
-        name = names.pop()
-        for requirement in distribution(name).requires or []:
-            needed, _, condition = requirement.partition(';')
-            bare = needed.strip().split('[')[0]
-            for sign in '<>=!~ ':
-                bare = bare.split(sign)[0]
-            if 'extra' not in condition and bare not in found:
-                found.add(bare)
-                names.append(bare)
-    return [Path(str(distribution(name).locate_file(''))) for name in found]
+def run(command: list[str], cwd: Path) -> str:
+    bare = {name: text for name, text in os.environ.items() if not name.startswith(OF_ROS)}
+    bare['AMENT_PREFIX_PATH'] = sys.prefix  # where ROS 2 has its messages
+    done = subprocess.run(
+        command, cwd=cwd, env=bare, capture_output=True, text=True, check=False, timeout=240
+    )
+    assert done.returncode == 0, f'{command}: {done.stdout}{done.stderr}'
+    return done.stdout
 
 
 @pytest.fixture(scope='module')
 def environment(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Build the wheel, and install it beside nothing but what it requires."""
+    """Give an environment with the wheel; what it requires is seen from the one of the tests."""
     folder = tmp_path_factory.mktemp('wheel')
-    sources = folder / 'sources'
-    shutil.copytree(
-        ROOT,
-        sources,
-        ignore=shutil.ignore_patterns('.*', 'test', 'docs', 'build', '*.egg-info', '__pycache__'),
-    )
+    shutil.copytree(ROOT, folder / 'sources', ignore=shutil.ignore_patterns(*LEFT_OUT))
     build = 'import sys; from setuptools.build_meta import build_wheel; build_wheel(sys.argv[1])'
-    run([sys.executable, '-c', build, str(folder)], sources)
+    run([sys.executable, '-c', build, str(folder)], folder / 'sources')
     (wheel,) = folder.glob('*.whl')
     empty = folder / 'empty'
     run([sys.executable, '-m', 'venv', '--without-pip', str(empty)], folder)
-    python = str(empty / 'bin' / 'python')
-    pip = [sys.executable, '-m', 'pip', '--python', python, 'install', '--quiet', '--no-index']
-    run([*pip, '--no-deps', str(wheel)], folder)
+    pip = [sys.executable, '-m', 'pip', '--python', str(empty / 'bin' / 'python'), 'install']
+    run([*pip, '--quiet', '--no-deps', '--no-index', str(wheel)], folder)
+    (site_packages,) = empty.glob('lib/python*/site-packages')
+    (site_packages / 'required.pth').write_text(sysconfig.get_path('purelib'))
     return empty
+
+
+def program(environment: Path, *words: str) -> str:
+    return run([str(environment / 'bin' / 'bt-orchestrator'), *words], environment)
+
+
+def test_every_file_that_is_no_code_is_packed(environment: Path) -> None:
+    (installed,) = environment.glob('lib/python*/site-packages/bt_orchestrator')
+    share = environment / 'share' / 'bt_orchestrator'
+    for source, target in (('bt_orchestrator', installed), *((x, share / x) for x in SHARED)):
+        for path in (ROOT / source).rglob('*'):
+            if path.is_file() and '__pycache__' not in path.parts:
+                assert (target / path.relative_to(ROOT / source)).is_file(), path
+
+
+def test_it_checks_simulates_and_draws(environment: Path) -> None:
+    share = environment / 'share' / 'bt_orchestrator'
+    code = 'import bt_orchestrator; print(bt_orchestrator.__file__)'
+    where = run([str(environment / 'bin' / 'python'), '-c', code], environment)
+    assert where.startswith(str(environment))
+    cell = ('--cell', str(share / CELL))
+    assert 'fits cell reference_cell' in program(environment, 'check', str(share / SCRIPT), *cell)
+    assert 'total time' in program(environment, 'simulate', str(share / ORDER), *cell)
+    drawn = environment / 'drawn.dot'
+    program(environment, 'render', str(share / SCRIPT), *cell, '-o', str(drawn))
+    assert drawn.read_text() == (ROOT / SCRIPT).with_suffix('.dot').read_text()
