@@ -11,6 +11,7 @@ from bt_orchestrator.errors import Refused
 from bt_orchestrator.script.composing import MERGE, compose
 from bt_orchestrator.script.keys import Key, Kind, Table
 from bt_orchestrator.script.report import Place, Report, did_you_mean, listing, nearest
+from bt_orchestrator.script.shape import refuse_strangers
 from bt_orchestrator.script.yaml_nodes import (
     Entry,
     ListNode,
@@ -272,9 +273,13 @@ def fields_of(node: Node, table: Table, report: Report) -> Fields | None:
 def file_fields(text: str, table: Table, report: Report) -> Fields:
     """Return a cursor over the mapping that is the text of a file.
 
-    :raises Refused: it is no mapping, or no YAML; with what the report has
+    :raises Refused: it is no mapping, or no YAML, with what the report has; or it is meant as
+        something else, of which nothing is told
     """
-    root = compose(text, report)
+    found_in_it = Report(report.file)
+    root = compose(text, found_in_it)
+    refuse_strangers(text, root, found_in_it, [table])
+    report.take(found_in_it.findings)
     fields = fields_of(root, table, report) if root else None
     if fields is None:
         raise Refused(report.findings)

@@ -6,8 +6,11 @@ from enum import Enum
 from pathlib import Path
 
 from bt_orchestrator.errors import Finding, Refused
+from bt_orchestrator.script.cell_keys import CELL
 from bt_orchestrator.script.composing import compose
 from bt_orchestrator.script.report import START, Report
+from bt_orchestrator.script.script_keys import SCRIPT
+from bt_orchestrator.script.shape import refuse_strangers
 from bt_orchestrator.script.source_text import read_text
 from bt_orchestrator.script.yaml_nodes import MapNode
 
@@ -25,7 +28,9 @@ def file_kind(path: Path) -> FileKind:
     :raises Refused: it cannot be read, or describes neither
     """
     report = Report(str(path))
-    root = compose(read_text(path), report)
+    text = read_text(path)
+    root = compose(text, report)
+    refuse_strangers(text, root, report, [CELL, SCRIPT], 'a cell file or a script')
     report.refuse()
     keys = {entry.key.text for entry in root.entries} if isinstance(root, MapNode) else set()
     if keys & {'conveyor', 'components'}:

@@ -23,6 +23,9 @@ START = Place(1, 1)
 """The place of findings about a file as a whole."""
 
 
+MOST_FINDINGS = 10_000
+"""Mistakes after which the reading of a file ends."""
+
 MOST_COMPARED = 400
 """Names that a misspelt one is compared with; a file with thousands may misspell them all."""
 
@@ -39,8 +42,15 @@ class Report:
         self._findings: set[Finding] = set()
 
     def add(self, place: Place, what: str, hint: str) -> None:
-        """Report a mistake: what is wrong, in one sentence, and what to do about it."""
+        """Report a mistake: what is wrong, in one sentence, and what to do about it.
+
+        :raises Refused: there are so many of them that reading on is of no use
+        """
         self._findings.add(Finding(self.file, place.line, place.column, what, hint))
+        if len(self._findings) >= MOST_FINDINGS:
+            words = f'reading ended here, with {MOST_FINDINGS} mistakes'
+            end = Finding(self.file, place.line, place.column, words, 'mend these first')
+            raise Refused([*self.findings, end])
 
     @property
     def findings(self) -> tuple[Finding, ...]:

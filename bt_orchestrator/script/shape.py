@@ -46,7 +46,8 @@ def _stranger(text: str, root: Node | None, tables: tuple[Table, ...]) -> str | 
     """Say what a text is, if it is not meant as what the tables describe."""
     if isinstance(root, MapNode):
         keys = [entry.key.text for entry in (*root.entries, *root.repeated)]
-        return None if not keys or _are_meant(keys, tables) else 'a mapping of other keys'
+        is_meant = _are_meant(keys, tables) or not (keys or root.lost)
+        return None if is_meant else 'a mapping of other keys'
     if isinstance(root, ListNode):
         return 'a list'
     if root is not None:

@@ -50,7 +50,7 @@ def _decoded(data: bytes, path: Path) -> str:
         before = data[: fault.start]
         line = before.count(b'\n') + 1
         column = len(before[before.rfind(b'\n') + 1 :].decode('utf-8')) + 1
-        what = f'the file is not UTF-8 text: byte 0x{data[fault.start]:02x}'
+        what = 'the file is not UTF-8 text'
         finding = Finding(str(path), line, column, what, 'save it as UTF-8')
         raise Refused([finding]) from None
 

@@ -186,3 +186,18 @@ def test_8_2_a_script_that_would_get_stuck_is_refused(small_cell: CellProcesses)
     assert 'section 1 is waiting for work to set flag early' in finding
     assert finding.endswith('initial count 1 of flag early frees it')
     assert_alive(small_cell)
+
+
+def test_a_file_that_is_no_script_is_not_quoted_where_every_path_is_allowed(
+    start_cell: StartCell, tmp_path: Path
+) -> None:
+    cell = start_cell(run_options=['--script-paths'])
+    cell.connect()
+    secret = tmp_path / 'shadow'
+    secret.write_text('hunter2:$6$0a1b2c:19700:0:99999:7:::\npassword: hunter2\n')
+    (told,) = refusal(cell.watch, secret)
+    assert told.startswith(f'{secret}:1:1: this is not a script, but ')
+    assert not any(word in told for word in ('hunter2', '0a1b2c', 'password'))
+    for path in ('/proc/kmsg', '/dev/zero', '/etc', '/'):
+        assert len(refusal(cell.watch, path)) == 1
+    assert_alive(cell)

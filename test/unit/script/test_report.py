@@ -5,7 +5,14 @@ from __future__ import annotations
 import pytest
 
 from bt_orchestrator.errors import Refused
-from bt_orchestrator.script.report import Place, Report, did_you_mean, listing, nearest
+from bt_orchestrator.script.report import (
+    MOST_FINDINGS,
+    Place,
+    Report,
+    did_you_mean,
+    listing,
+    nearest,
+)
 
 
 def test_findings_are_in_the_order_of_the_file_and_told_once() -> None:
@@ -48,3 +55,15 @@ def test_among_thousands_the_nearest_is_still_found(wrong: str) -> None:
 def test_a_long_list_is_cut() -> None:
     assert listing(['a', 'b']) == '`a`, `b`'
     assert listing('abcd', longest=2) == '`a`, `b`, ...'
+
+
+def test_reading_ends_where_there_are_too_many_mistakes() -> None:
+    report = Report('a.yaml')
+    with pytest.raises(Refused) as caught:
+        for line in range(1, 2 * MOST_FINDINGS):
+            report.add(Place(line, 1), 'wrong', 'mend it')
+    assert len(caught.value.findings) == MOST_FINDINGS + 1
+    assert str(caught.value.findings[-1]) == (
+        f'a.yaml:{MOST_FINDINGS}:1: reading ended here, with {MOST_FINDINGS} mistakes; mend these '
+        'first'
+    )
