@@ -8,18 +8,12 @@ from typing import Any
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.commands import RefusedRequest
-from bt_orchestrator.model.limits import FINDINGS, MESSAGE, REQUEST_BYTES, cut
+from bt_orchestrator.model.limits import FINDINGS, ORDERS, REQUEST_BYTES
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.ros.order_process import NotRead
 from bt_orchestrator.runtime.command_record import ADD
 from bt_orchestrator.runtime.orders import FITS
 from bt_orchestrator.script.order_desk import AskedOrder, Orders, WrittenOrder
-
-ORDER_BYTES = 40
-"""What an order counts, beside its texts."""
-
-ON_RECORD = 100
-"""Orders of one request that are put on record one by one when they are refused."""
 
 ALL = 'bt-orchestrator check, where the files are, shows all'
 
@@ -29,14 +23,19 @@ def asked_orders(orders: Sequence[Any]) -> Orders:
 
     :raises NotRead: they are too many, or too large
     """
-    size = 0
-    asked = []
-    for order in orders:
-        asked.append(asked_order(order))
-        size += ORDER_BYTES + _size(asked[-1])
-        if size > REQUEST_BYTES:
-            raise NotRead(_too_large(len(orders), len(asked) - 1))
-    return Orders(tuple(asked))
+    if len(orders) > ORDERS:
+        raise NotRead(
+            f'{len(orders)} orders are too many for one request, which is carried out as a whole; '
+            f'nothing was queued; give {ORDERS} or fewer at a time'
+        )
+    asked = tuple(map(asked_order, orders))
+    size = sum(map(_size, asked))
+    if size > REQUEST_BYTES:
+        raise NotRead(
+            f'the orders of this request have {size} bytes of text, and a request may have '
+            f'{REQUEST_BYTES}; nothing was queued; give fewer at a time, or shorter ones'
+        )
+    return Orders(asked)
 
 
 def asked_order(order: Any) -> AskedOrder:
@@ -54,10 +53,10 @@ def written_order(text: str) -> WrittenOrder:
 
     :raises NotRead: it is too large
     """
-    if len(text) > REQUEST_BYTES:
+    if _bytes(text) > REQUEST_BYTES:
         raise NotRead(
-            f'the text has {len(text)} characters, and a request may have {REQUEST_BYTES}; is '
-            'this a work order?'
+            f'the text has {_bytes(text)} bytes, and a request may have {REQUEST_BYTES}; nothing '
+            'was queued; is this a work order?'
         )
     return WrittenOrder(text)
 
@@ -69,11 +68,6 @@ def name_of(order: Any) -> str:
 
 def refused_orders(orders: Sequence[Any], read: Sequence[Job | Refused], by: By) -> RefusedRequest:
     """Return what is put on record of orders that were read, some of them with mistakes."""
-    if len(orders) > ON_RECORD:
-        bad = [(o, r) for o, r in zip(orders, read, strict=True) if isinstance(r, Refused)]
-        first, one = bad[0]
-        words = f'{len(bad)} of {len(orders)} orders are refused; {name_of(first)} is '
-        return RefusedRequest(ADD, by, cut(words + one.in_short, MESSAGE))
     each = [
         f'{one.id} {FITS}' if isinstance(one, Job) else f'{name_of(order)} is {one.in_short}'
         for order, one in zip(orders, read, strict=True)
@@ -114,12 +108,3 @@ def _bytes(text: str) -> int:
 def total(read: Iterable[Job | Refused]) -> int:
     """Count the mistakes in all orders."""
     return sum(len(one.findings) for one in read if isinstance(one, Refused))
-
-
-def _too_large(count: int, fits: int) -> str:
-    what = f'{count} orders have' if count > 1 else 'the order has'
-    return (
-        f'{what} more text than a request may have, {REQUEST_BYTES} bytes (an order counts '
-        f'{ORDER_BYTES} and its texts); '
-        + (f'give {fits} or fewer at a time' if fits else 'is this what was meant?')
-    )

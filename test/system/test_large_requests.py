@@ -12,7 +12,7 @@ from bt_orchestrator_interfaces.msg import WorkOrder
 from bt_orchestrator_interfaces.srv import GetEvents, QueueAdd, SubmitOrder
 from cell_processes import CellProcesses, small_script
 
-from bt_orchestrator.model.limits import FINDINGS, REQUEST_BYTES
+from bt_orchestrator.model.limits import FINDINGS, ORDERS, REQUEST_BYTES
 from bt_orchestrator.script.composing import MOST_NODES
 
 LIGHT = 5
@@ -128,12 +128,27 @@ def test_no_process_is_left_of_a_node_that_is_killed(small_cell: CellProcesses) 
 def test_a_request_that_is_too_large_is_refused_at_once(small_cell: CellProcesses) -> None:
     path = small_cell.script(small_script())
     large = WorkOrder(script=str(path), order='x' * REQUEST_BYTES)
-    orders = [WorkOrder(script=str(path), quantity=1), large]
+    small = WorkOrder(script=str(path), quantity=1)
     os.kill(reading_process(small_cell), signal.SIGSTOP)  # nothing is given to it
-    told = small_cell.watch.call(QueueAdd, 'queue/add', QueueAdd.Request(orders=orders))
-    assert not told.accepted
-    assert '2 orders have more text than a request may have, 1000000 bytes' in told.message
-    assert 'give 1 or fewer at a time' in told.message
+    for orders, words in (
+        ([small, large], 'of text, and a request may have 1000000; nothing was queued'),
+        ([small] * (ORDERS + 1), '251 orders are too many for one request'),
+    ):
+        told = small_cell.watch.call(QueueAdd, 'queue/add', QueueAdd.Request(orders=orders))
+        assert not told.accepted
+        assert words in told.message
     assert not small_cell.watch.seen('job.queued')
     os.kill(reading_process(small_cell), signal.SIGCONT)
+    small_cell.stop()
+
+
+def test_orders_of_one_request_are_queued_in_one_settle(small_cell: CellProcesses) -> None:
+    path = small_cell.script(small_script())
+    orders = [WorkOrder(script=str(path), quantity=1)] * ORDERS
+    request = QueueAdd.Request(orders=orders, held=True)
+    assert small_cell.watch.call(QueueAdd, 'queue/add', request).accepted
+    last = small_cell.watch.until('job.queued', count=ORDERS)
+    queued = small_cell.watch.seen('job.queued')
+    assert [event['job'] for event in queued] == [f'WO-{n}' for n in range(1, ORDERS + 1)]
+    assert last['time'] == queued[0]['time']
     small_cell.stop()

@@ -81,9 +81,7 @@ def test_a_name_that_no_file_can_have() -> None:
 
 def test_bytes_that_are_not_utf8_have_a_place(tmp_path: Path) -> None:
     (tmp_path / 'a.yaml').write_bytes('a: 1\nä: '.encode() + b'\xff\n')
-    assert refusal(tmp_path / 'a.yaml') == (
-        '2:4: the file is not UTF-8 text; save it as UTF-8'
-    )
+    assert refusal(tmp_path / 'a.yaml') == ('2:4: the file is not UTF-8 text; save it as UTF-8')
 
 
 def test_a_large_file_is_not_read_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
