@@ -15,7 +15,7 @@ from bt_orchestrator.runtime.command_record import ADD
 from bt_orchestrator.runtime.orders import FITS
 from bt_orchestrator.script.order_desk import AskedOrder, Orders, WrittenOrder
 
-ALL = 'bt-orchestrator check, where the files are, shows all'
+ALL = 'bt-orchestrator check --json, where the files are, lists all'
 
 
 def asked_orders(orders: Sequence[Any]) -> Orders:

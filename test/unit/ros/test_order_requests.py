@@ -47,6 +47,6 @@ def test_an_answer_tells_so_many_mistakes_of_all_orders_together() -> None:
     told = Told()
     first, second, third = (told.of(refused(count)) for count in (FINDINGS - 1, 3, 1))
     assert (len(first), first[0]) == (FINDINGS - 1, 'a.yaml:1:1: wrong')
-    rest = 'more; bt-orchestrator check, where the files are, shows all'
+    rest = 'more; bt-orchestrator check --json, where the files are, lists all'
     assert second == ['a.yaml:1:1: wrong', f'and 2 {rest}']
     assert third == [f'and 1 {rest}']
