@@ -222,7 +222,9 @@ def be_modest(nice: int) -> None:
     :param nice: 19 takes only what nobody else wants
     """
     os.nice(nice)
-    resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
+    _, hard = resource.getrlimit(resource.RLIMIT_AS)
+    most = MOST_MEMORY if hard == resource.RLIM_INFINITY else min(hard, MOST_MEMORY)
+    resource.setrlimit(resource.RLIMIT_AS, (most, most))
     with contextlib.suppress(OSError):  # it is not allowed everywhere, and only a precaution
         Path('/proc/self/oom_score_adj').write_bytes(FIRST_TO_GO)
 

@@ -8,6 +8,8 @@ import signal
 from pathlib import Path
 from typing import Any
 
+from action_msgs.msg import GoalStatus
+from bt_orchestrator_interfaces.action import RunJob
 from bt_orchestrator_interfaces.msg import WorkOrder
 from bt_orchestrator_interfaces.srv import GetEvents, QueueAdd, SubmitOrder
 from cell_processes import CellProcesses, small_script
@@ -139,6 +141,26 @@ def test_a_request_that_is_too_large_is_refused_at_once(small_cell: CellProcesse
         assert words in told.message
     assert not small_cell.watch.seen('job.queued')
     os.kill(reading_process(small_cell), signal.SIGCONT)
+    small_cell.stop()
+
+
+def test_a_goal_that_is_cancelled_while_its_order_is_read_queues_nothing(
+    small_cell: CellProcesses,
+) -> None:
+    path = small_cell.script(small_script())
+    watch, child = small_cell.watch, reading_process(small_cell)
+    watch.submit(path, order='WO-0')  # it is ready
+    os.kill(child, signal.SIGSTOP)
+    goal = RunJob.Goal(order=WorkOrder(order='A', script=str(path), quantity=1))
+    handle = watch.ros.start(f'{watch.name}/run_job', RunJob, goal)
+    cancelled = watch.ros.wait(handle.cancel_goal_async(), 'the answer to the cancel request')
+    assert len(cancelled.goals_canceling) == 1
+    os.kill(child, signal.SIGCONT)
+    end = watch.ros.result(handle)
+    assert (end.status, end.result.exit_status) == (GoalStatus.STATUS_CANCELED, 'refused')
+    assert 'cancelled before its order was queued' in end.result.message
+    watch.until_ended('WO-0')
+    assert not watch.seen('job.queued', job='A')
     small_cell.stop()
 
 
