@@ -73,18 +73,17 @@ def test_others_are_answered_while_a_large_script_is_read(small_cell: CellProces
 
     told = answer(small_cell, future)
     assert not told.accepted
-    assert any('stray' in finding for finding in told.findings)
     small_cell.watch.submit(small_cell.script(small_script()))
     assert small_cell.watch.until_ended('WO-1').packed == 1
     small_cell.stop()
 
 
 def test_many_mistakes_are_counted_and_some_of_them_told(small_cell: CellProcesses) -> None:
-    wrong = '\n'.join(f'    - {{task: NONE_{n}, action: feeder/task}}' for n in range(3_000))
+    wrong = '\n'.join(f'    - {{task: NONE_{n}, action: feeder/task}}' for n in range(300))
     path = small_cell.script(f'script: wrong\nsections:\n  1:\n{wrong}\n', 'wrong')
     told = small_cell.watch.call(SubmitOrder, 'submit_order', order(path))
     assert len(told.findings) == FINDINGS + 1
-    assert re.fullmatch(r'and 29\d\d more; bt-orchestrator check.*', told.findings[-1])
+    assert re.fullmatch(r'and 2\d\d more; bt-orchestrator check.*', told.findings[-1])
     small_cell.stop()
 
 
