@@ -7,7 +7,7 @@ has no right to what is in it.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 from bt_orchestrator.errors import Finding, Refused
 from bt_orchestrator.script.keys import Table
@@ -16,6 +16,9 @@ from bt_orchestrator.script.yaml_nodes import ListNode, MapNode, Node
 
 _MISSPELT = 0.8
 """How alike a word and a key are at least, if the key is meant."""
+
+_COMPARED = 100
+"""Words that are compared with the keys: a file of other things may have any number."""
 
 _INDENTED = re.compile(r'(?m)^([ ]*)(?![#\s]|---|%)\S')
 _KEY = re.compile(r'([ {]*)["\']?([\w-]{1,64})["\']?[ ]*:(?=\s|$)')
@@ -52,13 +55,14 @@ def _stranger(text: str, root: Node | None, tables: tuple[Table, ...]) -> str | 
         return 'a list'
     if root is not None:
         return 'text' if root.text else None
-    return None if not _INDENTED.search(text) or _are_meant(_keys(text), tables) else 'no YAML'
+    return None if not _INDENTED.search(text) or _are_meant([*_keys(text)], tables) else 'no YAML'
 
 
-def _are_meant(keys: Iterable[str], tables: tuple[Table, ...]) -> bool:
+def _are_meant(keys: Sequence[str], tables: tuple[Table, ...]) -> bool:
     known = {name for table in tables for name in (*table.by_name, *table.misplaced)}
     needed = [key.name for table in tables for key in table.keys if key.required]
-    return any(key in known or nearest(key, needed, _MISSPELT) for key in keys)
+    some = keys[:_COMPARED]
+    return not known.isdisjoint(keys) or any(nearest(key, needed, _MISSPELT) for key in some)
 
 
 def _keys(text: str) -> Iterator[str]:
