@@ -14,6 +14,8 @@ from contextlib import contextmanager
 from itertools import chain
 from typing import TYPE_CHECKING
 
+from bt_orchestrator.model.frozen import changed
+
 if TYPE_CHECKING:
     from bt_orchestrator.model.state import JobState
 
@@ -21,7 +23,8 @@ if TYPE_CHECKING:
 class LiveJobs(Mapping[str, 'JobState']):
     """Jobs by id: those that have started, in the order they did, then the queue in its order.
 
-    Only folds change it, and what it tells of a job in the queue: held, aborting.
+    Only folds change it. A job in the queue is never changed but replaced by a changed copy, so
+    whoever has the list of a moment has the queue as it was.
     """
 
     def __init__(self, jobs: Iterable[JobState] = ()) -> None:
@@ -155,27 +158,31 @@ class LiveJobs(Mapping[str, 'JobState']):
     def start(self, name: str, time: float) -> None:
         """Take a job out of the queue, behind those on the line; held ones in front stay."""
         job = self._take(name)
-        job.started_at = time
-        self.line[name] = job
+        self.line[name] = changed(
+            job, started_at=time, progress=changed(job.progress), items=dict(job.items)
+        )
 
     @contextmanager
     def changing(self, name: str) -> Iterator[JobState]:
         """Let a job in the queue be another one; meanwhile it uses no script and no flag."""
-        job = self.queued(name)
-        self._count(job, -1)
+        self._count(self.queued(name), -1)
+        job = self._queued[name] = changed(self.queued(name))
         yield job
         self._count(job, 1)
 
     def hold(self, name: str, *, held: bool) -> None:
         """Let later jobs pass a job in the queue, or let it start in its turn again."""
-        self.queued(name).held = held
+        self._queued[name] = changed(self.queued(name), held=held)
         self._judge(name)
 
     def abort(self, name: str, reason: str) -> None:
         """Let a job end."""
+        queued = self._queued.get(name)
+        if queued is not None:
+            self._queued[name] = changed(queued)
         job = self[name]
         job.aborting, job.paused, job.held, job.end_reason = True, False, False, reason
-        if not job.started:
+        if queued is not None:
             self._judge(name)
 
     def remove(self, name: str) -> JobState:

@@ -7,7 +7,6 @@ import json
 from collections import deque
 
 from bt_orchestrator.errors import JournalFailed
-from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.live_jobs import LiveJobs
 from bt_orchestrator.model.snapshot import Reader, Writer, state_from_plain
 from bt_orchestrator.model.state import CellState, JobState
@@ -29,7 +28,7 @@ class StateText:
         """
         self.seq = state.seq
         self._writer = Writer()
-        self._queued = deque(map(_copy, state.jobs.queue()))
+        self._queued = deque(state.jobs.queue())
         near = copy.copy(state)
         near.jobs = LiveJobs(state.jobs.line.values())
         self._fields = self._writer.fields_of(near)
@@ -83,8 +82,3 @@ class StateText:
         # Scripts are the same now, and large: they are not compared again for every job.
         known = {self._writer.place_of(type(one), one): one for one in near.scripts.values()}
         self._read_back = Reader(json.loads(f'[{self._pieces[0]}]'), known)
-
-
-def _copy(job: JobState) -> JobState:
-    """Return a job in the queue as it is now; it may start before it is written."""
-    return changed(job, progress=changed(job.progress), items=dict(job.items))

@@ -63,7 +63,7 @@ class Housekeeping:
         try:
             if self._text is not None:
                 self._go_on(self._text)
-            elif behind >= SNAPSHOT_AT_LATEST:
+            elif behind >= max(SNAPSHOT_AT_LATEST, self._worth):
                 self._begin()
             elif quiet:
                 self._at_leisure(behind)
@@ -84,10 +84,18 @@ class Housekeeping:
 
     def _at_leisure(self, behind: int) -> None:
         ended = self._state.ended.keys() - self._noted
-        if behind >= SNAPSHOT_EVERY or ended:
+        if behind >= (0 if ended else SNAPSHOT_EVERY) and behind >= self._worth:
             self._begin(self._first_needed() if ended else 0)
         elif self._remove_before and not self._journal.remove_batch(self._remove_before):
             self._remove_before = 0
+
+    @property
+    def _worth(self) -> int:
+        """Events that are worth a snapshot: it takes as long as to replay one for each job queued.
+
+        So a job that ends in front of a long queue does not have all of it written.
+        """
+        return self._state.jobs.waiting
 
     def _begin(self, first: int = 0) -> None:
         """Begin to write a snapshot.

@@ -17,6 +17,12 @@ from bt_orchestrator.model.state import CellState
 from bt_orchestrator.tree.sharing import Part, Sharing
 from bt_orchestrator.tree.turns import Turns
 
+_OF_NO_PART = (
+    *(e.JobQueued, e.JobMoved, e.JobHeld, e.JobReleased, e.JobRemoved, e.JobCleared),
+    *(e.ScriptLoaded, e.OperatorDecided, e.OperatorRefused),
+)
+"""Events that no part reads anything of; if other jobs are at work then, they get branches."""
+
 
 class Attention:
     """The parts that the next tick has to look at, by their places in a tick, from 0."""
@@ -103,6 +109,7 @@ class Attention:
     def _table(self) -> Mapping[type[e.Event], Callable[..., None]]:
         """Return what to do with an event, by its class; for any other, all is looked at again."""
         return {
+            **dict.fromkeys(_OF_NO_PART, lambda _: None),
             **dict.fromkeys((e.FlagRaised, e.FlagLowered), self._flag),
             **dict.fromkeys(TASK_EVENTS, self._task),
             **dict.fromkeys((e.CycleStarted, e.TurnCompleted, e.CycleCompleted), self._cycle),

@@ -134,6 +134,7 @@ class CellTree:
     def prune(self, job: str) -> None:
         """Take the branches of a job out. Only between ticks."""
         self._attention.sharing.leave(self._digests.pop(job))
+        self._attention.again()
         for branch in self._branches.pop(job):
             parent = branch.parent
             assert isinstance(parent, Composite)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+
 from fakes.line import THREE, Line, with_section
 from fakes.profiles import examples
 from hypothesis import given
@@ -34,6 +36,11 @@ class Plain:
     @property
     def every(self) -> list[JobState]:
         return [*self.line, *self.queue]
+
+    def read(self, jobs: LiveJobs) -> None:
+        """Take the jobs as they are now, in the order that they are to have."""
+        self.line = [jobs[one.job.id] for one in self.line]
+        self.queue = [jobs[one.job.id] for one in self.queue]
 
     def check(self, jobs: LiveJobs) -> None:
         names = [one.job.id for one in self.every]
@@ -85,7 +92,11 @@ def test_it_is_as_in_a_list(data: st.DataObject) -> None:
         else:
             among = may_start if act == 'start' else lasting
             among = plain.every if act in ('remove', 'abort') else among
-            _act(act, data.draw(st.sampled_from(among)), jobs, plain, data)
+            one = data.draw(st.sampled_from(among))
+            is_queued, before = one in plain.queue, copy.deepcopy(one)
+            _act(act, one, jobs, plain, data)
+            assert not is_queued or one == before, 'a job in the queue was changed in place'
+            plain.read(jobs)
         plain.check(jobs)
 
 
@@ -93,10 +104,12 @@ def _act(act: str, one: JobState, jobs: LiveJobs, plain: Plain, data: st.DataObj
     name = one.job.id
     if act == 'start':
         jobs.start(name, 1.0)
+        assert jobs[name].started_at == 1.0
         plain.queue.remove(one)
         plain.line.append(one)
     elif act in ('hold', 'release'):
         jobs.hold(name, held=act == 'hold')
+        assert jobs[name].held is (act == 'hold')
     elif act == 'move':
         place = data.draw(st.integers(1, len(plain.queue)))
         jobs.move(name, place)
@@ -106,8 +119,10 @@ def _act(act: str, one: JobState, jobs: LiveJobs, plain: Plain, data: st.DataObj
         digest = data.draw(st.sampled_from(sorted(SCRIPTS)))
         with jobs.changing(name) as changed:
             changed.job, changed.digest = Job(name, SCRIPTS[digest], 2), digest
+        assert jobs[name].digest == digest
     elif act == 'abort':
         jobs.abort(name, 'why')
+        assert jobs[name].aborting
     else:
         assert jobs.remove(name) is one
         (plain.line if one in plain.line else plain.queue).remove(one)

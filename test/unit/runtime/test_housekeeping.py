@@ -437,6 +437,23 @@ def test_the_state_of_a_long_queue_is_written_in_slices_while_the_line_goes_on(
     assert len(replays) == state.seq - begun
 
 
+def test_a_job_that_ends_in_front_of_a_long_queue_has_not_all_of_it_written(
+    path: Path, often: None
+) -> None:
+    run = LongRun(path)
+    queue_many(run)
+    run.rest(3)
+    first = [one.seq for one in run.store.snapshots()]
+    while len(run.orchestrator.state.ended) < 4:
+        assert run.clock.advance()
+        run.orchestrator.settle()
+        run.rest(1)
+        seqs = [one.seq for one in run.store.snapshots()]
+        assert seqs[0] == first[0] or seqs[0] - first[0] > len(run.orchestrator.state.queue)
+    assert len(seqs) == 2
+    run.kill()
+
+
 @pytest.mark.parametrize('is_forgetful', [False, True])
 def test_every_job_of_a_long_queue_is_read_back_before_events_go(
     path: Path,

@@ -12,12 +12,14 @@ from typing import Any
 import pytest
 from fakes.line import THREE, Line, with_initialization, with_section
 from fakes.operator import ann
+from py_trees.common import Status
 
 from bt_orchestrator.model.job_commands import AddJobs, ControlJob, JobCommand, MoveJob
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryStore
+from bt_orchestrator.tree.section import Section
 from bt_orchestrator.tree.sharing import Sharing
 
 LINE = Line()
@@ -93,11 +95,13 @@ def test_the_line_works_with_many_jobs_that_wait_as_with_few(held: bool) -> None
 @pytest.mark.parametrize(
     'command',
     [
+        AddJobs((Job('NEW', LINE.script(ZONED), 1),), BY),
+        AddJobs((Job('NEW', LINE.script(THREE), 1),), BY, position=2),
         MoveJob('LAST', 2, BY),
         *(ControlJob(verb, 'LAST', BY) for verb in ('hold', 'cancel', 'abort')),
         ControlJob('pause', 'NOBODY', BY),
     ],
-    ids=lambda command: getattr(command, 'verb', 'move'),
+    ids=['add', 'insert', 'move', 'hold', 'cancel', 'abort', 'refused'],
 )
 def test_a_command_costs_the_same_with_many_jobs_that_wait(
     command: JobCommand, held: bool
@@ -156,3 +160,26 @@ def test_a_job_far_behind_that_is_aborted_skips_its_initialization_at_once() -> 
     assert simulation.orchestrator.ask(ControlJob('abort', 'LAST', BY)).accepted
     assert 'LAST' not in simulation.state.jobs
     assert simulation.state.ended['LAST'].exit_status == 'aborted'
+
+
+def test_what_happens_in_the_queue_alone_wakes_no_part(monkeypatch: pytest.MonkeyPatch) -> None:
+    simulation = waiting_line(FEW)
+    ticked: list[Section] = []
+    run = Section.run
+
+    def noted(section: Section) -> Status:
+        ticked.append(section)
+        return run(section)
+
+    monkeypatch.setattr(Section, 'run', noted)
+    script = LINE.script(ZONED)
+    commands: list[JobCommand] = [
+        AddJobs((Job('NEW', script, 1), Job('HELD', script, 1)), BY),
+        MoveJob('NEW', 3, BY),
+        *(ControlJob(verb, 'HELD', BY) for verb in ('hold', 'release', 'cancel', 'resume')),
+    ]
+    for command in commands:
+        simulation.orchestrator.ask(command)
+        assert not ticked, command
+    assert simulation.orchestrator.ask(MoveJob('NEW', 1, BY)).accepted
+    assert ticked
