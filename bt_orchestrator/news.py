@@ -1,11 +1,11 @@
-"""What gateways hand to the tick: goals and state readings, oldest first."""
+"""What gateways hand to the tick: goals, state readings and contests, oldest first."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from bt_orchestrator.model.goal import StateReading
-from bt_orchestrator.ports import Goal
+from bt_orchestrator.model.goal import SeenContest, StateReading
+from bt_orchestrator.ports import Told
 
 
 class News:
@@ -16,22 +16,22 @@ class News:
     """
 
     def __init__(self) -> None:
-        self._entries: dict[int, Goal | StateReading] = {}
+        self._entries: dict[int, Told] = {}
         self._wake: Callable[[], None] = _ignore
 
     def listen(self, wake: Callable[[], None]) -> None:
         """Name the function to call when something was added that has consequences."""
         self._wake = wake
 
-    def add(self, entry: Goal | StateReading) -> None:
+    def add(self, entry: Told) -> None:
         """List something new; that a goal was accepted can wait, as nothing follows from it."""
         # By identity: two equal state readings are two readings, and values may be unhashable.
         self._entries.pop(id(entry), None)
         self._entries[id(entry)] = entry
-        if isinstance(entry, StateReading) or entry.end is not None:
+        if isinstance(entry, (StateReading, SeenContest)) or entry.end is not None:
             self._wake()
 
-    def drain(self) -> Sequence[Goal | StateReading]:
+    def drain(self) -> Sequence[Told]:
         """Return what was added since the last call."""
         entries, self._entries = self._entries, {}
         return tuple(entries.values())

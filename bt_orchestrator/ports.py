@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, Protocol
 
 from bt_orchestrator.model.action_type import ActionType
 from bt_orchestrator.model.events import Event
-from bt_orchestrator.model.goal import GoalEnd, GoalRequest, StateReading
+from bt_orchestrator.model.goal import GoalEnd, GoalRequest, SeenContest, StateReading
 from bt_orchestrator.model.history import JobRecord
 from bt_orchestrator.model.uptime import Uptime
 
@@ -46,6 +46,10 @@ class Goal(Protocol):
         """
 
 
+Told = Goal | StateReading | SeenContest
+"""What a gateway may have to tell."""
+
+
 class ActionGateway(Protocol):
     """The one way to the robots. All calls come from the tick thread."""
 
@@ -71,15 +75,22 @@ class ActionGateway(Protocol):
         timeout.
         """
 
-    def drain(self) -> Sequence[Goal | StateReading]:
+    def drain(self) -> Sequence[Told]:
         """Return what is new since the last call, oldest first.
 
         A goal is listed when it was accepted and when it ended; a state topic when its field's
-        value changed or its publisher vanished.
+        value changed or its publisher vanished; a contest when it is another one.
         """
 
     def available(self, component: str) -> bool:
         """Tell whether the component's action server was there at the last look, for show."""
+
+    def rivals(self, component: str) -> Sequence[str]:
+        """Return where the servers of a component's action are at this moment, if several are.
+
+        Nothing is sent then: a request waits as if there were no server, and `drain` has told of
+        it, or will (`SeenContest`). None of them is believed that it does not know a goal.
+        """
 
     def server(self, component: str) -> str | None:
         """Return an id of the instance of the component's server that was seen last.

@@ -97,6 +97,7 @@ class CellProcesses:
         self._sim_words = ['sim-cell', '--cell', str(self.cell), '--log', str(self.log)]
         self._sim_words += [*spaced, '--speed', str(speed)]
         self._sim_words += [f'--fail={fault}' for fault in fail]
+        self._started = 0
         self.sims = [self.start_sim(share) for share in shares]
         words = ['run', '--cell', str(self.cell), '--trees', str(folder), *spaced]
         self._node_words = [*words, *run_options]
@@ -106,7 +107,8 @@ class CellProcesses:
     def start_sim(self, share: str = '', program: Sequence[str] = PROGRAM) -> ProgramProcess:
         """Start simulated controllers in a further process."""
         only = ['--only', share] if share else []
-        name = f'sim_{share.replace(",", "_") or "all"}'
+        self._started += 1
+        name = f'sim_{self._started}_{share.replace(",", "_") or "all"}'
         return ProgramProcess([*self._sim_words, *only], self.folder, name, program)
 
     def kill_and_restart_node(self) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.job_folds import forget_skips
 from bt_orchestrator.model.packml import Mode
@@ -24,8 +25,17 @@ def orchestrator_started(event: e.OrchestratorStarted, state: CellState) -> None
         for key, task in state.running.items():
             state.tasks[key] = state.running[key] = changed(task, copied=True)
     state.shutting_down = False
+    state.contests.clear()  # nobody has looked yet
     # Older journals have skips of jobs that have not started.
     forget_skips(state, lambda job: not job.started)
+
+
+def component_contested(event: e.ComponentContested, state: CellState) -> None:
+    """Know who else has a part in a component."""
+    contest = Contest(event.servers, event.goals)
+    state.contests.pop(event.component, None)
+    if contest:
+        state.contests[event.component] = contest
 
 
 def orchestrator_stopping(_: e.OrchestratorStopping, state: CellState) -> None:

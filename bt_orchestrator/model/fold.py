@@ -391,6 +391,9 @@ def _component_state_changed(event: e.ComponentStateChanged, state: CellState) -
     state.readings[event.component] = Reading(event.ready, event.value)
 
 
+_on(e.ComponentContested)(cell.component_contested)
+
+
 @_on(e.HoldRaised)
 def _hold_raised(event: e.HoldRaised, state: CellState) -> None:
     hold = Hold(

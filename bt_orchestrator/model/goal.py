@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any
 
+from bt_orchestrator.model.contest import Contest
+
 SERVER_TIMEOUT_S = 5.0
 """Seconds that a request waits for a server that is not there."""
 
@@ -89,6 +91,19 @@ class GoalEnd:
     """The server's or the gateway's own words, for a person."""
     denied_by: str | None = None
     """Instance of the server that does not know an adopted goal; None: that cannot be told."""
+
+
+@dataclass(frozen=True)
+class SeenContest:
+    """Who else has a part in a component has changed (semantics 2.5)."""
+
+    component: str
+    contest: Contest
+    node: str = ''
+    """Whose server it is; empty: nobody's, or not known."""
+    before: Mapping[str, float] = field(default_factory=dict)
+    """Of the goals those that ran already when the server was found first, with the times at which
+    it accepted them, in seconds by its own clock (semantics 9.2)."""
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,10 @@ MISSING = 'missing'
 """Events that were written are not in the journal any more: the line is further than it says."""
 TWIN = 'twin'
 """Another node answers under the name of this one."""
+UNKNOWN_GOAL = 'unknown_goal'
+"""At a take-over a server runs a goal that the journal does not know: it is not all there was."""
 
-NAMED = frozenset((RESTARTED, RESTORED, MISSING, TWIN))
+NAMED = frozenset((RESTARTED, RESTORED, MISSING, TWIN, UNKNOWN_GOAL))
 """Somebody has to look at the line first, so these are released only by naming the hold."""
 
 

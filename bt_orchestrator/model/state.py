@@ -8,6 +8,7 @@ from enum import Enum
 from typing import Any
 
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.events import INDEX_KEY, TaskKey
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.initialization import Preparation
@@ -324,6 +325,8 @@ class CellState:
     holds: dict[str, Hold] = field(default_factory=dict)
     holds_raised: int = 0
     readings: dict[str, Reading] = field(default_factory=dict)
+    contests: dict[str, Contest] = field(default_factory=dict)
+    """Components in which somebody else has a part (semantics 2.5)."""
     done_once: dict[str, str] = field(default_factory=dict)
     """Arguments of the last attempt of each task (`same_task`), if it succeeded since Stopped
     (semantics 5.1)."""

@@ -22,7 +22,7 @@ class WaitKind(Enum):
     COMPONENT = 'component'
     """Another task has it."""
     READINESS = 'readiness'
-    """A state topic does not say ready."""
+    """A component does not say that it is ready, or somebody else has a part in it."""
     INITIALIZATION = 'initialization'
     HOLD = 'hold'
     """An operator has to answer."""

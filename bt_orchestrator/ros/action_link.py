@@ -3,25 +3,30 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
+from itertools import chain
 from typing import Any
 
 from rclpy.node import Node
 
 from bt_orchestrator.model.action_type import TASK, ActionType
 from bt_orchestrator.model.cell import Component
-from bt_orchestrator.model.goal import GoalRequest, GoalStatus
+from bt_orchestrator.model.contest import Contest
+from bt_orchestrator.model.goal import GoalRequest, GoalStatus, SeenContest
 from bt_orchestrator.news import News
 from bt_orchestrator.ros.callbacks import report
+from bt_orchestrator.ros.fresh_participant import KEPT_FRESH_S
 from bt_orchestrator.ros.goal import RosGoal
 from bt_orchestrator.ros.goal_client import GoalClient
 from bt_orchestrator.ros.goal_follower import GoalFollower
 from bt_orchestrator.ros.messages import fill, to_plain
 from bt_orchestrator.ros.open_goals import OpenGoals
 from bt_orchestrator.ros.renewable_client import RenewableClient
+from bt_orchestrator.ros.rivals import RIVALS_FRESH_S, Rivals
 from bt_orchestrator.ros.seen_server import SeenServer
 from bt_orchestrator.ros.server_watch import ServerWatch
+from bt_orchestrator.ros.strangers import Strangers
 
 _SEEK_S = 3.0
 """Seconds without a server after which it is looked for in a fresh way."""
@@ -41,23 +46,31 @@ class ActionLink:
         action_type: ActionType,
         news: News,
         server_timeout_s: float,
-        fresh_node: Callable[[], Node],
+        fresh_node: Callable[[float], Node],
     ) -> None:
         """Make the client.
 
-        :param fresh_node: returns a node with a fresh participant
+        :param fresh_node: returns a node with a participant so many seconds old at most
         """
+        self._component = component.name
         self._action = component.action
+        self._told = SeenContest(component.name, Contest())
         self._class = action_class
         self._type = action_type
         self._server_timeout_s = server_timeout_s
         self._logger = node.get_logger().get_child(component.name)
-        self._clients = RenewableClient(node, action_class, self._action, fresh_node)
+        self._clients = RenewableClient(
+            node, action_class, self._action, partial(fresh_node, KEPT_FRESH_S)
+        )
         self._server = SeenServer(self._clients)
         self._goals = OpenGoals(self._clients, news)
-        self._follower = GoalFollower(self._clients, self._goals, self._server, self._logger)
+        self._rivals = Rivals(self._clients, partial(fresh_node, RIVALS_FRESH_S))
+        self._strangers = Strangers(self._clients, self._goals)
+        self._follower = GoalFollower(
+            self._clients, self._goals, self._server, self._rivals, self._logger
+        )
         self._watch = ServerWatch(
-            self._action, self._clients, self._goals, self._follower, self._logger
+            self._action, self._clients, self._goals, self._follower, self._rivals, self._logger
         )
 
     @property
@@ -67,7 +80,7 @@ class ActionLink:
     @property
     def nodes(self) -> Iterator[Node]:
         """Nodes that its clients use."""
-        return self._clients.nodes
+        return chain(self._clients.nodes, self._rivals.nodes)
 
     @property
     def available(self) -> bool:
@@ -78,6 +91,20 @@ class ActionLink:
     def server(self) -> str | None:
         """Id of the server's status publisher, as it was seen last."""
         return self._server.id
+
+    @property
+    def rivals(self) -> Sequence[str]:
+        """All servers that are in the ROS graph now, if several are."""
+        return self._rivals.look()
+
+    def look(self) -> SeenContest | None:
+        """Look who is there, once a second; return what has changed since the last time."""
+        self._rivals.look_afresh()
+        seen = self._strangers.seen(self._component, self._rivals.look())
+        if seen == self._told:
+            return None
+        self._told = seen
+        return seen
 
     @property
     def is_waiting(self) -> bool:
@@ -118,9 +145,10 @@ class ActionLink:
         """Send what waits, if the server has come; give up what waited too long."""
         self._send_waiting()
         now = time.monotonic()
-        if self._clients.may_be_renewed and self._has_waited(_SEEK_S, now):
+        if not self.available and self._clients.may_be_renewed and self._has_waited(_SEEK_S, now):
             self._clients.renew()
-        message = f'no server of {self._action} within {self._server_timeout_s:g} s'
+        there = Contest(self._rivals.look()).words(self._action) or f'no server of {self._action}'
+        message = f'{there} within {self._server_timeout_s:g} s'
         for goal in [goal for goal, until in self._goals.waiting.items() if until <= now]:
             status = GoalStatus.LOST if goal.adopted else GoalStatus.UNAVAILABLE
             self._goals.end(goal, status, message=message)
@@ -143,10 +171,13 @@ class ActionLink:
         return any(now - since_s >= seconds for since_s in since)
 
     def _send_waiting(self) -> None:
-        if self._goals.waiting and self.available:
-            waiting = tuple(self._goals.waiting)
-            self._goals.waiting.clear()
-            for goal in waiting:
+        if not self._goals.waiting or not self.available:
+            return
+        several = self.rivals
+        for goal in tuple(self._goals.waiting):
+            # What was sent before is asked for; nothing new goes to two servers.
+            if goal.adopted or not several:
+                del self._goals.waiting[goal]
                 self._start(goal)
 
     def _start(self, goal: RosGoal) -> None:

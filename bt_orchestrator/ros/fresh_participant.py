@@ -63,9 +63,12 @@ class FreshParticipants:
         self._made = 0
         self._kept: list[FreshParticipant] = []
 
-    def node(self) -> Node:
-        """Return a node whose participant is fresh."""
-        if not self._kept or time.monotonic() - self._kept[-1].made_s > KEPT_FRESH_S:
+    def node(self, kept_s: float = KEPT_FRESH_S) -> Node:
+        """Return a node whose participant is fresh.
+
+        :param kept_s: how many seconds old it may be
+        """
+        if not self._kept or time.monotonic() - self._kept[-1].made_s > kept_s:
             self._made += 1
             name = f'_{self._beside.get_name()}_{self._made}'
             self._kept.append(FreshParticipant(self._beside, name))

@@ -8,9 +8,9 @@ from rclpy.node import Node
 from rclpy.timer import Timer
 
 from bt_orchestrator.model.cell import Cell, Component
-from bt_orchestrator.model.goal import SERVER_TIMEOUT_S, GoalRequest, StateReading
+from bt_orchestrator.model.goal import SERVER_TIMEOUT_S, GoalRequest
 from bt_orchestrator.news import News
-from bt_orchestrator.ports import ActionTypes, Goal
+from bt_orchestrator.ports import ActionTypes, Told
 from bt_orchestrator.ros.action_link import ActionLink
 from bt_orchestrator.ros.callbacks import guarded
 from bt_orchestrator.ros.fresh_participant import FreshParticipants
@@ -25,8 +25,8 @@ _POLL_PERIOD_S = 0.1
 _WATCH_PERIOD_S = 0.5
 """Between two looks at the goals in flight; what is due is done at the next look."""
 
-_STATE_PERIOD_S = 1.0
-"""Between two looks at the publishers of state topics."""
+_LOOK_PERIOD_S = 1.0
+"""Between two looks at who serves the actions and who publishes the state topics."""
 
 
 class RosGateway:
@@ -64,9 +64,9 @@ class RosGateway:
         self._poll_timer = self._timer(_POLL_PERIOD_S, self._poll)
         self._poll_timer.cancel()
         self._watch_timer = self._timer(_WATCH_PERIOD_S, self._watch)
-        self._timers = [self._poll_timer, self._watch_timer]
-        if self._states:
-            self._timers.append(self._timer(_STATE_PERIOD_S, self._look_at_states))
+        self._has_looked = False
+        look_timer = self._timer(_LOOK_PERIOD_S, self._look)
+        self._timers = [self._poll_timer, self._watch_timer, look_timer]
 
     def listen(self, wake: Callable[[], None]) -> None:
         """Name the function to call when there is something new; it is called in callbacks."""
@@ -92,13 +92,20 @@ class RosGateway:
         self._look_after(link)
         return goal
 
-    def drain(self) -> Sequence[Goal | StateReading]:
+    def drain(self) -> Sequence[Told]:
         """Return what is new."""
+        if not self._has_looked:
+            self._has_looked = True
+            self._look()  # before anything is sent
         return self._news.drain()
 
     def available(self, component: str) -> bool:
         """Tell whether the component's server is in the ROS graph."""
         return self._links[component].available
+
+    def rivals(self, component: str) -> Sequence[str]:
+        """Return the servers of the component's action, if several are in the ROS graph."""
+        return self._links[component].rivals
 
     def server(self, component: str) -> str | None:
         """Return the id of the status publisher of the component's server, seen last."""
@@ -128,9 +135,9 @@ class RosGateway:
             self._fresh_node,
         )
 
-    def _fresh_node(self) -> Node:
+    def _fresh_node(self, kept_s: float) -> Node:
         self._fresh.keep({node for link in self._links.values() for node in link.nodes})
-        return self._fresh.node()
+        return self._fresh.node(kept_s)
 
     def _timer(self, period_s: float, callback: Callable[[], None]) -> Timer:
         return steady_timer(self._node, period_s, guarded(callback, self._node.get_logger()))
@@ -153,6 +160,10 @@ class RosGateway:
         if not any(link.is_open for link in self._links.values()):
             self._watch_timer.cancel()
 
-    def _look_at_states(self) -> None:
+    def _look(self) -> None:
+        for link in self._links.values():
+            seen = link.look()
+            if seen is not None:
+                self._news.add(seen)
         for state in self._states:
             state.look()

@@ -5,6 +5,7 @@ An action is three services and two topics (design.ros2.org, article "Actions").
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from action_msgs.msg import GoalInfo
@@ -49,6 +50,8 @@ class GoalClient(PartedWaitable):
         self._services = (self._goals, self._results, self._cancels)
         self._asked: dict[bytes, list[Question]] = {}
         self._is_whole = False
+        self._taking = node.resolve_service_name(f'{name}/_action/send_goal')
+        self._telling = node.resolve_topic_name(f'{name}/_action/status')
         logger = node.get_logger().get_child('action_client')
         super().__init__(node, logger, self._services)
 
@@ -63,6 +66,27 @@ class GoalClient(PartedWaitable):
             self._is_whole or all(service.is_served() for service in self._services)
         )
         return self._is_whole
+
+    def count_servers(self, node: Node | None = None) -> int:
+        """Count the servers, those too that publish no status. Takes some microseconds.
+
+        :param node: another one that looks, in place of the client's own
+        """
+        takers = int((node or self.node).count_services(self._taking))
+        told = self.status.publishers if node is None else node.count_publishers(self._telling)
+        return max(takers, int(told))
+
+    def takers(self) -> Sequence[str]:
+        """Return the full names of the nodes that take goals; asks for every node there is."""
+        nodes = self.node.get_node_names_and_namespaces()
+        return [f'{at.rstrip("/")}/{name}' for name, at in nodes if self._is_taken_by(name, at)]
+
+    def _is_taken_by(self, name: str, namespace: str) -> bool:
+        try:
+            served = self.node.get_service_names_and_types_by_node(name, namespace)
+        except RuntimeError:
+            return False  # it has just left
+        return any(service == self._taking for service, _ in served)
 
     # --- goals ----------------------------------------------------------------------------------
 

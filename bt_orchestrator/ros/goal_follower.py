@@ -12,13 +12,14 @@ from typing import Any
 from action_msgs.msg import GoalStatus as WireStatus
 from rclpy.impl.rcutils_logger import RcutilsLogger
 
-from bt_orchestrator.model.goal import REQUEST_CHECKS, GoalStatus
+from bt_orchestrator.model.goal import REQUEST_CHECKS, RESULT_CHECK_S, GoalStatus
 from bt_orchestrator.ros.callbacks import report
 from bt_orchestrator.ros.goal import RosGoal
 from bt_orchestrator.ros.goal_client import GoalClient
 from bt_orchestrator.ros.messages import to_plain
 from bt_orchestrator.ros.open_goals import GIVEN_UP, OpenGoals
 from bt_orchestrator.ros.renewable_client import RenewableClient
+from bt_orchestrator.ros.rivals import Rivals
 from bt_orchestrator.ros.seen_server import SeenServer
 
 _ENDS = {
@@ -46,11 +47,13 @@ class GoalFollower:
         clients: RenewableClient,
         goals: OpenGoals,
         server: SeenServer,
+        rivals: Rivals,
         logger: RcutilsLogger,
     ) -> None:
         self._clients = clients
         self._goals = goals
         self._server = server
+        self._rivals = rivals
         self._logger = logger
 
     @property
@@ -126,6 +129,8 @@ class GoalFollower:
 
     def _on_unknown(self, goal: RosGoal) -> None:
         goal.heard_s = time.monotonic()
+        if self._rivals.seen_within(RESULT_CHECK_S):
+            return  # another server than the one that has it may have said so
         goal.unknown_count += 1
         believed = 1 if goal.accepted else REQUEST_CHECKS
         if goal.refused:

@@ -28,7 +28,7 @@ from bt_orchestrator.ros.expected_ends import ExpectedEnds
 from bt_orchestrator.ros.heart import Heart
 from bt_orchestrator.ros.pulse import Pulse
 from bt_orchestrator.ros.qos import EVENTS, LATCHED, publisher
-from bt_orchestrator.ros.status_message import status_message
+from bt_orchestrator.ros.status_message import contested_words, status_message
 from bt_orchestrator.ros.timers import steady_timer
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 
@@ -144,6 +144,14 @@ class Diagnostics:
 
     def _servers(self) -> DiagnosticStatus:
         components = self._orchestrator.state.cell.components
+        contested = {
+            c.name: words
+            for c in components.values()
+            if (words := contested_words(self._orchestrator, c))
+        }
+        if contested:
+            text = '; '.join(f'{name}: {words}' for name, words in contested.items())
+            return self._status('action servers', DiagnosticStatus.ERROR, text, contested)
         gone = [c for c in components.values() if not self._orchestrator.gateway.available(c.name)]
         if not gone:
             text = f'all {len(components)} action servers are there'

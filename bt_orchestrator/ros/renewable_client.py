@@ -51,12 +51,15 @@ class RenewableClient:
         """Nodes that are in use."""
         yield from (client.node for client in self._clients)
 
-    def renew(self) -> None:
-        """Speak through a fresh participant from now on."""
+    def renew(self, node: Node | None = None) -> None:
+        """Speak through a fresh participant from now on.
+
+        :param node: its node, if it was made already
+        """
         if self._former is not None:
             self._former.destroy()
         self._former = self.current
-        self.current = GoalClient(self._fresh_node(), self._class, self._name)
+        self.current = GoalClient(node or self._fresh_node(), self._class, self._name)
         self._renewed_s = time.monotonic()
 
     def forget(self, goal_id: UUID) -> None:

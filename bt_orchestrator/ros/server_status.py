@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from action_msgs.msg import GoalStatus, GoalStatusArray
 from rclpy.node import Node
 from rclpy.qos import qos_profile_action_status_default
+from rclpy.topic_endpoint_info import TopicEndpointInfo
 from unique_identifier_msgs.msg import UUID
 
+from bt_orchestrator.ros.endpoints import endpoint_id
 from bt_orchestrator.ros.last_message import LastMessage
 
 _ACTIVE = (GoalStatus.STATUS_ACCEPTED, GoalStatus.STATUS_EXECUTING, GoalStatus.STATUS_CANCELING)
@@ -30,19 +32,29 @@ class ServerStatus:
         )
         self._read: Any = None
         self._listed: Mapping[bytes, int] = {}
+        self._stamps: Mapping[bytes, Any] = {}
 
     @property
     def is_published(self) -> bool:
         """Tell whether a publisher is connected; costs next to nothing."""
-        return self._topic.publishers > 0
+        return self.publishers > 0
+
+    @property
+    def publishers(self) -> int:
+        """How many publishers are connected; costs next to nothing."""
+        return self._topic.publishers
+
+    def publishers_info(self) -> Sequence[TopicEndpointInfo]:
+        """Return who publishes it. Takes a tenth of a millisecond."""
+        return self._node.get_publishers_info_by_topic(self._name)
 
     def publisher_id(self) -> str | None:
         """Return an id of the publisher, which no other instance of the server has.
 
         None: there is no server, or more than one. Takes a tenth of a millisecond.
         """
-        publishers = self._node.get_publishers_info_by_topic(self._name)
-        return bytes(publishers[0].endpoint_gid).hex() if len(publishers) == 1 else None
+        publishers = self.publishers_info()
+        return endpoint_id(publishers[0]) if len(publishers) == 1 else None
 
     def of(self, goal_id: UUID) -> int | None:
         """Return a goal's status (action_msgs/GoalStatus); None: it is not listed.
@@ -59,6 +71,11 @@ class ServerStatus:
     def active(self) -> Iterator[bytes]:
         """Yield the ids of the goals that run, anybody's."""
         return (goal for goal, status in self._by_goal().items() if status in _ACTIVE)
+
+    def accepted_s(self, goal_id: bytes) -> float:
+        """Return when a goal that is listed was accepted, in seconds by the server's clock."""
+        stamp = self._stamps[goal_id]
+        return float(stamp.sec + stamp.nanosec * 1e-9)
 
     @property
     def is_busy(self) -> bool:
@@ -77,7 +94,7 @@ class ServerStatus:
         message = self._topic.read()
         if message is not self._read:
             self._read = message
-            self._listed = {
-                bytes(one.goal_info.goal_id.uuid): one.status for one in message.status_list
-            }
+            infos = [(bytes(one.goal_info.goal_id.uuid), one) for one in message.status_list]
+            self._listed = {goal: one.status for goal, one in infos}
+            self._stamps = {goal: one.goal_info.stamp for goal, one in infos}
         return self._listed

@@ -12,6 +12,7 @@ from bt_orchestrator.ros.goal_client import GoalClient
 from bt_orchestrator.ros.goal_follower import GoalFollower
 from bt_orchestrator.ros.open_goals import OpenGoals
 from bt_orchestrator.ros.renewable_client import RenewableClient
+from bt_orchestrator.ros.rivals import Rivals
 
 
 class ServerWatch:
@@ -23,6 +24,7 @@ class ServerWatch:
         clients: RenewableClient,
         goals: OpenGoals,
         follower: GoalFollower,
+        rivals: Rivals,
         logger: RcutilsLogger,
     ) -> None:
         """Watch the server of an action.
@@ -33,6 +35,7 @@ class ServerWatch:
         self._clients = clients
         self._goals = goals
         self._follower = follower
+        self._rivals = rivals
         self._logger = logger
         self._seen_missing = False
 
@@ -82,10 +85,12 @@ class ServerWatch:
     def _may_be_silent(self, goal: RosGoal) -> bool:
         """Tell whether a server may leave a question about a goal open (semantics 9.3).
 
-        It may while its status says of any goal that it runs, and if it accepted this one and has
-        no status.
+        It may while its status says of any goal that it runs, if it accepted this one and has no
+        status, and while there are several servers: then nobody knows whose silence it is.
         """
-        return self._client.status.is_busy or (goal.accepted and not goal.listed)
+        if self._client.status.is_busy or self._rivals.look():
+            return True
+        return goal.accepted and not goal.listed
 
     def _renew(self) -> None:
         text = f'{self._action} does not answer; it is asked through a fresh participant'

@@ -18,6 +18,7 @@ from bt_orchestrator_interfaces.msg import (
 
 from bt_orchestrator.model.cell import Component
 from bt_orchestrator.model.codec import json_of
+from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.events import TaskKey
 from bt_orchestrator.model.limits import FEEDBACK_BYTES, QUEUE_SHOWN, rough_size, shortened
 from bt_orchestrator.model.packml import VERBS, Cause, possible_in
@@ -158,15 +159,24 @@ def _component(orchestrator: Orchestrator, component: Component) -> ComponentSta
     key = state.reserved.get(component.name)
     progress = state.tasks.get(key) if key else None
     reading = state.readings[component.name]
+    contested = contested_words(orchestrator, component)
     return ComponentStatus(
         name=component.name,
         action=component.action,
         available=orchestrator.gateway.available(component.name),
-        ready=reading.ready,
+        ready=reading.ready and not contested,
+        contested=contested,
         state='' if reading.value is None else str(reading.value),
         task=str(key) if key else '',
         feedback=_feedback(orchestrator, progress.goal if progress else None),
     )
+
+
+def contested_words(orchestrator: Orchestrator, component: Component) -> str:
+    """Say who else has a part in a component; also while nothing is recorded any more."""
+    seen = Contest(tuple(orchestrator.gateway.rivals(component.name)))
+    contest = seen or orchestrator.state.contests.get(component.name, seen)
+    return contest.words(component.action)
 
 
 def _feedback(orchestrator: Orchestrator, goal: str | None) -> str:

@@ -8,12 +8,20 @@ from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.action_type import TASK_RESULT
 from bt_orchestrator.model.failures import ABORT
-from bt_orchestrator.model.goal import GoalEnd, GoalRequest, GoalStatus, Reason, StateReading
+from bt_orchestrator.model.goal import (
+    GoalEnd,
+    GoalRequest,
+    GoalStatus,
+    Reason,
+    SeenContest,
+    StateReading,
+)
 from bt_orchestrator.model.limits import MESSAGE, RESULT_BYTES, cut, without_longest
 from bt_orchestrator.model.script import Task, index_task
 from bt_orchestrator.model.state import CellState, TaskState
 from bt_orchestrator.model.uptime import seconds_between
 from bt_orchestrator.ports import ActionGateway, Clock, Goal, Timer
+from bt_orchestrator.runtime import contests
 from bt_orchestrator.runtime.ledger import Ledger
 
 GRACE_S = 5.0
@@ -49,6 +57,11 @@ class Flights:
         """Goals of an earlier orchestrator, of which nothing was heard yet."""
         self._given_up: dict[str, tuple[e.TaskKey, Goal]] = {}
         """In doubt: no end came in time, and the task is its operator's."""
+        self._put_off: list[tuple[Goal, GoalEnd]] = []
+        """Goals of an earlier orchestrator that may be sent again, once nothing keeps the line
+        from starting."""
+        self._provably_lost: set[str] = set()
+        """Of those, and of which it is proven that they never arrived."""
         self._timers: dict[str, Timer] = {}
         self._expired: list[str] = []
 
@@ -72,9 +85,14 @@ class Flights:
 
     def land(self) -> None:
         """Record what the gateway has to tell, and the time limits that have passed."""
+        put_off, self._put_off = self._put_off, []
+        for goal, end in put_off:
+            self._end(goal, end)
         for news in self._gateway.drain():
             if isinstance(news, StateReading):
                 self._ledger.record(_of_reading(self._ledger.state, news))
+            elif isinstance(news, SeenContest):
+                self._ledger.record(contests.seen(self._ledger.state, news))
             elif news.end is not None:
                 self._end(news, news.end)
         expired, self._expired = self._expired, []
@@ -86,16 +104,26 @@ class Flights:
         key, held = self._goals.get(goal.request.id, (None, None))
         if key is None or held is not goal:
             return  # given up before (its operator decides), or sent again since
-        del self._goals[goal.request.id]
         timer = self._timers.pop(goal.request.id, None)
         if timer is not None:
             timer.cancel()
+        if self._must_wait(key, goal, end):
+            self._put_off.append((goal, end))
+            return
+        del self._goals[goal.request.id]
         state = self._ledger.state
         was_unknown = self._forget_adopted(goal) and end.status is GoalStatus.LOST
         event = self._of_unknown(key, end) if was_unknown else _of_end(state, key, end)
         self._ledger.record([event])
         if isinstance(event, e.TaskSucceeded):
             self._ledger.record(effects.of_success(state, key))
+
+    def _must_wait(self, key: e.TaskKey, goal: Goal, end: GoalEnd) -> bool:
+        """Tell whether a goal is to be sent again, and somebody has to look at the line first."""
+        is_unknown = goal.request.id in self._adopted and not goal.accepted
+        if not is_unknown or end.status is not GoalStatus.LOST:
+            return False
+        return self._may_go_again(key, end) and bool(self._ledger.state.pauses)
 
     def _forget_adopted(self, goal: Goal) -> bool:
         """Tell whether a goal was adopted and its server never owned up to it."""
@@ -128,8 +156,7 @@ class Flights:
         """Return what becomes of an adopted goal that its server does not know (9.2)."""
         running, task = self._ledger.state.running[key], self._task(key)
         assert running.goal is not None
-        may_go_again = task.repeatable or self._never_arrived(task.component, running, end)
-        if may_go_again and running.cancel_cause is None and not running.copied:
+        if self._may_go_again(key, end):
             return e.TaskResent(
                 **key._asdict(),
                 attempt=running.attempt,
@@ -144,6 +171,15 @@ class Flights:
             reason=Reason.IN_DOUBT.value,
             message=f'after a restart of the orchestrator: {end.message}',
         )
+
+    def _may_go_again(self, key: e.TaskKey, end: GoalEnd) -> bool:
+        running, task = self._ledger.state.running[key], self._task(key)
+        assert running.goal is not None
+        if running.cancel_cause is not None or running.copied:
+            return False
+        if self._never_arrived(task.component, running, end):
+            self._provably_lost.add(running.goal)  # and will not arrive while somebody looks
+        return task.repeatable or running.goal in self._provably_lost
 
     def _never_arrived(self, component: str, running: TaskState, end: GoalEnd) -> bool:
         """Tell whether it is proven that a goal never reached its server (semantics 9.2).

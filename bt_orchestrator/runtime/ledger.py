@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 
 from bt_orchestrator.model.events import Event, TaskKey
 from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.state import CellState
-from bt_orchestrator.ports import Clock, Timer
+from bt_orchestrator.ports import ActionGateway, Clock, Timer
 from bt_orchestrator.runtime.delays import Delays
 
 
@@ -24,7 +24,7 @@ class Ledger:
         clock: Clock,
         follow: Callable[[Event], None],
         new_goal_id: Callable[[], str],
-        server: Callable[[str], str | None],
+        gateway: ActionGateway,
         on_time: Callable[[], None],
     ) -> None:
         """Open a ledger.
@@ -36,7 +36,7 @@ class Ledger:
         self._clock = clock
         self._follow = follow
         self._new_goal_id = new_goal_id
-        self._server = server
+        self._gateway = gateway
         self._on_time = on_time
         self._pending: list[Event] = []
         self._delays = Delays(state, clock)
@@ -87,7 +87,11 @@ class Ledger:
 
     def server(self, component: str) -> str | None:
         """Return the instance of a component's server that was seen last; None: not known."""
-        return self._server(component)
+        return self._gateway.server(component)
+
+    def rivals(self, component: str) -> Sequence[str]:
+        """Return the servers of a component's action at this moment, if there are several."""
+        return self._gateway.rivals(component)
 
     def is_delayed(self, key: TaskKey) -> bool:
         """Tell whether the next attempt of a task waits for its time; a settle follows then."""

@@ -68,9 +68,7 @@ class Orchestrator:
         self._auto_start = auto_start
         self._projection = BlackboardProjection(_space(cell), self.state)
         self._wake = wake
-        self._ledger = Ledger(
-            self.state, clock, self._follow, new_goal_id, gateway.server, self._on_time
-        )
+        self._ledger = Ledger(self.state, clock, self._follow, new_goal_id, gateway, self._on_time)
         self._inbox = Inbox(self._ledger)
         self._starvation = Starvation(self._ledger)
         self.flights = Flights(self._ledger, gateway, clock, wake)
@@ -179,7 +177,8 @@ class Orchestrator:
         return lifecycle.Outlook(True, bool(waits), self._starvation.look(waited_for))
 
     def _waits_for_readiness(self) -> Iterator[Subject]:
-        if all(reading.ready for reading in self.state.readings.values()):
+        state = self.state
+        if not state.contests and all(reading.ready for reading in state.readings.values()):
             return  # at rest this is asked at every heartbeat
         yield from (one for one in unready(self.tree.root) if one.could_go_on)
 

@@ -6,7 +6,6 @@ import hashlib
 import json
 import logging
 from collections.abc import Iterable, Iterator
-from datetime import datetime, timezone
 from functools import lru_cache
 from importlib.resources import files
 from typing import TYPE_CHECKING
@@ -23,7 +22,7 @@ from bt_orchestrator.model.pauses import MISSING, RESTARTED, RESTORED
 from bt_orchestrator.model.snapshot import state_from_plain
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import EventStore, Snapshot
-from bt_orchestrator.runtime.cell_commands import RESUME
+from bt_orchestrator.runtime.looks import in_utc, to_be_named
 
 if TYPE_CHECKING:
     from importlib.abc import Traversable  # its place depends on the version of Python
@@ -169,7 +168,7 @@ def take_over(
     if missing:
         log.error('%s', missing)
         store.go_on_after(state.seq)
-    end = f'event {state.seq} of {_utc(state.time)}'
+    end = f'event {state.seq} of {in_utc(state.time)}'
     yield e.OrchestratorStarted(
         cell=state.cell.name,
         digest=digest(state.cell),
@@ -195,29 +194,20 @@ def take_over(
             'queue with what was done since, before anything starts'
         )
         looked_at += f'. Besides, {missing}' if missing else ''
-        yield _waiting(state, RESTORED, looked_at)
+        yield to_be_named(state, RESTORED, looked_at)
     elif missing:
         looked_at = (
             f'{missing}. The journal ends with {end}: {unfinished}. Items may be further than it '
             'says, or packed: compare belt, counts and queue with the line, before anything starts'
         )
-        yield _waiting(state, MISSING, looked_at)
+        yield to_be_named(state, MISSING, looked_at)
     elif state.jobs and not auto_resume and not waits and _would_go_on(state):
-        yield _waiting(state, RESTARTED, unfinished)
+        yield to_be_named(state, RESTARTED, unfinished)
 
 
 def _unfinished(jobs: int, goals: int) -> str:
     unfinished = f'{jobs} unfinished job{"s" if jobs != 1 else ""}'
     return f'{unfinished}, {goals} goal{"s" if goals != 1 else ""} in flight'
-
-
-def _waiting(state: CellState, reason: str, message: str) -> e.HoldRaised:
-    return e.HoldRaised(hold=state.next_hold, reason=reason, message=message, answers=(RESUME,))
-
-
-def _utc(seconds: float) -> str:
-    moment = datetime.fromtimestamp(seconds, timezone.utc)
-    return f'{moment:%Y-%m-%d %H:%M:%S} UTC'
 
 
 _STANDS = (

@@ -67,5 +67,7 @@ def _at_an_end(state: CellState, subject: Subject) -> Starved | None:
     if not at_source and not at_sink:
         return None
     reason = StopReason.STARVED if at_source else StopReason.BLOCKED
+    if state.readings[subject.task.component].ready:
+        return None  # it waits for something that is wrong, not for material
     topic = state.cell.components[subject.task.component].state
     return Starved(reason, f'{subject.key} waits for {topic}')

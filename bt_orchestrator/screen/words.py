@@ -157,6 +157,8 @@ def trouble(component: Any) -> str:
     name = one_line(component.name)
     if not component.available:
         return f'{name}: no action server at {one_line(component.action)}'
+    if component.contested:
+        return f'{name}: {one_line(component.contested)}'
     if not component.ready:
         state = f'its state is {one_line(component.state)}' if component.state else 'no state yet'
         return f'{name}: not ready, {state}'

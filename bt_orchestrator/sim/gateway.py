@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.goal import SERVER_TIMEOUT_S, GoalRequest, StateReading
+from bt_orchestrator.model.contest import Contest
+from bt_orchestrator.model.goal import SERVER_TIMEOUT_S, GoalRequest
 from bt_orchestrator.news import News
-from bt_orchestrator.ports import ActionTypes, Clock, Goal
+from bt_orchestrator.ports import ActionTypes, Clock, Told
 from bt_orchestrator.sim.virtual_client import VirtualClient
 from bt_orchestrator.sim.virtual_goal import VirtualGoal
 
@@ -65,13 +66,21 @@ class VirtualGateway:
         """
         return self._clients[request.component].adopt(request)
 
-    def drain(self) -> Sequence[Goal | StateReading]:
+    def drain(self) -> Sequence[Told]:
         """Return what is new."""
         return self._news.drain()
 
     def available(self, component: str) -> bool:
         """Tell whether the component's server is known to the graph."""
         return self._clients[component].available
+
+    def rivals(self, component: str) -> Sequence[str]:
+        """Return the servers of a component's action, if several were brought in."""
+        return self._clients[component].contest.servers
+
+    def bring_in(self, component: str, contest: Contest) -> None:
+        """Let others have a part in a component from now on; nobody: they leave."""
+        self._clients[component].bring_in(contest)
 
     def server(self, component: str) -> str | None:
         """Return an id of the component's server, another one for each of its lives."""

@@ -50,9 +50,10 @@ class Simulation:
         """
         self.clock = VirtualClock()
         numbers = itertools.count(1)
+        self.gateway = VirtualGateway(cell, types, self.clock, duration=duration)
         self.orchestrator = Orchestrator(
             cell,
-            VirtualGateway(cell, types, self.clock, duration=duration),
+            self.gateway,
             self.clock,
             store,
             sinks,

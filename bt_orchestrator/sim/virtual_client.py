@@ -8,6 +8,7 @@ from typing import Any
 from bt_orchestrator.deadlines import has_come, instant_ns
 from bt_orchestrator.model.action_type import ActionType
 from bt_orchestrator.model.cell import Component
+from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.goal import (
     REQUEST_CHECKS,
     RESULT_CHECK_S,
@@ -15,6 +16,7 @@ from bt_orchestrator.model.goal import (
     GoalEnd,
     GoalRequest,
     GoalStatus,
+    SeenContest,
     StateReading,
 )
 from bt_orchestrator.news import News
@@ -53,6 +55,8 @@ class VirtualClient:
         self._value: Any = None
         self._lives = 0
         self.available = False
+        self.contest = Contest()
+        """Who else has a part in the component."""
         self._controller.switch_on()
 
     @property
@@ -62,7 +66,7 @@ class VirtualClient:
 
     def send(self, goal: VirtualGoal) -> None:
         """Request the goal, or wait for the server."""
-        if self.available:
+        if self.available and not self.contest.servers:
             goal.timer = self._clock.call_at(self._clock.steady(), lambda: self._deliver(goal))
             return
         self._waiting[goal] = None
@@ -90,6 +94,13 @@ class VirtualClient:
             self._clock.call_at(self._clock.steady(), lambda: self._controller.cancel(goal))
         goal.cancel_requested = True
 
+    def bring_in(self, contest: Contest) -> None:
+        """Let others have a part in the component, or nobody any more."""
+        self.contest = contest
+        self._news.add(SeenContest(self._component.name, contest))
+        if self.available:
+            self._send_waiting()
+
     # --- what the controller shows ----------------------------------------------------------
 
     def appeared(self) -> None:
@@ -101,10 +112,7 @@ class VirtualClient:
             self._lease = None
         for goal in self._in_flight:
             self._lose_at_check(goal)
-        waiting, self._waiting = self._waiting, {}
-        for goal in waiting:
-            goal.stop_timer()
-            self.send(goal)
+        self._send_waiting()
 
     def vanished(self) -> None:
         """Notice nothing until the lease is over."""
@@ -142,6 +150,12 @@ class VirtualClient:
     def _denial(self) -> GoalEnd:
         who = self.server if self._controller.present else None
         return GoalEnd(GoalStatus.LOST, message=_UNKNOWN, denied_by=who)
+
+    def _send_waiting(self) -> None:
+        waiting, self._waiting = self._waiting, {}
+        for goal in waiting:
+            goal.stop_timer()
+            self.send(goal)
 
     # --- loss -------------------------------------------------------------------------------
 

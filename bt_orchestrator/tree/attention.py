@@ -119,7 +119,7 @@ class Attention:
             ),
             e.TaskStarted: self._started,
             e.ItemMoved: self._moved,
-            e.ComponentStateChanged: self._component,
+            **dict.fromkeys((e.ComponentStateChanged, e.ComponentContested), self._component),
         }
 
     def _task(self, event: e.TaskEvent) -> None:
@@ -143,7 +143,7 @@ class Attention:
     def _flag(self, event: e.FlagEvent) -> None:
         self._mark(self.sharing.flag(event.flag))
 
-    def _component(self, event: e.ComponentStateChanged) -> None:
+    def _component(self, event: e.ComponentStateChanged | e.ComponentContested) -> None:
         self._mark(self.sharing.component(event.component))
 
     def _cycle(self, event: e.CycleEvent) -> None:

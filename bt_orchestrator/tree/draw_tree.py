@@ -73,6 +73,10 @@ class Compiled:
         """Nothing is ever ticked."""
         raise AssertionError(f'a drawing does not ask for {component}')
 
+    def rivals(self, component: str) -> NoReturn:
+        """Nothing is ever ticked."""
+        raise AssertionError(f'a drawing does not ask for {component}')
+
     @property
     def uptime(self) -> NoReturn:
         """Nothing is ever ticked."""

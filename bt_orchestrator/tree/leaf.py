@@ -6,6 +6,7 @@ from py_trees.common import Status
 
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.reference import resolve
 from bt_orchestrator.model.state import Phase, TaskState
@@ -103,10 +104,17 @@ class ActionLeaf(TaskWaiter, Ticked):
         """Say what keeps the next attempt from starting, besides its time and the guards."""
         state, task = self.subject.state, self.subject.task
         busy = state.reserved.get(task.component)
-        if busy is None or busy == self.subject.key:  # still, until its new attempt (4.4)
+        if busy is not None and busy != self.subject.key:  # its own: until its new attempt (4.4)
+            what = f'waiting for {task.component}, busy with {holder(state, busy)}'
+            return Wait(what, WaitKind.COMPONENT, task.component)
+        # Asked now, too: what is seen at this moment becomes an event a moment later.
+        contest = state.contests.get(task.component) or Contest(
+            tuple(self.subject.recorder.rivals(task.component))
+        )
+        if not contest:
             return None
-        what = f'waiting for {task.component}, busy with {holder(state, busy)}'
-        return Wait(what, WaitKind.COMPONENT, task.component)
+        what = contest.wait(task.component, task.action)
+        return Wait(what, WaitKind.READINESS, task.component)
 
     def _start(self, attempt: int) -> Status:
         recorder, task, key = self.subject.recorder, self.subject.task, self.subject.key

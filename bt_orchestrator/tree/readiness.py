@@ -7,19 +7,23 @@ from collections.abc import Iterator
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
+from bt_orchestrator.model.wait import WaitKind
 from bt_orchestrator.tree.guards import ReadyGuard
+from bt_orchestrator.tree.leaf import ActionLeaf
 from bt_orchestrator.tree.subject import Subject
 
 
 def unready(root: Behaviour) -> Iterator[Subject]:
-    """Yield the tasks whose turn it is and whose component does not say that it is ready.
+    """Yield the tasks whose turn it is and whose component is not ready for them.
 
-    Its guard is the innermost one, so it is asked only when belt, flags and zones are fine.
+    Guard and leaf are the innermost ones, so they wait for it only when belt, flags and zones are
+    fine.
     """
     for behaviour in root.iterate():
-        if isinstance(behaviour, ReadyGuard) and _waits(behaviour):
+        if isinstance(behaviour, (ReadyGuard, ActionLeaf)) and _waits(behaviour):
             yield behaviour.subject
 
 
-def _waits(guard: ReadyGuard) -> bool:
-    return guard.status is Status.RUNNING and guard.decorated.status is Status.INVALID
+def _waits(behaviour: ReadyGuard | ActionLeaf) -> bool:
+    waits = behaviour.wait is not None and behaviour.wait.kind is WaitKind.READINESS
+    return waits and behaviour.status is Status.RUNNING

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Protocol
 
 from bt_orchestrator.errors import MissingResult
@@ -33,6 +33,9 @@ class Recorder(Protocol):
 
     def server(self, component: str) -> str | None:
         """Return the instance of a component's server that was seen last; None: not known."""
+
+    def rivals(self, component: str) -> Sequence[str]:
+        """Return the servers of a component's action at this moment, if there are several."""
 
     @property
     def uptime(self) -> float | None:

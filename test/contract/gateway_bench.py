@@ -9,7 +9,7 @@ from typing import Any, Protocol
 from bt_orchestrator.model.cell import Cell, Component, Conveyor, StateTopic
 from bt_orchestrator.model.fault import parse_fault
 from bt_orchestrator.model.goal import GoalRequest, StateReading
-from bt_orchestrator.ports import ActionGateway, Goal
+from bt_orchestrator.ports import ActionGateway, Told
 
 COMPONENT_TYPE = 'bt_orchestrator_interfaces/action/Component'
 CONVEYOR_TYPE = 'bt_orchestrator_interfaces/action/Conveyor'
@@ -74,9 +74,9 @@ class Log:
 
     def __init__(self, gateway: ActionGateway) -> None:
         self._gateway = gateway
-        self.entries: list[Goal | StateReading] = []
+        self.entries: list[Told] = []
 
-    def update(self) -> list[Goal | StateReading]:
+    def update(self) -> list[Told]:
         """Drain the gateway; return what was new."""
         new = list(self._gateway.drain())
         self.entries += new

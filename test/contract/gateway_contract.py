@@ -19,6 +19,7 @@ from bt_orchestrator.model.goal import (
     SERVER_LEASE_S,
     GoalEnd,
     GoalStatus,
+    SeenContest,
     StateReading,
 )
 from bt_orchestrator.ports import Goal
@@ -342,7 +343,8 @@ class GatewayContract(ABC):
 
 def _goals(bench: Bench) -> tuple[Goal, ...]:
     """Return what is new of goals; components of other tests tell of their states as well."""
-    return tuple(new for new in bench.gateway.drain() if not isinstance(new, StateReading))
+    others = (StateReading, SeenContest)
+    return tuple(new for new in bench.gateway.drain() if not isinstance(new, others))
 
 
 def _send(bench: Bench, name: str, task: str = 'TASK_A') -> Goal:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
@@ -57,6 +57,9 @@ class _Reader:
 
     def server(self, component: str) -> str | None:
         return self._ledger.server(component)
+
+    def rivals(self, component: str) -> Sequence[str]:
+        return self._ledger.rivals(component)
 
     @property
     def uptime(self) -> float | None:

@@ -86,9 +86,21 @@ def hold(id: str = '1', **about: Any) -> Any:  # noqa: A002 - as in the message
     return SimpleNamespace(id=id, **{**usual, **about})
 
 
-def component(name: str, *, available: bool = True, ready: bool = True, state: str = '') -> Any:
+def component(
+    name: str,
+    *,
+    available: bool = True,
+    ready: bool = True,
+    state: str = '',
+    contested: str = '',
+) -> Any:
     return SimpleNamespace(
-        name=name, action=f'/{name}/task', available=available, ready=ready, state=state
+        name=name,
+        action=f'/{name}/task',
+        available=available,
+        ready=ready,
+        state=state,
+        contested=contested,
     )
 
 

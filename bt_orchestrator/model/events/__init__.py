@@ -12,6 +12,7 @@ from bt_orchestrator.model.events.base import (
 )
 from bt_orchestrator.model.events.cell import (
     CellStateChanged,
+    ComponentContested,
     ComponentStateChanged,
     HoldRaised,
     HoldReleased,
@@ -125,6 +126,7 @@ __all__ = [
     'ItemRejected',
     'ItemRemoved',
     'PositionEnded',
+    'ComponentContested',
     'ComponentStateChanged',
     'HoldRaised',
     'HoldReleased',

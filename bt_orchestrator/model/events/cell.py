@@ -21,6 +21,18 @@ class ComponentStateChanged(Event):
 
 
 @dataclass(frozen=True, kw_only=True)
+class ComponentContested(Event):
+    """Somebody else has a part in a component, another one than before, or no more (2.5)."""
+
+    event: ClassVar[str] = 'component.contested'
+    component: str
+    servers: tuple[str, ...] = ()
+    """All servers of its action, if there are several."""
+    goals: tuple[str, ...] = ()
+    """Goals that run there and that no task of the line knows."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class HoldRaised(Event):
     """Something waits for an operator (semantics 7.1)."""
 

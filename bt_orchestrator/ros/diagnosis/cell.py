@@ -9,7 +9,8 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from bt_orchestrator.diagnosis.check import Check, fail, ok, warn
 from bt_orchestrator.model.cell import Cell, Component, StateTopic
-from bt_orchestrator.ros.diagnosis.graph import Graph, is_named, names
+from bt_orchestrator.ros.diagnosis.graph import Graph
+from bt_orchestrator.ros.endpoints import is_named, names
 
 
 def cell_on_graph(graph: Graph, cell: Cell, timeout_s: float, elsewhere: str) -> Iterator[Check]:
@@ -46,9 +47,11 @@ def _server(graph: Graph, component: Component, elsewhere: str) -> Check:
         remedy = 'correct `type` in the cell file, or the name of the action'
         what = f'{action} is {", ".join(types)} ({names(found)}), not {component.type}'
         return fail(name, what, remedy)
-    if len(found) > 1:
-        remedy = 'every goal would go to all of them: stop all but one'
-        return fail(name, f'{len(found)} servers at {action}: {names(found)}', remedy)
+    count = max(len(found), graph.action_takers(component.action))
+    if count > 1:
+        remedy = 'every goal would go to all of them, so none is sent: stop all but one'
+        others = ', and one without its topics' if count > len(found) else ''
+        return fail(name, f'{count} servers at {action}: {names(found)}{others}', remedy)
     return ok(name, f'{action} ({names(found)})')
 
 
@@ -62,6 +65,9 @@ def _state(graph: Graph, component: Component, state: StateTopic) -> Check:
     if wrong:
         what = f'{topic} is {wrong[0].topic_type} ({names(wrong)}), not {state.type}'
         return fail(name, what, 'correct `state: {type: ...}` in the cell file, or the publisher')
+    if len(found) > 1:
+        remedy = 'the last message counts, whoever sent it: stop all but one if they may disagree'
+        return warn(name, f'{len(found)} publishers of {topic}: {names(found)}', remedy)
     return _quality(name, topic, found)
 
 

@@ -21,9 +21,6 @@ SETTLE_S = 3.5
 """How long to look at least: a second server or node may be found later than the first. Where
 discovery is limited to one computer, a participant may hear of another after 3 s only."""
 
-UNNAMED = '_NODE_NAME_UNKNOWN_'
-"""As rmw writes it."""
-
 OWN_NAME = 'bt_orchestrator_doctor'
 
 
@@ -77,6 +74,10 @@ class Graph:
         """Return the feedback publishers of an action: one a server, with the action's type."""
         return self.publishers(f'{action}/_action/feedback')
 
+    def action_takers(self, action: str) -> int:
+        """Count who takes goals of an action: one that lacks the topics of a server does too."""
+        return int(self._node.count_services(self.full(f'{action}/_action/send_goal')))
+
     def full(self, name: str) -> str:
         """Return the full name of what a cell file names."""
         return str(expand_topic_name(name, OWN_NAME, self._namespace))
@@ -97,16 +98,3 @@ class Graph:
             return None
         future = client.call_async(request)
         return future.result() if self.wait(future.done, timeout_s) else None
-
-
-def is_named(endpoint: TopicEndpointInfo) -> bool:
-    """Tell whether it is known whose it is: that comes a moment after the endpoint itself."""
-    return endpoint.node_name != UNNAMED
-
-
-def names(endpoints: Sequence[TopicEndpointInfo]) -> str:
-    """Return who they belong to."""
-    return ', '.join(
-        f'{e.node_namespace.rstrip("/")}/{e.node_name}' if is_named(e) else 'a node without name'
-        for e in endpoints
-    )

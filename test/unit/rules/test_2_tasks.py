@@ -6,6 +6,9 @@ import pytest
 from fakes.line import THREE, Line, with_section
 from fakes.virtual_run import VirtualRun
 
+from bt_orchestrator.model.cell_commands import Stop
+from bt_orchestrator.model.contest import Contest
+
 WORK_AT = 3.0
 """When section 2 of the shortest line begins with its first item."""
 
@@ -202,6 +205,96 @@ def test_2_5_a_component_that_says_nothing_is_not_ready() -> None:
 def test_2_5_readiness_is_asked_again_for_the_next_item() -> None:
     run = Line(topics=('a2',), faults={'a2': '#1=not_ready:20'}).run(work(), 2)
     assert run.starts('work') == [3.0, 24.0]
+
+
+def test_2_5_a_component_with_two_servers_is_sent_no_goal() -> None:
+    run = Line().begin(work())
+    bring_in(run, 'a2', servers=('/one', '/two'))
+    run.go(until=5.0)
+    assert run.waits()['section 2'] == (
+        'waiting for a2 to have one server; there are 2 servers of /a2/do: /one, /two; '
+        'stop all but one'
+    )
+    [told] = run.all('component.contested')
+    assert (told['component'], told['servers']) == ('a2', ['/one', '/two'])
+    assert run.state.stop_reason is None
+    assert run.starts('work') == []
+    bring_in(run, 'a2')
+    run.go()
+    assert len(run.starts('work')) == 1
+    assert run.ended
+
+
+def test_2_5_two_servers_of_the_conveyor_keep_the_belt_at_rest() -> None:
+    run = Line().begin()
+    bring_in(run, 'conveyor', servers=('/one', '/two'))
+    run.go(until=5.0)
+    assert run.starts('index') == []
+    assert run.waits()['belt'].startswith('waiting for conveyor to have one server')
+    bring_in(run, 'conveyor')
+    assert run.go().ended
+
+
+def test_2_5_the_second_server_is_looked_for_at_the_moment_of_the_start() -> None:
+    """It may be there before anybody was told of it."""
+    run = Line().begin(work())
+    run.go(until=2.5)
+    client = run.sim.gateway._clients['a2']
+    client.contest = Contest(('/one', '/two'))
+    run.go(until=5.0)
+    assert run.starts('work') == []
+    assert run.waits()['section 2'].startswith('waiting for a2 to have one server')
+
+
+def test_2_5_a_goal_that_runs_goes_on_beside_a_second_server() -> None:
+    run = Line().begin(work()).go(until=3.5)
+    bring_in(run, 'a2', servers=('/one', '/two'))
+    run.go(until=4.0)
+    assert run.times('task.succeeded', task='work') == [4.0]
+    assert run.go().ended
+
+
+def test_2_5_stop_waits_for_a_cycle_that_waits_for_one_server() -> None:
+    run = Line().begin(work(), 2)
+    bring_in(run, 'a2', servers=('/one', '/two'))
+    run.go(until=5.0)
+    run.command(Stop)
+    run.go(until=10.0)
+    assert run.states[-1] == 'Stopping'
+    assert run.starts('work') == []
+    bring_in(run, 'a2')
+    run.go()
+    assert run.states[-1] == 'Stopped'
+    assert len(run.starts('work')) == 1
+
+
+def test_2_5_two_servers_at_the_source_are_no_lack_of_material() -> None:
+    run = Line().begin(quantity=2)
+    bring_in(run, 'a1', servers=('/one', '/two'))
+    run.go()
+    assert run.starts('place') == [0.0]
+    assert run.waits()['section 1'].startswith('waiting for a1 to have one server')
+    assert run.states[-1] == 'Execute'
+
+
+def test_2_5_a_component_that_runs_a_goal_of_another_client_is_not_free() -> None:
+    run = Line().begin(work())
+    bring_in(run, 'a2', goals=('of-hmi',))
+    run.go(until=5.0)
+    assert run.waits()['section 2'] == (
+        'waiting for a2; it runs goal of-hmi, which no task here waits for'
+    )
+    assert run.starts('work') == []
+    bring_in(run, 'a2')
+    assert run.go().ended
+
+
+def bring_in(
+    run: VirtualRun, component: str, servers: tuple[str, ...] = (), goals: tuple[str, ...] = ()
+) -> None:
+    """Let others have a part in a component, or nobody any more."""
+    run.sim.gateway.bring_in(component, Contest(servers, goals))
+    run.sim.orchestrator.settle()
 
 
 # --- 2.6 ------------------------------------------------------------------------------------

@@ -1,0 +1,48 @@
+"""Who else has a part in a component, as events (semantics 2.5, 9.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.contest import Contest
+from bt_orchestrator.model.goal import SeenContest
+from bt_orchestrator.model.pauses import UNKNOWN_GOAL
+from bt_orchestrator.model.state import CellState
+from bt_orchestrator.runtime.looks import in_utc, to_be_named
+
+
+def seen(state: CellState, news: SeenContest) -> Iterator[e.Event]:
+    """Record what was seen, if it is another contest than before.
+
+    A goal of a task that goes on, or is in doubt, is nobody else's. One that the state does not
+    know and that ran before this orchestrator came says that the journal is not all there was.
+    """
+    known = {task.goal for task in state.tasks.values()}
+    before = state.contests.get(news.component, Contest())
+    goals = tuple(goal for goal in news.contest.goals if goal not in known)
+    contest = Contest(news.contest.servers, goals)
+    if contest == before:
+        return
+    yield e.ComponentContested(
+        component=news.component, servers=contest.servers, goals=contest.goals
+    )
+    for goal in goals:
+        if goal in news.before and goal not in before.goals and not _is_asked(state, goal):
+            yield to_be_named(state, UNKNOWN_GOAL, _message(state, news, goal))
+
+
+def _is_asked(state: CellState, goal: str) -> bool:
+    """Tell whether a hold is about a goal, perhaps of an earlier start."""
+    holds = (hold for hold in state.holds.values() if hold.reason == UNKNOWN_GOAL)
+    return any(goal in hold.message for hold in holds)
+
+
+def _message(state: CellState, news: SeenContest, goal: str) -> str:
+    action = state.cell.components[news.component].action
+    at = f' at {news.node}' if news.node else ''
+    return (
+        f'{action}{at} runs goal {goal}, accepted {in_utc(news.before[goal])} by its clock, for '
+        'which no task waits in the journal: the line may be further than the journal says. '
+        'Compare belt and queue, and see to it that the goal ends, before anything starts'
+    )

@@ -1,0 +1,24 @@
+"""Holds that ask somebody to look at the line (semantics 7.3)."""
+
+from __future__ import annotations
+
+from datetime import datetime, timezone
+
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.state import CellState
+from bt_orchestrator.runtime.cell_commands import RESUME
+
+
+def to_be_named(state: CellState, reason: str, message: str) -> e.HoldRaised:
+    """Return a hold of the whole cell, which only naming it releases.
+
+    :param reason: one of `model.pauses.NAMED`
+    :param message: what is to be looked at
+    """
+    return e.HoldRaised(hold=state.next_hold, reason=reason, message=message, answers=(RESUME,))
+
+
+def in_utc(seconds: float) -> str:
+    """Write a time of the wall clock."""
+    moment = datetime.fromtimestamp(seconds, timezone.utc)
+    return f'{moment:%Y-%m-%d %H:%M:%S} UTC'

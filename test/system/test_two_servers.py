@@ -1,0 +1,110 @@
+"""Two servers under one action name, in processes of their own (semantics 2.5 and 9.3)."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import pytest
+from cell_processes import CellProcesses, StartCell
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from program_process import ProgramProcess
+
+GHOST_S = 12.0
+"""Longest time that a server which was killed and started again may be waited for; the graph
+itself forgets it after 20 s."""
+
+SHARES = ('feeder,packer,conveyor', 'worker')
+
+SPEED = 5
+"""At which the worker's TASK_C takes 8 s: longer than a goal in flight is left alone."""
+
+
+@pytest.fixture
+def cell(start_cell: StartCell) -> CellProcesses:
+    """Give the small cell, whose worker is simulated in a process of its own."""
+    cell = start_cell(shares=SHARES, speed=SPEED)
+    cell.connect()
+    return cell
+
+
+def second_worker(cell: CellProcesses) -> ProgramProcess:
+    """Start another server of the worker's action."""
+    second = cell.start_sim('worker')
+    cell.sims.append(second)
+    second.wait_ready()
+    return second
+
+
+def worker(status: Any) -> Any:
+    return next(c for c in status.components if c.name == 'worker')
+
+
+def done_by_worker(cell: CellProcesses) -> list[str]:
+    return [record['event'] for record in cell.goals(component='worker', task='TASK_A')]
+
+
+def test_2_5_nothing_is_sent_while_two_servers_have_one_name(cell: CellProcesses) -> None:
+    second = second_worker(cell)
+    told = cell.watch.until_status(lambda s: worker(s).contested, 'the status to say so')
+    assert not worker(told).ready
+    assert worker(told).contested.startswith('2 servers of worker/task: ')
+
+    cell.run_small()
+    waits = cell.watch.until_status(
+        lambda s: any('2 servers' in w for w in s.sections[1].waiting), 'the wait that says so'
+    )
+    [wait] = waits.sections[1].waiting
+    assert wait.startswith('waiting for worker to have one server; there are 2 servers of ')
+    assert wait.count('/sim_cell (id ') == 2, 'equal names are told apart by their ids'
+    assert diagnosed(cell) == (DiagnosticStatus.ERROR, f'worker: {worker(told).contested}')
+    _, text, _ = cell.verb('status')
+    assert f'worker: {worker(told).contested}' in text
+    assert done_by_worker(cell) == []
+
+    assert second.stop() == 0
+    assert cell.watch.until_ended('WO-1').packed == 1
+    assert done_by_worker(cell).count('started') == 1
+    cell.stop()
+
+
+def test_9_3_a_goal_goes_on_beside_a_second_server(cell: CellProcesses) -> None:
+    """The second one does not know it, and says so at every question."""
+    cell.run_small(', repeatable: true', 'TASK_C')
+    goal = cell.watch.until('task.started', task='work')['goal']
+    cell.watch.ros.spin_until(lambda: cell.goals(event='started', goal=goal), 'the work to begin')
+    second = second_worker(cell)
+    cell.watch.until_status(lambda s: worker(s).contested, 'the second server to be seen')
+    ended = cell.watch.until('task.succeeded', task='work')
+    assert ended['goal'] == goal
+    assert not cell.watch.seen('task.failed')
+    assert len(cell.goals(component='worker', event='started')) == 1
+    assert second.stop() == 0
+    assert cell.watch.until_ended('WO-1').packed == 1
+    cell.stop()
+
+
+def test_2_5_a_server_that_was_killed_keeps_its_successor_waiting_for_seconds_only(
+    cell: CellProcesses,
+) -> None:
+    cell.sims[1].kill()
+    killed = time.monotonic()
+    cell.sims[1] = cell.start_sim('worker')
+    cell.sims[1].wait_ready()
+    cell.run_small()
+    cell.watch.until('task.started', task='work')
+    assert time.monotonic() - killed < GHOST_S
+    assert cell.watch.until_ended('WO-1').packed == 1
+    assert done_by_worker(cell).count('started') == 1
+    cell.stop()
+
+
+def diagnosed(cell: CellProcesses) -> tuple[bytes, str]:
+    """Return what the next diagnostics say of the servers."""
+    heard: list[Any] = []
+    node = cell.watch.ros.node
+    subscription = node.create_subscription(DiagnosticArray, '/diagnostics', heard.append, 10)
+    cell.watch.ros.spin_until(lambda: heard, 'diagnostics')
+    node.destroy_subscription(subscription)
+    [found] = [one for one in heard[0].status if one.name.endswith(': action servers')]
+    return found.level, found.message
