@@ -61,6 +61,14 @@ def cell_state_changed(event: e.CellStateChanged, state: CellState) -> None:
         state.had_work = state.has_work
 
 
+def clock_stepped(event: e.ClockStepped, state: CellState) -> None:
+    """Keep how long ago things began; the time of day at which they did is another one now."""
+    state.mode_since += event.seconds
+    for key, task in list(state.running.items()):
+        started = changed(task, started=task.started + event.seconds)
+        state.tasks[key] = state.running[key] = started
+
+
 def operator_decided(event: e.OperatorDecided, state: CellState) -> None:
     """Keep what is wished of the cell as a whole; what else a decision means follows as events.
 

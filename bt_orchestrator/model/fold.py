@@ -117,7 +117,7 @@ def _task_started(event: e.TaskStarted, state: CellState) -> None:
         args=event.args,
         sent=event.time,
         server=event.server,
-        sent_up=_sent_up(event, state),
+        sent_up=_up(event, state),
     )
     state.tasks[event.key] = state.running[event.key] = started
     _forget_done(state, event.key)  # until it succeeds nobody knows what it leaves behind
@@ -135,12 +135,12 @@ def _task_adopted(event: e.TaskAdopted, state: CellState) -> None:
 def _task_resent(event: e.TaskResent, state: CellState) -> None:
     before = state.running[event.key]
     assert before.goal == event.goal
-    up = _sent_up(event, state)
+    up = _up(event, state)
     sent = changed(before, sent=event.time, server=event.server, sent_up=up)
     state.tasks[event.key] = state.running[event.key] = sent
 
 
-def _sent_up(event: e.TaskStarted | e.TaskResent, state: CellState) -> Uptime | None:
+def _up(event: e.TaskStarted | e.TaskResent | e.TaskRetrying, state: CellState) -> Uptime | None:
     return Uptime(state.boot, event.uptime) if state.boot and event.uptime is not None else None
 
 
@@ -173,6 +173,8 @@ def _task_retrying(event: e.TaskRetrying, state: CellState) -> None:
         state.tasks[event.key],
         phase=Phase.RETRYING,
         not_before=event.not_before,
+        delay_s=max(0.0, event.not_before - event.time),
+        delayed_up=_up(event, state),
         cancel_cause=None,
         hold=None,
     )
@@ -444,3 +446,4 @@ _on(e.OrchestratorStarted)(cell.orchestrator_started)
 _on(e.OrchestratorStopping)(cell.orchestrator_stopping)
 _on(e.StopReasonChanged)(cell.stop_reason_changed)
 _on(e.CellStateChanged)(cell.cell_state_changed)
+_on(e.ClockStepped)(cell.clock_stepped)

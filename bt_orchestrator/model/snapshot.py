@@ -101,7 +101,6 @@ def _fit(state: CellState) -> None:
         if number not in fresh.sections and (section.slot or section.cycle):
             raise KeyError(f'section {number}')
     state.sections = {n: state.sections.get(n, section) for n, section in fresh.sections.items()}
-    state.contests = {n: one for n, one in state.contests.items() if n in state.cell.components}
     state.readings = {n: state.readings.get(n, reading) for n, reading in fresh.readings.items()}
 
 

@@ -91,6 +91,10 @@ class TaskState:
     end: End | None = None
     """How it ended, in phase DONE; None: a journal that is older than this field said so."""
     not_before: float = 0.0
+    delay_s: float = 0.0
+    """How long it was to wait when that was decided."""
+    delayed_up: Uptime | None = None
+    """When that was, on the clock that nobody sets."""
     hold: str | None = None
 
 

@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rcl_interfaces.msg import (
+    FloatingPointRange,
+    IntegerRange,
+    ParameterDescriptor,
+    SetParametersResult,
+)
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 
 from bt_orchestrator.node_parameters import NodeParameters, Words, described
+
+CLOCK = 'use_sim_time'
 
 
 def declare(node: Node, defaults: NodeParameters) -> NodeParameters:
@@ -22,7 +31,23 @@ def declare(node: Node, defaults: NodeParameters) -> NodeParameters:
         descriptor = _descriptor(words, default)
         value = node.declare_parameter(name, _to_ros(default), descriptor).value
         values[name] = _from_ros(name, value)
+    node.add_on_set_parameters_callback(_refuse_another_clock)
     return NodeParameters(**values)
+
+
+def _refuse_another_clock(parameters: Sequence[Parameter[Any]]) -> SetParametersResult:
+    """Refuse to change `use_sim_time`, which rclpy declares for every node, while the node runs.
+
+    With it any participant could stop the time of a cell, or have it jump. All other parameters
+    are read-only.
+    """
+    if all(parameter.name != CLOCK for parameter in parameters):
+        return SetParametersResult(successful=True)
+    reason = (
+        f'{CLOCK} is read when the node starts and cannot be changed while it runs; start it anew '
+        f'with --ros-args -p {CLOCK}:=true, or without it'
+    )
+    return SetParametersResult(successful=False, reason=reason)
 
 
 def _descriptor(words: Words, default: object) -> ParameterDescriptor:

@@ -21,6 +21,9 @@ RIVALS_FRESH_S = 1.0
 TRIAL_S = 10.0
 """Shortest time between two fresh looks of one action; a participant is made for each."""
 
+MOST_TOLD = 16
+"""So many servers are told of: there may be any number, and what is told is kept."""
+
 
 class Rivals:
     """Counts the servers of one action in the ROS graph, at next to no cost while there is one.
@@ -50,7 +53,8 @@ class Rivals:
         ids = sorted(map(endpoint_id, publishers))
         if not self._names or ids != self._ids:
             self._ids = ids
-            self._names = (*owners(publishers), *_without_status(client, len(publishers)))
+            names = (*owners(publishers), *_without_status(client, len(publishers)))
+            self._names = names[:MOST_TOLD]
         return self._names
 
     def look_afresh(self) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 import uuid
 from collections.abc import Iterator
+from itertools import islice
 
 from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.goal import SeenContest
@@ -14,6 +15,9 @@ from bt_orchestrator.ros.renewable_client import RenewableClient
 
 LATCHED_S = 3.0
 """Seconds after a server was found in which its latched status comes, on a busy machine too."""
+
+MOST_TOLD = 8
+"""So many goals are told of: a status may list any number, and what is told is kept."""
 
 
 class Strangers:
@@ -31,7 +35,8 @@ class Strangers:
         :param servers: those of its action, if there are several
         """
         status = self._clients.current.status
-        found = {str(uuid.UUID(bytes=goal)): status.accepted_s(goal) for goal in self._strange()}
+        strange = islice(self._strange(), MOST_TOLD)
+        found = {str(uuid.UUID(bytes=goal)): status.accepted_s(goal) for goal in strange}
         if self._is_early():
             self._before |= found
         before = {goal: since for goal, since in found.items() if goal in self._before}

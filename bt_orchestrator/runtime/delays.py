@@ -8,6 +8,7 @@ from bt_orchestrator.deadlines import has_come
 from bt_orchestrator.model.events import TaskKey
 from bt_orchestrator.model.script import index_task
 from bt_orchestrator.model.state import CellState, Phase
+from bt_orchestrator.model.uptime import seconds_between
 from bt_orchestrator.ports import Clock
 
 
@@ -21,8 +22,9 @@ class _Delay(NamedTuple):
 class Delays:
     """Until when each retry waits, on a clock that nobody sets.
 
-    What is recorded is a time on the wall clock. How far off it is, is reckoned once, when it is
-    asked for first, and never as more than the task's delay.
+    How far off it is, is reckoned once, when it is asked for first: by the time that the machine
+    has been up. Was it booted since, or is it another one, the delay begins anew. Where that was
+    not recorded the wall clock has to do, for no more than the task's delay.
     """
 
     def __init__(self, state: CellState, clock: Clock) -> None:
@@ -40,6 +42,12 @@ class Delays:
         return None if has_come(found.until, self._clock.steady()) else found.until
 
     def _until(self, key: TaskKey, not_before: float) -> float:
+        decided = self._state.tasks[key]
+        ago_s = seconds_between(decided.delayed_up, self._clock.uptime())
+        if ago_s is not None:
+            return self._clock.steady() + decided.delay_s - ago_s
+        if decided.delayed_up is not None:
+            return self._clock.steady() + decided.delay_s
         task = self._state.task(key) or index_task(self._state.cell)
         left_s = min(max(not_before - self._clock.now(), 0.0), task.retry_delay_s)
         return self._clock.steady() + left_s

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 
-from bt_orchestrator.model.events import Event, TaskKey
+from bt_orchestrator.model.events import ClockStepped, Event, TaskKey
 from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import ActionGateway, Clock, Timer
 from bt_orchestrator.runtime.delays import Delays
+from bt_orchestrator.runtime.wall_clock import WallClock
 
 
 class Ledger:
@@ -40,6 +41,7 @@ class Ledger:
         self._on_time = on_time
         self._pending: list[Event] = []
         self._delays = Delays(state, clock)
+        self._wall = WallClock(clock)
         self._armed: dict[float, Timer] = {}
 
     @property
@@ -60,12 +62,22 @@ class Ledger:
 
     def record(self, events: Iterable[Event]) -> None:
         """Stamp and apply events, in order, each before the next one is taken."""
+        self.look_at_clock()
         now = self.now
         for event in events:
-            stamped = event.stamped(self.state.seq + 1, now)
-            apply(self.state, stamped)
-            self._pending.append(stamped)
-            self._follow(stamped)
+            self._add(event, now)
+
+    def look_at_clock(self) -> None:
+        """Record that somebody set the wall clock, if so; before what is stamped by it."""
+        step_s = self._wall.step_s()
+        if step_s:
+            self._add(ClockStepped(seconds=step_s), self.now)
+
+    def _add(self, event: Event, now: float) -> None:
+        stamped = event.stamped(self.state.seq + 1, now)
+        apply(self.state, stamped)
+        self._pending.append(stamped)
+        self._follow(stamped)
 
     @property
     def has_pending(self) -> bool:

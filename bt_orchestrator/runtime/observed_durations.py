@@ -52,8 +52,9 @@ class ObservedDurations:
                 self._succeeded(event)
             elif isinstance(event, e.TaskFailed):
                 self._started.pop(event.key, None)
-            elif isinstance(event, e.OrchestratorStarted):
-                self._started.clear()  # nobody knows when within the pause it ended
+            elif isinstance(event, (e.OrchestratorStarted, e.ClockStepped)):
+                # Nobody knows when within the pause it ended, or the clock is another one.
+                self._started.clear()
 
     @property
     def kinds(self) -> int:

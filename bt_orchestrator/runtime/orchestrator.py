@@ -116,6 +116,7 @@ class Orchestrator:
         assert not self._settling, 'settle was called from within a settle'
         self._settling = True
         try:
+            self._ledger.look_at_clock()
             self.flights.land()
             self._inbox.land()
             if self.tree.is_due or self._ledger.has_pending:

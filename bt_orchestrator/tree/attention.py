@@ -118,6 +118,7 @@ class Attention:
                 (e.ItemPlaced, e.ItemMissing, e.ItemRemoved, e.PositionEnded), self._slot
             ),
             e.TaskStarted: self._started,
+            e.ClockStepped: lambda _: None,
             e.ItemMoved: self._moved,
             **dict.fromkeys((e.ComponentStateChanged, e.ComponentContested), self._component),
         }

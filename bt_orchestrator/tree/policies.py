@@ -29,7 +29,12 @@ class Retry(Wrapper):
             return Status.FAILURE
         not_before = self.subject.recorder.now + task.retry_delay_s
         attempt = state.tasks[key].attempt + 1
-        retrying = e.TaskRetrying(**key._asdict(), attempt=attempt, not_before=not_before)
+        retrying = e.TaskRetrying(
+            **key._asdict(),
+            attempt=attempt,
+            not_before=not_before,
+            uptime=self.subject.recorder.uptime,
+        )
         self.subject.recorder.record([retrying])
         self.feedback_message = f'attempt {attempt}'
         return Status.RUNNING

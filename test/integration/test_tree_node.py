@@ -14,6 +14,7 @@ from bt_orchestrator_interfaces.srv import RemoveItem
 from cell_processes import SMALL_CELL
 from rclpy.clock_type import ClockType
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 
 from bt_orchestrator.cli.bootstrap import (
@@ -104,6 +105,23 @@ def test_no_timer_goes_by_the_wall_clock(tree_node: TreeNode) -> None:
     tree_node.serve(StopWhen(lambda: True))
     kinds = {timer.clock.clock_type for timer in tree_node.node.timers}
     assert kinds == {ClockType.STEADY_TIME}
+
+
+def test_2_4_nobody_changes_the_clock_or_any_parameter_while_it_runs(tree_node: TreeNode) -> None:
+    node = tree_node.node
+    [result] = node.set_parameters([Parameter('use_sim_time', value=True)])
+    assert not result.successful
+    assert result.reason == (
+        'use_sim_time is read when the node starts and cannot be changed while it runs; start it '
+        'anew with --ros-args -p use_sim_time:=true, or without it'
+    )
+    assert not node.get_clock().ros_time_is_active  # type: ignore[attr-defined]
+    assert not node.get_subscriptions_info_by_topic('/clock'), 'nobody listens to a clock'
+    names = set(node.list_parameters([], 0).names) - {'use_sim_time'}
+    changeable = {n for n in names if not node.describe_parameter(n).read_only}
+    assert {n for n in changeable if not n.startswith('default_snapshot_')} == set(), (
+        'watchers only'
+    )
 
 
 def test_a_callback_that_raises_does_not_stop_the_node(tree_node: TreeNode) -> None:

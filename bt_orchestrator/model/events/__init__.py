@@ -12,6 +12,7 @@ from bt_orchestrator.model.events.base import (
 )
 from bt_orchestrator.model.events.cell import (
     CellStateChanged,
+    ClockStepped,
     ComponentContested,
     ComponentStateChanged,
     HoldRaised,
@@ -126,6 +127,7 @@ __all__ = [
     'ItemRejected',
     'ItemRemoved',
     'PositionEnded',
+    'ClockStepped',
     'ComponentContested',
     'ComponentStateChanged',
     'HoldRaised',

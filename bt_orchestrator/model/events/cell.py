@@ -143,6 +143,18 @@ class OrchestratorStopping(Event):
 
 
 @dataclass(frozen=True, kw_only=True)
+class ClockStepped(Event):
+    """Somebody set the wall clock, by which events are stamped; nothing waits by it (2.4).
+
+    This event and those after it have the new time.
+    """
+
+    event: ClassVar[str] = 'clock.stepped'
+    seconds: float
+    """By how much, forward; negative: back."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class StopReasonChanged(Event):
     """Why the line stands still has changed; PackML and ISA-95 states follow from it (7.2)."""
 

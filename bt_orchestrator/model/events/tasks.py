@@ -112,6 +112,8 @@ class TaskRetrying(TaskEvent):
     """The attempt to come."""
     not_before: float
     """Seconds, on the clock of `time`."""
+    uptime: float | None = None
+    """As in `task.started`, when it was decided."""
 
 
 @dataclass(frozen=True, kw_only=True)

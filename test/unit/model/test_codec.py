@@ -93,6 +93,9 @@ SAMPLES: dict[str, Any] = {
     'since': 11.5,
     'commands': {'hold': 40, '...': 2},
     'missing': '2 events are missing',
+    'servers': ('/one', '/two'),
+    'goals': ('b04965e6-a9bb-591f-8f8a-1adcb2c8dc39',),
+    'seconds': -3600.0,
 }
 """A value for every field of every event."""
 

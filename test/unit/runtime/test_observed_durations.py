@@ -47,6 +47,12 @@ def test_a_clock_that_was_set_back_says_nothing() -> None:
     assert durations.seconds() == {}
 
 
+def test_a_clock_that_was_set_forward_says_nothing() -> None:
+    durations = ObservedDurations()
+    durations.publish([started(4.0), e.ClockStepped(seconds=3600.0), succeeded(3608.0)])
+    assert durations.seconds() == {}
+
+
 def test_what_ran_while_no_orchestrator_did_says_nothing() -> None:
     durations = ObservedDurations()
     restart = e.OrchestratorStarted(cell='c', digest='d', time=900.0)

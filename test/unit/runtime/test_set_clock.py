@@ -8,6 +8,8 @@ from fakes.clocks import SetClock
 from fakes.line import Line, with_section
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.by import By
+from bt_orchestrator.model.cell_commands import Pause
 from bt_orchestrator.model.job_commands import AddJobs
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.runtime.orchestrator import Orchestrator
@@ -57,6 +59,10 @@ class SetLine:
             if isinstance(event, kind) and event.task == 'work'
         ]
 
+    def steps(self) -> list[e.ClockStepped]:
+        """Return what was recorded of the clock."""
+        return [event for event in self.store.read() if isinstance(event, e.ClockStepped)]
+
     @property
     def ended(self) -> bool:
         return not self.orchestrator.state.jobs
@@ -94,14 +100,22 @@ def test_2_6_a_retry_comes_after_its_delay(step_s: float) -> None:
 
 
 @either_way
-def test_2_6_after_a_restart_a_retry_waits_no_longer_than_its_delay(step_s: float) -> None:
+def test_2_6_after_a_restart_a_retry_comes_after_its_delay(step_s: float) -> None:
     run = SetLine('#1=abort', 'retries: 1, retry_delay: 5').go(until=WORK_AT + 2)
     run.clock.ahead_s = step_s
-    restarted = run.clock.steady()
     run.restart()
     run.go()
     assert run.ended
-    assert restarted <= run.when(e.TaskStarted)[1] <= restarted + 5
+    assert run.when(e.TaskStarted)[1] == WORK_AT + 1 + 5
+
+
+def test_2_6_after_a_boot_a_retry_waits_its_whole_delay_again() -> None:
+    run = SetLine('#1=abort', 'retries: 1, retry_delay: 5').go(until=WORK_AT + 2)
+    run.clock.boot = 'first machine, later'
+    restarted = run.clock.steady()
+    run.restart()
+    run.go()
+    assert run.when(e.TaskStarted)[1] == restarted + 5
 
 
 @either_way
@@ -139,3 +153,48 @@ def test_7_2_the_time_spent_in_a_state_is_never_negative() -> None:
     assert run.ended
     times = run.orchestrator.state.times(run.clock.now())
     assert all(seconds >= 0.0 for seconds in times.values())
+
+
+@either_way
+def test_2_4_setting_the_clock_is_an_event(step_s: float) -> None:
+    run = SetLine('#1=hang', 'timeout: 10').go(until=WORK_AT + 1)
+    assert run.steps() == []
+    run.clock.ahead_s = step_s
+    run.orchestrator.settle()
+    [step] = run.steps()
+    assert step.seconds == pytest.approx(step_s)
+    assert step.time == run.clock.now()
+
+
+@pytest.mark.parametrize('slew_s', [0.4, -0.4])
+def test_2_4_a_clock_that_is_slewed_is_no_event(slew_s: float) -> None:
+    run = SetLine('#1=late:100', 'timeout: none')
+    for second in range(1, 60):
+        run.clock.ahead_s = slew_s * second
+        run.clock.call_at(float(second), lambda: None)
+        run.go(until=float(second))
+    assert run.steps() == []
+
+
+@either_way
+def test_7_2_the_time_in_a_state_is_that_which_has_passed(step_s: float) -> None:
+    run = SetLine('#1=hang', 'timeout: 10').go(until=WORK_AT)
+    since = run.clock.steady() - run.orchestrator.state.mode_since
+    run.clock.ahead_s = step_s
+    run.orchestrator.settle()
+    state = run.orchestrator.state
+    assert run.clock.now() - state.mode_since == pytest.approx(since)
+    (work,) = state.running.values()
+    assert run.clock.now() - work.started == pytest.approx(run.clock.steady() - WORK_AT)
+    run.go()
+    assert sum(run.orchestrator.state.times(run.clock.now()).values()) == pytest.approx(
+        run.clock.steady()
+    )
+
+
+def test_2_4_a_step_is_recorded_before_what_is_stamped_by_the_new_clock() -> None:
+    run = SetLine('#1=hang', 'timeout: 10').go(until=WORK_AT)
+    run.clock.ahead_s = HOUR_S
+    run.orchestrator.ask(Pause(By('Ann', 'a test', 'it is so')))
+    last = [type(event) for event in run.store.read() if event.time > HOUR_S / 2]
+    assert last[:2] == [e.ClockStepped, e.OperatorDecided]
