@@ -76,10 +76,15 @@ class ThreadServers:
         """Leave ROS."""
         self._executor.shutdown()
         self._thread.join()
-        for server in self._servers:
-            server.destroy()
+        self.close_servers()
         self.node.destroy_node()
         self._context.shutdown()
+
+    def close_servers(self) -> None:
+        """Serve nothing any more."""
+        for server in self._servers:
+            server.destroy()
+        self._servers.clear()
 
     def _spin(self) -> None:
         with contextlib.suppress(ExternalShutdownException):

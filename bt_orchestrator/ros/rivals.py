@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 from rclpy.node import Node
 
-from bt_orchestrator.ros.endpoints import endpoint_id, owners
+from bt_orchestrator.ros.endpoints import endpoint_id, is_named, owners
 from bt_orchestrator.ros.goal_client import GoalClient
 from bt_orchestrator.ros.renewable_client import RenewableClient
 
@@ -40,6 +40,7 @@ class Rivals:
         self._ids: Sequence[str] = ()
         self._trial: Node | None = None
         self._tried_s = -math.inf
+        self._tried_ids: Sequence[str] | None = None
         self._seen_s = -math.inf
 
     def look(self) -> tuple[str, ...]:
@@ -51,7 +52,8 @@ class Rivals:
         self._seen_s = time.monotonic()
         publishers = client.status.publishers_info()
         ids = sorted(map(endpoint_id, publishers))
-        if not self._names or ids != self._ids:
+        # The names of nodes come a moment after what they serve.
+        if not self._names or ids != self._ids or not all(map(is_named, publishers)):
             self._ids = ids
             names = (*owners(publishers), *_without_status(client, len(publishers)))
             self._names = names[:MOST_TOLD]
@@ -63,8 +65,9 @@ class Rivals:
         if not self.look():
             return
         if self._trial is None:
-            if now - self._tried_s >= TRIAL_S:
-                self._trial, self._tried_s = self._fresh_node(), now
+            # Who was found alive by a fresh look is not looked for again.
+            if self._ids != self._tried_ids and now - self._tried_s >= TRIAL_S:
+                self._trial, self._tried_s, self._tried_ids = self._fresh_node(), now, self._ids
         elif now - self._tried_s >= DISCOVERY_S:
             trial, self._trial = self._trial, None
             if self._clients.current.count_servers(trial) == 1:

@@ -1,0 +1,114 @@
+"""Several servers of one action, as the gateway sees them (semantics 2.5 and 9.3)."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from bt_orchestrator_interfaces.action import Component as Action
+from contract.gateway_bench import component, goal_request
+from ros_bench import RosBench
+from thread_servers import ThreadServers
+
+from bt_orchestrator.model.contest import Contest
+from bt_orchestrator.model.goal import GoalStatus, SeenContest
+
+
+@pytest.fixture
+def bench() -> Iterator[RosBench]:
+    """Return a bench without simulated servers."""
+    bench = RosBench([component('arm')], serve=False)
+    yield bench
+    bench.close()
+
+
+@pytest.fixture
+def second() -> Iterator[ThreadServers]:
+    """Give servers in another context: another DDS participant."""
+    servers = ThreadServers()
+    yield servers
+    servers.close()
+
+
+def serve(servers: ThreadServers, until: threading.Event | None = None) -> list[bytes]:
+    """Serve the arm; goals end at once, or when told. Return the goals, as they are executed."""
+    executed: list[bytes] = []
+
+    def execute(handle: Any) -> Any:
+        executed.append(bytes(handle.goal_id.uuid))
+        while until is not None and not until.wait(0.01):
+            pass
+        handle.succeed()
+        return Action.Result(task_result=True)
+
+    servers.serve('/arm/task', Action, execute)
+    return executed
+
+
+def test_2_5_a_request_waits_while_there_are_two_servers(
+    bench: RosBench, servers: ThreadServers, second: ThreadServers
+) -> None:
+    both = serve(servers), serve(second)
+    bench.run_until(lambda: bench.gateway.rivals('arm'), 'two servers')
+    names = bench.gateway.rivals('arm')
+    assert [name.split(' (id ')[0] for name in names] == ['/thread_servers', '/thread_servers']
+    assert len(set(names)) == 2
+    goal = bench.gateway.send(goal_request('arm'))
+    bench.run_until(lambda: goal.end is not None, 'the end of the wait', 30.0)
+    assert goal.end is not None
+    assert goal.end.status is GoalStatus.UNAVAILABLE
+    assert goal.end.message.startswith('2 servers of /arm/task: ')
+    assert both == ([], [])
+    told = [new for new in bench.gateway.drain() if isinstance(new, SeenContest)]
+    assert [len(new.contest.servers) for new in told] == [2]
+
+    second.close_servers()
+    bench.run_until(lambda: not bench.gateway.rivals('arm'), 'one server')
+    again = bench.gateway.send(goal_request('arm'))
+    bench.run_until(lambda: again.end is not None, 'the end')
+    assert again.end is not None
+    assert again.end.status is GoalStatus.SUCCEEDED
+    bench.run_until(lambda: SeenContest('arm', Contest()) in bench.gateway.drain(), 'to be told')
+
+
+def test_2_5_a_server_that_publishes_no_status_is_one_too(
+    bench: RosBench, servers: ThreadServers, second: ThreadServers
+) -> None:
+    serve(servers)
+    service = Action.Impl.SendGoalService
+    second.node.create_service(service, '/arm/task/_action/send_goal', lambda _, answer: answer)
+    bench.run_until(lambda: bench.gateway.rivals('arm'), 'two servers')
+    bench.run_until(
+        lambda: (
+            set(bench.gateway.rivals('arm'))
+            & {
+                '/thread_servers (publishes no status)',
+                'one that publishes no status',
+            }
+        ),
+        'words about it',
+    )
+
+
+@pytest.mark.filterwarnings('ignore:Deprecated in favor of:DeprecationWarning')
+def test_9_3_a_second_server_that_does_not_know_a_goal_loses_it_not(
+    bench: RosBench, servers: ThreadServers, second: ThreadServers
+) -> None:
+    ends = threading.Event()
+    executed = serve(servers, until=ends)
+    goal = bench.gateway.send(goal_request('arm'))
+    bench.run_until(lambda: goal.accepted, 'the acceptance')
+    serve(second)
+    bench.run_until(lambda: bench.gateway.rivals('arm'), 'two servers')
+    bench.run_for(5.0)  # two questions, which the second one answers with no
+    assert goal.end is None
+    adopted = bench.make_gateway().adopt(goal.request)
+    bench.run_for(5.0)
+    assert adopted.end is None
+    ends.set()
+    bench.run_until(lambda: goal.end is not None and adopted.end is not None, 'the end')
+    assert goal.end is not None
+    assert goal.end.status is GoalStatus.SUCCEEDED
+    assert len(executed) == 1
