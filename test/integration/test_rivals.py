@@ -14,6 +14,7 @@ from thread_servers import ThreadServers
 
 from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.goal import GoalStatus, SeenContest
+from bt_orchestrator.ros.goal import RosGoal
 
 
 @pytest.fixture
@@ -56,9 +57,8 @@ def test_2_5_a_request_waits_while_there_are_two_servers(
     assert [name.split(' (id ')[0] for name in names] == ['/thread_servers', '/thread_servers']
     assert len(set(names)) == 2
     goal = bench.gateway.send(goal_request('arm'))
-    bench.run_until(lambda: goal.end is not None, 'the end of the wait', 30.0)
+    assert end_of(bench, goal) is GoalStatus.UNAVAILABLE
     assert goal.end is not None
-    assert goal.end.status is GoalStatus.UNAVAILABLE
     assert goal.end.message.startswith('2 servers of /arm/task: ')
     assert both == ([], [])
     told = [new for new in bench.gateway.drain() if isinstance(new, SeenContest)]
@@ -67,9 +67,7 @@ def test_2_5_a_request_waits_while_there_are_two_servers(
     second.close_servers()
     bench.run_until(lambda: not bench.gateway.rivals('arm'), 'one server')
     again = bench.gateway.send(goal_request('arm'))
-    bench.run_until(lambda: again.end is not None, 'the end')
-    assert again.end is not None
-    assert again.end.status is GoalStatus.SUCCEEDED
+    assert end_of(bench, again) is GoalStatus.SUCCEEDED
     bench.run_until(lambda: SeenContest('arm', Contest()) in bench.gateway.drain(), 'to be told')
 
 
@@ -108,7 +106,12 @@ def test_9_3_a_second_server_that_does_not_know_a_goal_loses_it_not(
     bench.run_for(5.0)
     assert adopted.end is None
     ends.set()
-    bench.run_until(lambda: goal.end is not None and adopted.end is not None, 'the end')
-    assert goal.end is not None
-    assert goal.end.status is GoalStatus.SUCCEEDED
+    assert end_of(bench, goal) is GoalStatus.SUCCEEDED
+    assert end_of(bench, adopted) is GoalStatus.SUCCEEDED
     assert len(executed) == 1
+
+
+def end_of(bench: RosBench, goal: RosGoal) -> GoalStatus:
+    bench.run_until(lambda: goal.end is not None, f'the end of {goal}', 30.0)
+    assert goal.end is not None
+    return goal.end.status
