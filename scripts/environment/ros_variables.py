@@ -2,7 +2,7 @@
 
 scripts/bootstrap copies this file into site-packages, with a ``.pth`` file that calls `set_up`
 whenever Python starts. So a node, a test or a subprocess has the variables however it was started
-(``.venv/kilted/bin/bt-orchestrator`` from anywhere, an editor, cron), and nothing has to be
+(``.venv/jazzy/bin/bt-orchestrator`` from anywhere, an editor, cron), and nothing has to be
 sourced. Those set with `setdefault` are defaults, which the user's shell may override.
 """
 

@@ -7,13 +7,16 @@ import os
 from hypothesis import HealthCheck, Phase, settings
 
 PROFILE = os.environ.get('HYPOTHESIS_PROFILE', 'gate')
-"""`gate`: the same few examples in every run; `nightly`: many, and new ones (scripts/nightly)."""
+"""`gate`: the same few examples in every run; `nightly`: many, and new ones (scripts/nightly);
+`shard`: a quarter of these, by the seed of a commit (.ci/shard)."""
+
+SHARE = {'nightly': 1, 'shard': 4}
 
 
 def examples(gate: int, nightly: int) -> settings:
     """Return settings for a property over whole lines, which may take its time."""
     return settings(
-        max_examples=nightly if PROFILE == 'nightly' else gate,
+        max_examples=nightly // SHARE[PROFILE] if PROFILE in SHARE else gate,
         suppress_health_check=list(HealthCheck),
         phases=(Phase.explicit, Phase.reuse, Phase.generate, Phase.shrink),
     )

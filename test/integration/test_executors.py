@@ -21,6 +21,8 @@ from std_msgs.msg import Empty
 from bt_orchestrator.ros.executors import spin_once
 from bt_orchestrator.ros.lean_executor import LeanExecutor
 
+pytestmark = pytest.mark.every_distro
+
 PATIENCE_S = 60.0
 
 

@@ -23,6 +23,8 @@ from bt_orchestrator.ros.inspection.library_tree import NoLibrary
 from bt_orchestrator.ros.inspection.tick_statistics import TickStatistics
 from bt_orchestrator.ros.inspection.tree_messages import TreeMessages
 
+pytestmark = pytest.mark.every_distro
+
 # --- trees ------------------------------------------------------------------------------------
 
 

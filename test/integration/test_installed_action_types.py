@@ -13,6 +13,8 @@ from bt_orchestrator.ros.action_types import InstalledActionTypes
 from bt_orchestrator.ros.interface_classes import message_class
 from bt_orchestrator.ros.slot_types import message_type
 
+pytestmark = pytest.mark.every_distro
+
 TYPES = InstalledActionTypes()
 
 

@@ -14,6 +14,8 @@ from test_msgs.action import NestedMessage
 
 from bt_orchestrator.ros.messages import InstalledInterfaces, field_value, fill, to_plain
 
+pytestmark = pytest.mark.every_distro
+
 ALL_KINDS = [
     msg.Arrays,
     msg.BasicTypes,

@@ -13,6 +13,8 @@ from rcl_interfaces.srv import GetParameters
 
 from bt_orchestrator.ros.patient_service import create_patient_service
 
+pytestmark = pytest.mark.every_distro
+
 
 @pytest.fixture
 def ros() -> Iterator[ActionCaller]:

@@ -18,6 +18,8 @@ from rosgraph_msgs.msg import Clock as ClockMessage
 
 from bt_orchestrator.ros.clock import RosClock
 
+pytestmark = pytest.mark.every_distro
+
 
 class World:
     """A node that spins in the caller's thread."""

@@ -20,6 +20,8 @@ from bt_orchestrator.ros.action_link import ActionLink
 from bt_orchestrator.ros.goal import RosGoal
 from bt_orchestrator.ros.goal_client import GoalClient
 
+pytestmark = pytest.mark.every_distro
+
 PLAIN = (
     Component('fibonacci', (1,), '/fibonacci', 'test_msgs/action/Fibonacci'),
     Component('nested', (1,), '/nested', 'test_msgs/action/NestedMessage'),

@@ -14,6 +14,8 @@ from ros_bench import running_bench
 
 from bt_orchestrator.model.cell import Component
 
+pytestmark = pytest.mark.every_distro
+
 HAS_EVENTS_EXECUTOR = importlib.util.find_spec('rclpy.experimental') is not None
 
 

@@ -26,6 +26,8 @@ for port in /dev/shm/fast*_port*[0-9]; do
 done
 "$0" -c '
 from bt_orchestrator.ros.diagnosis.exchange import exchange
+
+pytestmark = pytest.mark.every_distro
 print(exchange({}))'
 """
 

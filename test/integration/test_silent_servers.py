@@ -18,6 +18,8 @@ from bt_orchestrator.model.goal import GoalStatus
 from bt_orchestrator.ros.action_link import ActionLink
 from bt_orchestrator.ros.goal import RosGoal
 
+pytestmark = pytest.mark.every_distro
+
 CHECK_S = 0.25
 SILENCE_S = 2.0
 """Long enough for a fresh participant to find the server, if the machine is not busy."""

@@ -28,6 +28,8 @@ from bt_orchestrator.ros.node import NODE_NAME, Parts, TreeNode
 from bt_orchestrator.ros.outputs import StatusTopic
 from bt_orchestrator.stop_signals import StopSignals
 
+pytestmark = pytest.mark.every_distro
+
 PATIENCE_S = 60.0
 
 EXECUTORS = ['single']

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import pytest
 from cell_processes import SMALL_CELL, StartCell
+
+pytestmark = pytest.mark.every_distro
 
 CELL = (
     SMALL_CELL

@@ -10,6 +10,8 @@ from cell_processes import STATELESS_CELL, CellProcesses, StartCell
 
 from bt_orchestrator.ros.node import FAREWELL_S
 
+pytestmark = pytest.mark.every_distro
+
 SLACK_S = 8.0
 """For leaving ROS, on a busy machine; less than a farewell takes."""
 

@@ -13,6 +13,8 @@ from program_process import PATIENCE_S, ProgramProcess
 
 from bt_orchestrator.cli.demo_folder import stop_process
 
+pytestmark = pytest.mark.every_distro
+
 INTERRUPTED = 130
 
 ALL_PACKED = r'^WO-1001 +reference_process( +3){2}( +0){3} '

@@ -9,6 +9,8 @@ from action_caller import ActionCaller
 from bt_orchestrator_interfaces.action import Component
 from cell_processes import CellProcesses
 
+pytestmark = pytest.mark.every_distro
+
 OPTIONS = ', retries: 2, repeatable: true, on_failure: continue'
 
 

@@ -15,6 +15,8 @@ from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
 from watching_client import ON_CHANGE_S, WatcherProcess, WatchingClient, parameters
 
+pytestmark = pytest.mark.every_distro
+
 WORK = 'work: TASK_C'
 LONG_WORK = 'work: TASK_B'
 

@@ -12,6 +12,8 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from node_watcher import NodeWatcher
 from rcl_interfaces.srv import DescribeParameters, GetParameters
 
+pytestmark = pytest.mark.every_distro
+
 NAMES = ['cell', 'trees', 'tick_rate_hz', 'executor', 'auto_start', 'server_timeout']
 
 NOMINAL_ITEM_S = 3.0

@@ -10,6 +10,8 @@ from pathlib import Path
 import pytest
 from cell_processes import ROOT, SMALL_CELL, StartCell
 
+pytestmark = pytest.mark.every_distro
+
 PACKAGE = ROOT / 'test' / 'data' / 'drill_interfaces'
 
 CELL = (

@@ -17,6 +17,8 @@ from bt_orchestrator.script.script_file import read_script
 from bt_orchestrator.sim.simulation import Outcome, Simulation
 from bt_orchestrator.store.memory import MemoryStore
 
+pytestmark = pytest.mark.every_distro
+
 CELL = ROOT / 'config' / 'reference_cell.yaml'
 SCRIPT = ROOT / 'trees' / 'reference_process.yaml'
 

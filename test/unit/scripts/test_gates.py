@@ -1,0 +1,111 @@
+"""scripts/test: budgets of the gates, what is run again, and what .ci/bare takes off PATH."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[3]
+
+
+def program(path: Path, *lines: str) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text('\n'.join(['#!/bin/sh', *lines, '']))
+    path.chmod(0o755)
+
+
+def run(command: list[str], cwd: Path, **variables: str) -> subprocess.CompletedProcess[str]:
+    own = {name: text for name, text in os.environ.items() if name != 'CI'}
+    return subprocess.run(
+        command, cwd=cwd, env={**own, **variables}, capture_output=True, text=True, check=False
+    )
+
+
+@pytest.fixture
+def clone(tmp_path: Path) -> Path:
+    """Give a clone whose tools do nothing, and whose lint may take no time."""
+    text = (ROOT / 'scripts' / 'test').read_text()
+    assert '[lint]=20' in text
+    (tmp_path / 'scripts').mkdir()
+    (tmp_path / 'scripts' / 'test').write_text(text.replace('[lint]=20', '[lint]=0'))
+    program(tmp_path / 'scripts' / 'bootstrap')
+    for tool in ('pytest', 'lint-imports'):
+        program(tmp_path / '.venv' / 'jazzy' / 'bin' / tool)
+    program(tmp_path / '.venv' / 'jazzy' / 'bin' / 'ruff', 'sleep 1.1')
+    (tmp_path / '.venv' / 'jazzy' / 'bin' / 'python').symlink_to(sys.executable)
+    return tmp_path
+
+
+def gates(clone: Path, *words: str, **variables: str) -> subprocess.CompletedProcess[str]:
+    return run(['bash', 'scripts/test', *words], clone, **variables)
+
+
+def test_a_gate_over_twice_its_budget_fails_in_ci(clone: Path) -> None:
+    done = gates(clone, '--only', 'format,lint', CI='true')
+    assert done.returncode == 1
+    assert 'lint         FAILED: more than twice its budget' in done.stdout
+    assert 'format       passed' in done.stdout
+    assert gates(clone, '--only', 'lint').returncode == 0
+
+
+def test_types_are_left_out_without_the_annotated_rclpy(clone: Path) -> None:
+    done = gates(clone, '--only', 'types')
+    assert (done.returncode, 'types        left out' in done.stdout) == (0, True)
+    assert gates(clone, '--only', 'types', CI='true').returncode == 1
+
+
+@pytest.mark.parametrize(('number', 'status'), [(2, 0), (3, 1)])
+def test_what_needs_a_repeat_is_named_and_more_than_two_fail(
+    clone: Path, number: int, status: int
+) -> None:
+    names = ', '.join(f'"test_a.py::test_{one}": true' for one in range(number))
+    program(
+        clone / '.venv' / 'jazzy' / 'bin' / 'pytest',
+        'for word; do case $word in cache_dir=*) cache=${word#*=}/v/cache;; esac; done',
+        'case "$*" in *--last-failed*) exit 0;; esac',
+        f"mkdir -p $cache; echo '{{{names}}}' >$cache/lastfailed; exit 1",
+    )
+    done = gates(clone, '--only', 'system')
+    assert done.returncode == status
+    assert 'passed on repeat:\ntest_a.py::test_0\ntest_a.py::test_1\n' in done.stdout
+
+
+def test_what_fails_twice_has_failed(clone: Path) -> None:
+    program(
+        clone / '.venv' / 'jazzy' / 'bin' / 'pytest',
+        'for word; do case $word in cache_dir=*) cache=${word#*=}/v/cache;; esac; done',
+        'mkdir -p $cache; echo \'{"test_a.py::test_0": true}\' >$cache/lastfailed; exit 1',
+    )
+    done = gates(clone, '--only', 'system')
+    assert (done.returncode, 'system       FAILED' in done.stdout) == (1, True)
+
+
+def test_ci_takes_what_a_machine_may_have_by_hand_off_path(tmp_path: Path) -> None:
+    for name in ('node', 'chromium', 'psql', 'redis-server', 'c++'):
+        program(tmp_path / 'bin' / name, f'echo {name}')
+    path = f'{tmp_path / "bin"}:{os.environ["PATH"]}'
+    for name in ('node', 'chromium', 'psql', 'redis-server'):
+        looked = run(['bash', str(ROOT / '.ci' / 'bare'), 'which', name], tmp_path, PATH=path)
+        assert looked.stdout == ''
+    assert run(['bash', str(ROOT / '.ci' / 'bare'), 'c++'], tmp_path, PATH=path).stdout == 'c++\n'
+
+
+@pytest.mark.parametrize(
+    ('reason', 'ci', 'status'),
+    [('no clock here', 'true', 1), ('no clock here', '', 0), ('needs root, for x', 'true', 0)],
+)
+def test_a_skip_in_ci_is_a_failure_unless_it_is_listed(
+    tmp_path: Path, reason: str, ci: str, status: int
+) -> None:
+    (tmp_path / 'test_a.py').write_text(
+        f'import pytest\n@pytest.mark.skip(reason={reason!r})\ndef test_a(): pass\n'
+        'def test_b(): pass\n'
+    )
+    command = [sys.executable, '-m', 'pytest', '-q', '-p', 'skips', '--rootdir', '.', 'test_a.py']
+    done = run(command, tmp_path, CI=ci, PYTHONPATH=str(ROOT / 'test'))
+    assert done.returncode == status, done.stdout + done.stderr
+    assert ('test_a.py::test_a: ' in done.stdout) == bool(status)
