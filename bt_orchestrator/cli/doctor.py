@@ -18,6 +18,7 @@ from bt_orchestrator.diagnosis import machine
 from bt_orchestrator.diagnosis.check import Check, Verdict, fail, ok, warn, worst
 from bt_orchestrator.diagnosis.domain import domain, domain_id, other_domains, reach
 from bt_orchestrator.diagnosis.journal_folder import journal_folder
+from bt_orchestrator.diagnosis.security import security
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.screen.advice import DEFAULT_NODE
@@ -103,6 +104,7 @@ def examine(args: argparse.Namespace) -> Iterator[Check]:
     yield from _rights(args.journal)
     yield domain(environment)
     yield reach(environment)
+    yield security(environment)
     yield from machine.interface_packages()
     cell, found = _cell(args.cell)
     yield from found

@@ -14,8 +14,7 @@ from typing import Any
 from bt_orchestrator.cli.command_parser import CommandParser
 from bt_orchestrator.cli.mistakes import print_mistakes
 from bt_orchestrator.cli.wrong_use import WrongUse
-from bt_orchestrator.diagnosis.check import Verdict
-from bt_orchestrator.diagnosis.domain import domain, reach
+from bt_orchestrator.diagnosis.ros_says import ros_says
 from bt_orchestrator.errors import OrchestratorError, Refused
 from bt_orchestrator.ros.fast_dds import keep_off_shared_memory
 
@@ -96,22 +95,14 @@ def _carry_out(words: Sequence[str]) -> int:
     except RuntimeError as error:
         if not type(error).__module__.startswith('rclpy'):
             raise  # a defect
-        return _complain(verb, f'{_of_ros(error)}; bt-orchestrator doctor looks at all of it', 1)
+        return _complain(
+            verb, f'{ros_says(error, os.environ)}; bt-orchestrator doctor looks at all of it', 1
+        )
     except ModuleNotFoundError as error:
         if (error.name or PROGRAM).startswith('bt_orchestrator.'):
             raise  # a defect, nothing that a user can install
         what = f'the Python package {error.name} is not installed'
         return _complain(verb, f'{what}; install it, or source the ROS 2 workspace it is in', 1)
-
-
-def _of_ros(error: RuntimeError) -> str:
-    """Say why ROS 2 cannot be used: what is wrong with the environment, else in its own words."""
-    for look in (domain, reach):
-        found = look(os.environ)
-        if found.verdict is Verdict.FAIL:
-            return f'{found.name}: {found.found}; {found.remedy}'
-    # It ends with the place in the sources of rcl.
-    return f'ROS 2 says: {str(error).splitlines()[0].partition(", at /")[0]}'
 
 
 def parsed(words: Sequence[str]) -> argparse.Namespace:

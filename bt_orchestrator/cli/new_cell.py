@@ -9,7 +9,7 @@ from pathlib import Path
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.folders import shipped
 from bt_orchestrator.cli.main import PROGRAM
-from bt_orchestrator.cli.numbers import seconds
+from bt_orchestrator.cli.numbers import seconds, whole
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.errors import OrchestratorError, Refused
 from bt_orchestrator.ports import ActionTypes
@@ -58,7 +58,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.add_argument('name', metavar='NAME', help='name of the cell, a ROS name token')
     parser.add_argument(
-        '--sections', required=True, type=int, metavar='N', help='positions of the belt'
+        '--sections', required=True, type=whole, metavar='N', help='positions of the belt'
     )
     parser.add_argument(
         '-o', '--output', type=Path, metavar='FOLDER', help='where to write (default: NAME)'

@@ -11,6 +11,7 @@ from typing import Any
 
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.check import as_json
+from bt_orchestrator.cli.cost_watch import CostWatch
 from bt_orchestrator.cli.forecast_text import forecast_lines, job_lines
 from bt_orchestrator.cli.standing_results import standing_results
 from bt_orchestrator.cli.wrong_use import WrongUse
@@ -70,13 +71,15 @@ def run_jobs(
     :raises UnusableTrace: the trace cannot be written
     :raises WrongUse: the chart cannot be written
     :raises Refused: the cell does not take all jobs
+    :raises TooCostly: the run would take too much memory
     """
     scripts = [one.job.script for one in given]
     results = standing_results(options.results, scripts, cell, types)
     cell = with_faults(cell, options.faults, types)
     fold, gantt = ForecastFold(), GanttFold()
     with ExitStack() as stack:
-        sinks: list[EventSink] = [fold, gantt]
+        cost = CostWatch(sum(one.job.quantity for one in given))
+        sinks: list[EventSink] = [fold, gantt, cost]
         if options.trace is not None:
             sinks.append(stack.enter_context(TraceFile(options.trace)))
         simulation = bootstrap.build_simulation(cell, types, sinks)
@@ -86,7 +89,8 @@ def run_jobs(
         operator = StandingAnswers(
             simulation, options.on_hold, options.answer_after_s, WHO, results
         )
-        outcome = simulation.run(_looks(simulation, log, operator if options.on_hold else None))
+        answering = operator if options.on_hold else None
+        outcome = simulation.run(_looks(simulation, log, answering, cost))
         waits, now_s = log.end(simulation.clock.now()), simulation.clock.now()
         if options.gantt is not None:
             _draw(gantt.chart(cell.name, cell.conveyor.sections, waits, now_s), options.gantt)
@@ -94,9 +98,10 @@ def run_jobs(
 
 
 def _looks(
-    simulation: Simulation, log: WaitLog, operator: StandingAnswers | None
+    simulation: Simulation, log: WaitLog, operator: StandingAnswers | None, cost: CostWatch
 ) -> Callable[[], None]:
     def look() -> None:
+        cost.look()
         log.look(simulation.state, simulation.waits(), simulation.clock.now())
         if operator is not None:
             operator.look()

@@ -65,6 +65,9 @@ TWINS = 8
 EVENTS_BYTES = 1_000_000
 """Longest answer to a client that asks for events, as JSON; one event is always told."""
 
+STREAMS = 8
+"""Most streams of the tree, and of the blackboard, that tree watchers have at a time."""
+
 NAMES_LISTED = 20
 """Most names that a message lists."""
 

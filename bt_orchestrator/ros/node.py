@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
@@ -14,6 +15,7 @@ from rclpy.executors import Executor, ExternalShutdownException
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
+from bt_orchestrator.diagnosis.ros_says import ros_says
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.commands import FoundTwin, Shutdown
@@ -259,7 +261,7 @@ def run_node(
         # rclpy's own handlers would end the context before goals are cancelled.
         rclpy.init(args=list(ros_args), signal_handler_options=SignalHandlerOptions.NO)
     except RuntimeError as error:
-        raise BadRosArguments(f'ROS refuses its arguments: {error}') from error
+        raise BadRosArguments(ros_says(error, os.environ)) from error
     try:
         cell = _build(namespace, defaults, parts)
         # A task makes a waiting executor return; its own wake() would not.

@@ -1,12 +1,22 @@
-"""Whether a stream still has a watcher."""
+"""Whether a stream still has a watcher, and which one ends where there are too many."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Protocol
+
+from bt_orchestrator.model.limits import STREAMS
+from bt_orchestrator.ros.inspection.stream_refused import StreamRefused
 
 FIRST_WAIT_S = 30.0
 """How long a stream waits for its first subscriber: discovery can be slow."""
 
 GRACE_S = 5.0
 """How long a stream stays without subscribers, once it had one."""
+
+
+DISCOVERY_S = 3.0
+"""How long a watcher needs to find its stream: before that it is not ended for another one."""
 
 
 class Attachment:
@@ -25,6 +35,7 @@ class Attachment:
         self.is_permanent = False
         """Whether the stream stays without subscribers too."""
         self._until = now + FIRST_WAIT_S
+        self._announced = now
 
     def look(self, count: int, now: float) -> bool:
         """Take note of the number of subscribers; tell whether there is a new one."""
@@ -37,7 +48,38 @@ class Attachment:
     def expect(self, now: float) -> None:
         """Expect a further subscriber, as long as for the first one."""
         self._until = max(self._until, now + FIRST_WAIT_S)
+        self._announced = now
+
+    def may_give_way(self, now: float) -> bool:
+        """Tell whether it may be ended because another stream is wanted: nobody has come."""
+        return not (self.count or self.is_permanent) and now >= self._announced + DISCOVERY_S
 
     def is_over(self, now: float) -> bool:
         """Tell whether nobody is there, nor expected any more."""
         return not (self.count or self.is_permanent) and now >= self._until
+
+
+class Stream(Protocol):
+    """The part of a stream that is needed here."""
+
+    attachment: Attachment
+
+
+def to_end_for_another(streams: Mapping[str, Stream], kind: str, now: float) -> str | None:
+    """Return which stream has to end so that another one may begin; None: there is room.
+
+    It is the oldest one without a watcher. Services do not tell who asks, so whoever opens
+    streams and does not watch them is the one who loses them.
+
+    :param streams: by topic, the oldest first
+    :raises StreamRefused: all are watched, or may be in a moment
+    """
+    asked_for = [name for name, one in streams.items() if not one.attachment.is_permanent]
+    if len(asked_for) < STREAMS:
+        return None
+    for name in asked_for:
+        if streams[name].attachment.may_give_way(now):
+            return name
+    raise StreamRefused(
+        f'{STREAMS} {kind} streams are open, each with a watcher or just opened; close one'
+    )

@@ -10,12 +10,9 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_msgs.msg import String
 
 from bt_orchestrator.ros.inspection import blackboard_view
-from bt_orchestrator.ros.inspection.attachment import Attachment
+from bt_orchestrator.ros.inspection.attachment import Attachment, to_end_for_another
 from bt_orchestrator.ros.inspection.snapshot_source import SnapshotSource
-from bt_orchestrator.ros.inspection.topic_names import StreamRefused, TopicNames
-
-MOST_STREAMS = 64
-"""More are refused: somebody opens streams and does not close them."""
+from bt_orchestrator.ros.inspection.topic_names import TopicNames
 
 TEXT = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
 
@@ -61,8 +58,10 @@ class BlackboardStreams:
 
         :raises StreamRefused: too many streams
         """
-        if len(self._streams) >= MOST_STREAMS:
-            raise StreamRefused(f'{MOST_STREAMS} blackboard streams are open already')
+        self.look(now)
+        gives_way = to_end_for_another(self._streams, 'blackboard', now)
+        if gives_way is not None:
+            self.close(gives_way)
         name = self._names.new()
         publisher = self._node.create_publisher(String, name, TEXT)
         position = self._source.activity.position

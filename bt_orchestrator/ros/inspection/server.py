@@ -16,8 +16,8 @@ from bt_orchestrator.ros.inspection.blackboard_view import ActivityLog
 from bt_orchestrator.ros.inspection.parameters import DefaultStream, declare_default_stream
 from bt_orchestrator.ros.inspection.snapshot_source import SnapshotSource
 from bt_orchestrator.ros.inspection.snapshot_streams import SnapshotStreams, StreamParameters
+from bt_orchestrator.ros.inspection.stream_refused import StreamRefused
 from bt_orchestrator.ros.inspection.tick_statistics import TickStatistics
-from bt_orchestrator.ros.inspection.topic_names import StreamRefused
 from bt_orchestrator.ros.patient_service import create_patient_service
 from bt_orchestrator.ros.spare_log import SpareLog
 from bt_orchestrator.ros.timers import steady_timer

@@ -8,14 +8,12 @@ from typing import Any, NamedTuple
 from py_trees_ros_interfaces.msg import BehaviourTree
 from rclpy.node import Node
 
-from bt_orchestrator.ros.inspection.attachment import Attachment
+from bt_orchestrator.ros.inspection.attachment import Attachment, to_end_for_another
 from bt_orchestrator.ros.inspection.parameters import DefaultStream
 from bt_orchestrator.ros.inspection.snapshot_source import SnapshotSource
-from bt_orchestrator.ros.inspection.topic_names import StreamRefused, TopicNames
+from bt_orchestrator.ros.inspection.stream_refused import StreamRefused
+from bt_orchestrator.ros.inspection.topic_names import TopicNames
 from bt_orchestrator.ros.qos import LATCHED
-
-MOST_STREAMS = 64
-"""More are refused: somebody opens streams and does not close them."""
 
 DEFAULT_TOPIC = '~/snapshots'
 
@@ -80,8 +78,8 @@ class SnapshotStreams:
         if name in self._streams:
             self._share(name, parameters, now)
             return name
-        if len(self._streams) >= MOST_STREAMS:
-            raise StreamRefused(f'{MOST_STREAMS} snapshot streams are open already')
+        self.look(now)
+        self._destroy(to_end_for_another(self._streams, 'snapshot', now))
         self._create(name, parameters, now)
         return name
 
@@ -178,8 +176,8 @@ class SnapshotStreams:
         name = self._names.full(requested)
         return name if name in self._streams else None
 
-    def _destroy(self, name: str) -> None:
-        stream = self._streams.pop(name, None)
+    def _destroy(self, name: str | None) -> None:
+        stream = self._streams.pop(name, None) if name is not None else None
         if stream is not None:
             self._node.destroy_publisher(stream.publisher)
 

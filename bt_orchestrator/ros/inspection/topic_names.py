@@ -8,11 +8,7 @@ from rclpy.exceptions import InvalidTopicNameException
 from rclpy.node import Node
 from rclpy.validate_full_topic_name import validate_full_topic_name
 
-from bt_orchestrator.errors import OrchestratorError
-
-
-class StreamRefused(OrchestratorError):
-    """A stream cannot be opened as requested."""
+from bt_orchestrator.ros.inspection.stream_refused import StreamRefused
 
 
 class TopicNames:

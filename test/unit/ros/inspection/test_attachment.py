@@ -2,7 +2,16 @@
 
 from __future__ import annotations
 
-from bt_orchestrator.ros.inspection.attachment import FIRST_WAIT_S, GRACE_S, Attachment
+import pytest
+
+from bt_orchestrator.ros.inspection.attachment import (
+    DISCOVERY_S,
+    FIRST_WAIT_S,
+    GRACE_S,
+    Attachment,
+    to_end_for_another,
+)
+from bt_orchestrator.ros.inspection.stream_refused import StreamRefused
 
 
 def test_a_first_subscriber_is_waited_for_a_long_time() -> None:
@@ -45,3 +54,43 @@ def test_a_permanent_stream_needs_nobody() -> None:
     stream = Attachment(now=0.0)
     stream.is_permanent = True
     assert not stream.is_over(1e9)
+
+
+# --- too many ---------------------------------------------------------------------------------
+
+
+class Stream:
+    def __init__(self, opened: float, watchers: int = 0) -> None:
+        self.attachment = Attachment(opened)
+        self.attachment.look(watchers, opened)
+
+
+LATER = 10.0 + DISCOVERY_S
+
+
+def test_there_is_room_for_eight() -> None:
+    streams = {f'/{number}': Stream(10.0, 1) for number in range(7)}
+    assert to_end_for_another(streams, 'snapshot', LATER) is None
+
+
+def test_the_oldest_without_a_watcher_gives_way() -> None:
+    streams = {f'/{number}': Stream(10.0, watchers=number < 3) for number in range(8)}
+    assert to_end_for_another(streams, 'snapshot', LATER) == '/3'
+
+
+def test_one_that_was_just_opened_does_not_give_way() -> None:
+    streams = {f'/{number}': Stream(10.0) for number in range(8)}
+    with pytest.raises(StreamRefused, match='8 snapshot streams are open'):
+        to_end_for_another(streams, 'snapshot', LATER - 0.1)
+
+
+def test_one_that_is_watched_never_gives_way() -> None:
+    streams = {f'/{number}': Stream(10.0, 1) for number in range(8)}
+    with pytest.raises(StreamRefused, match='close one'):
+        to_end_for_another(streams, 'snapshot', 1e9)
+
+
+def test_the_default_stream_is_none_of_them() -> None:
+    streams = {f'/{number}': Stream(10.0, 1) for number in range(8)}
+    streams['/0'].attachment.is_permanent = True
+    assert to_end_for_another(streams, 'snapshot', LATER) is None

@@ -1,0 +1,9 @@
+"""Why a stream is not opened."""
+
+from __future__ import annotations
+
+from bt_orchestrator.errors import OrchestratorError
+
+
+class StreamRefused(OrchestratorError):
+    """A stream cannot be opened as requested."""

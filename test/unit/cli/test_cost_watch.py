@@ -1,0 +1,53 @@
+"""A virtual run that would take the memory of the machine ends with a sentence."""
+
+from __future__ import annotations
+
+import itertools
+import json
+from pathlib import Path
+
+import pytest
+from fakes.action_types import FakeActionTypes
+from fakes.shipped import REFERENCE_CELL, TREES
+
+from bt_orchestrator.cli.cost_watch import CostWatch, TooCostly
+from bt_orchestrator.cli.main import main
+from bt_orchestrator.model.events import BeltIndexed
+
+
+def after_beats(watch: CostWatch, beats: int) -> None:
+    for number in range(beats):
+        watch.publish([BeltIndexed(beat=number)])
+        watch.look()
+
+
+def test_a_run_that_fits_goes_on() -> None:
+    used = (1e9 + 1e4 * number for number in itertools.count())
+    after_beats(CostWatch(100_000, 1e9, lambda: next(used)), 100_000)
+
+
+def test_a_run_that_will_not_fit_ends_before_it_takes_much() -> None:
+    used = (1e9 + 1e7 * number for number in itertools.count())
+    watch = CostWatch(2**31 - 1, 1e9, lambda: next(used))
+    with pytest.raises(
+        TooCostly, match=r'2147483647 items would take about 21,474.8 GB of memory'
+    ):
+        after_beats(watch, 1_001)
+
+
+def test_a_run_that_takes_too_much_ends_whatever_its_orders_are() -> None:
+    used = (1e9 + 4e8 * number for number in itertools.count())
+    with pytest.raises(TooCostly, match='ended after 3000 beats'):
+        after_beats(CostWatch(1, 1e9, lambda: next(used)), 3_001)
+
+
+@pytest.mark.timeout(120)
+def test_simulate_of_two_thousand_million_items_ends_with_a_sentence(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr('bt_orchestrator.cli.bootstrap.installed_types', FakeActionTypes)
+    order = tmp_path / 'order.yaml'
+    order.write_text(json.dumps({'script': 'inspect_and_assemble', 'quantity': 2**31 - 1}))
+    words = ['simulate', str(order), '--cell', str(REFERENCE_CELL), '--trees', str(TREES)]
+    assert main(words) == 1
+    assert '2147483647 items would take about' in capsys.readouterr().err
