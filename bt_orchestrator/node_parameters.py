@@ -93,11 +93,21 @@ class NodeParameters:
             choices=('FULL', 'NORMAL'),
         ),
     ] = 'FULL'
+    journal_timeout: Annotated[
+        float,
+        Words(
+            'seconds that a commit may take before the journal counts as broken; until then '
+            'nothing is sent and commands wait, and whoever only reads is served',
+            low=1.0,
+            high=3600.0,
+            metavar='SECONDS',
+        ),
+    ] = 15.0
     journal_keep_jobs: Annotated[
         int,
         Words(
-            'how many ended jobs keep their events in the journal, of older ones a summary stays; '
-            '-1: all',
+            'how many ended jobs keep their events in the journal, at least; of older ones a '
+            'summary stays; -1: all',
             low=-1,
             high=MOST_JOBS,
             metavar='N',

@@ -6,13 +6,16 @@ Every implementation of a port passes the contract tests of that port (test/cont
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 from bt_orchestrator.model.action_type import ActionType
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.goal import GoalEnd, GoalRequest, SeenContest, StateReading
 from bt_orchestrator.model.history import JobRecord
 from bt_orchestrator.model.uptime import Uptime
+
+_Result = TypeVar('_Result')
+_Result_co = TypeVar('_Result_co', covariant=True)
 
 
 class Goal(Protocol):
@@ -232,6 +235,28 @@ class Journal(EventStore, Protocol):
 
     def close(self) -> None:
         """Let others have it."""
+
+
+class Writing(Protocol[_Result_co]):
+    """Something that is being written."""
+
+    def has_ended(self, within_s: float = 0.0) -> bool:
+        """Tell whether it has ended, well or not; wait for that for so long at most."""
+
+    def result(self) -> _Result_co:
+        """Return what it returned once it has ended, or raise what it raised."""
+
+
+class Writer(Protocol):
+    """Who waits for a disk, so that others need not: one thing after the other, in their order."""
+
+    def begin(self, write: Callable[[], _Result]) -> Writing[_Result]:
+        """Have something written.
+
+        Whoever was told that it has not ended is woken when it has.
+
+        :param write: uses the journal, and nothing that changes meanwhile
+        """
 
 
 class EventSink(Protocol):

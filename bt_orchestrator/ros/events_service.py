@@ -10,19 +10,19 @@ from rclpy.node import Node
 
 from bt_orchestrator.errors import DamagedRecord, OrchestratorError
 from bt_orchestrator.model.limits import EVENTS_BYTES, fitting
-from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import EventStore
 from bt_orchestrator.ros.event_message import event_message
+from bt_orchestrator.runtime.orchestrator import Orchestrator
 
 MOST = 200
 """Most events of one answer: reading them keeps the tick thread for a few milliseconds."""
 
 
 class EventsService:
-    """Answers from the journal, between settles; so whatever it tells is durable."""
+    """Answers from the journal; so whatever it tells is durable."""
 
-    def __init__(self, node: Node, state: CellState, store: EventStore) -> None:
-        self._state = state
+    def __init__(self, node: Node, orchestrator: Orchestrator, store: EventStore) -> None:
+        self._orchestrator = orchestrator
         self._store = store
         self._log = node.get_logger()
         node.create_service(GetEvents, '~/get_events', self._answer)
@@ -36,7 +36,7 @@ class EventsService:
             response.message = str(error)
             return response
         response.history = self._store.history
-        response.last_seq = self._state.seq
+        response.last_seq = self._orchestrator.kept_seq
         response.accepted = True
         return response
 

@@ -22,6 +22,7 @@ from bt_orchestrator.model.commands import FoundTwin, Shutdown
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.node_parameters import NodeParameters
 from bt_orchestrator.ports import EventStore, Foresight, Journal
+from bt_orchestrator.replies import begin
 from bt_orchestrator.ros.action_types import InstalledActionTypes
 from bt_orchestrator.ros.clock import RosClock
 from bt_orchestrator.ros.events_service import EventsService
@@ -44,6 +45,7 @@ from bt_orchestrator.ros.spare_log import SpareLog
 from bt_orchestrator.runtime.housekeeping import Housekeeping
 from bt_orchestrator.runtime.observed_durations import ObservedDurations, last_events
 from bt_orchestrator.runtime.orchestrator import Orchestrator
+from bt_orchestrator.runtime.writers import WriterThread
 from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.stop_signals import StopSignals
 
@@ -101,6 +103,7 @@ class TreeNode:
         presence.refuse_a_twin()
         self._durations = ObservedDurations()
         self._journal = _open_journal(self.parameters, parts)
+        self._writer = WriterThread(self.heart.wake) if self._journal is not None else None
         store = self._journal or parts.make_memory_store()
         self.orchestrator = self._engine(cell, store)
         self._housekeeping = self._keep_house()
@@ -115,7 +118,7 @@ class TreeNode:
         )
         self.executor.add_node(node)
         presence.announce(
-            cell, store.history, lambda words: self.orchestrator.ask(FoundTwin(words))
+            cell, store.history, lambda words: begin(self.orchestrator.carry_out(FoundTwin(words)))
         )
 
     @property
@@ -140,8 +143,10 @@ class TreeNode:
         :return: the tasks whose goals have not ended, in words
         """
         first = stop.count
+        told = begin(self.orchestrator.carry_out(Shutdown()))
+        while not told.is_there and stop.count == first:  # for the journal's timeout at most
+            self._spin_once(0.1)
         deadline = time.monotonic() + FAREWELL_S
-        self.orchestrator.ask(Shutdown())
         while (
             self.orchestrator.awaits_ends and stop.count == first and time.monotonic() < deadline
         ):
@@ -154,11 +159,15 @@ class TreeNode:
         """Let go of everything."""
         self._expected.close()
         self._orders.close()
-        if self._housekeeping is not None and not self.orchestrator.broken:
+        if self._housekeeping is not None and self._is_durable:
             self._housekeeping.finish()
         self.orchestrator.close()
-        if self._journal is not None:
-            self._journal.close()
+        if (
+            self._journal is not None
+            and self._writer is not None
+            and self._writer.close(FAREWELL_S)
+        ):
+            self._journal.close()  # or else the end of the process does, if the disk lets it
         self._gateway.close()
         self._run_job.destroy()
         self.executor.shutdown()
@@ -171,6 +180,8 @@ class TreeNode:
             RosClock(self.node),
             store,
             [self._durations],
+            writer=self._writer,
+            patience_s=self.parameters.journal_timeout,
             wake=self.heart.wake,
             auto_start=self.parameters.auto_start,
             auto_resume=self.parameters.auto_resume,
@@ -183,7 +194,7 @@ class TreeNode:
         if self._journal is None:
             return None
         keep_jobs = self.parameters.journal_keep_jobs
-        return Housekeeping(self.orchestrator.state, self._journal, keep_jobs)
+        return Housekeeping(self.orchestrator.state, self._journal, keep_jobs, self._writer)
 
     def _read_orders(self) -> OrderReader:
         parameters, state = self.parameters, self.orchestrator.state
@@ -194,7 +205,7 @@ class TreeNode:
         """Offer the services and the action, which has to be destroyed."""
         Services(self.node, self.orchestrator, types)
         QueueServices(self.node, self.orchestrator, self._orders)
-        EventsService(self.node, self.orchestrator.state, store)
+        EventsService(self.node, self.orchestrator, store)
         run_job = RunJobServer(self.node, self.orchestrator, self._orders, self._expected)
         self.orchestrator.add_sink(run_job)
         return run_job
@@ -214,8 +225,13 @@ class TreeNode:
 
     def _beat(self, settle: Callable[[], bool]) -> None:
         happened = settle()
-        if self._housekeeping is not None and not self.orchestrator.broken:
+        if self._housekeeping is not None and self._is_durable:
             self._housekeeping.turn(quiet=not happened)
+
+    @property
+    def _is_durable(self) -> bool:
+        """Tell whether the journal holds all of the state, and takes more."""
+        return not self.orchestrator.broken and not self.orchestrator.awaits_disk
 
     def _linger(self, is_hurried: Callable[[], bool]) -> None:
         """Stay a moment: what a client has not taken when its publisher leaves, DDS drops."""

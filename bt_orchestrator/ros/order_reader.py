@@ -1,8 +1,7 @@
 """Work orders that come over ROS 2: read in a process of their own, one request after another.
 
 The tick thread hands requests over and takes the answers; a thread that only waits asks the
-process. What is to be done with an answer is written as steps: a generator that yields what it
-wants read, and is sent what became of it.
+process.
 """
 
 from __future__ import annotations
@@ -14,15 +13,17 @@ import pickle
 import queue
 import threading
 from collections import OrderedDict, deque
-from collections.abc import Callable, Generator, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import AsyncIterator, Callable, Iterator, Mapping
+from contextlib import asynccontextmanager
 from functools import partial
+from typing import NamedTuple
 
 from bt_orchestrator.child_process import FAREWELL_S, ChildFailed, ChildProcess, ChildTooLate
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState
+from bt_orchestrator.replies import Reply
 from bt_orchestrator.ros.order_process import NotRead
 from bt_orchestrator.script.desk_pickles import unpickled
 from bt_orchestrator.script.order_desk import ChangedJob, Question, Reading, Wanted
@@ -53,15 +54,11 @@ BUSY = (
 ToRead = Wanted | Callable[[], Wanted]
 """What to read, or what says that when its turn has come; it may raise NotRead."""
 
-Steps = Generator[ToRead, Reading, None]
-"""May raise what a request makes it raise, and is told by NotRead that nothing was read."""
 
-
-@dataclass(frozen=True)
-class _Waiting:
-    steps: Steps
-    wanted: ToRead
-    ended: Callable[[Exception | None], None]
+class _Asked(NamedTuple):
+    question: Question
+    held: Mapping[str, Script]
+    outcome: Reply[Reading | NotRead]
 
 
 class OrderReader:
@@ -80,29 +77,39 @@ class OrderReader:
         self._state = state
         self._process = process
         self._soon = soon
-        self._waiting: deque[_Waiting] = deque()
-        self._current: _Waiting | None = None
+        self._turns: deque[Reply[None]] = deque()
+        """Of requests that wait to be read, oldest first."""
+        self._is_reading = False
+        self._gives_turns = False
         self._scripts: OrderedDict[str, Script] = OrderedDict()
         self._pickled: dict[str, bytes] = {}
-        self._questions: queue.SimpleQueue[tuple[Question, Mapping[str, Script]] | None]
+        self._questions: queue.SimpleQueue[_Asked | None]
         self._questions = queue.SimpleQueue()
         self._closed = False
         self._thread = threading.Thread(target=self._ask_all, daemon=True)
         self._thread.start()
 
-    def follow(self, steps: Steps, ended: Callable[[Exception | None], None]) -> None:
-        """Take steps, with what they want read in between.
+    @asynccontextmanager
+    async def read(self, wanted: ToRead) -> AsyncIterator[Reading]:
+        """Have orders read in their turn; that of the next ones comes when the block has ended.
 
-        :param ended: called at their end, with the exception that ended them; may be at once
+        So ids are assigned to the next ones when it is on record what became of these.
+
+        :raises NotRead: says why nothing was read
         """
+        await self._turn()
         try:
-            wanted = next(steps)
-        except StopIteration:
-            ended(None)
-        except Exception as error:  # noqa: BLE001 - a bad request never stops the node
-            ended(error)
-        else:
-            self._put(_Waiting(steps, wanted, ended))
+            held = {**self._scripts, **self._state.scripts}
+            question = self._question(wanted() if callable(wanted) else wanted, held)
+            asked = _Asked(question, held, Reply())
+            self._questions.put(asked)
+            reading = await asked.outcome
+            if isinstance(reading, NotRead):
+                raise reading
+            self._keep(reading)
+            yield reading
+        finally:
+            self._give_turns()
 
     def close(self) -> None:
         """Read no more, and end the process."""
@@ -111,26 +118,25 @@ class OrderReader:
         self._process.close()
         self._thread.join(FAREWELL_S)
 
-    def _put(self, waiting: _Waiting) -> None:
-        if len(self._waiting) >= MOST_WAITING:
-            self._go_on(waiting, NotRead(BUSY))
-            return
-        self._waiting.append(waiting)
-        self._begin()
+    async def _turn(self) -> None:
+        if self._is_reading:
+            if len(self._turns) >= MOST_WAITING:
+                raise NotRead(BUSY)
+            self._turns.append(turn := Reply[None]())
+            await turn
+        self._is_reading = True
 
-    def _begin(self) -> None:
-        """Have the next one read, unless one is being read."""
-        if self._current is not None or not self._waiting:
-            return
-        self._current = self._waiting.popleft()
-        wanted = self._current.wanted
+    def _give_turns(self) -> None:
+        """Let the next request be read, and those after it that end at once."""
+        self._is_reading = False
+        if self._gives_turns:
+            return  # one of them has ended within the loop below
+        self._gives_turns = True
         try:
-            held = {**self._scripts, **self._state.scripts}
-            question = self._question(wanted() if callable(wanted) else wanted, held)
-        except NotRead as why:
-            self._finish(why)
-        else:
-            self._questions.put((question, held))
+            while self._turns and not self._is_reading:
+                self._turns.popleft().give(None)
+        finally:
+            self._gives_turns = False
 
     def _question(self, wanted: Wanted, held: Mapping[str, Script]) -> Question:
         named = tuple(wanted.named)
@@ -157,17 +163,6 @@ class OrderReader:
         }
         return self._pickled
 
-    def _finish(self, outcome: Reading | NotRead) -> None:
-        """Go on with what was read, and with the next request."""
-        waiting, self._current = self._current, None
-        assert waiting is not None
-        if isinstance(outcome, Reading):
-            self._keep(outcome)
-        try:
-            self._go_on(waiting, outcome)
-        finally:
-            self._begin()
-
     def _keep(self, reading: Reading) -> None:
         for job in reading.read:
             if isinstance(job, Job):
@@ -175,29 +170,15 @@ class OrderReader:
         while len(self._scripts) > SCRIPTS_KEPT:
             self._scripts.popitem(last=False)
 
-    def _go_on(self, waiting: _Waiting, outcome: Reading | NotRead) -> None:
-        error: Exception | None = None
-        try:
-            if isinstance(outcome, NotRead):
-                waiting.steps.throw(outcome)
-            else:
-                waiting.steps.send(outcome)
-            waiting.steps.close()
-        except StopIteration:
-            pass
-        except Exception as raised:  # noqa: BLE001 - a bad request never stops the node
-            error = raised
-        waiting.ended(error)
-
     # --- in the thread that waits -----------------------------------------------------------
 
     def _ask_all(self) -> None:
         with contextlib.suppress(ChildFailed):
             self._process.ready()  # told with the first order that cannot be read for it
         while (asked := self._questions.get()) is not None:
-            outcome = self._ask(*asked)
+            outcome = self._ask(asked.question, asked.held)
             if not self._closed:
-                self._soon(partial(self._finish, outcome))
+                self._soon(partial(asked.outcome.give, outcome))
 
     def _ask(self, question: Question, held: Mapping[str, Script]) -> Reading | NotRead:
         why = ''

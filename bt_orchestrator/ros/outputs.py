@@ -28,6 +28,7 @@ from bt_orchestrator.ros.expected_ends import ExpectedEnds
 from bt_orchestrator.ros.heart import Heart
 from bt_orchestrator.ros.pulse import Pulse
 from bt_orchestrator.ros.qos import EVENTS, LATCHED, publisher
+from bt_orchestrator.ros.stamps import to_time
 from bt_orchestrator.ros.status_message import contested_words, status_message
 from bt_orchestrator.ros.timers import steady_timer
 from bt_orchestrator.runtime.orchestrator import Orchestrator
@@ -61,7 +62,8 @@ class StatusTopic:
     """`~/status`, latched: built outside the tick, at most ten times a second.
 
     Implements `ports.EventSink`. What happens hurries the next message on; while nothing does, or
-    nobody listens to the ordinary work, it comes seldom.
+    nobody listens to the ordinary work, it comes seldom. While the journal is waited for, the
+    state is ahead of it: the last message is said again, and that the disk is waited for.
     """
 
     def __init__(
@@ -71,6 +73,7 @@ class StatusTopic:
         self._orchestrator = orchestrator
         self._expected = expected
         self._publisher = publisher(node, Status, '~/status', LATCHED)
+        self._last = Status()
         self._within_s = math.inf
         self._timer = steady_timer(node, UNWATCHED_S, self.publish_now)
         self._timer.cancel()
@@ -79,8 +82,12 @@ class StatusTopic:
     def publish_now(self) -> None:
         """Publish whatever is so now."""
         now = self._node.get_clock().now().nanoseconds / 1e9
-        ends = self._expected.within_s(now)
-        self._publisher.publish(status_message(self._orchestrator, now, ends))
+        if self._orchestrator.awaits_disk:
+            self._last.stamp = to_time(now)
+        else:
+            self._last = status_message(self._orchestrator, now, self._expected.within_s(now))
+        self._last.disk_wait = self._orchestrator.disk_wait
+        self._publisher.publish(self._last)
         self._within_s = math.inf
         self._timer.cancel()
 
@@ -126,6 +133,8 @@ class Diagnostics:
             level, text = DiagnosticStatus.ERROR, self._orchestrator.broken
         elif self._heart.failures:
             level, text = DiagnosticStatus.ERROR, f'{self._heart.failures} settles failed'
+        elif self._orchestrator.disk_wait:
+            level, text = DiagnosticStatus.WARN, self._orchestrator.disk_wait
         return self._status('cell', level, text, self._values(state))
 
     def _values(self, state: CellState) -> dict[str, str]:
@@ -136,6 +145,7 @@ class Diagnostics:
             'stop reason': state.stop_reason.value if state.stop_reason else '',
             'seq': str(state.seq),
             'jobs': str(len(state.jobs)),
+            'waits for the disk (s)': f'{self._orchestrator.disk_wait_s:.1f}',
         }
         values |= {f'time in {m.value} (s)': f'{s:.1f}' for m, s in state.times(now).items()}
         for hold in state.holds.values():

@@ -4,7 +4,7 @@ A service is two DDS topics, discovered one by one. The request of a fresh clien
 the way back to it is known; the middleware then waits for 100 ms and drops the answer, and rclpy
 warns. The client would wait for ever.
 
-What takes long is not waited for: a callback returns `Later`, and the answer is sent
+What takes long is not waited for: a callback returns a `Reply`, and the answer is sent
 when it is there.
 """
 
@@ -15,6 +15,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
+from bt_orchestrator.replies import Reply
 from bt_orchestrator.ros.spare_log import SpareLog
 
 if TYPE_CHECKING:
@@ -25,26 +26,6 @@ AGAIN_AFTER_S = (0.3, 1.0, 3.0)
 
 UNHEARD = 'failed to send response (timeout)'
 """What the warning says."""
-
-
-class Later:
-    """An answer that is not there yet. Everything happens in one thread."""
-
-    def __init__(self) -> None:
-        self._response: Any = None
-        self._send: Callable[[Any], None] | None = None
-
-    def answer(self, response: Any) -> None:
-        """Send it, or have it sent."""
-        self._response = response
-        if self._send is not None:
-            self._send(response)
-
-    def then(self, send: Callable[[Any], None]) -> None:
-        """Name what sends it; it may be there already."""
-        self._send = send
-        if self._response is not None:
-            send(self._response)
 
 
 class Logger(Protocol):
@@ -59,7 +40,7 @@ def create_patient_service(
 ) -> None:
     """Create a service whose answers are sent again if its client cannot hear them yet.
 
-    :param callback: returns the response, or `Later`
+    :param callback: returns the response, or a `Reply` that is to be it
     """
     service: Any = node.create_service(kind, name, callback)
     log = SpareLog(node.get_logger())
@@ -90,7 +71,7 @@ class PatientAnswers:
 
     def send(self, response: Any, header: Any) -> None:
         """Send an answer: now, or when it is there, and again if need be."""
-        if isinstance(response, Later):
+        if isinstance(response, Reply):
             response.then(lambda there: self._attempt(there, header, 0))
         else:
             self._attempt(response, header, 0)

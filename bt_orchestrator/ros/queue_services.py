@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from bt_orchestrator_interfaces.msg import OrderAnswer
@@ -32,9 +32,9 @@ from bt_orchestrator.model.limits import listed
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.ros.job_message import list_queue
 from bt_orchestrator.ros.order_process import NotRead
-from bt_orchestrator.ros.order_reader import OrderReader, Steps, ToRead
+from bt_orchestrator.ros.order_reader import OrderReader
 from bt_orchestrator.ros.order_requests import Told, asked_orders, name_of, refused_orders, total
-from bt_orchestrator.ros.serving import by, serve, serve_orders, tell
+from bt_orchestrator.ros.serving import by, serve, tell
 from bt_orchestrator.runtime.command_record import ADD, UPDATE
 from bt_orchestrator.runtime.job_queue import standing
 from bt_orchestrator.runtime.orchestrator import Orchestrator
@@ -50,41 +50,53 @@ class QueueServices:
 
     def __init__(self, node: Node, orchestrator: Orchestrator, orders: OrderReader) -> None:
         self._orchestrator = orchestrator
-        serve_orders(node, SubmitOrder, 'submit_order', orders, self._submit)
-        serve_orders(node, QueueAdd, 'queue/add', orders, self._add)
+        self._orders = orders
+        serve(node, SubmitOrder, 'submit_order', self._submit)
+        serve(node, QueueAdd, 'queue/add', self._add)
         serve(node, QueueMove, 'queue/move', self._move)
-        serve_orders(node, QueueUpdate, 'queue/update', orders, self._update)
+        serve(node, QueueUpdate, 'queue/update', self._update)
         serve(node, QueueCommand, 'queue/command', self._command)
         serve(node, QueueStopAfter, 'queue/stop_after', self._stop_after)
         serve(node, QueueList, 'queue/list', self._list)
 
-    def _submit(self, request: Any, response: Any) -> Steps:
-        answer, answers = yield from self._queue([request], None, held=False, by=by(request))
+    async def _submit(self, request: Any, response: Any) -> None:
+        answer, answers = await self._queue([request], None, held=False, by=by(request))
         tell(response, answer)
         for of_order in answers:
             response.job, response.findings = of_order.job, of_order.findings
 
-    def _add(self, request: Any, response: Any) -> Steps:
+    async def _add(self, request: Any, response: Any) -> None:
         if not request.orders:
-            tell(response, self._refuse(ADD, request, 'name at least one order'))
+            tell(response, await self._refuse(ADD, request, 'name at least one order'))
             return
         position = request.position or None
-        answer, response.answers = yield from self._queue(
+        answer, response.answers = await self._queue(
             request.orders, position, held=request.held, by=by(request)
         )
         tell(response, answer)
 
-    def _queue(
+    async def _queue(
         self, orders: Sequence[Any], position: int | None, *, held: bool, by: By
-    ) -> Generator[ToRead, Reading, tuple[Answer, list[OrderAnswer]]]:
+    ) -> tuple[Answer, list[OrderAnswer]]:
         try:
-            reading = yield asked_orders(orders)
+            async with self._orders.read(asked_orders(orders)) as reading:
+                return await self._queue_read(orders, reading, position, held=held, by=by)
         except NotRead as why:
-            return self._orchestrator.ask(RefusedRequest(ADD, by, str(why))), []
+            return await self._orchestrator.carry_out(RefusedRequest(ADD, by, str(why))), []
+
+    async def _queue_read(
+        self,
+        orders: Sequence[Any],
+        reading: Reading,
+        position: int | None,
+        *,
+        held: bool,
+        by: By,
+    ) -> tuple[Answer, list[OrderAnswer]]:
         read = reading.read
         jobs = tuple(job for job in read if isinstance(job, Job))
         if len(jobs) < len(read):
-            self._orchestrator.ask(refused_orders(orders, read, by))
+            await self._orchestrator.carry_out(refused_orders(orders, read, by))
             answer = Answer(
                 accepted=False, message=f'refused with {counted(total(read), "finding")}'
             )
@@ -93,31 +105,33 @@ class QueueServices:
                 _of_reading(order, one, told) for order, one in zip(orders, read, strict=True)
             ]
         command = AddJobs(jobs, by, position, held, reading.sharing)
-        answer = self._orchestrator.ask(command)
+        answer = await self._orchestrator.carry_out(command)
         if answer.accepted:
             message = '; '.join(['queued', *standing(self._orchestrator.state)])
             return answer, [OrderAnswer(job=job.id, message=message) for job in jobs]
         each = answer.each or (answer.message,) * len(jobs)
         return answer, [OrderAnswer(message=message) for message in each]
 
-    def _move(self, request: Any, response: Any) -> None:
+    async def _move(self, request: Any, response: Any) -> None:
         command = MoveJob(request.job, request.position, by(request))
-        tell(response, self._orchestrator.ask(command))
+        tell(response, await self._orchestrator.carry_out(command))
 
-    def _update(self, request: Any, response: Any) -> Steps:
+    async def _update(self, request: Any, response: Any) -> None:
+        (wish,) = asked_orders([request]).orders
         try:
-            (wish,) = asked_orders([request]).orders
-            reading = yield lambda: self._change(request.job, wish)
+            async with self._orders.read(lambda: self._change(request.job, wish)) as reading:
+                await self._update_read(request, response, reading)
         except NotRead as why:
-            tell(response, self._refuse(UPDATE, request, str(why), request.job))
-            return
+            tell(response, await self._refuse(UPDATE, request, str(why), request.job))
+
+    async def _update_read(self, request: Any, response: Any, reading: Reading) -> None:
         (read,) = reading.read
         if isinstance(read, Refused):
-            self._refuse(UPDATE, request, read.in_short, request.job)
+            await self._refuse(UPDATE, request, read.in_short, request.job)
             response.message, response.findings = read.count, Told().of(read)
             return
         command = UpdateJob(read, by(request), reading.sharing)
-        tell(response, self._orchestrator.ask(command))
+        tell(response, await self._orchestrator.carry_out(command))
 
     def _change(self, name: str, wish: AskedOrder) -> ChangedJob:
         """Return what is to be made of a job as it is now."""
@@ -128,22 +142,22 @@ class QueueServices:
             raise NotRead(f'{name} is not there; in the queue: {there}')
         return ChangedJob(name, now.digest, now.job.quantity, now.job.params, wish)
 
-    def _refuse(self, verb: str, request: Any, message: str, *jobs: str) -> Answer:
+    async def _refuse(self, verb: str, request: Any, message: str, *jobs: str) -> Answer:
         """Put a request on record that cannot be made a command."""
-        return self._orchestrator.ask(RefusedRequest(verb, by(request), message, jobs))
+        return await self._orchestrator.carry_out(RefusedRequest(verb, by(request), message, jobs))
 
-    def _command(self, request: Any, response: Any) -> None:
+    async def _command(self, request: Any, response: Any) -> None:
         command = (
             RunNext(request.job, by(request))
             if request.command == NEXT
             else ControlJob(request.command, request.job, by(request))
         )
-        tell(response, self._orchestrator.ask(command))
+        tell(response, await self._orchestrator.carry_out(command))
 
-    def _stop_after(self, request: Any, response: Any) -> None:
-        tell(response, self._orchestrator.ask(StopAfter(request.after, by(request))))
+    async def _stop_after(self, request: Any, response: Any) -> None:
+        tell(response, await self._orchestrator.carry_out(StopAfter(request.after, by(request))))
 
-    def _list(self, request: Any, response: Any) -> None:
+    async def _list(self, request: Any, response: Any) -> None:
         list_queue(self._orchestrator.state, request, response)
 
 

@@ -22,21 +22,23 @@ from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.allowance import Allowance
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.codec import json_of
-from bt_orchestrator.model.commands import RefusedRequest
+from bt_orchestrator.model.commands import Answer, RefusedRequest
 from bt_orchestrator.model.events import Event, TaskFailed
 from bt_orchestrator.model.job_commands import AddJobs, ControlJob
 from bt_orchestrator.model.job_report import ItemReport, JobReport
 from bt_orchestrator.model.limits import QUEUE_SHOWN, REFUSED_GOALS
+from bt_orchestrator.replies import begin
 from bt_orchestrator.ros.expected_ends import ExpectedEnds
 from bt_orchestrator.ros.job_message import job_messages
 from bt_orchestrator.ros.order_process import NotRead
-from bt_orchestrator.ros.order_reader import OrderReader, Steps
+from bt_orchestrator.ros.order_reader import OrderReader
 from bt_orchestrator.ros.order_requests import Told, asked_orders, refused_orders, written_order
 from bt_orchestrator.ros.serving import by
 from bt_orchestrator.ros.spare_log import SpareLog
 from bt_orchestrator.ros.stamps import to_time
 from bt_orchestrator.runtime.command_record import ADD
 from bt_orchestrator.runtime.orchestrator import Orchestrator
+from bt_orchestrator.script.order_desk import Reading
 
 RESULT_TIMEOUT_S = 900
 """How long a result is kept for a client that comes back for it."""
@@ -82,7 +84,7 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
             execute_callback=_never_called,
             goal_callback=self._admit,
             handle_accepted_callback=self._begin,
-            cancel_callback=self._cancel,
+            cancel_callback=self._cancel,  # type: ignore[arg-type] # rclpy awaits it
             result_timeout=RESULT_TIMEOUT_S,
         )
 
@@ -123,43 +125,54 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
         handle.execute()
         self._being_read.append(handle)
 
-        def ended(error: Exception | None) -> None:
-            self._being_read.remove(handle)
-            if error is not None:
-                self._log.error(f'run_job failed: {error!r}')
-                self._refuse(handle, f'internal error, see the log of the node: {error!r}')
+        begin(self._queue(handle))
 
-        self._orders.follow(self._queue(handle), ended)
-
-    def _queue(self, handle: Any) -> Steps:
-        goal, who = handle.request, by(handle.request, 'run_job')
+    async def _queue(self, handle: Any) -> None:
         try:
-            reading = yield written_order(goal.text) if goal.text else asked_orders([goal.order])
+            await self._queue_or_refuse(handle)
+        except Exception as error:  # noqa: BLE001 - a bad goal never stops the node
+            self._log.error(f'run_job failed: {error!r}')
+            self._being_read = [one for one in self._being_read if one is not handle]
+            self._refuse(handle, f'internal error, see the log of the node: {error!r}')
+
+    async def _queue_or_refuse(self, handle: Any) -> None:
+        goal, who = handle.request, by(handle.request, 'run_job')
+        wanted = written_order(goal.text) if goal.text else asked_orders([goal.order])
+        try:
+            async with self._orders.read(wanted) as reading:
+                self._being_read.remove(handle)
+                await self._queue_read(handle, reading, who)
         except NotRead as why:
-            self._refuse(handle, self._orchestrator.ask(_unread(who, str(why))).message)
-            return
+            self._being_read.remove(handle)
+            self._refuse(handle, (await self._note(who, str(why))).message)
+
+    async def _queue_read(self, handle: Any, reading: Reading, who: By) -> None:
         if handle.is_cancel_requested:
             words = 'the goal was cancelled before its order was queued'
-            self._refuse(handle, self._orchestrator.ask(_unread(who, words)).message)
+            self._refuse(handle, (await self._note(who, words)).message)
             return
-        (read,) = reading.read
+        goal, (read,) = handle.request, reading.read
         if isinstance(read, Refused):
-            self._orchestrator.ask(refused_orders([goal.order], [read], who))
+            await self._orchestrator.carry_out(refused_orders([goal.order], [read], who))
             self._refuse(handle, read.count, Told().of(read))
             return
-        # From now on its events are its own: it is queued within `ask`, and may even end there.
-        # An order that was given before is refused there, and the events are not those of a goal.
+        # From now on its events are its own: it may even end before `carry_out` returns. An
+        # order that was given before is refused there, and the events are not those of a goal.
         is_known = read.id in self._served or read.id in self._orchestrator.state.jobs
         if not is_known:
             self._served[read.id] = _Served(handle, JobReport(read.id), who, JobStatus())
         command = AddJobs((read,), who, goal.position or None, sharing=reading.sharing)
-        answer = self._orchestrator.ask(command)
+        answer = await self._orchestrator.carry_out(command)
         if not answer.accepted:
             if not is_known:
                 del self._served[read.id]
             self._refuse(handle, answer.message)
 
-    def _cancel(self, handle: Any) -> CancelResponse:
+    async def _note(self, who: By, why: str) -> Answer:
+        """Put on record that nothing was queued."""
+        return await self._orchestrator.carry_out(RefusedRequest(ADD, who, why))
+
+    async def _cancel(self, handle: Any) -> CancelResponse:
         """Abort the job of a goal; the goal ends when the last item has left the line."""
         if any(one is handle for one in self._being_read):
             return CancelResponse.ACCEPT  # it will not be queued
@@ -167,7 +180,9 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
         if served is None:
             return CancelResponse.REJECT
         who = By(served.by.who, served.by.origin, 'the goal was cancelled')
-        answer = self._orchestrator.ask(ControlJob('abort', served.report.job, who))
+        command = ControlJob('abort', served.report.job, who)
+        # rclpy asks its own coroutines again and again; this one goes on in its turn.
+        answer = await begin(self._orchestrator.carry_out(command))
         if not answer.accepted:
             self._log.warning(f'run_job is not cancelled: {answer.message}')
         return CancelResponse.ACCEPT if answer.accepted else CancelResponse.REJECT
@@ -221,10 +236,6 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
             return result
 
         super().notify_execute(handle, conclude)
-
-
-def _unread(who: By, why: str) -> RefusedRequest:
-    return RefusedRequest(ADD, who, why)
 
 
 def _item(item: ItemReport) -> ItemMessage:

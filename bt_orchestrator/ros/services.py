@@ -28,7 +28,7 @@ class Services:
         serve(node, RemoveItem, 'remove_item', self._remove)
         serve(node, Command, 'command', self._command)
 
-    def _answer(self, request: Any, response: Any) -> None:
+    async def _answer(self, request: Any, response: Any) -> None:
         try:
             results = self._results(request) if request.results else {}
             command: commands.Command = commands.AnswerHold(
@@ -36,7 +36,7 @@ class Services:
             )
         except CommandRefused as refused:
             command = commands.RefusedRequest(request.answer, by(request), str(refused))
-        tell(response, self._orchestrator.ask(command))
+        tell(response, await self._orchestrator.carry_out(command))
 
     def _results(self, request: Any) -> dict[str, Any]:
         """Return the results that are given with an answer.
@@ -50,16 +50,16 @@ class Services:
             raise CommandRefused(f'hold {request.hold} is about no task that can have results')
         return given_results(request.results, self._types.action(_type_of(state, task)))
 
-    def _remove(self, request: Any, response: Any) -> None:
+    async def _remove(self, request: Any, response: Any) -> None:
         command = commands.RemoveItem(request.item, by(request))
-        tell(response, self._orchestrator.ask(command))
+        tell(response, await self._orchestrator.carry_out(command))
 
-    def _command(self, request: Any, response: Any) -> None:
+    async def _command(self, request: Any, response: Any) -> None:
         try:
             command: commands.Command = command_of(request)
         except CommandRefused as refused:
             command = commands.RefusedRequest(request.command, by(request), str(refused))
-        tell(response, self._orchestrator.ask(command))
+        tell(response, await self._orchestrator.carry_out(command))
         response.state = self._orchestrator.state.mode.value
 
 

@@ -10,55 +10,28 @@ from rclpy.node import Node
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.limits import MESSAGE, cut
-from bt_orchestrator.ros.order_reader import OrderReader, Steps
-from bt_orchestrator.ros.patient_service import Later, create_patient_service
+from bt_orchestrator.replies import Steps, begin
+from bt_orchestrator.ros.patient_service import create_patient_service
 from bt_orchestrator.ros.spare_log import SpareLog
 
 
-def serve(node: Node, kind: Any, name: str, handle: Callable[[Any, Any], None]) -> None:
-    """Offer a private service of a node.
+def serve(node: Node, kind: Any, name: str, handle: Callable[[Any, Any], Steps[None]]) -> None:
+    """Offer a private service of a node, which answers when it has been handled.
 
     :param handle: fills the response; an exception becomes a refusal, and stops nothing
     """
-    log = SpareLog(node.get_logger())
+    said = SpareLog(node.get_logger())
 
-    def answer(request: Any, response: Any) -> Any:
+    async def answer(request: Any, response: Any) -> Any:
         try:
-            handle(request, response)
+            await handle(request, response)
         except Exception as error:  # noqa: BLE001 - a bad request never stops the node
-            _tell_of_failure(log, name, response, error)
+            said.error(f'{name} failed: {error!r}')
+            response.accepted = False
+            response.message = cut(f'internal error, see the log of the node: {error!r}', MESSAGE)
         return response
 
-    create_patient_service(node, kind, f'~/{name}', answer)
-
-
-def serve_orders(
-    node: Node, kind: Any, name: str, orders: OrderReader, handle: Callable[[Any, Any], Steps]
-) -> None:
-    """Offer a private service that answers when the orders of its request were read.
-
-    :param handle: fills the response in steps, as above
-    """
-    log = SpareLog(node.get_logger())
-
-    def answer(request: Any, response: Any) -> Any:
-        later = Later()
-
-        def ended(error: Exception | None) -> None:
-            if error is not None:
-                _tell_of_failure(log, name, response, error)
-            later.answer(response)
-
-        orders.follow(handle(request, response), ended)
-        return later
-
-    create_patient_service(node, kind, f'~/{name}', answer)
-
-
-def _tell_of_failure(said: SpareLog, name: str, response: Any, error: Exception) -> None:
-    said.error(f'{name} failed: {error!r}')
-    response.accepted = False
-    response.message = cut(f'internal error, see the log of the node: {error!r}', MESSAGE)
+    create_patient_service(node, kind, f'~/{name}', lambda *asked: begin(answer(*asked)))
 
 
 def tell(response: Any, answer: Answer) -> None:

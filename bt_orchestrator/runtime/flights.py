@@ -81,6 +81,12 @@ class Flights:
             timer.cancel()
         self._timers.clear()
 
+    def cancel_all(self) -> None:
+        """Ask to cancel every goal of which no end has come, off the record."""
+        for _, goal in self.without_end.values():
+            if goal.end is None:
+                goal.cancel()
+
     # --- before the tick --------------------------------------------------------------------
 
     def land(self) -> None:

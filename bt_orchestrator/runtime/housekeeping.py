@@ -1,20 +1,33 @@
 """Keeping the journal short for the next start: snapshots and retention.
 
 None of it is on the way of a goal: it is done between settles, best when nothing happens, and in
-small pieces. If it fails the cell goes on; only the next start takes longer.
+small pieces. What waits for the disk is left to the writer, and gone on with in a later turn. If
+it fails the cell goes on; only the next start takes longer.
+
+A snapshot costs as much as the state is large, and what is kept of many jobs takes long to look
+through. So jobs that ended are looked after together: a line that ends one a second must not pay
+for each of them.
 """
 
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable
+from functools import partial
+from typing import TypeVar
 
 from bt_orchestrator.model.history import record_of
+from bt_orchestrator.model.job_folds import ENDED_KEPT
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.state_text import StateText
-from bt_orchestrator.ports import Journal, Snapshot
+from bt_orchestrator.ports import Journal, Snapshot, Writer
+from bt_orchestrator.replies import Reply, begin
 from bt_orchestrator.runtime.recovery import stamp
+from bt_orchestrator.runtime.writers import AtOnce
 
 log = logging.getLogger(__name__)
+
+_T = TypeVar('_T')
 
 SNAPSHOT_EVERY = 1000
 """Events after which a quiet moment is used for a snapshot."""
@@ -22,72 +35,105 @@ SNAPSHOT_EVERY = 1000
 SNAPSHOT_AT_LATEST = 5000
 """Events after which a snapshot is made on a line that is never quiet."""
 
+ENDED_TOGETHER = ENDED_KEPT // 2
+"""Jobs that ended after which a quiet moment is used to note them, and for what is too old."""
+
+ENDED_AT_LATEST = ENDED_KEPT - 10
+"""The same on a line that is never quiet: the state lists no more of them."""
+
+AT_REST = 20
+"""Quiet turns one after another in which nothing happens: then nobody minds, and all is noted."""
+
 KEEP_JOBS = 1000
 """How many ended jobs keep their events, unless somebody says otherwise."""
 
 KEEP_ALL = -1
 
+FAREWELL_S = 10.0
+"""How long the end of the node waits for its last snapshot."""
+
 
 class Housekeeping:
     """Snapshots of one cell's state, and the end of old events. Called from the tick thread."""
 
-    def __init__(self, state: CellState, journal: Journal, keep_jobs: int = KEEP_JOBS) -> None:
+    def __init__(
+        self,
+        state: CellState,
+        journal: Journal,
+        keep_jobs: int = KEEP_JOBS,
+        writer: Writer | None = None,
+    ) -> None:
         """Look after a journal.
 
         :param keep_jobs: how many ended jobs keep their events, at least; KEEP_ALL: all
+        :param writer: waits for the disk; None: the caller
         """
         self._state = state
         self._journal = journal
         self._keep_jobs = keep_jobs
+        self._writer = writer or AtOnce()
         self._stamp = stamp(state.cell)
         self._saved_seq = max(
             (one.seq for one in journal.snapshots() if one.stamp == self._stamp), default=0
         )
         self._noted: set[str] = set()
+        self._not_looked_after = 0
+        """Jobs noted since it was last looked for what is too old."""
         self._remove_before = 0
-        self._text: StateText | None = None
-        """A snapshot that is being written."""
-        self._first = 0
-        """Event with which the journal begins once that is kept; 0: as before."""
         self._failed_seq = 0
         """Where it failed last; it is tried again when something has happened since."""
+        self._quiet_turns = 0
+        self._next_turn: Reply[None] | None = None
+        """What a piece of work waits for that has been begun; None: there is none."""
 
     def turn(self, *, quiet: bool) -> None:
         """Do one small piece of what is due; the state is durable.
 
         :param quiet: nothing happens at this moment
         """
-        if self._state.seq == self._failed_seq:
-            return
-        behind = self._state.seq - max(self._saved_seq, self._failed_seq)
-        try:
-            if self._text is not None:
-                self._go_on(self._text)
-            elif behind >= max(SNAPSHOT_AT_LATEST, self._worth):
-                self._begin()
-            elif quiet:
-                self._at_leisure(behind)
-        except Exception as error:  # noqa: BLE001 - whatever it is, the cell goes on
-            log.warning('%s: no snapshot, nothing removed; tried again later', error)
-            self._failed_seq, self._text, self._remove_before = self._state.seq, None, 0
+        self._quiet_turns = self._quiet_turns + 1 if quiet else 0
+        if self._next_turn is not None:
+            turn, self._next_turn = self._next_turn, None
+            turn.give(None)
+        elif self._state.seq != self._failed_seq:
+            begin(self._piece(quiet=quiet))
 
     def finish(self) -> None:
-        """Leave a snapshot to the next start."""
+        """Leave a snapshot to the next start, if the disk lets it."""
         try:
             if self._state.seq > self._saved_seq:
                 text = StateText(self._state)
                 while not text.go_on():
                     pass
-                self._save(text)
+                saving = self._writer.begin(self._saving(text))
+                if saving.has_ended(FAREWELL_S):
+                    saving.result()
         except Exception as error:  # noqa: BLE001 - the node ends all the same
             log.warning('%s: the next start replays more events', error)
 
-    def _at_leisure(self, behind: int) -> None:
-        ended = self._state.ended.keys() - self._noted
-        if behind >= (0 if ended else SNAPSHOT_EVERY) and behind >= self._worth:
-            self._begin(self._first_needed() if ended else 0)
-        elif self._remove_before and not self._journal.remove_batch(self._remove_before):
-            self._remove_before = 0
+    async def _piece(self, *, quiet: bool) -> None:
+        behind = self._state.seq - max(self._saved_seq, self._failed_seq)
+        ended = len(self._state.ended.keys() - self._noted)
+        try:
+            if behind >= max(SNAPSHOT_AT_LATEST, self._worth) or ended >= ENDED_AT_LATEST:
+                await self._save()
+            elif quiet:
+                await self._at_leisure(behind, ended)
+        except Exception as error:  # noqa: BLE001 - whatever it is, the cell goes on
+            log.warning('%s: no snapshot, nothing removed; tried again later', error)
+            self._failed_seq, self._remove_before = self._state.seq, 0
+
+    async def _at_leisure(self, behind: int, ended: int) -> None:
+        enough = 1 if self._quiet_turns >= AT_REST else ENDED_TOGETHER
+        if ended + self._not_looked_after >= enough and behind >= self._worth:
+            first = await self._first_needed()
+            if ended or first:
+                await self._save(first)
+            self._not_looked_after = 0
+        elif behind >= max(SNAPSHOT_EVERY, self._worth):
+            await self._save()
+        elif self._remove_before:
+            await self._remove_some()
 
     @property
     def _worth(self) -> int:
@@ -97,36 +143,52 @@ class Housekeeping:
         """
         return self._state.jobs.waiting
 
-    def _begin(self, first: int = 0) -> None:
-        """Begin to write a snapshot.
+    async def _remove_some(self) -> None:
+        before = self._remove_before
+        there_are_more = await self._written(partial(self._journal.remove_batch, before))
+        if not there_are_more:
+            self._remove_before = 0
+
+    async def _save(self, first: int = 0) -> None:
+        """Keep a snapshot, and what is to stay of jobs that ended.
 
         :param first: event before which all others are to be removed then; 0: none are
         """
-        self._first = first
-        self._text = StateText(self._state, check=first > 0)
-        self._go_on(self._text)
+        text = StateText(self._state, check=first > 0)
+        while not text.go_on():
+            await self._turn()
+        ended = set(self._state.ended)
+        await self._written(self._saving(text))
+        self._not_looked_after += len(ended - self._noted)
+        self._saved_seq, self._noted = text.seq, ended
+        if first:
+            await self._written(partial(self._journal.begin_with, self._snapshot(text)))
+            self._remove_before = first
 
-    def _go_on(self, text: StateText) -> None:
-        """Write as much as can be done at once."""
-        if not text.go_on():
-            return
-        self._text = None
-        snapshot = self._save(text)
-        if self._first:
-            self._journal.begin_with(snapshot)
-            self._remove_before = self._first
-
-    def _save(self, text: StateText) -> Snapshot:
+    def _saving(self, text: StateText) -> Callable[[], None]:
         ended = [job for name, job in self._state.ended.items() if name not in self._noted]
-        snapshot = Snapshot(text.seq, self._stamp, text.text)
-        self._journal.save(snapshot, [record_of(job) for job in ended])
-        self._saved_seq = text.seq
-        self._noted = set(self._state.ended)
-        return snapshot
+        records = [record_of(job) for job in ended]
+        return partial(self._journal.save, self._snapshot(text), records)
 
-    def _first_needed(self) -> int:
+    def _snapshot(self, text: StateText) -> Snapshot:
+        return Snapshot(text.seq, self._stamp, text.text)
+
+    async def _first_needed(self) -> int:
         """Return the first event that has to stay; 0: those before it are gone, or all stay."""
         if self._keep_jobs == KEEP_ALL:
             return 0
-        first = self._journal.first_needed(self._state.jobs.keys(), self._keep_jobs)
+        live = frozenset(self._state.jobs)
+        first = await self._written(partial(self._journal.first_needed, live, self._keep_jobs))
         return first if first > self._journal.first_seq() else 0
+
+    async def _written(self, write: Callable[[], _T]) -> _T:
+        """Have something written, and return what it returned, in whichever turn that is."""
+        writing = self._writer.begin(write)
+        while not writing.has_ended():
+            await self._turn()
+        return writing.result()
+
+    async def _turn(self) -> None:
+        """Return in the next turn."""
+        self._next_turn = turn = Reply[None]()
+        await turn

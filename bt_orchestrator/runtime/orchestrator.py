@@ -3,6 +3,9 @@
 A settle is: drain commands and news into events, tick the tree until nothing changes, commit all
 of it as one transaction, then send the goals and hand the events to the outputs (architecture,
 "One settle"). Live, recovery, simulation and checking all run this same code.
+
+A commit that takes longer than a moment is left pending: until it ends nothing is landed, ticked
+or sent, and the thread is free for those who only read. Then the settle goes on where it stopped.
 """
 
 from __future__ import annotations
@@ -15,17 +18,21 @@ from collections.abc import Callable, Iterator, Sequence
 from bt_orchestrator.errors import JournalFailed, OrchestratorError
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.commands import Answer, Command
+from bt_orchestrator.model.cell_commands import Abort
+from bt_orchestrator.model.commands import Answer, Command, Shutdown
 from bt_orchestrator.model.packml import Mode
 from bt_orchestrator.model.stop_reason import StopReason
-from bt_orchestrator.ports import ActionGateway, Clock, EventSink, EventStore
+from bt_orchestrator.ports import ActionGateway, Clock, EventSink, EventStore, Writer
+from bt_orchestrator.replies import begin
 from bt_orchestrator.runtime import job_queue, lifecycle
 from bt_orchestrator.runtime.breakdown import Breakdown
+from bt_orchestrator.runtime.commits import PATIENCE_S, Commits
 from bt_orchestrator.runtime.flights import Flights
 from bt_orchestrator.runtime.inbox import Inbox
 from bt_orchestrator.runtime.ledger import Ledger
 from bt_orchestrator.runtime.recovery import restore, take_over
 from bt_orchestrator.runtime.starvation import Starvation
+from bt_orchestrator.runtime.writers import AtOnce
 from bt_orchestrator.tree.blackboard import BlackboardProjection
 from bt_orchestrator.tree.compile import CellTree
 from bt_orchestrator.tree.readiness import unready
@@ -50,6 +57,8 @@ class Orchestrator:
         store: EventStore,
         sinks: Sequence[EventSink] = (),
         *,
+        writer: Writer | None = None,
+        patience_s: float = PATIENCE_S,
         wake: Callable[[], None] = lambda: None,
         auto_start: bool = True,
         auto_resume: bool = False,
@@ -57,6 +66,8 @@ class Orchestrator:
     ) -> None:
         """Build the engine of a cell; nothing moves before the first settle.
 
+        :param writer: waits for the store; None: the thread that settles
+        :param patience_s: a commit that takes longer has failed
         :param wake: asks for a settle soon; called whenever there is something new
         :param auto_start: the cell resets and starts by itself when an order arrives
         :param auto_resume: unfinished work in the journal goes on without `Resume`
@@ -74,6 +85,7 @@ class Orchestrator:
         self.flights = Flights(self._ledger, gateway, clock, wake)
         self.gateway = gateway
         self.tree = CellTree(self._ledger, self._projection.space)
+        self._commits = Commits(store, writer or AtOnce(), clock, wake, patience_s)
         self._settling = False
         self._look_for_ends = True
         """Something happened that may have been the last of a job."""
@@ -85,11 +97,43 @@ class Orchestrator:
         self._ledger.record(take_over(self.state, store, boot, auto_resume=auto_resume))
 
     def ask(self, command: Command) -> Answer:
-        """Carry out a command, settle, and return the answer for its sender."""
+        """Carry out a command, settle, and return the answer; for a journal that never waits."""
+        return begin(self.carry_out(command)).value
+
+    async def carry_out(self, command: Command) -> Answer:
+        """Carry out a command, settle, and return the answer for its sender once it is on disk.
+
+        While a commit is pending a command waits for its turn. One that cancels every goal does so
+        at once, and again in its turn: then it is on record why.
+        """
+        if self.awaits_disk and isinstance(command, (Abort, Shutdown)):
+            self.flights.cancel_all()
+        await self._commits.turn()
         if self.breakdown is None:
             answer = self._inbox.take(command)
             self.settle()  # a refusal, too, is on record before its sender hears of it
+            await self._commits.kept()
         return answer if self.breakdown is None else self.breakdown.answer(command)
+
+    @property
+    def awaits_disk(self) -> bool:
+        """Tell whether a commit is pending: the state may be ahead of the journal."""
+        return self._commits.is_pending
+
+    @property
+    def disk_wait(self) -> str:
+        """What the disk is waited for, in words; empty: it is not."""
+        return self._commits.in_words
+
+    @property
+    def disk_wait_s(self) -> float:
+        """For how long it has been waited for, seconds."""
+        return self._commits.waited_s
+
+    @property
+    def kept_seq(self) -> int:
+        """The last event that is durable."""
+        return self.state.seq - len(self._commits.events)
 
     @property
     def broken(self) -> str | None:
@@ -114,6 +158,9 @@ class Orchestrator:
             self.breakdown.look()
             return False
         assert not self._settling, 'settle was called from within a settle'
+        went_on = self.awaits_disk
+        if went_on and not self._go_on():
+            return False
         self._settling = True
         try:
             self._ledger.look_at_clock()
@@ -121,7 +168,7 @@ class Orchestrator:
             self._inbox.land()
             if self.tree.is_due or self._ledger.has_pending:
                 self._tick_until_still()
-            return self._commit()
+            return self._commit() or went_on
         finally:
             self._settling = False
 
@@ -187,11 +234,34 @@ class Orchestrator:
         events = self._ledger.take_pending()
         if not events:
             return False
+        self._commits.begin(events)
+        self._conclude()
+        return self.breakdown is None
+
+    def _go_on(self) -> bool:
+        """Conclude the pending commit if it has ended; tell whether the settle may go on."""
+        self._settling = True
         try:
-            self._store.append(events)
+            has_ended = self._conclude()
+        finally:
+            self._settling = False
+        if has_ended:
+            self._commits.hand_out()
+        return not self.awaits_disk and self.breakdown is None
+
+    def _conclude(self) -> bool:
+        """Do what follows from a commit that has ended: send, and hand on.
+
+        :return: whether it has ended, well or not
+        """
+        if not self._commits.has_ended():
+            return False
+        events = self._commits.events
+        try:
+            self._commits.end()
         except JournalFailed as failed:
             self._break_off(failed, events)
-            return False
+            return True
         for event in events:
             self.flights.follow(event)
         for sink in self._sinks:

@@ -26,7 +26,7 @@ def status_lines(status: Any, shell: Shell) -> Iterator[str]:
     """Yield a whole status as text."""
     since = f'{status.state} for {duration(state_s(status))}'
     yield f'cell {one_line(status.cell)}: {since}, belt {belt(status)}, seq {status.seq}'
-    if status.journal_failure:
+    if failure(status):
         yield f'  {failure(status)}'
     if status.stop_after:
         yield f'  the cell stops after the current {status.stop_after}'
@@ -68,9 +68,10 @@ def stopped(status: Any) -> str:
 
 
 def failure(status: Any) -> str:
-    """Say that the cell does nothing any more, and why; nothing if all is well."""
-    why = one_line(status.journal_failure)
-    return f'NOTHING IS DONE ANY MORE: {why}' if why else ''
+    """Say that the cell does nothing, any more or for now, and why; nothing if all is well."""
+    if status.journal_failure:
+        return f'NOTHING IS DONE ANY MORE: {one_line(status.journal_failure)}'
+    return f'WAITS FOR THE DISK: {one_line(status.disk_wait)}' if status.disk_wait else ''
 
 
 def state_s(status: Any) -> float:

@@ -96,8 +96,8 @@ def unchanging(path: Path) -> sqlite3.Connection:
     assert path.resolve() not in _WRITTEN, f'who writes {path} would lose its locks by this'
     uri = f'{path.resolve().as_uri()}?mode=ro'
     if not has_log(path):
-        return sqlite3.connect(f'{uri}&immutable=1', uri=True)
-    database = sqlite3.connect(f'{uri}&vfs=unix-none', uri=True)
+        return sqlite3.connect(f'{uri}&immutable=1', uri=True, check_same_thread=False)
+    database = sqlite3.connect(f'{uri}&vfs=unix-none', uri=True, check_same_thread=False)
     database.execute('PRAGMA locking_mode = EXCLUSIVE')
     return database
 

@@ -117,7 +117,7 @@ def to_write(path: Path, synchronous: str) -> sqlite3.Connection:
     """Open a journal for writing, of today's schema from here on."""
     if not path.exists():
         make_private(path)
-    database = sqlite3.connect(path, isolation_level=None, timeout=10.0)
+    database = sqlite3.connect(path, isolation_level=None, timeout=10.0, check_same_thread=False)
     try:
         version = schema_of(database, path)
         database.execute('PRAGMA journal_mode = WAL')
@@ -127,4 +127,11 @@ def to_write(path: Path, synchronous: str) -> sqlite3.Connection:
     except BaseException:
         database.close()
         raise
+    return database
+
+
+def beside_writer(path: Path) -> sqlite3.Connection:
+    """Open what this process writes once more, to read while it is written."""
+    database = sqlite3.connect(path, isolation_level=None, timeout=10.0, check_same_thread=False)
+    database.execute('PRAGMA query_only = ON')
     return database

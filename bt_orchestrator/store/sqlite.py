@@ -46,6 +46,9 @@ class SqliteStore:
     when its process is, however that ends.
 
     A file is only read until the first write: whoever refuses what is in it has changed nothing.
+
+    From then on it is read by another connection than it is written by, so that one thread may
+    read while another one writes; the first write has to end before.
     """
 
     def __init__(self, path: Path, *, synchronous: str = 'FULL') -> None:
@@ -70,6 +73,7 @@ class SqliteStore:
             with unusable_otherwise(path):
                 found = opening.to_read(path, self._mark.found)
                 self._database = found or opening.to_write(path, synchronous)
+                self._reading = self._database if found else opening.beside_writer(path)
                 self._history = self._on_file = history_of(self._database)
                 if found is None:
                     self._files = FilesInUse(path, lambda: log_size(self._database))
@@ -116,7 +120,7 @@ class SqliteStore:
             yield from rows.events_of(self._rows(after, most), before, self._on_file.checked_from)
 
     def _rows(self, after: int, most: int) -> Iterator[rows.Row]:
-        while page := rows.page(self._database, after, self._end, most):
+        while page := rows.page(self._reading, after, self._end, most):
             yield from page
             after = page[-1].seq
             most -= len(page) if most > 0 else 0
@@ -124,7 +128,7 @@ class SqliteStore:
     def missing(self, after: int) -> str:
         """Tell, in words, what was written after an event and is not to be had; empty: nothing."""
         with unusable_otherwise(self._path):
-            last = rows.last_seq(self._database)
+            last = rows.last_seq(self._reading)
         return shortfall(self._mark, self._on_file.id, last, after)
 
     def go_on_after(self, seq: int) -> None:
@@ -141,7 +145,7 @@ class SqliteStore:
     def first_seq(self) -> int:
         """Return the seq of the first event that is kept, or that is to come."""
         with unusable_otherwise(self._path):
-            found = self._database.execute('SELECT min(seq) FROM events').fetchone()[0]
+            found = self._reading.execute('SELECT min(seq) FROM events').fetchone()[0]
         if found is not None:
             return int(found)
         start = self.beginning()
@@ -151,8 +155,8 @@ class SqliteStore:
 
     def snapshots(self) -> Iterator[Snapshot]:
         """Yield the states to start from, newest first."""
-        for seq in snapshots.kept(self._database):
-            found = snapshots.sound_snapshot(self._database, seq) if seq <= self._end else None
+        for seq in snapshots.kept(self._reading):
+            found = snapshots.sound_snapshot(self._reading, seq) if seq <= self._end else None
             if found is not None:
                 yield found
 
@@ -162,7 +166,7 @@ class SqliteStore:
         :raises JournalUnusable: it is damaged
         """
         with unusable_otherwise(self._path):
-            return snapshots.beginning(self._database)
+            return snapshots.beginning(self._reading)
 
     def save(self, snapshot: Snapshot, ended: Sequence[JobRecord] = ()) -> None:
         """Keep a state to start from, and what is to stay of jobs that ended.
@@ -208,6 +212,7 @@ class SqliteStore:
 
     def close(self) -> None:
         """Close the file and let others have it."""
+        self._reading.close()
         self._database.close()
         self._mark.close()
         if self._files is not None:
@@ -249,6 +254,7 @@ class SqliteStore:
                 keep_aside(self._path, aside_of(self._path, 'damaged'))
             self._database = opening.to_write(self._path, self._synchronous)
             self._refuse_another_end(read)
+            self._reading = opening.beside_writer(self._path)
             self._files = FilesInUse(self._path, lambda: log_size(self._database))
         except BaseException:
             self._only_read_again()
@@ -270,8 +276,9 @@ class SqliteStore:
             )
 
     def _only_read_again(self) -> None:
+        self._reading.close()
         self._database.close()
         if self._files is not None:
             self._files.release()
             self._files = None
-        self._database = unchanging(self._path)
+        self._database = self._reading = unchanging(self._path)

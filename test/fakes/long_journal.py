@@ -57,6 +57,7 @@ class LongRun:
         while not until():
             assert self.clock.advance()
             self.orchestrator.settle()
+            self.housekeeping.turn(quiet=False)
             self.rest(1)
 
     def rest(self, turns: int) -> None:

@@ -115,6 +115,7 @@ def status(**about: Any) -> Any:
         'stop_reason': '',
         'stop_message': '',
         'journal_failure': '',
+        'disk_wait': '',
         'stop_after': '',
         'stopped_by': '',
         'stopped_with': '',

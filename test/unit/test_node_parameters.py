@@ -25,7 +25,15 @@ def test_every_parameter_is_an_option() -> None:
     args = parsed(
         *('--cell', 'c.yaml', '--tick-rate-hz', '20', '--executor', 'events', '--no-auto-start'),
         *('--auto-resume', '--journal', 'j.sqlite3', '--journal-synchronous', 'NORMAL'),
-        *('--journal-keep-jobs', '7', '--server-timeout', '1', '--no-expected-end'),
+        *(
+            '--journal-keep-jobs',
+            '7',
+            '--journal-timeout',
+            '3',
+            '--server-timeout',
+            '1',
+            '--no-expected-end',
+        ),
         *('--inspection', 'py_trees_ros', '--trees', 'folder', '--script-paths'),
     )
     told = NodeParameters(**{name: getattr(args, name) for name, _ in described()})

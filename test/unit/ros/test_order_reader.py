@@ -17,9 +17,10 @@ from bt_orchestrator.errors import Finding, Refused
 from bt_orchestrator.model.limits import FINDINGS
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.state import CellState
+from bt_orchestrator.replies import Reply, begin
 from bt_orchestrator.ros import order_reader
 from bt_orchestrator.ros.order_process import NotRead
-from bt_orchestrator.ros.order_reader import BUSY, LATE, OrderReader, Steps
+from bt_orchestrator.ros.order_reader import BUSY, LATE, MOST_WAITING, OrderReader
 from bt_orchestrator.ros.order_requests import Told
 from bt_orchestrator.script.desk_pickles import pickled
 from bt_orchestrator.script.order_desk import AskedOrder, OrderDesk, Orders
@@ -65,19 +66,17 @@ class Bench:
             self.turns.put,
         )
         self.said: list[str] = []
-        self.ended: list[Exception | None] = []
 
     def ask(self, order: str, script: str = 'test') -> None:
-        self.reader.follow(self._steps(order, script), self.ended.append)
+        begin(self._steps(order, script))
 
-    def _steps(self, order: str, script: str) -> Steps:
+    async def _steps(self, order: str, script: str) -> None:
         try:
-            reading = yield Orders((AskedOrder(script, order, 1),))
+            async with self.reader.read(Orders((AskedOrder(script, order, 1),))) as reading:
+                (read,) = reading.read
+                self.said.append(read.id if isinstance(read, Job) else 'refused')
         except NotRead as why:
             self.said.append(str(why))
-            return
-        (read,) = reading.read
-        self.said.append(read.id if isinstance(read, Job) else 'refused')
 
     def turn(self, times: int = 1) -> None:
         for _ in range(times):
@@ -99,7 +98,6 @@ def test_orders_keep_their_order_and_nobody_waits_for_them(bench: Bench) -> None
     bench.process.may_answer.set()
     bench.turn(3)
     assert bench.said == ['A', 'B', 'C']
-    assert bench.ended == [None, None, None]
 
 
 def test_ids_are_assigned_when_it_is_their_turn(bench: Bench) -> None:
@@ -143,16 +141,53 @@ def test_too_many_that_wait_are_told(bench: Bench, monkeypatch: pytest.MonkeyPat
     assert bench.said == [BUSY, 'A', 'B', 'C']
 
 
-def test_an_exception_in_steps_is_told_and_stops_nothing(bench: Bench) -> None:
-    def broken() -> Steps:
-        yield Orders(())
-        raise RuntimeError('a defect')
+def test_an_exception_is_raised_where_it_belongs_and_stops_nothing(bench: Bench) -> None:
+    async def broken() -> None:
+        with pytest.raises(RuntimeError, match='a defect'):
+            async with bench.reader.read(Orders(())):
+                raise RuntimeError('a defect')
+        bench.said.append('broken')
 
-    bench.reader.follow(broken(), bench.ended.append)
+    begin(broken())
     bench.ask('A')
     bench.turn(2)
-    assert [repr(one) for one in bench.ended] == ["RuntimeError('a defect')", 'None']
-    assert bench.said == ['A']
+    assert bench.said == ['broken', 'A']
+
+
+def test_the_next_ids_are_assigned_when_these_are_on_record(bench: Bench) -> None:
+    on_record: Reply[None] = Reply()
+
+    async def slow() -> None:
+        async with bench.reader.read(Orders((AskedOrder('test', '', 1),))) as reading:
+            await on_record
+            (read,) = reading.read
+            assert isinstance(read, Job)
+            bench.reader._state.order_ids.add(read.id)
+
+    begin(slow())
+    bench.ask('')
+    bench.turn()
+    assert bench.said == []
+    on_record.give(None)
+    bench.turn()
+    assert bench.said == ['WO-2']
+
+
+def test_many_that_end_at_once_are_no_deep_recursion(bench: Bench) -> None:
+    def nothing() -> Orders:
+        raise NotRead('not there')
+
+    async def changed() -> None:
+        with pytest.raises(NotRead, match='not there'):
+            async with bench.reader.read(nothing):
+                pytest.fail('nothing was read')
+        bench.said.append('refused')
+
+    bench.ask('A')
+    for _ in range(MOST_WAITING):
+        begin(changed())
+    bench.turn()
+    assert bench.said == ['A', *['refused'] * MOST_WAITING]
 
 
 def test_what_is_left_out_of_an_answer_is_said_once() -> None:

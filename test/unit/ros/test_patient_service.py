@@ -7,7 +7,8 @@ from collections.abc import Callable
 
 import pytest
 
-from bt_orchestrator.ros.patient_service import AGAIN_AFTER_S, Later, PatientAnswers
+from bt_orchestrator.replies import Reply
+from bt_orchestrator.ros.patient_service import AGAIN_AFTER_S, PatientAnswers
 
 TIMEOUT = 'failed to send response (timeout): client will not receive response'
 
@@ -69,11 +70,11 @@ def test_other_warnings_are_handed_on_and_nothing_is_sent_again() -> None:
 
 def test_an_answer_that_is_not_there_yet_is_sent_when_it_is() -> None:
     bench = Bench(deaf_times=1)
-    later, at_once = Later(), Later()
-    at_once.answer('no')
+    later, at_once = Reply[str](), Reply[str]()
+    at_once.give('no')
     bench.answers.send(later, 'client 1')
     bench.answers.send(at_once, 'client 2')
     assert bench.sent == [('no', 'client 2')]
     bench.run()
-    later.answer('yes')
+    later.give('yes')
     assert bench.sent == [('no', 'client 2')] * 2 + [('yes', 'client 1')]

@@ -8,6 +8,7 @@ import logging
 import math
 import shutil
 import sqlite3
+from collections import Counter
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -24,6 +25,7 @@ from bt_orchestrator.model import state_text
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.job_commands import AddJobs, ControlJob
+from bt_orchestrator.model.job_folds import ENDED_KEPT
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.snapshot import Writer, state_from_plain, state_to_plain
 from bt_orchestrator.model.state import CellState, Reading
@@ -33,6 +35,13 @@ from bt_orchestrator.runtime.recovery import restore
 from bt_orchestrator.store.sqlite import SqliteStore
 
 LINE = Line()
+AT_REST = housekeeping.AT_REST
+
+
+@pytest.fixture(autouse=True)
+def soon_at_rest(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let one quiet moment be rest enough, so that a job is looked after when it has ended."""
+    monkeypatch.setattr(housekeeping, 'AT_REST', 1)
 
 
 @pytest.fixture
@@ -307,6 +316,58 @@ def test_nothing_goes_for_a_state_that_does_not_come_back(
     assert run.store.first_seq() == 1
     assert run.store.beginning() is None
     run.kill()
+
+
+def test_a_line_at_work_looks_after_its_ended_jobs_together(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A snapshot and a look through all jobs for each one took more than the jobs themselves."""
+    monkeypatch.setattr(housekeeping, 'AT_REST', AT_REST)
+    run = LongRun(path, keep_jobs=20)
+    run.housekeeping._journal = journal = Counted(run.store)
+    jobs = 150
+    for n in range(1, jobs + 1):
+        run.job(f'J{n}', 1)
+    most = 3
+    by_events = run.orchestrator.state.seq // housekeeping.SNAPSHOT_EVERY
+    assert 1 <= journal.calls['save'] <= most + by_events
+    assert 1 <= journal.calls['first_needed'] <= most
+    assert 1 <= journal.calls['begin_with'] <= most
+    run.rest(AT_REST + 5)
+    run.kill()
+    database = sqlite3.connect(path)
+    query = "SELECT json_extract(record, '$.job') FROM events WHERE record LIKE '%\"job.queued\"%'"
+    queued = [job for (job,) in database.execute(query)]
+    assert queued == [f'J{n}' for n in range(jobs - 19, jobs + 1)]
+    assert database.execute('SELECT count(*) FROM jobs').fetchone()[0] == jobs
+    database.close()
+
+
+def test_a_line_that_is_never_quiet_notes_every_job(path: Path) -> None:
+    run = LongRun(path)
+    jobs = 2 * ENDED_KEPT
+    for n in range(1, jobs + 1):
+        assert run.orchestrator.ask(AddJobs((Job(f'J{n}', run.line.script(THREE), 1),))).accepted
+        while run.orchestrator.state.jobs:
+            assert run.clock.advance()
+            run.orchestrator.settle()
+            run.housekeeping.turn(quiet=False)
+    run.close()
+    database = sqlite3.connect(path)
+    assert database.execute('SELECT count(*) FROM jobs').fetchone()[0] == jobs
+    database.close()
+
+
+class Counted:
+    """A journal that counts what is asked of it."""
+
+    def __init__(self, store: SqliteStore) -> None:
+        self._store = store
+        self.calls: Counter[str] = Counter()
+
+    def __getattr__(self, name: str) -> Any:
+        self.calls[name] += 1
+        return getattr(self._store, name)
 
 
 def test_everything_is_kept_on_demand(path: Path) -> None:

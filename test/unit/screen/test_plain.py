@@ -74,6 +74,9 @@ def test_the_first_status_is_told_and_then_only_what_changes() -> None:
     said.clear()
     view.on_status(statuses.status(journal_failure='disk full'))
     assert said == ['NOTHING IS DONE ANY MORE: disk full']
+    said.clear()
+    view.on_status(statuses.status(disk_wait='the last event'))
+    assert said[0] == 'WAITS FOR THE DISK: the last event'
 
 
 def test_who_stopped_the_cell_is_told_when_it_changes() -> None:

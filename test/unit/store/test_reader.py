@@ -14,6 +14,7 @@ from fakes.long_journal import LongRun
 
 from bt_orchestrator.model.events import JobStarted
 from bt_orchestrator.model.history import History
+from bt_orchestrator.runtime.housekeeping import AT_REST
 from bt_orchestrator.store import reader as reading
 from bt_orchestrator.store.database import JournalUnusable
 from bt_orchestrator.store.reader import JournalReader, Wanted
@@ -96,7 +97,7 @@ def test_an_older_journal_is_read_as_it_is(tmp_path: Path) -> None:
 def test_what_is_left_of_jobs_whose_events_are_gone(run: LongRun, reader: JournalReader) -> None:
     for name in ('J2', 'J3'):
         run.job(name, 2, _STATION_B)
-        run.rest(3)
+        run.rest(AT_REST + 3)
     assert reader.first_seq() > 1
     history = History(reader.summaries())
     for _, text in reader.records(Wanted()):
