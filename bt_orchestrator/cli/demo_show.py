@@ -9,7 +9,7 @@ from bt_orchestrator.cli.demo_dialogue import Dialogue
 from bt_orchestrator.cli.demo_programs import DemoPrograms
 from bt_orchestrator.cli.programs import ProgramFailed
 from bt_orchestrator.cli.submit import submit
-from bt_orchestrator.cli.watch import follow
+from bt_orchestrator.cli.watch import follow_events
 from bt_orchestrator.model.events import Event, JobAborted, JobCompleted
 from bt_orchestrator.model.isa95 import JobWord
 from bt_orchestrator.model.order import WorkOrder
@@ -69,14 +69,17 @@ class DemoShow:
         """
         client.on_status(self._on_status)
         client.wait_until(self._all_are_there, 'every action server at the node')
-        follow(client, self._viewer, self._on_event)
+        follow_events(client, self._viewer, self._on_event)
         self._job = self._ordered(client, order)
         while not self._is_over(asks=asks):
             client.spin()
         return self._job, self._status.holds
 
     def _on_status(self, status: Any) -> None:
+        """Show a status that knows the order: what a cell without one waits for is no news."""
         self._status = status
+        if self._job and self._of_job() is not None:
+            self._viewer.on_status(status)
 
     def _on_event(self, event: Event) -> None:
         if isinstance(event, JobCompleted | JobAborted):

@@ -68,6 +68,14 @@ def follow(client: Any, viewer: Viewer, also: Callable[[Event], object] | None =
     :param also: is told every event, too
     :raises NodeUnreachable: it is not there
     """
+    client.on_status(viewer.on_status)
+    follow_events(client, viewer, also)
+
+
+def follow_events(
+    client: Any, viewer: Viewer, also: Callable[[Event], object] | None = None
+) -> None:
+    """Tell a viewer every event from now on, as `follow` does."""
 
     def on_event(message: Any) -> None:
         event = from_record(json.loads(message.record))
@@ -75,7 +83,6 @@ def follow(client: Any, viewer: Viewer, also: Callable[[Event], object] | None =
             also(event)
         viewer.on_event(event)
 
-    client.on_status(viewer.on_status)
     client.on_event(on_event)
 
 
