@@ -147,11 +147,11 @@ def test_what_is_refused_at_any_door_is_on_record(small_cell: CellProcesses) -> 
     ]
     assert {one['origin'] for one in recorded} == {'the test', 'run_job'}
     told = [one['message'] for one in recorded]
-    assert told[0].startswith(f'B is refused with 1 findings: {wrong}:')
+    assert told[0].startswith(f'B is refused with 1 finding: {wrong}:')
     assert 'a task has no key `retires`' in told[0]
     assert 'there is no script `smal`' in told[1]
     assert told[3] == 'D fits, but was not queued because of the others'
-    assert told[4].startswith(f'{wrong} is refused with 1 findings: ')
+    assert told[4].startswith(f'{wrong} is refused with 1 finding: ')
     assert 'there is no script `smal`' in told[5]
     assert told[6] == 'Z is not there; in the queue: A'
     small_cell.stop()
