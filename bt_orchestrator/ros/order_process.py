@@ -1,4 +1,4 @@
-"""The process in which orders and scripts are read and proven (decision 0024)."""
+"""The process in which orders and scripts are read and proven (decision 0026)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who waits for the disk: the caller, or a thread of its own (decision 0027)."""
+"""Who waits for the disk: the caller, or a thread of its own (decision 0029)."""
 
 from __future__ import annotations
 

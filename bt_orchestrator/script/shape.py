@@ -10,9 +10,13 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 
 from bt_orchestrator.errors import Finding, Refused
+from bt_orchestrator.script.cell_keys import CELL
 from bt_orchestrator.script.keys import Table
 from bt_orchestrator.script.report import START, Report, listing, nearest
+from bt_orchestrator.script.script_keys import ORDER, SCRIPT
 from bt_orchestrator.script.yaml_nodes import ListNode, MapNode, Node
+
+KINDS = (CELL, SCRIPT, ORDER)
 
 _MISSPELT = 0.8
 """How alike a word and a key are at least, if the key is meant."""
@@ -35,14 +39,35 @@ def refuse_strangers(
     :raises Refused: it is, and nothing in it is told
     """
     tables = tuple(tables)
+    table = tables[0]
+    other = _other_kind(root, tables)
+    if other is not None:
+        words = f'this is {other.name}, and {what or table.name} is expected'
+        hint = 'check which file is named'
+        raise Refused([Finding(found.file, START.line, START.column, words, hint)])
     kind = _stranger(text, root, tables)
     if kind is None:
         return
-    table = tables[0]
     needed = [key.name for key in table.keys if key.required]
     hint = f'write a mapping with the key{"s" if len(needed) > 1 else ""} {listing(needed)}'
     words = f'this is not {what or table.name}, but {kind}'
     raise Refused([Finding(found.file, START.line, START.column, words, hint)])
+
+
+def _other_kind(root: Node | None, tables: tuple[Table, ...]) -> Table | None:
+    """Return which other one of the users' files a text is: it has keys of that one alone."""
+    if not isinstance(root, MapNode):
+        return None
+    keys = {entry.key.text for entry in root.entries}
+    expected = {name for table in tables for name in table.by_name}
+    others = [
+        other
+        for other in KINDS
+        if other not in tables
+        and keys & (other.by_name.keys() - expected)
+        and not keys & (expected - other.by_name.keys())
+    ]
+    return max(others, key=lambda other: len(keys & other.by_name.keys()), default=None)
 
 
 def _stranger(text: str, root: Node | None, tables: tuple[Table, ...]) -> str | None:

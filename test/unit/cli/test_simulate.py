@@ -284,7 +284,9 @@ def test_a_what_if_that_gets_held_is_told(
 
 
 def test_a_file_that_is_neither_is_refused() -> None:
-    with pytest.raises(Refused, match='neither a cell file nor a script'):
+    with pytest.raises(
+        Refused, match='this is a work order, and a cell file or a script is expected'
+    ):
         simulated(REFERENCE_ORDER, '--what-if', REFERENCE_ORDER)
 
 

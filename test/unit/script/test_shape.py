@@ -74,3 +74,18 @@ def test_nothing_is_told_by_what_looks_for_the_kind_of_a_file(name: str, tmp_pat
 )
 def test_what_is_meant_as_a_script_is_told_its_mistakes(text: str, expected: str) -> None:
     assert any(expected in told for told in mistakes(lambda: script(text)))
+
+
+KINDS = {
+    'a cell file': 'cell: a\nconveyor: {sections: 1}\ncomponents: {}\n',
+    'a script': 'script: a\nsections: {1: []}\n',
+    'a work order': 'order: A\nscript: a\nquantity: 2\n',
+}
+
+
+@pytest.mark.parametrize('expected', READERS)
+@pytest.mark.parametrize('found', KINDS)
+def test_another_kind_of_file_is_told_in_one_line(expected: str, found: str) -> None:
+    told = mistakes(lambda: READERS[expected](KINDS[found]))
+    is_so = [f'1:1: this is {found}, and a {expected} is expected; check which file is named']
+    assert (told == is_so) == (found != f'a {expected}')
