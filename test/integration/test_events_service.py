@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from types import SimpleNamespace
 from typing import Any
 
 from bt_orchestrator_interfaces.srv import GetEvents
-from fakes.files_read import reference
 
 from bt_orchestrator.model.events import JobStarted
 from bt_orchestrator.model.limits import EVENTS_BYTES
-from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ros.events_service import EventsService
 from bt_orchestrator.store.memory import MemoryStore
 
@@ -33,7 +32,8 @@ def asked(lengths: list[int], **request: int) -> list[int]:
     """Return the numbers of the events that are told of such a journal."""
     store, host = MemoryStore('here'), ServiceHost()
     store.append([JobStarted(seq=n, job='j' * size) for n, size in enumerate(lengths, 1)])
-    EventsService(host, CellState(reference()[0]), store)  # type: ignore[arg-type]
+    orchestrator = SimpleNamespace(kept_seq=len(lengths))
+    EventsService(host, orchestrator, store)  # type: ignore[arg-type]
     response = host.answer(GetEvents.Request(**request), GetEvents.Response())
     assert response.accepted
     return [event.seq for event in response.events]

@@ -11,6 +11,8 @@ import sys
 
 import pytest
 
+pytestmark = pytest.mark.every_distro
+
 WITH_LEFTOVERS = """
 set -e
 mount -t tmpfs none /dev/shm
@@ -26,8 +28,6 @@ for port in /dev/shm/fast*_port*[0-9]; do
 done
 "$0" -c '
 from bt_orchestrator.ros.diagnosis.exchange import exchange
-
-pytestmark = pytest.mark.every_distro
 print(exchange({}))'
 """
 

@@ -166,7 +166,7 @@ def test_a_service_that_raises_answers_so(
     tree_node: TreeNode, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with monkeypatch.context() as patch:
-        patch.setattr(tree_node.orchestrator, 'ask', Failing())
+        patch.setattr(tree_node.orchestrator, 'carry_out', Failing())
         response = ask(tree_node)
     assert not response.accepted
     assert 'internal error' in response.message

@@ -15,6 +15,8 @@ from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
 from watching_client import ON_CHANGE_S, WatcherProcess, WatchingClient, parameters
 
+from bt_orchestrator.model.limits import STREAMS
+
 pytestmark = pytest.mark.every_distro
 
 WORK = 'work: TASK_C'
@@ -297,8 +299,8 @@ def test_every_malformed_call_is_answered(
 def test_too_many_streams_are_refused_with_an_answer(
     small_cell: CellProcesses, client: WatchingClient
 ) -> None:
-    topics = [client.open() for _ in range(65)]
-    assert [topic == '' for topic in topics] == [False] * 64 + [True]
+    topics = [client.open() for _ in range(STREAMS + 1)]
+    assert [topic == '' for topic in topics] == [False] * STREAMS + [True]
     assert client.close_stream(topics[0])
     assert client.open()
     small_cell.stop()
