@@ -27,6 +27,7 @@ _T = TypeVar('_T')
 _TEMPLATE = '$'
 _NOT_FINITE = '$float'
 _DIGEST = '$digest'
+_TEXT = '$text'
 _SCALARS = (str, int, bool, type(None))
 """What is written as it is; a float may be none that JSON has."""
 _encode = json.JSONEncoder(ensure_ascii=False, allow_nan=False).encode
@@ -36,18 +37,24 @@ _FIRST = ('seq', 'time', 'event', 'job', 'section', 'item', 'task')
 
 def to_record(event: e.Event) -> dict[str, Any]:
     """Return the one record of an event that every output carries (formats: events)."""
-    record: dict[str, Any] = {'seq': event.seq, 'time': event.time, 'event': event.event}
-    kind: type = type(event)
-    for name, default in _layout(kind):
-        value = getattr(event, name)
-        if value != default:
-            record[name] = value if type(value) in _SCALARS else to_plain(value)
-    return record
+    return _record(event, type(event))
 
 
 def to_text(event: e.Event) -> str:
     """Return the record of an event as one line of JSON."""
+    if isinstance(event, e.ScriptLoaded):
+        before = _json(_record(event, e.ScriptLoaded, without='definition'))
+        return f'{before[:-1]}, "definition": {text_of(event.definition)}}}'
     return _json(to_record(event))
+
+
+def _record(event: e.Event, kind: type, without: str = '') -> dict[str, Any]:
+    record: dict[str, Any] = {'seq': event.seq, 'time': event.time, 'event': event.event}
+    for name, default in _layout(kind):
+        value = getattr(event, name)
+        if value != default and name != without:
+            record[name] = value if type(value) in _SCALARS else to_plain(value)
+    return record
 
 
 def json_of(value: Any) -> str:
@@ -95,6 +102,18 @@ def event_types() -> Mapping[str, type[e.Event]]:
     public = (getattr(e, name) for name in e.__all__)
     classes = (c for c in public if isinstance(c, type) and issubclass(c, e.Event))
     return {c.event: c for c in classes if hasattr(c, 'event')}
+
+
+def text_of(script: Script) -> str:
+    """Return a script as JSON, on one line, that can be written as UTF-8.
+
+    It is made once: one of 10,000 tasks takes a second, and is written more than once. Whoever
+    sends a script to another process sends it along.
+    """
+    known = vars(script)
+    if _TEXT not in known:
+        known[_TEXT] = json_of(script)
+    return str(known[_TEXT])
 
 
 def digest(definition: Script | Cell) -> str:

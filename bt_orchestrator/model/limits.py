@@ -20,6 +20,10 @@ ORDERS = 250
 """Most work orders in one request. All of them are queued in one settle or none is, and meanwhile
 nobody else is answered: it takes 0.2 ms for each."""
 
+INITIALIZATION = 500
+"""Most initialization tasks of a script: they wait side by side, and each is looked at again and
+again."""
+
 FINDINGS = 100
 """Most mistakes that are listed in the answer to a request."""
 

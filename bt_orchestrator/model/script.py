@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
@@ -227,6 +228,20 @@ class Script:
     def _section_of(self) -> Mapping[str, int]:
         return {t.id: n for n, tasks in self.sections.items() for t in tasks.tasks}
 
+    def step_of(self, task: str) -> Step:
+        """Return the step of a section's list that holds a task."""
+        return self._step_of[task]
+
+    @cached_property
+    def _step_of(self) -> Mapping[str, Step]:
+        steps = (step for tasks in self.sections.values() for step in tasks.steps)
+        return {task.id: step for step in steps for task in step.tasks}
+
+    @cached_property
+    def places_of_work(self) -> Mapping[tuple[str, int], int]:
+        """How many tasks each component has in each section; 0 stands for initialization."""
+        return Counter((t.component, self.section_of(t.id)) for t in self.tasks.values())
+
     @cached_property
     def upstream_of(self) -> Mapping[str, tuple[Dependency, ...]]:
         """Dependencies by the id of their upstream task."""
@@ -245,6 +260,12 @@ class Script:
             for task in zone.tasks:
                 found[task] = (*found.get(task, ()), zone.name)
         return found
+
+    def work_out(self) -> None:
+        """Work out all that is asked of it: it is kept, and goes along to another process."""
+        for name, member in vars(Script).items():
+            if isinstance(member, cached_property):
+                getattr(self, name)
 
 
 def _changes(tasks: SectionList, qty_change: int) -> bool:

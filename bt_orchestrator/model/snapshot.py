@@ -12,6 +12,7 @@ can still be read, as events can.
 from __future__ import annotations
 
 import dataclasses
+import json
 import types
 import typing
 from collections.abc import Callable, Iterable, Mapping
@@ -21,7 +22,7 @@ from types import MappingProxyType
 from typing import Any
 
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.codec import from_plain, hints_of, to_plain
+from bt_orchestrator.model.codec import from_plain, hints_of, text_of, to_plain
 from bt_orchestrator.model.initialization import Preparation
 from bt_orchestrator.model.live_jobs import LiveJobs
 from bt_orchestrator.model.packml import VERBS, Cause, Mode
@@ -44,18 +45,48 @@ def state_to_plain(state: CellState) -> dict[str, Any]:
     :raises TypeError: it has a field whose annotation cannot be kept
     """
     writer = Writer()
-    return {'state': writer.fields_of(state), 'objects': writer.objects}
+    fields = writer.fields_of(state)
+    objects = [to_plain(one) if isinstance(one, Script) else one for one in writer.objects]
+    return {'state': fields, 'objects': objects}
 
 
-def state_from_plain(cell: Cell, plain: Mapping[str, Any]) -> CellState:
+def state_to_text(state: CellState) -> str:
+    """Return the same as JSON; scripts, which are large, are not written anew."""
+    writer = Writer()
+    return text_of_state(writer.fields_of(state), [text_of_objects(writer.objects)])
+
+
+def text_of_state(fields: Mapping[str, Any], pieces: Iterable[str]) -> str:
+    """Return a state as JSON.
+
+    :param pieces: its objects, as `text_of_objects` writes them
+    """
+    objects = ', '.join(piece for piece in pieces if piece)
+    return f'{{"objects": [{objects}], "state": {json.dumps(fields)}}}'
+
+
+def text_of_objects(objects: Iterable[Any]) -> str:
+    """Return objects of a `Writer` as JSON, without the brackets of a list."""
+    return ', '.join(
+        text_of(one) if isinstance(one, Script) else json.dumps(one) for one in objects
+    )
+
+
+_NOTHING: Mapping[int, Any] = MappingProxyType({})
+
+
+def state_from_plain(
+    cell: Cell, plain: Mapping[str, Any], known: Mapping[int, Any] = _NOTHING
+) -> CellState:
     """Return the state that a record tells of, in a cell.
 
+    :param known: objects by their places, which need not be made
     :raises KeyError: it names something that the cell does not have
     :raises TypeError: it is damaged, or of a program that knows more
     :raises ValueError: the same
     """
     state = CellState(cell)
-    reader, hints, kept = Reader(plain['objects']), hints_of(CellState), kept_fields()
+    reader, hints, kept = Reader(plain['objects'], known), hints_of(CellState), kept_fields()
     for name, value in _of_today(plain['state']).items():
         if name not in kept:
             raise TypeError(f'the state has no field {name}')
@@ -105,7 +136,7 @@ def _fit(state: CellState) -> None:
 
 
 class Writer:
-    """Makes plain data, and one list of the objects in it."""
+    """Makes plain data, and one list of the objects in it; scripts stand there as they are."""
 
     def __init__(self) -> None:
         self.objects: list[Any] = []
@@ -134,8 +165,7 @@ class Writer:
         if id(value) not in self._places:
             self._places[id(value)] = place = len(self.objects)
             self.objects.append(None)  # its place; what it names may come after it
-            plain = to_plain(value) if kind is Script else self.write_fields(kind, value)
-            self.objects[place] = plain
+            self.objects[place] = value if kind is Script else self.write_fields(kind, value)
         return self._places[id(value)]
 
 
@@ -183,9 +213,6 @@ def _how_mapping(key: Any, member: Any) -> Callable[[Writer, Any], Any]:
     return lambda writer, value: [
         [writer.write(key, k), writer.write(member, one)] for k, one in value.items()
     ]
-
-
-_NOTHING: Mapping[int, Any] = MappingProxyType({})
 
 
 class Reader:

@@ -8,7 +8,13 @@ from collections import deque
 
 from bt_orchestrator.errors import JournalFailed
 from bt_orchestrator.model.live_jobs import LiveJobs
-from bt_orchestrator.model.snapshot import Reader, Writer, state_from_plain
+from bt_orchestrator.model.snapshot import (
+    Reader,
+    Writer,
+    state_from_plain,
+    text_of_objects,
+    text_of_state,
+)
 from bt_orchestrator.model.state import CellState, JobState
 
 SLICE = 250
@@ -59,19 +65,20 @@ class StateText:
 
     @property
     def text(self) -> str:
-        """The whole as JSON, once all is written; ASCII, which every text has."""
-        objects = ', '.join(piece for piece in self._pieces if piece)
-        return f'{{"objects": [{objects}], "state": {json.dumps(self._fields)}}}'
+        """The whole as JSON that can be written as UTF-8, once all is written."""
+        return text_of_state(self._fields, self._pieces)
 
     def _end_piece(self) -> None:
-        piece = json.dumps(self._writer.objects[self._written :])
+        piece = text_of_objects(self._writer.objects[self._written :])
         self._written = len(self._writer.objects)
-        self._pieces.append(piece[1:-1])
+        self._pieces.append(piece)
         if self._read_back is not None:
-            self._read_back.add(json.loads(piece))
+            self._read_back.add(json.loads(f'[{piece}]'))
 
     def _check(self, near: CellState) -> None:
-        again = vars(state_from_plain(near.cell, json.loads(self.text)))
+        # Scripts never change, stand in their events as they do here, and are large.
+        known = {self._writer.place_of(type(one), one): one for one in near.scripts.values()}
+        again = vars(state_from_plain(near.cell, json.loads(self.text), known))
         differ = [
             name
             for name, value in vars(near).items()
@@ -79,6 +86,4 @@ class StateText:
         ]
         if differ:
             raise JournalFailed(f'the state cannot be kept ({", ".join(differ)} would change)')
-        # Scripts are the same now, and large: they are not compared again for every job.
-        known = {self._writer.place_of(type(one), one): one for one in near.scripts.values()}
         self._read_back = Reader(json.loads(f'[{self._pieces[0]}]'), known)

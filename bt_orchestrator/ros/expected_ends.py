@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import json
 import time
 from collections.abc import Mapping
 
@@ -14,7 +13,7 @@ from bt_orchestrator.model.limits import QUEUE_SHOWN
 from bt_orchestrator.model.live_jobs import LiveJobs
 from bt_orchestrator.model.order_ids import OrderIds
 from bt_orchestrator.model.pace import expected_ends_s
-from bt_orchestrator.model.snapshot import state_to_plain
+from bt_orchestrator.model.snapshot import state_to_text
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import Foresight
 from bt_orchestrator.ros.pulse import Pulse
@@ -87,7 +86,7 @@ class ExpectedEnds:
         if about != self._asked_about or renews:
             self._asked_s, self._asked_seq, self._asked_about = steady_s, state.seq, about
             now_s = self._node.get_clock().now().nanoseconds / 1e9
-            text = json.dumps(state_to_plain(nearest(state)))
+            text = state_to_text(nearest(state))
             self._foresight.ask(text, self._durations.seconds(), now_s)
 
 

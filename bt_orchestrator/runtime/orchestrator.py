@@ -19,6 +19,7 @@ from bt_orchestrator.errors import JournalFailed, OrchestratorError
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.cell_commands import Abort
+from bt_orchestrator.model.codec import text_of
 from bt_orchestrator.model.commands import Answer, Command, Shutdown
 from bt_orchestrator.model.packml import Mode
 from bt_orchestrator.model.stop_reason import StopReason
@@ -74,6 +75,9 @@ class Orchestrator:
         :raises JournalMismatch: the journal is of another cell
         """
         self.state = restore(cell, store)
+        for script in self.state.scripts.values():  # takes long, and nobody is served yet
+            script.work_out()
+            text_of(script)
         self._store = store
         self._sinks = list(sinks)
         self._auto_start = auto_start

@@ -11,7 +11,7 @@ import pickle
 from collections.abc import Mapping, Set
 from typing import Any
 
-from bt_orchestrator.model.codec import digest
+from bt_orchestrator.model.codec import digest, text_of
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.script.order_desk import Reading
 
@@ -35,8 +35,12 @@ class _Pickler(pickle.Pickler):
 
     def persistent_id(self, value: Any) -> str | None:
         """Name a script that is there already."""
-        if isinstance(value, Script) and digest(value) in self._held:
+        if not isinstance(value, Script):
+            return None
+        if digest(value) in self._held:
             return digest(value)
+        value.work_out()  # here, and not in the thread that runs the line
+        text_of(value)
         return None
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bt_orchestrator.model.limits import INITIALIZATION
 from bt_orchestrator.model.script import Release
 from bt_orchestrator.script.keys import Key, Kind, Table, whole, words
 from bt_orchestrator.script.names import ID_FORM, NAME_WITHOUT_DOTS
@@ -131,7 +132,7 @@ SCRIPT = Table(
         Key(
             'initialization',
             Kind.LIST,
-            'tasks before the first cycle of a job',
+            f'tasks before the first cycle of a job, {INITIALIZATION} at most',
             '[{id: home_belt, task: HOME, action: /conveyor/index}]',
             of=(INITIALIZATION_TASK,),
             rule='5.2',

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import count
 
+from bt_orchestrator.model.limits import INITIALIZATION
 from bt_orchestrator.model.script import Release
 from bt_orchestrator.script.drafts import Position, ScriptDraft, SectionDraft, TaskDraft
 from bt_orchestrator.script.fields import Fields, fields_of
@@ -59,6 +60,9 @@ class SectionReader:
                 task = self._tasks.initialization(fields, f'init.{next(number)}')
                 self._draft.initialization.append(task)
                 self._note_id(task)
+                if len(self._draft.initialization) == INITIALIZATION + 1:
+                    what = f'initialization has more than {INITIALIZATION} tasks'
+                    self._report.add(node.place, what, 'let a section do the others')
         if not self._draft.fields.is_sure('initialization'):
             self._draft.note_unread_words(self._draft.fields.unread_words('initialization'))
 

@@ -12,7 +12,9 @@ The order of the children is the order of ties: initialization first, then the d
 
 from __future__ import annotations
 
-from py_trees.behaviour import Behaviour
+from collections.abc import Sequence
+from functools import partial
+
 from py_trees.common import Status
 from py_trees.composites import Composite
 
@@ -29,6 +31,7 @@ from bt_orchestrator.tree.guards import (
     ZoneGuard,
 )
 from bt_orchestrator.tree.leaf import ActionLeaf
+from bt_orchestrator.tree.pages import Page, detach, is_long, paged
 from bt_orchestrator.tree.policies import OnFailureDecorator, Retry
 from bt_orchestrator.tree.root import CellRoot
 from bt_orchestrator.tree.section import CompleteCycle, CycleOf, ReleaseConveyor, Section
@@ -47,13 +50,15 @@ class CellTree:
     tick that its cycle is in hand is the one after the cycle's start.
     """
 
-    def __init__(self, recorder: Recorder, space: str) -> None:
+    def __init__(self, recorder: Recorder, space: str, *, whole: bool = False) -> None:
         """Compile a tree for the jobs that the state has now.
 
         :param space: where on the blackboard the cell's projection is
+        :param whole: also a long list has all its behaviours, and no pages
         """
         self._recorder = recorder
         self._space = space
+        self._whole = whole
         state = recorder.state
         self.initialization = AtOnce('initialization', [Standby('standby')])
         self.sections = {
@@ -140,12 +145,12 @@ class CellTree:
             assert isinstance(parent, Composite)
             parent.remove_child(branch)
             for behaviour in branch.iterate():
-                _detach(behaviour)
+                detach(behaviour)
 
     def close(self) -> None:
         """Give up the tree: take its readers off the blackboard."""
         for behaviour in self.root.iterate():
-            _detach(behaviour)
+            detach(behaviour)
 
     def _arrange(self, jobs: list[str]) -> None:
         """Put the branches into an order of the jobs; what is of no job stays last."""
@@ -173,17 +178,31 @@ class CellTree:
     # --- sections ---------------------------------------------------------------------------
 
     def _cycle(self, job: str, tasks: SectionList) -> Ticked:
-        steps = [self._step(job, tasks.section, step) for step in tasks.steps]
         return InOrder(
             job,
             [
                 CycleOf(self._recorder, tasks.section, job),
-                *steps[: tasks.turn_steps],
+                *self._steps(job, tasks.section, tasks.steps[: tasks.turn_steps]),
                 ReleaseConveyor(self._recorder, tasks.section),
-                *steps[tasks.turn_steps :],
+                *self._steps(job, tasks.section, tasks.steps[tasks.turn_steps :]),
                 CompleteCycle(self._recorder, tasks.section),
             ],
         )
+
+    def _steps(self, job: str, section: int, steps: Sequence[Step]) -> list[Ticked]:
+        def compiled(part: Sequence[Step]) -> list[Ticked]:
+            return [self._step(job, section, step) for step in part]
+
+        if not self._in_pages(job):
+            return compiled(steps)
+        return [
+            Page(
+                [task for step in part for task in step.tasks],
+                partial(compiled, part),
+                [self._subject(job, section, task) for task in part[-1].tasks],
+            )
+            for part in paged(steps, lambda step: sum(map(len, step.tracks)))
+        ]
 
     def _step(self, job: str, section: int, step: Step) -> Ticked:
         tracks = [self._track(job, section, track) for track in step.tracks]
@@ -193,10 +212,24 @@ class CellTree:
         return ConveyorGuard(self._recorder, job, section, step, body, self._space)
 
     def _track(self, job: str, section: int, track: tuple[Task, ...]) -> Ticked:
-        tasks = [self._task(Subject(self._recorder, task, job, section)) for task in track]
-        if len(tasks) == 1:
-            return tasks[0]
-        return InOrder('in order', tasks)
+        def compiled(part: Sequence[Task]) -> list[Ticked]:
+            return [self._task(self._subject(job, section, task)) for task in part]
+
+        if len(track) == 1:
+            return compiled(track)[0]
+        if not self._in_pages(job):
+            return InOrder('in order', compiled(track))
+        pages = [
+            Page(part, partial(compiled, part), [self._subject(job, section, part[-1])])
+            for part in paged(track, lambda _: 1)
+        ]
+        return InOrder('in order', pages)
+
+    def _subject(self, job: str, section: int, task: Task) -> Subject:
+        return Subject(self._recorder, task, job, section)
+
+    def _in_pages(self, job: str) -> bool:
+        return not self._whole and is_long(self._recorder.state.script(job))
 
     def _task(self, subject: Subject) -> Ticked:
         assert subject.job is not None
@@ -241,10 +274,3 @@ class Standby(Ticked):
     def update(self) -> Status:
         """Go on."""
         return Status.RUNNING
-
-
-def _detach(behaviour: Behaviour) -> None:
-    """Close a behaviour's blackboard clients, which py_trees keeps for ever otherwise."""
-    for client in behaviour.blackboards:
-        client.unregister()
-    behaviour.blackboards.clear()

@@ -92,7 +92,7 @@ def tree(sheet: Sheet) -> graphviz.Digraph:
     graph = graphviz.Digraph(sheet.script.name, graph_attr=_page(sheet))
     graph.attr('node', fontname=FONT, fontsize='10', color=INK, fontcolor=INK, height='0.3')
     graph.attr('edge', color=FAINT, arrowhead='none')
-    compiled = CellTree(Compiled(sheet), f'drawing of {sheet.script.name}')
+    compiled = CellTree(Compiled(sheet), f'drawing of {sheet.script.name}', whole=True)
     try:
         _add(graph, sheet, compiled.root, 'root')
     finally:

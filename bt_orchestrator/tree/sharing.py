@@ -25,6 +25,7 @@ class _Use(NamedTuple):
     kind: str
     name: str | int
     place: int
+    times: int = 1
 
 
 class Sharing:
@@ -105,14 +106,12 @@ class Sharing:
         own = {self._place[section]}
         zones = (self._uses['zone', zone] for zone in script.zones_of.get(task, ()))
         places = own.union(self.component(script.tasks[task].component), *zones)
-        steps = script.sections[section].steps
-        step = next(s for s in steps if any(one.id == task for one in s.tasks))
-        return places, places if step.is_group else places - own
+        return places, places if script.step_of(task).is_group else places - own
 
     def _count(self, script: Script, number: int) -> None:
         for use in _uses_of(script, self._place):
             places = self._uses[use.kind, use.name]
-            places[use.place] += number
+            places[use.place] += number * use.times
             if not places[use.place]:
                 del places[use.place]
             if not places:
@@ -126,10 +125,12 @@ class Sharing:
 
 
 def _uses_of(script: Script, place: Mapping[Part, int]) -> Iterator[_Use]:
-    for task in script.tasks.values():
-        at = place[script.section_of(task.id) or INITIALIZATION]
-        yield _Use('component', task.component, at)
-        yield from (_Use('zone', zone, at) for zone in script.zones_of.get(task.id, ()))
+    for (component, section), times in script.places_of_work.items():
+        yield _Use('component', component, place[section or INITIALIZATION], times)
+    for zone in script.zones:
+        for task in zone.tasks:
+            at = place[script.section_of(task) or INITIALIZATION]
+            yield _Use('zone', zone.name, at)
     for dependency in script.dependencies:
         for end in (dependency.upstream, dependency.downstream):
             yield _Use('flag', dependency.flag, place[script.section_of(end)])

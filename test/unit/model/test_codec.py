@@ -10,7 +10,7 @@ import pytest
 from fakes.line import THREE, Line, with_section
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.codec import digest, event_types, from_record, to_record
+from bt_orchestrator.model.codec import digest, event_types, from_record, to_record, to_text
 from bt_orchestrator.model.reference import Reference, Template
 
 SCRIPT = Line().script(
@@ -118,6 +118,7 @@ def test_every_event_comes_back_as_it_was(name: str) -> None:
     event = sample(name)
     record = to_record(event)
     assert record['event'] == name
+    assert json.loads(to_text(event)) == json.loads(json.dumps(record))
     assert from_record(json.loads(json.dumps(record))) == event
 
 

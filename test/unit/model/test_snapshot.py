@@ -23,7 +23,12 @@ from bt_orchestrator.model.codec import hints_of
 from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.live_jobs import LiveJobs
 from bt_orchestrator.model.script import Script
-from bt_orchestrator.model.snapshot import kept_fields, state_from_plain, state_to_plain
+from bt_orchestrator.model.snapshot import (
+    kept_fields,
+    state_from_plain,
+    state_to_plain,
+    state_to_text,
+)
 from bt_orchestrator.model.state import (
     CellState,
     Cycle,
@@ -113,6 +118,22 @@ def test_what_stands_in_two_places_is_one_thing() -> None:
     (name,) = job.items
     assert job.items[name] is again.items[name]
     assert job.job.script is again.scripts[job.digest]
+
+
+def test_a_state_is_the_same_as_text_and_its_scripts_are_not_written_anew(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    state = CellState(LINE.cell)
+    state.jobs.add(sample(JobState, 3))
+    script = LINE.script(THREE, name='größer')
+    state.scripts['0123456789ab'] = script
+    assert json.loads(state_to_text(state)) == json.loads(json.dumps(state_to_plain(state)))
+
+    def never(_: object) -> None:
+        raise AssertionError('a script is written anew')
+
+    monkeypatch.setattr('bt_orchestrator.model.codec.json_of', never)
+    assert 'größer' in state_to_text(state)
 
 
 def test_an_annotation_that_cannot_be_kept_is_refused() -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import pickle
+from functools import cached_property
 from pathlib import Path
 
 import pytest
@@ -10,7 +12,8 @@ from fakes.action_types import FakeActionTypes
 from fakes.script_texts import LINE, cell
 
 from bt_orchestrator.errors import Refused
-from bt_orchestrator.model.codec import digest
+from bt_orchestrator.model.codec import digest, to_text
+from bt_orchestrator.model.events import ScriptLoaded
 from bt_orchestrator.model.order import Job
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.script.desk_pickles import pickled, unpickled
@@ -108,6 +111,28 @@ def test_a_script_that_is_there_already_is_not_sent_and_stays_one_object(desk: O
     assert second == first
     assert second.script is first.script
     assert len(short) < len(whole) / 3
+
+
+def test_what_is_asked_of_a_script_is_worked_out_where_it_is_read(
+    desk: OrderDesk, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its name and its text take a second for 10,000 tasks: not in the thread that ticks."""
+    (one,) = unpickled(
+        pickled(desk.answer(Question(order(quantity=1), IDS)), frozenset()), {}
+    ).read
+
+    def never(_: object) -> None:
+        raise AssertionError('a script is written anew')
+
+    monkeypatch.setattr('bt_orchestrator.model.codec.to_plain', never)
+    assert json.loads(to_text(loaded(one.script)))['definition']['name'] == 'test'
+    known = {name for name, member in vars(Script).items() if isinstance(member, cached_property)}
+    assert known
+    assert known <= vars(one.script).keys()
+
+
+def loaded(script: Script) -> ScriptLoaded:
+    return ScriptLoaded(script=script.name, digest=digest(script), definition=script)
 
 
 def test_scripts_that_disagree_about_a_flag_are_told_apart(

@@ -6,6 +6,7 @@ import pytest
 from fakes.mistake_tables import table
 from fakes.script_texts import line, mistakes
 
+from bt_orchestrator.model.limits import INITIALIZATION
 from bt_orchestrator.model.script import Release
 
 
@@ -65,3 +66,19 @@ def test_a_section_may_be_a_mapping() -> None:
 
 def test_sections_are_in_the_order_of_the_belt() -> None:
     assert [*line('  2: [{task: RUN, action: /camera/task}]\n').sections] == [1, 2, 4]
+
+
+def test_initialization_has_an_upper_limit() -> None:
+    """All of it waits at a time, and each of its tasks is looked at in every tick."""
+
+    def whole(number: int) -> str:
+        tasks = ''.join(
+            f'  - {{id: i{n}, task: RUN, action: /camera/task}}\n' for n in range(number)
+        )
+        return f'initialization:\n{tasks}'
+
+    assert mistakes(lambda: line(whole(INITIALIZATION))) == []
+    (found,) = mistakes(lambda: line(whole(INITIALIZATION + 2)))
+    assert found.endswith(
+        f'initialization has more than {INITIALIZATION} tasks; let a section do the others'
+    )

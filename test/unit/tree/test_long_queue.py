@@ -5,11 +5,8 @@ Counted in calls and behaviours, which are the same on every machine.
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable
-from typing import Any
-
 import pytest
+from fakes.calls import calls
 from fakes.line import THREE, Line, with_initialization, with_section
 from fakes.operator import ann
 from py_trees.common import Status
@@ -49,22 +46,6 @@ def add(simulation: Simulation, name: str, script: Script, quantity: int = 1) ->
     """Queue a job."""
     answer = simulation.orchestrator.ask(AddJobs((Job(name, script, quantity),), BY))
     assert answer.accepted, answer
-
-
-def calls(work: Callable[[], object]) -> int:
-    """Return how many calls some work makes, of Python and of C."""
-    counted = 0
-
-    def count(_: Any, event: str, __: Any) -> None:
-        nonlocal counted
-        counted += event in ('call', 'c_call')
-
-    sys.setprofile(count)
-    try:
-        work()
-    finally:
-        sys.setprofile(None)
-    return counted
 
 
 def go_on(simulation: Simulation, settles: int) -> None:
