@@ -15,6 +15,8 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from unique_identifier_msgs.msg import UUID
 
+from bt_orchestrator.ros.qos import SERVICES
+
 PATIENCE_S = 60.0
 """Longest wait for what should come at once; a busy machine is no bug."""
 
@@ -57,7 +59,14 @@ class ActionCaller:
     def client(self, action: str, action_class: Any) -> Any:
         """Return the client of an action; it may not have found its server yet."""
         if action not in self._clients:
-            self._clients[action] = ActionClient(self.node, action_class, action)
+            self._clients[action] = ActionClient(
+                self.node,
+                action_class,
+                action,
+                goal_service_qos_profile=SERVICES,
+                result_service_qos_profile=SERVICES,
+                cancel_service_qos_profile=SERVICES,
+            )
         return self._clients[action]
 
     def request(

@@ -12,7 +12,7 @@ from bt_orchestrator_interfaces.msg import Event, Status
 from bt_orchestrator_interfaces.srv import AnswerHold, Command, RemoveItem, SubmitOrder
 from diagnostic_msgs.msg import KeyValue
 
-from bt_orchestrator.ros.qos import EVENTS, LATCHED
+from bt_orchestrator.ros.qos import EVENTS, LATCHED, create_client
 
 WHO = 'tester'
 
@@ -142,7 +142,7 @@ class NodeWatcher:
     def send(self, kind: Any, service: str, **fields: Any) -> Any:
         """Call a service of a node that may be gone; return the future of its response."""
         request = kind.Request(who=WHO, reason='test', **fields)
-        return self._client(kind, service).call_async(request)
+        return self.client(kind, service).call_async(request)
 
     def remove(self, item: str) -> Any:
         """Take an item off the belt and return the response."""
@@ -164,15 +164,16 @@ class NodeWatcher:
 
     def begin(self, kind: Any, service: str, request: Any) -> Any:
         """Call a service of the node and return the future of its response."""
-        client = self._client(kind, service)
+        client = self.client(kind, service)
         self.ros.spin_until(client.service_is_ready, f'the service {service}')
         self._be_known()
         return client.call_async(request)
 
-    def _client(self, kind: Any, service: str) -> Any:
+    def client(self, kind: Any, service: str) -> Any:
+        """Return the client of a service of the node; neither may have found the other yet."""
         if service not in self._clients:
             name = f'{self.name}/{service}'
-            self._clients[service] = self.ros.node.create_client(kind, name)
+            self._clients[service] = create_client(self.ros.node, kind, name)
         return self._clients[service]
 
     def _listen(self) -> None:

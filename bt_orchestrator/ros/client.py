@@ -16,7 +16,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.ros.identity import LOOK_S, TOPIC, Listener, twins_in_words
-from bt_orchestrator.ros.qos import EVENTS, LATCHED
+from bt_orchestrator.ros.qos import EVENTS, LATCHED, create_client
 
 STEP_S = 0.1
 """Longest time between two looks at whether to stop waiting."""
@@ -84,7 +84,7 @@ class NodeClient:
 
         :raises NodeUnreachable: it is not there, or does not answer
         """
-        client: Any = self._node.create_client(kind, f'{self._name}/{service}')
+        client: Any = create_client(self._node, kind, f'{self._name}/{service}')
         try:
             self.wait_until(client.service_is_ready, f'the service {self._name}/{service}')
             self._be_known()

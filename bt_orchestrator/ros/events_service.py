@@ -12,6 +12,7 @@ from bt_orchestrator.errors import DamagedRecord, OrchestratorError
 from bt_orchestrator.model.limits import EVENTS_BYTES, fitting
 from bt_orchestrator.ports import EventStore
 from bt_orchestrator.ros.event_message import event_message
+from bt_orchestrator.ros.serving import serve
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 
 MOST = 200
@@ -25,20 +26,19 @@ class EventsService:
         self._orchestrator = orchestrator
         self._store = store
         self._log = node.get_logger()
-        node.create_service(GetEvents, '~/get_events', self._answer)
+        serve(node, GetEvents, 'get_events', self._answer)
 
-    def _answer(self, request: Any, response: Any) -> Any:
+    async def _answer(self, request: Any, response: Any) -> None:
         most = min(request.most or MOST, MOST)
         try:
             # What was removed or is damaged cannot be told; a client sees that from first_seq.
             response.first_seq, response.events = self._readable(request.after_seq, most)
         except (OrchestratorError, OverflowError) as error:
             response.message = str(error)
-            return response
+            return
         response.history = self._store.history
         response.last_seq = self._orchestrator.kept_seq
         response.accepted = True
-        return response
 
     def _readable(self, after: int, most: int) -> tuple[int, list[Any]]:
         """Return the first event that can be had, and messages of events without gaps."""

@@ -9,8 +9,10 @@ from typing import Any
 
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.node import Node
-from rclpy.qos import QoSProfile, qos_profile_services_default
+from rclpy.qos import QoSProfile
 from rclpy.type_support import check_for_type_support
+
+from bt_orchestrator.ros.qos import SERVICES
 
 
 def subscription(node: Node, message_class: Any, topic: str, qos: QoSProfile) -> Any:
@@ -24,6 +26,6 @@ def subscription(node: Node, message_class: Any, topic: str, qos: QoSProfile) ->
 def service_client(node: Node, service_class: Any, name: str) -> Any:
     """Return a service client's handle: used within `with`, and destroyed when not in use."""
     check_for_type_support(service_class)
-    profile: Any = qos_profile_services_default.get_c_qos_profile()
+    profile: Any = SERVICES.get_c_qos_profile()
     with node.handle:
         return _rclpy.Client(node.handle, service_class, name, profile)

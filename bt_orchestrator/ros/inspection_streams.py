@@ -13,7 +13,7 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from std_msgs.msg import String
 
-from bt_orchestrator.ros.qos import LATCHED
+from bt_orchestrator.ros.qos import LATCHED, create_client
 
 ASK_AGAIN_S = 3.0
 """A service that a client sees may not see the client yet, and then its answer is lost."""
@@ -43,7 +43,7 @@ class InspectionStream:
         self._node = node
         self._kind = kind
         self._hear = hear
-        self._client: Any = node.create_client(kind.service_class, f'{server}/{kind.service}')
+        self._client: Any = create_client(node, kind.service_class, f'{server}/{kind.service}')
         self._answer: Any = None
         self._asked_at = 0.0
         self._topic = ''

@@ -16,6 +16,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
 from bt_orchestrator.replies import Reply
+from bt_orchestrator.ros.qos import SERVICES
 from bt_orchestrator.ros.spare_log import SpareLog
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ def create_patient_service(
 
     :param callback: returns the response, or a `Reply` that is to be it
     """
-    service: Any = node.create_service(kind, name, callback)
+    service: Any = node.create_service(kind, name, callback, qos_profile=SERVICES)
     log = SpareLog(node.get_logger())
     later = partial(_once, node)
     answers = PatientAnswers(service.service_name, service.send_response, later, log)

@@ -19,6 +19,21 @@ EVENTS = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE)
 """Every record, in order; 1000 is more than a settle of a large cell makes."""
 
 
+SERVICES = QoSProfile(depth=100, reliability=ReliabilityPolicy.RELIABLE)
+"""Requests and answers, of which ROS 2 keeps 10 by default.
+
+A service has one such queue for the requests of all its clients. Each answer goes to every client,
+which picks out its own; what does not fit replaces the oldest, and nobody is told. So 10 are too
+few as soon as a process is busy for a tenth of a second while clients ask. 100 answers of the
+longest kind (`limits.EVENTS_BYTES`) are 100 MB, kept while a client that hangs does not take them.
+"""
+
+
+def create_client(node: Node, kind: Any, name: str) -> Any:
+    """Create a client of a service that others ask too."""
+    return node.create_client(kind, name, qos_profile=SERVICES)
+
+
 def publisher(node: Node, kind: Any, name: str, qos: QoSProfile | int) -> Any:
     """Create a publisher without rclpy's handlers of its events.
 

@@ -33,6 +33,7 @@ from bt_orchestrator.ros.job_message import job_messages
 from bt_orchestrator.ros.order_process import NotRead
 from bt_orchestrator.ros.order_reader import OrderReader
 from bt_orchestrator.ros.order_requests import Told, asked_orders, refused_orders, written_order
+from bt_orchestrator.ros.qos import SERVICES
 from bt_orchestrator.ros.serving import by
 from bt_orchestrator.ros.spare_log import SpareLog
 from bt_orchestrator.ros.stamps import to_time
@@ -86,6 +87,10 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
             handle_accepted_callback=self._begin,
             cancel_callback=self._cancel,  # type: ignore[arg-type] # rclpy awaits it
             result_timeout=RESULT_TIMEOUT_S,
+            goal_service_qos_profile=SERVICES,
+            cancel_service_qos_profile=SERVICES,
+            result_service_qos_profile=SERVICES,
+            feedback_pub_qos_profile=SERVICES,
         )
 
     def notify_execute(self, goal_handle: Any, execute_callback: Any) -> None:

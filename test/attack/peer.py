@@ -21,6 +21,8 @@ from typing import Any
 from action_caller import ActionCaller
 from bt_orchestrator_interfaces.srv import GetEvents
 
+from bt_orchestrator.ros.qos import create_client
+
 PATIENCE_S = 30.0
 """Who is not answered for that long was not answered."""
 
@@ -103,7 +105,7 @@ class Peer:
     def client(self, kind: Any, service: str) -> Any:
         """Return the client of a service of the node, which is there."""
         if service not in self._clients:
-            client: Any = self.ros.node.create_client(kind, f'{self.target.node}/{service}')
+            client: Any = create_client(self.ros.node, kind, f'{self.target.node}/{service}')
             self.ros.spin_until(client.service_is_ready, f'the service {service}')
             self._clients[service] = client
         return self._clients[service]

@@ -17,15 +17,22 @@ LONG = 400_000
 
 
 class ServiceHost:
-    """What of a node the service needs."""
+    """What of a node the service needs, and the service."""
 
     answer: Callable[[Any, Any], Any]
+    service_name = 'get_events'
+
+    def send_response(self, response: Any, header: Any) -> None:
+        """Do nothing: here the answer is taken from the callback."""
 
     def get_logger(self) -> None:
         """Return nothing, which nobody asks here."""
 
-    def create_service(self, kind: Any, name: str, answer: Callable[[Any, Any], Any]) -> None:
+    def create_service(
+        self, kind: Any, name: str, answer: Callable[[Any, Any], Any], **options: Any
+    ) -> ServiceHost:
         self.answer = answer
+        return self
 
 
 def asked(lengths: list[int], **request: int) -> list[int]:
@@ -34,7 +41,7 @@ def asked(lengths: list[int], **request: int) -> list[int]:
     store.append([JobStarted(seq=n, job='j' * size) for n, size in enumerate(lengths, 1)])
     orchestrator = SimpleNamespace(kept_seq=len(lengths))
     EventsService(host, orchestrator, store)  # type: ignore[arg-type]
-    response = host.answer(GetEvents.Request(**request), GetEvents.Response())
+    response = host.answer(GetEvents.Request(**request), GetEvents.Response()).value
     assert response.accepted
     return [event.seq for event in response.events]
 

@@ -1,9 +1,9 @@
-"""An answer that the middleware drops at first reaches a real client later."""
+"""Every request is answered, and every answer comes, whatever the middleware drops by default."""
 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
@@ -12,8 +12,12 @@ from action_caller import ActionCaller
 from rcl_interfaces.srv import GetParameters
 
 from bt_orchestrator.ros.patient_service import create_patient_service
+from bt_orchestrator.ros.qos import create_client
 
 pytestmark = pytest.mark.every_distro
+
+MANY = 60
+"""Requests that wait at a time; by default ROS 2 keeps 10 and drops the others without a word."""
 
 
 @pytest.fixture
@@ -21,6 +25,30 @@ def ros() -> Iterator[ActionCaller]:
     ros = ActionCaller()
     yield ros
     ros.close()
+
+
+@pytest.fixture
+def elsewhere() -> Iterator[ActionCaller]:
+    elsewhere = ActionCaller()
+    yield elsewhere
+    elsewhere.close()
+
+
+def serve_and_find(
+    serving: ActionCaller,
+    *asking: ActionCaller,
+    answer: Callable[[Any, Any], Any] = lambda request, response: response,
+) -> list[Any]:
+    """Offer `/ask`, and return a client for each of those that ask."""
+    create_patient_service(serving.node, GetParameters, '/ask', answer)
+    clients: list[Any] = [create_client(one.node, GetParameters, '/ask') for one in asking]
+    for client in clients:
+        serving.spin_until(client.service_is_ready, 'the service')
+    return clients
+
+
+def all_answered(futures: list[Any]) -> bool:
+    return all(future.done() for future in futures)
 
 
 def test_a_dropped_answer_is_heard_later(
@@ -45,3 +73,27 @@ def test_a_dropped_answer_is_heard_later(
     ros.spin_until(future.done, 'the answer')
     assert future.result() == GetParameters.Response()
     assert len(sent) == 2
+
+
+def test_requests_that_came_at_once_are_all_answered(ros: ActionCaller) -> None:
+    (client,) = serve_and_find(ros, ros)
+    futures = [client.call_async(GetParameters.Request()) for _ in range(MANY)]
+    ros.spin_until(lambda: all_answered(futures), 'all answers')
+
+
+def test_answers_to_others_displace_no_answer_that_was_not_taken_yet(
+    ros: ActionCaller, elsewhere: ActionCaller
+) -> None:
+    asked: list[Any] = []
+
+    def answer(request: Any, response: Any) -> Any:
+        asked.append(request)
+        return response
+
+    talkative, busy = serve_and_find(ros, ros, elsewhere, answer=answer)
+    waits = busy.call_async(GetParameters.Request())
+    ros.spin_until(lambda: asked, 'the first request')
+    for _ in range(MANY):
+        ros.wait(talkative.call_async(GetParameters.Request()), 'an answer')
+    assert not waits.done(), 'it was busy all the time'
+    elsewhere.wait(waits, 'the answer that came before those to the other one')

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import os
+import signal
 from pathlib import Path
 
-from bt_orchestrator_interfaces.srv import AnswerHold, RemoveItem, SubmitOrder
+from bt_orchestrator_interfaces.action import RunJob
+from bt_orchestrator_interfaces.msg import WorkOrder
+from bt_orchestrator_interfaces.srv import AnswerHold, GetEvents, RemoveItem, SubmitOrder
 from cell_processes import CellProcesses, StartCell, small_script
 from diagnostic_msgs.msg import KeyValue
 from node_watcher import NodeWatcher
@@ -201,3 +204,22 @@ def test_a_file_that_is_no_script_is_not_quoted_where_every_path_is_allowed(
     for path in ('/proc/kmsg', '/dev/zero', '/etc', '/'):
         assert len(refusal(cell.watch, path)) == 1
     assert_alive(cell)
+
+
+def test_what_comes_while_the_node_is_busy_is_all_answered(small_cell: CellProcesses) -> None:
+    watch, many = small_cell.watch, 40
+    path = str(small_cell.script(small_script()))
+    goal = RunJob.Goal(order=WorkOrder(order='A', script=path, quantity=1))
+    asked = [watch.begin(GetEvents, 'get_events', GetEvents.Request())]
+    handles = [watch.ros.request(f'{watch.name}/run_job', RunJob, goal)]
+    client, actions = watch.client(GetEvents, 'get_events'), watch.ros.client
+    os.kill(small_cell.node.pid, signal.SIGSTOP)
+    asked += [client.call_async(GetEvents.Request()) for _ in range(many)]
+    handles += [
+        actions(f'{watch.name}/run_job', RunJob).send_goal_async(goal) for _ in range(many)
+    ]
+    os.kill(small_cell.node.pid, signal.SIGCONT)
+    watch.ros.spin_until(lambda: all(one.done() for one in asked), 'all events')
+    watch.ros.spin_until(lambda: all(one.done() for one in handles), 'all goals to be answered')
+    watch.until_ended('A')
+    small_cell.stop()

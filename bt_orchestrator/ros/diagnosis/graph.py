@@ -14,6 +14,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from bt_orchestrator.ros.identity import twins_in_words
+from bt_orchestrator.ros.qos import create_client
 
 STEP_S = 0.1
 
@@ -93,7 +94,7 @@ class Graph:
 
     def call(self, kind: Any, service: str, request: Any, timeout_s: float) -> Any:
         """Call a service; None if it does not answer in time."""
-        client: Any = self._node.create_client(kind, service)
+        client: Any = create_client(self._node, kind, service)
         if not self.wait(client.service_is_ready, timeout_s):
             return None
         future = client.call_async(request)
