@@ -20,6 +20,7 @@ from rcl_interfaces.srv import ListParameters, SetParameters, SetParametersAtomi
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 
+from bt_orchestrator.model.limits import STREAMS
 from bt_orchestrator.ros.qos import EVENTS, LATCHED
 
 _TYPES = {
@@ -82,9 +83,9 @@ class Streams(Attack):
     """Inspection streams by the hundred, with names and periods that hurt, never closed."""
 
     name = 'streams'
-    in_short = False
 
-    _MOST_OPEN = 20
+    _MOST_OPEN = 2 * STREAMS
+    """Of the tree, and of the blackboard."""
     _PERIODS = (math.nan, math.inf, -1.0, 0.0, 5e-324, 1e-9, 0.001, 1.0, sys.float_info.max)
 
     def run(self, peer: Peer) -> None:

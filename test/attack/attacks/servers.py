@@ -45,7 +45,6 @@ class SecondServer(Attack):
     """A second server under an action name of the line, which would do its goals once more."""
 
     name = 'second_server'
-    in_short = False
 
     _COMPONENT = 'worker'
     _NOTICED_S = 20.0
@@ -56,7 +55,8 @@ class SecondServer(Attack):
         with _paused(peer):
             second = self._start(peer, log)
             says = _Statuses(peer)
-            peer.wait(self._NOTICED_S, lambda: self._is_noticed(says))
+            if not peer.wait(self._NOTICED_S, lambda: self._is_noticed(says)):
+                peer.complain(f'the status does not name the second server of {self._COMPONENT}')
         try:
             peer.wait(peer.seconds)
         finally:
@@ -72,9 +72,9 @@ class SecondServer(Attack):
         return second
 
     def _is_noticed(self, says: _Statuses) -> bool:
-        """Tell whether the node has stopped trusting the component."""
+        """Tell whether the node says that the component has two servers."""
         components = says.last.components if says.last else []
-        return any(c.name == self._COMPONENT and not c.available for c in components)
+        return any(c.name == self._COMPONENT and c.contested for c in components)
 
 
 class ForeignGoals(Attack):
