@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,12 +13,16 @@ from rcl_interfaces.msg import (
     ParameterDescriptor,
     SetParametersResult,
 )
+from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+from bt_orchestrator.model.limits import NAME, cut
 from bt_orchestrator.node_parameters import NodeParameters, Words, described
 
 CLOCK = 'use_sim_time'
+
+_TYPES = frozenset(kind.value for kind in Parameter.Type)
 
 
 def declare(node: Node, defaults: NodeParameters) -> NodeParameters:
@@ -32,7 +37,46 @@ def declare(node: Node, defaults: NodeParameters) -> NodeParameters:
         value = node.declare_parameter(name, _to_ros(default), descriptor).value
         values[name] = _from_ros(name, value)
     node.add_on_set_parameters_callback(_refuse_another_clock)
+    _refuse_unknown_types(node)
     return NodeParameters(**values)
+
+
+def _refuse_unknown_types(node: Node) -> None:
+    """Have a value of a type that ROS does not know refused; rclpy raises, and answers nobody."""
+    answers = {SetParameters: _set_each, SetParametersAtomically: _set_together}
+    for service in node.services:
+        answer = answers.get(service.srv_type)
+        if answer is not None:
+            service.callback = partial(answer, service.callback)
+
+
+def _set_each(inner: Callable[[Any, Any], Any], request: Any, response: Any) -> Any:
+    for parameter in request.parameters:
+        if _has_known_type(parameter):
+            inner(SetParameters.Request(parameters=[parameter]), response)
+        else:
+            response.results.append(_unknown_type(parameter))
+    return response
+
+
+def _set_together(inner: Callable[[Any, Any], Any], request: Any, response: Any) -> Any:
+    for parameter in request.parameters:
+        if not _has_known_type(parameter):
+            response.result = _unknown_type(parameter)
+            return response
+    return inner(request, response)
+
+
+def _has_known_type(parameter: Any) -> bool:
+    return parameter.value.type in _TYPES
+
+
+def _unknown_type(parameter: Any) -> SetParametersResult:
+    reason = (
+        f'{cut(parameter.name, NAME)} has a value of type {parameter.value.type}; expected one of '
+        f'rcl_interfaces/msg/ParameterType, {min(_TYPES)} to {max(_TYPES)}'
+    )
+    return SetParametersResult(successful=False, reason=reason)
 
 
 def _refuse_another_clock(parameters: Sequence[Parameter[Any]]) -> SetParametersResult:

@@ -12,6 +12,9 @@ import pytest
 import rclpy
 from bt_orchestrator_interfaces.srv import RemoveItem
 from cell_processes import SMALL_CELL
+from rcl_interfaces.msg import Parameter as ParameterMessage
+from rcl_interfaces.msg import ParameterValue
+from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from rclpy.clock_type import ClockType
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -96,9 +99,14 @@ def tree_node(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[TreeNo
 
 def ask(tree_node: TreeNode) -> Any:
     """Let the node ask itself for the removal of an item, and return the response."""
-    client: Any = tree_node.node.create_client(RemoveItem, '~/remove_item')
+    return answer(tree_node, RemoveItem, 'remove_item', RemoveItem.Request(item='WO-1/1'))
+
+
+def answer(tree_node: TreeNode, kind: Any, service: str, request: Any) -> Any:
+    """Let the node ask itself, and return the response."""
+    client: Any = tree_node.node.create_client(kind, f'~/{service}')
     tree_node.serve(StopWhen(client.service_is_ready))
-    future = client.call_async(RemoveItem.Request(item='WO-1/1'))
+    future = client.call_async(request)
     tree_node.serve(StopWhen(future.done))
     return future.result()
 
@@ -124,6 +132,28 @@ def test_2_4_nobody_changes_the_clock_or_any_parameter_while_it_runs(tree_node: 
     assert {n for n in changeable if not n.startswith('default_snapshot_')} == set(), (
         'watchers only'
     )
+
+
+def test_a_parameter_of_a_type_that_nobody_knows_is_refused(tree_node: TreeNode) -> None:
+    strange = ParameterMessage(name='cell', value=ParameterValue(type=255))
+    known = Parameter('executor', value='single').to_parameter_msg()
+    both = [strange, known]
+
+    each = answer(
+        tree_node, SetParameters, 'set_parameters', SetParameters.Request(parameters=both)
+    )
+    assert [one.successful for one in each.results] == [False, False]
+    why = each.results[0].reason
+    assert why == (
+        'cell has a value of type 255; expected one of rcl_interfaces/msg/ParameterType, 0 to 9'
+    )
+    assert 'read-only' in each.results[1].reason
+
+    kind = SetParametersAtomically
+    together = answer(
+        tree_node, kind, 'set_parameters_atomically', kind.Request(parameters=both[::-1])
+    )
+    assert together.result.reason == why
 
 
 def test_a_callback_that_raises_does_not_stop_the_node(tree_node: TreeNode) -> None:
