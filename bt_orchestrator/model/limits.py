@@ -90,6 +90,9 @@ STATES_OF_ONE = Share(128e3, 2e3)
 LOG_LINES = Share(50, 0.1)
 """Lines that one part of the node logs about what others send."""
 
+UNHEARD_S = Share(2.0, 0.1)
+"""Seconds in which one service keeps the tick thread for answers that its clients do not hear."""
+
 REFUSED_GOALS = Share(1_000, 1.0)
 """Goals of `run_job` that are refused with words; each result is kept for a while."""
 

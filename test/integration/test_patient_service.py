@@ -10,9 +10,12 @@ import pytest
 import rclpy
 from action_caller import ActionCaller
 from rcl_interfaces.srv import GetParameters
+from rclpy.qos import DurabilityPolicy, QoSProfile
 
+from bt_orchestrator.ros import patient_service
 from bt_orchestrator.ros.patient_service import create_patient_service
 from bt_orchestrator.ros.qos import create_client
+from bt_orchestrator.ros.spare_log import SpareLog
 
 pytestmark = pytest.mark.every_distro
 
@@ -97,3 +100,25 @@ def test_answers_to_others_displace_no_answer_that_was_not_taken_yet(
         ros.wait(talkative.call_async(GetParameters.Request()), 'an answer')
     assert not waits.done(), 'it was busy all the time'
     elsewhere.wait(waits, 'the answer that came before those to the other one')
+
+
+def test_an_answer_that_a_client_cannot_hear_is_told_in_the_log(
+    ros: ActionCaller, elsewhere: ActionCaller, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said: list[str] = []
+    monkeypatch.setattr(patient_service, 'AGAIN_AFTER_S', (0.1,))
+    monkeypatch.setattr(SpareLog, 'warning', lambda log, line: said.append(line))
+    (client,) = serve_and_find(ros, ros)
+    ros.wait(client.call_async(GetParameters.Request()), 'an answer')
+    latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    deaf: Any = elsewhere.node.create_client(GetParameters, '/ask', qos_profile=latched)
+    asked: list[Any] = []
+
+    def is_told() -> bool:  # it is never ready, so that it asks until the service hears it
+        asked.append(deaf.call_async(GetParameters.Request()))
+        return bool(said)
+
+    ros.spin_until(is_told, 'a line in the log')
+    assert 'wants another QoS' in said[0]
+    assert not elsewhere.spin_for(0.1, lambda: any(one.done() for one in asked))
+    ros.wait(client.call_async(GetParameters.Request()), 'an answer to who hears')
