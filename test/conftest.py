@@ -1,5 +1,6 @@
 """Settings of every test."""
 
+import interrupts
 from fakes.profiles import PROFILE
 from hypothesis import settings
 
@@ -12,3 +13,5 @@ settings.register_profile('gate', derandomize=True, deadline=None)
 settings.register_profile('nightly', deadline=None, print_blob=True)
 settings.register_profile('shard', deadline=None, print_blob=True)
 settings.load_profile(PROFILE)
+
+interrupts.heed()

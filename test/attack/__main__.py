@@ -11,6 +11,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+import interrupts
 from attack.attacks import ATTACKS
 from attack.outcome import HEAD, Outcome
 from attack.siege import SILENT_S, Siege
@@ -23,6 +24,7 @@ MOST_MS = 200.0
 def main() -> int:
     """Attack; 0 when the line has lost nothing and done nothing twice, and stood still nowhere."""
     args = _arguments()
+    interrupts.heed()
     discover_fast()
     names = args.only or [n for n, a in ATTACKS.items() if a.in_short or not args.short]
     seconds = args.seconds or (SHORT_S if args.short else SECONDS)

@@ -11,6 +11,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+import interrupts
 from chaos import plan
 from chaos.campaign import Campaign
 from chaos.tally import Tally, lines
@@ -23,6 +24,7 @@ KILLS_A_JOB = 20
 def main() -> int:
     """Run the campaign; 0 when nothing was lost, done twice or stuck, and no reader misled."""
     args = _arguments()
+    interrupts.heed()
     total = Tally()
     with OwnDomain(), tempfile.TemporaryDirectory(prefix='chaos_') as scratch:
         folder = (args.keep or Path(scratch)).resolve()
