@@ -17,6 +17,9 @@ log = logging.getLogger(__name__)
 AT_ONCE_S = 0.02
 """So long a settle waits for its commit: nearly every one ends within it."""
 
+SLICE_S = 0.02
+"""So long commands are let go on one after the other; then others are served first."""
+
 PATIENCE_S = 15.0
 """A commit that takes longer than this has failed, unless somebody says otherwise."""
 
@@ -57,6 +60,11 @@ class Commits:
         return self._writing is not None
 
     @property
+    def is_owed(self) -> bool:
+        """Tell whether commands still wait for their turn, though nothing is under way."""
+        return bool(self._turns) and not self.is_pending and not self._is_handing_out
+
+    @property
     def waited_s(self) -> float:
         """For how long it has been under way; 0: none is."""
         return self._clock.steady() - self._began if self.is_pending else 0.0
@@ -73,7 +81,7 @@ class Commits:
 
     async def turn(self) -> None:
         """Return when a command may be carried out: each in its turn, when none is under way."""
-        if self.is_pending:
+        if self.is_pending or self.is_owed:
             self._turns.append(turn := Reply[None]())
             await turn
 
@@ -132,12 +140,19 @@ class Commits:
     def hand_out(self) -> None:
         """Let those go on who wait: for the one that has ended, then for their turn.
 
-        Nobody's commit is waited for here, so that others are served between them.
+        Nobody's commit is waited for here, so that others are served between them. Thousands may
+        have come while the disk was slow, and an answer to a client that has gone takes 0.1 s:
+        what is left after a moment goes on in the next settle.
         """
         self._is_handing_out = True
+        until = self._clock.steady() + SLICE_S
         try:
-            _give(self._ended)
+            if not self._ended.is_there:
+                _give(self._ended)
             while self._turns and not self.is_pending:
+                if self._clock.steady() >= until:
+                    self._wake()
+                    return
                 _give(self._turns.popleft())
         finally:
             self._is_handing_out = False

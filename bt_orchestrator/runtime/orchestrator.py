@@ -110,7 +110,8 @@ class Orchestrator:
         While a commit is pending a command waits for its turn. One that cancels every goal does so
         at once, and again in its turn: then it is on record why.
         """
-        if self.awaits_disk and isinstance(command, (Abort, Shutdown)):
+        must_wait = self.awaits_disk or self._commits.is_owed
+        if must_wait and isinstance(command, (Abort, Shutdown)):
             self.flights.cancel_all()
         await self._commits.turn()
         if self.breakdown is None:
@@ -159,11 +160,13 @@ class Orchestrator:
         :return: whether anything happened
         """
         if self.breakdown is not None:
+            if self._commits.is_owed:
+                self._commits.hand_out()
             self.breakdown.look()
             return False
         assert not self._settling, 'settle was called from within a settle'
         went_on = self.awaits_disk
-        if went_on and not self._go_on():
+        if (went_on or self._commits.is_owed) and not self._go_on():
             return False
         self._settling = True
         try:
@@ -246,7 +249,7 @@ class Orchestrator:
         """Conclude the pending commit if it has ended; tell whether the settle may go on."""
         self._settling = True
         try:
-            has_ended = self._conclude()
+            has_ended = not self.awaits_disk or self._conclude()
         finally:
             self._settling = False
         if has_ended:

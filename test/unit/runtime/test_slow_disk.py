@@ -156,6 +156,51 @@ def test_commands_wait_for_their_turn_and_keep_their_order() -> None:
     assert list(plant.orchestrator.state.jobs) == ['J']
 
 
+def test_others_are_served_between_thousands_of_commands_that_have_waited(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """An answer to a client that has gone takes 0.1 s: nobody was heard while all were given."""
+    plant, passed = slow(Plant()), [0.0]
+    monkeypatch.setattr(plant.clock, 'steady', lambda: passed[0])
+    plant.order('J')
+
+    def answered(_: Answer) -> None:
+        passed[0] += 0.1
+
+    waiting = [plant.order('J') for _ in range(5)]
+    for one in waiting:
+        one.then(answered)
+    plant.writer.is_slow = False
+    plant.writer.release()
+    given = []
+    for _ in range(4):
+        plant.orchestrator.settle()
+        given.append(sum(one.is_there for one in waiting))
+    assert given == [1, 2, 3, 4]
+    last = plant.put(Pause(ann()))
+    both = [one.is_there for one in (waiting[-1], last)]
+    assert both == [False, False], 'it overtakes one that came before'
+    plant.orchestrator.settle()
+    plant.orchestrator.settle()
+    assert all(one.is_there for one in (*waiting, last))
+
+
+def test_9_1_commands_that_have_waited_are_told_that_the_journal_broke_meanwhile(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    plant, passed = slow(Plant()), [0.0]
+    monkeypatch.setattr(plant.clock, 'steady', lambda: passed[0])
+    plant.order('J')
+    waiting = [plant.order('J') for _ in range(3)]
+    for one in waiting:
+        one.then(lambda _: passed.__setitem__(0, passed[0] + 0.1))
+    plant.disk.failure = JournalFailed('broken')
+    plant.writer.release()
+    for _ in waiting:
+        plant.orchestrator.settle()
+    assert all('broken' in one.value.message for one in waiting)
+
+
 def test_news_and_time_limits_of_meanwhile_are_handled_afterwards() -> None:
     plant = Plant(options=', timeout: 3', fault='=hang')
     goal = plant.until_working()
