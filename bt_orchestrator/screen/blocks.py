@@ -140,7 +140,9 @@ def holds(rows: Sequence[HoldRow], width: int, glyphs: Glyphs) -> Block:
         said = [f'{glyphs.held} {row.text}', *(f'  {advice}' for advice in row.advice)]
         for weight, text in enumerate(said):
             style = BAD if weight == 0 else ''
-            wrapped = wrap(text, max(width, 20), subsequent_indent='      ')
+            wrapped = wrap(
+                text, max(width, 20), subsequent_indent='      ', break_on_hyphens=False
+            )
             lines += [_cut(Text(part, style=style), width) for part in wrapped]
             weights += [weight] * len(wrapped)
     return of_lines('holds', lines, weights, 'lines about holds', least=min(len(lines), 6))
@@ -151,7 +153,7 @@ def next_lines(texts: Sequence[str], width: int) -> Block:
     wrapped = [
         _cut(Text(part), width)
         for text in texts
-        for part in wrap(text, max(width, 20), subsequent_indent='      ')
+        for part in wrap(text, max(width, 20), subsequent_indent='      ', break_on_hyphens=False)
     ]
     return of_lines('next', wrapped, [0] * len(wrapped), 'lines', least=len(wrapped))
 

@@ -56,7 +56,11 @@ class Picture:
         for notice in self._notices():
             wrapped = wrap(notice, max(width, 20), max_lines=3)
             head += [Text(part, style='reverse bold') for part in wrapped]
-        feet = [Text(part) for note in self.notes for part in wrap(note, max(width, 20))]
+        feet = [
+            Text(part)
+            for note in self.notes
+            for part in wrap(note, max(width, 20), break_on_hyphens=False)
+        ]
         parts = self._blocks(width, glyphs)
         lines = [*head, *_stacked(parts, width, room - len(head) - len(feet), glyphs)]
         lines = [*lines[: room - len(feet)], *feet][:room]

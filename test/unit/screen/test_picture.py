@@ -112,6 +112,13 @@ def test_a_command_is_wrapped_and_never_cut() -> None:
     assert 'bt-orchestrator answer 1 retry --reason "WHY"' in text
 
 
+@pytest.mark.parametrize('width', range(32, 81))
+def test_a_command_is_not_broken_at_its_hyphens(width: int) -> None:
+    note = 'then .venv/jazzy/bin/bt-orchestrator demo --resume'
+    found = picture(statuses.status(holds=[statuses.hold()]), notes=[note]).lines(width, 24)
+    assert not [line.plain for line in found if re.search(r'\w-$', line.plain)]
+
+
 def test_missing_components_are_named() -> None:
     gone = [statuses.component('worker', available=False)]
     found = drawn(picture(statuses.status(components=gone)))
