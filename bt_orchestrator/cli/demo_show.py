@@ -11,7 +11,7 @@ from bt_orchestrator.cli.programs import ProgramFailed
 from bt_orchestrator.cli.submit import submit
 from bt_orchestrator.cli.watch import follow_events
 from bt_orchestrator.model.events import Event, JobAborted, JobCompleted
-from bt_orchestrator.model.isa95 import JobWord
+from bt_orchestrator.model.isa95 import OVER
 from bt_orchestrator.model.order import WorkOrder
 from bt_orchestrator.screen.plain import EventLines
 from bt_orchestrator.stop_signals import StopSignals
@@ -19,8 +19,6 @@ from bt_orchestrator.stop_signals import StopSignals
 if TYPE_CHECKING:  # they need rich and rclpy, which take their time
     from bt_orchestrator.ros.client import NodeClient
     from bt_orchestrator.screen.live import LiveView
-
-_OVER = (JobWord.ENDED.value, JobWord.ABORTED.value)
 
 
 class Interrupted(Exception):
@@ -100,7 +98,7 @@ class DemoShow:
     def _is_over(self, *, asks: bool) -> bool:
         """Tell whether the job has ended, or nothing goes on and nobody is asked."""
         job = self._of_job()
-        ended = job is not None and job.state in _OVER
+        ended = job is not None and job.state in OVER
         return ended or self._job in self._ended or (not asks and self._status.state == 'Held')
 
     def _of_job(self) -> Any:

@@ -9,14 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from bt_orchestrator.errors import OrchestratorError
-from bt_orchestrator.model.isa95 import JobWord
+from bt_orchestrator.model.isa95 import OVER
 from bt_orchestrator.stop_signals import StopSignals
 
 Status = Mapping[str, Any]
 """The status of a node as plain values."""
-
-ENDED = (JobWord.ENDED.value, JobWord.ABORTED.value)
-"""States of a job that does not go on."""
 
 
 class CannotRead(OrchestratorError):
@@ -91,6 +88,6 @@ class Course:
     def look(self, status: Status) -> None:
         """Take note of a status."""
         states = [job['state'] for job in status['jobs'] if job['script'] == self._script]
-        is_live = any(state not in ENDED for state in states)
+        is_live = any(state not in OVER for state in states)
         self.is_over = self._was_live and not is_live
         self._was_live |= is_live

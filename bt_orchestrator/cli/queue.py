@@ -13,6 +13,7 @@ from bt_orchestrator.cli.node_options import add_node_options, add_who_options, 
 from bt_orchestrator.cli.numbers import whole_32
 from bt_orchestrator.cli.order_request import add_request, key_values, script_name, show_orders
 from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.model.isa95 import OVER
 
 CONTROLS = (
     'hold',
@@ -152,7 +153,7 @@ def _duration(seconds: float) -> str:
 
 
 def _has_ended(job: Any) -> bool:
-    return job.state in ('Ended', 'Aborted')
+    return job.state in OVER
 
 
 # --- commands -------------------------------------------------------------------------------

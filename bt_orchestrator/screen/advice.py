@@ -6,7 +6,7 @@ import shlex
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
-from bt_orchestrator.model.isa95 import JobWord
+from bt_orchestrator.model.isa95 import OVER
 from bt_orchestrator.model.packml import Mode
 
 PROGRAM = 'bt-orchestrator'
@@ -17,8 +17,6 @@ OTHER_VERBS = {'remove_item': 'remove-item {item}', 'resume': 'resume --hold {ho
 """Answers that are given by a verb of their own; all others by `answer`."""
 
 WHY = '--reason "WHY"'
-
-_ENDED = (JobWord.ENDED.value, JobWord.ABORTED.value)
 
 
 _WAITING_FOR_ORDERS = (Mode.STOPPED.value, Mode.IDLE.value, Mode.COMPLETE.value)
@@ -83,7 +81,7 @@ def next_choices(status: Any) -> tuple[Choice, ...]:
 
 
 def _next_choices(status: Any) -> Iterator[Choice]:
-    waits = any(job.state not in _ENDED for job in status.jobs)
+    waits = any(job.state not in OVER for job in status.jobs)
     if status.state == Mode.ABORTED.value:
         shown = f'clear --as-shown {status.seq}'
         yield Choice('clear', shown, 'if the belt is as shown here')

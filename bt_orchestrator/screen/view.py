@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any, NamedTuple
 
+from bt_orchestrator.model.isa95 import OVER
 from bt_orchestrator.screen import words
 from bt_orchestrator.screen.advice import Shell, hold_advice, next_lines
 
@@ -155,7 +156,7 @@ def _job(job: Any, status: Any) -> JobRow:
     out = job.packed + job.rejected + job.missing
     on_line = max(job.started - out, 0)
     quantity = max(job.quantity, 1)
-    ended = job.state in ('Ended', 'Aborted')
+    ended = job.state in OVER
     weight = Weight.ENDED if ended else Weight.WORKING if job.started else Weight.WAITING
     return JobRow(
         id=words.one_line(job.id),
