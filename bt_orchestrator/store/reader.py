@@ -21,7 +21,7 @@ from bt_orchestrator.store.database import (
     unusable_otherwise,
 )
 from bt_orchestrator.store.mark import mark_of, read_mark
-from bt_orchestrator.store.schema import history_of, schema_of
+from bt_orchestrator.store.schema import history_of, kept_from, schema_of
 
 log = logging.getLogger(__name__)
 
@@ -114,10 +114,12 @@ class JournalReader:
         self._database.close()
 
     def first_seq(self) -> int:
-        """Return the number of the oldest event that is kept; 0: there is none."""
+        """Return the number of the first event that retention has left, or that is to come."""
         with unusable_otherwise(self._path):
+            if self._schema >= _CHECKED:
+                return kept_from(self._database)
             found = self._database.execute('SELECT min(seq) FROM events').fetchone()[0]
-        return int(found or 0)
+        return int(found or 1)
 
     def records(self, wanted: Wanted) -> Iterator[tuple[int, str]]:
         """Yield the records that somebody wants, oldest first: number, and JSON text.
@@ -131,14 +133,14 @@ class JournalReader:
             f'SELECT seq, CAST(record AS BLOB), {self._sound} AS sound FROM events WHERE seq > ? '
             f'AND CASE WHEN {self._sound} THEN {condition} ELSE 1 END ORDER BY seq LIMIT {PAGE}'
         )
-        before = wanted.after_seq if wanted.after_seq + 1 >= self.first_seq() else 0
         after = wanted.after_seq
+        before = max(after, self.first_seq() - 1)
         while True:
             with unusable_otherwise(self._path):
                 page = self._database.execute(query, (after, *values)).fetchall()
             for seq, text, is_sound in page:
-                if wanted.is_all and before and seq != before + 1:
-                    self._pass_over(before + 1, seq - 1, 'not there')
+                if wanted.is_all and seq != before + 1:
+                    self._tell_a_gap(before + 1, seq - 1)
                 before = seq
                 if is_sound:
                     yield seq, text.decode()
@@ -175,6 +177,12 @@ class JournalReader:
                 f'the journal {self._path} ends with event {last}, and event {reached.seq} had '
                 'been written: what is between is not in it any more'
             )
+
+    def _tell_a_gap(self, first: int, last: int) -> None:
+        """Tell which events are not there, but for those that retention has just removed."""
+        first = max(first, self.first_seq())
+        if first <= last:
+            self._pass_over(first, last, 'not there')
 
     def _pass_over(self, first: int, last: int, how: str) -> None:
         if last <= self._passed_over:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import sqlite3
 from collections.abc import Collection
 
+from bt_orchestrator.store.schema import keep_from
+
 BATCH = 2000
 """Most events that one transaction removes."""
 
@@ -34,6 +36,8 @@ def remove_batch(database: sqlite3.Connection, before: int) -> bool:
         return False
     kept = database.execute('SELECT coalesce(max(seq), 0) FROM beginning').fetchone()[0]
     end = min(before, kept + 1)
+    now = min(end, first + BATCH)
     for table in ('events', 'queued'):
-        database.execute(f'DELETE FROM {table} WHERE seq < ?', (min(end, first + BATCH),))
+        database.execute(f'DELETE FROM {table} WHERE seq < ?', (now,))
+    keep_from(database, now)
     return bool(first + BATCH < end)

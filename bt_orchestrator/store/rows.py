@@ -92,12 +92,12 @@ def page(database: sqlite3.Connection, after: int, last: int, most: int) -> list
 def events_of(rows: Iterable[Row], before: int, checked_from: int) -> Iterator[Event]:
     """Yield the events of rows that follow each other; of a commit that is damaged, none.
 
-    :param before: the event that came before these; 0: nobody knows
+    :param before: the event that came before these
     :raises DamagedRecord: this one is not what was written, or not there
     """
     commit: list[Event] = []
     for row in rows:
-        if before and row.seq != before + 1:
+        if row.seq != before + 1:
             raise DamagedRecord(before + 1, row.seq - 1, 'not there')
         if not row.is_sound(checked_from):
             raise DamagedRecord(row.seq, row.seq, 'damaged')

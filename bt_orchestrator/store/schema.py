@@ -77,6 +77,10 @@ _STEPS: Sequence[Sequence[str]] = (
         # From this event on every one has a check.
         'ALTER TABLE history ADD COLUMN checked_from INTEGER NOT NULL DEFAULT 1',
         'UPDATE history SET checked_from = (SELECT coalesce(max(seq), 0) + 1 FROM events)',
+        # Retention has removed the events before this one, and no others are gone by right.
+        'ALTER TABLE history ADD COLUMN kept_from INTEGER NOT NULL DEFAULT 1',
+        """UPDATE history SET kept_from = coalesce(
+               (SELECT min(seq) FROM events), (SELECT max(seq) + 1 FROM beginning), 1)""",
         # The events with which jobs begin; not as an index over the text of records, for no row
         # could be removed then whose text is damaged.
         'CREATE TABLE queued (seq INTEGER PRIMARY KEY, job TEXT NOT NULL) STRICT',
@@ -151,7 +155,19 @@ def begin_history(database: sqlite3.Connection, history: str) -> None:
     _seal(database)
 
 
-_OF_HISTORY = 'id, restored, checked_from'
+def kept_from(database: sqlite3.Connection) -> int:
+    """Return the seq of the first event that retention has left, or that is to come."""
+    query = 'SELECT coalesce(max(kept_from), 1) FROM history'  # empty if it is damaged
+    return int(database.execute(query).fetchone()[0])
+
+
+def keep_from(database: sqlite3.Connection, seq: int) -> None:
+    """Record that the events before this one are removed."""
+    database.execute('UPDATE history SET kept_from = max(kept_from, ?)', (seq,))
+    _seal(database)
+
+
+_OF_HISTORY = 'id, restored, checked_from, kept_from'
 
 
 def _seal(database: sqlite3.Connection) -> None:

@@ -27,7 +27,7 @@ from bt_orchestrator.store.database import (
 from bt_orchestrator.store.files_in_use import FilesInUse
 from bt_orchestrator.store.keeping import aside_of, keep_aside, readable_by_others
 from bt_orchestrator.store.mark import Mark, Reached
-from bt_orchestrator.store.schema import History, begin_history, history_of
+from bt_orchestrator.store.schema import History, begin_history, history_of, kept_from
 from bt_orchestrator.store.shortfall import shortfall
 
 log = logging.getLogger(__name__)
@@ -116,7 +116,7 @@ class SqliteStore:
         :raises JournalUnusable: the file is damaged
         """
         with unusable_otherwise(self._path):
-            before = after if after + 1 >= self.first_seq() else 0
+            before = max(after, self.first_seq() - 1)
             yield from rows.events_of(self._rows(after, most), before, self._on_file.checked_from)
 
     def _rows(self, after: int, most: int) -> Iterator[rows.Row]:
@@ -143,13 +143,9 @@ class SqliteStore:
             self._only_read_again()
 
     def first_seq(self) -> int:
-        """Return the seq of the first event that is kept, or that is to come."""
+        """Return the seq of the first event that retention has left, or that is to come."""
         with unusable_otherwise(self._path):
-            found = self._reading.execute('SELECT min(seq) FROM events').fetchone()[0]
-        if found is not None:
-            return int(found)
-        start = self.beginning()
-        return start.seq + 1 if start else 1
+            return kept_from(self._reading)
 
     # --- states -----------------------------------------------------------------------------
 

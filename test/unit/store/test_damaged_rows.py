@@ -6,6 +6,7 @@ import json
 import shutil
 import sqlite3
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -196,3 +197,21 @@ def test_retention_removes_a_damaged_record_like_any(path: Path) -> None:
     assert store.remove_batch(12) is False
     assert store.first_seq() == 12
     store.close()
+
+
+def test_the_first_events_are_missed_unless_retention_removed_them(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    change(path, 'DELETE FROM events WHERE seq < 5')
+    with closing(SqliteStore(path)) as store, pytest.raises(DamagedRecord, match='events 1 to 4'):
+        list(store.read())
+    assert main(['events', '--journal', str(path)]) == 1
+    assert 'events 1 to 4 are not there' in capsys.readouterr().err
+
+    with closing(SqliteStore(path)) as store:
+        store.append(events(21, 21))
+        store._database.execute("INSERT INTO beginning VALUES (1, 15, '', '', '')")
+        assert store.remove_batch(12) is False
+        assert list(store.read()) == events(12, 21)
+    assert main(['events', '--journal', str(path)]) == 0
+    assert capsys.readouterr().err == ''
