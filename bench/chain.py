@@ -13,7 +13,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from bench.line_files import SECTIONS
-from bt_orchestrator.ros.executors import make_executor, spin_once
+from bt_orchestrator.ros.executor.executors import make_executor, spin_once
 
 PLAIN = 'plain'
 

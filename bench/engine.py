@@ -22,7 +22,7 @@ from typing import NamedTuple
 from bench.virtual_rows import ROOT
 from bt_orchestrator.cli.bootstrap import installed_types
 from bt_orchestrator.model.events import Event, TaskStarted
-from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.ports import EventStore
 from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.script.script_file import read_script

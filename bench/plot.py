@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from bench.rows import Row, percentile
-from bt_orchestrator.sim.svg import Svg
+from bt_orchestrator.drawing.svg import Svg
 
 WIDTH, ROW, LEFT, RIGHT, TOP = 760.0, 30.0, 210.0, 20.0, 50.0
 SHORTEST_MS, LONGEST_MS = 0.5, 500.0

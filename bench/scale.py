@@ -22,7 +22,7 @@ from bench.line_files import cell_text, script_text
 from bench.process import cpu_s, memory_mb
 from bench.rows import percentile
 from bench.stand import until
-from bt_orchestrator.ros.client import NodeClient
+from bt_orchestrator.ros.link.client import NodeClient
 from bt_orchestrator.store.reader import JournalReader, Wanted
 
 ORDER = 'WO-1'

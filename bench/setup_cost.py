@@ -14,10 +14,10 @@ from rclpy.node import Node
 from bench.line_files import SECTIONS, cell_text, script_text
 from bench.process import memory_mb
 from bt_orchestrator.cli.bootstrap import installed_types
-from bt_orchestrator.model.job_commands import AddJobs
-from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.jobs.job_commands import AddJobs
+from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.ros.actions.gateway import RosGateway
 from bt_orchestrator.ros.clock import RosClock
-from bt_orchestrator.ros.gateway import RosGateway
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.script.cell_file import parse_cell
 from bt_orchestrator.script.script_file import parse_script

@@ -18,7 +18,7 @@ from ros_domain import OwnDomain
 
 from bench.line_files import SECTIONS, cell_text, script_text
 from bench.process import family_cpu_s
-from bt_orchestrator.ros.client import NodeClient
+from bt_orchestrator.ros.link.client import NodeClient
 
 TASKS_A_CYCLE = 10
 WARM_UP = 5

@@ -18,10 +18,10 @@ from bench.rows import Row
 from bench.whole_start import process_s
 from bt_orchestrator.cli.bootstrap import installed_types
 from bt_orchestrator.model.events import TaskSucceeded
-from bt_orchestrator.model.job_commands import AddJobs
-from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.jobs.job_commands import AddJobs
+from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.proof.deadlock import deadlock
-from bt_orchestrator.ros.status_message import status_message
+from bt_orchestrator.ros.services.status_message import status_message
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.runtime.recovery import stamp
 from bt_orchestrator.script.cell_file import parse_cell, read_cell

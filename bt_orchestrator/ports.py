@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, Protocol, TypeVar
 from bt_orchestrator.model.action_type import ActionType
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.goal import GoalEnd, GoalRequest, SeenContest, StateReading
-from bt_orchestrator.model.history import JobRecord
+from bt_orchestrator.model.jobs.job_record import JobRecord
 from bt_orchestrator.model.uptime import Uptime
 
 _Result = TypeVar('_Result')

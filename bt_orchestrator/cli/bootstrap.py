@@ -11,7 +11,7 @@ from typing import NamedTuple, TypeVar
 from bt_orchestrator.cli.foresight_process import ForesightProcess
 from bt_orchestrator.errors import Finding, Refused
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import ActionTypes, EventSink, EventStore, Foresight, Journal
 from bt_orchestrator.script.admission import admitted
@@ -72,7 +72,7 @@ class Findings:
 
 def installed_types() -> ActionTypes:
     """Return what the installed interface packages say; needs them, but not rclpy."""
-    from bt_orchestrator.ros.action_types import InstalledActionTypes
+    from bt_orchestrator.ros.types.action_types import InstalledActionTypes
 
     return InstalledActionTypes()
 

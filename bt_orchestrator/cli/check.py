@@ -16,8 +16,8 @@ from bt_orchestrator.errors import Finding, Refused, counted
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.script.checks.warnings import ReadScript, warnings
 from bt_orchestrator.script.lookup import find_script
-from bt_orchestrator.script.warning_checks import ReadScript, warnings
 
 DESCRIPTION = """\
 Read scripts against the cell they are for, and print every mistake in them as

@@ -27,6 +27,7 @@ from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import from_record
 from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.report.forecast_fold import forecast
 from bt_orchestrator.screen.advice import DEFAULT_NODE, Shell
 from bt_orchestrator.screen.keys import Keys
 from bt_orchestrator.screen.keys import keyboard as person_at_keyboard
@@ -34,7 +35,6 @@ from bt_orchestrator.screen.plain import EventLines
 from bt_orchestrator.screen.words import hold_text
 from bt_orchestrator.script.order_file import read_order
 from bt_orchestrator.sim.controllers.selection import WrongSelection, select
-from bt_orchestrator.sim.forecast_fold import forecast
 from bt_orchestrator.stop_signals import StopSignals
 from bt_orchestrator.store.reader import JournalReader, Wanted
 
@@ -166,7 +166,7 @@ def _show(
     :raises ProgramFailed: the tree node has gone
     :raises Interrupted: somebody wants an end
     """
-    from bt_orchestrator.ros.client import NodeClient
+    from bt_orchestrator.ros.link.client import NodeClient
 
     with ExitStack() as stack:
         viewer = stack.enter_context(live_or(lambda: EventLines(shell, say), shell))

@@ -11,13 +11,13 @@ from bt_orchestrator.cli.programs import ProgramFailed
 from bt_orchestrator.cli.submit import submit
 from bt_orchestrator.cli.watch import follow_events
 from bt_orchestrator.model.events import Event, JobAborted, JobCompleted
-from bt_orchestrator.model.isa95 import OVER
-from bt_orchestrator.model.order import WorkOrder
+from bt_orchestrator.model.jobs.isa95 import OVER
+from bt_orchestrator.model.jobs.order import WorkOrder
 from bt_orchestrator.screen.plain import EventLines
 from bt_orchestrator.stop_signals import StopSignals
 
 if TYPE_CHECKING:  # they need rich and rclpy, which take their time
-    from bt_orchestrator.ros.client import NodeClient
+    from bt_orchestrator.ros.link.client import NodeClient
     from bt_orchestrator.screen.live import LiveView
 
 

@@ -95,8 +95,8 @@ def _refuse_contradictions(args: argparse.Namespace) -> None:
 
 
 def _of_node(args: argparse.Namespace, stop: StopSignals) -> int:
-    from bt_orchestrator.ros.client import NodeClient
-    from bt_orchestrator.ros.event_follower import EventFollower
+    from bt_orchestrator.ros.link.client import NodeClient
+    from bt_orchestrator.ros.link.event_follower import EventFollower
 
     left = args.count
     with NodeClient(args.node, args.timeout) as client:

@@ -5,7 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from bt_orchestrator.cli.tables import table
-from bt_orchestrator.sim.forecast import Bottleneck, Forecast, JobForecast, SectionLoad, WaitLoad
+from bt_orchestrator.report.forecast import (
+    Bottleneck,
+    Forecast,
+    JobForecast,
+    SectionLoad,
+    WaitLoad,
+)
 
 WAITS_SHOWN = 5
 """How many waits are told of each section and component, the longest; the rest is summed up."""

@@ -90,7 +90,7 @@ class _Answers:
     """What the process knows: the cell of the first question."""
 
     def __init__(self) -> None:
-        from bt_orchestrator.ros.action_types import InstalledActionTypes
+        from bt_orchestrator.ros.types.action_types import InstalledActionTypes
 
         self._types = InstalledActionTypes()
         self._cell: Cell | None = None

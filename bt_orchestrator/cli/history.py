@@ -14,7 +14,8 @@ from bt_orchestrator.cli.journal_output import say_damage, shown
 from bt_orchestrator.cli.moments import add_period_options
 from bt_orchestrator.cli.tables import table
 from bt_orchestrator.model.codec import json_of
-from bt_orchestrator.model.history import FOLLOWED, History, JobRecord, job_to_plain
+from bt_orchestrator.model.jobs.job_record import JobRecord, job_to_plain
+from bt_orchestrator.report.history import FOLLOWED, History
 from bt_orchestrator.store.reader import JournalReader, Wanted
 
 DESCRIPTION = """\

@@ -9,8 +9,8 @@ from datetime import datetime
 from typing import IO, Any, Protocol
 
 from bt_orchestrator.model.codec import from_plain
-from bt_orchestrator.store.csv_export import CsvExport
-from bt_orchestrator.store.xes_export import XesExport
+from bt_orchestrator.report.csv_export import CsvExport
+from bt_orchestrator.report.xes_export import XesExport
 
 _SHOWN_FIRST = ('seq', 'time', 'event', 'job', 'section', 'item', 'task')
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from bt_orchestrator.errors import OrchestratorError
-from bt_orchestrator.model.isa95 import OVER
+from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.stop_signals import StopSignals
 
 Status = Mapping[str, Any]
@@ -43,8 +43,8 @@ def node_status(node: str, timeout_s: float) -> Status:
 
     :raises NodeUnreachable: it does not answer
     """
-    from bt_orchestrator.ros.client import NodeClient
-    from bt_orchestrator.ros.messages import to_plain
+    from bt_orchestrator.ros.link.client import NodeClient
+    from bt_orchestrator.ros.types.messages import to_plain
 
     with NodeClient(node, timeout_s) as client:
         return to_plain(client.status())
@@ -58,8 +58,8 @@ def follow(
     :param every_s: shortest time between two drawings
     :raises NodeUnreachable: it does not answer
     """
-    from bt_orchestrator.ros.client import NodeClient
-    from bt_orchestrator.ros.messages import to_plain
+    from bt_orchestrator.ros.link.client import NodeClient
+    from bt_orchestrator.ros.types.messages import to_plain
 
     received: list[Status] = []
     course = Course(script)

@@ -47,7 +47,7 @@ def origin() -> str:
 
 def call_and_print(args: argparse.Namespace, kind: Any, service: str, request: Any) -> int:
     """Call a service that accepts or refuses, and print its answer; returns 1 if it refused."""
-    from bt_orchestrator.ros.client import NodeClient
+    from bt_orchestrator.ros.link.client import NodeClient
 
     request.origin = origin()
     with NodeClient(args.node, args.timeout) as client:

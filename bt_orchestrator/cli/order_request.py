@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from bt_orchestrator.errors import Finding, Refused
-from bt_orchestrator.model.order import WorkOrder
+from bt_orchestrator.model.jobs.order import WorkOrder
 from bt_orchestrator.script.lookup import is_path
 from bt_orchestrator.script.order_file import read_order
 

@@ -13,7 +13,7 @@ from bt_orchestrator.cli.node_options import add_node_options, add_who_options, 
 from bt_orchestrator.cli.numbers import whole_32
 from bt_orchestrator.cli.order_request import add_request, key_values, script_name, show_orders
 from bt_orchestrator.cli.wrong_use import WrongUse
-from bt_orchestrator.model.isa95 import OVER
+from bt_orchestrator.model.jobs.isa95 import OVER
 
 CONTROLS = (
     'hold',
@@ -87,8 +87,8 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _list(args: argparse.Namespace) -> int:
-    from bt_orchestrator.ros.client import NodeClient
-    from bt_orchestrator.ros.messages import to_plain
+    from bt_orchestrator.ros.link.client import NodeClient
+    from bt_orchestrator.ros.types.messages import to_plain
 
     with NodeClient(args.node, args.timeout) as client:
         status = client.status()
@@ -234,7 +234,7 @@ def _pair(text: str) -> tuple[str, str]:
 
 
 def _call(args: argparse.Namespace, kind: Any, service: str, request: Any) -> Any:
-    from bt_orchestrator.ros.client import NodeClient
+    from bt_orchestrator.ros.link.client import NodeClient
 
     request.who, request.origin, request.reason = args.who, origin(), args.reason or ''
     with NodeClient(args.node, args.timeout) as client:

@@ -12,10 +12,10 @@ from bt_orchestrator.cli.live_picture import Status, follow, node_status, saved_
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.numbers import seconds
 from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.drawing.status_marks import line_state
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.tree.draw import FORMATS, VIEWS, Drawing, draw
-from bt_orchestrator.tree.draw_status import line_state
 
 DESCRIPTION = """\
 Draw a script: the belt with its sections, every task with its arguments and policies, flags, zones

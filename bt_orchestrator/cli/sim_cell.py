@@ -120,8 +120,8 @@ def run(args: argparse.Namespace) -> int:
 
 def _simulate(args: argparse.Namespace, stop: StopSignals) -> int:
     # Imported here, so that --help needs no ROS.
-    from bt_orchestrator.ros.action_types import InstalledActionTypes
-    from bt_orchestrator.ros.messages import InstalledInterfaces
+    from bt_orchestrator.ros.types.action_types import InstalledActionTypes
+    from bt_orchestrator.ros.types.messages import InstalledInterfaces
     from bt_orchestrator.script.cell_file import read_cell
     from bt_orchestrator.sim.controllers.controller import Pace
     from bt_orchestrator.sim.controllers.goal_log import GoalLog, UnusableLog

@@ -19,8 +19,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns the exit status."""
-    from bt_orchestrator.ros.client import NodeClient
-    from bt_orchestrator.ros.messages import to_plain
+    from bt_orchestrator.ros.link.client import NodeClient
+    from bt_orchestrator.ros.types.messages import to_plain
 
     with NodeClient(args.node, args.timeout) as client:
         status = client.status()

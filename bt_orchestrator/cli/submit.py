@@ -8,7 +8,7 @@ from typing import Any
 
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options, origin
 from bt_orchestrator.cli.order_request import add_request, order_message, show_orders
-from bt_orchestrator.model.order import WorkOrder
+from bt_orchestrator.model.jobs.order import WorkOrder
 
 DESCRIPTION = """\
 Give a running tree node work orders, in the order named: all are queued, or none. The node looks
@@ -28,7 +28,7 @@ def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns 1 when the orders were refused."""
     from bt_orchestrator_interfaces.srv import QueueAdd
 
-    from bt_orchestrator.ros.client import NodeClient
+    from bt_orchestrator.ros.link.client import NodeClient
 
     request = add_request(args.orders)
     request.who, request.origin, request.reason = args.who, origin(), args.reason or ''

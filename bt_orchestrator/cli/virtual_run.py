@@ -15,21 +15,21 @@ from bt_orchestrator.cli.cost_watch import CostWatch
 from bt_orchestrator.cli.forecast_text import forecast_lines, job_lines
 from bt_orchestrator.cli.standing_results import standing_results
 from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.drawing.gantt import Gantt, GanttFold
+from bt_orchestrator.drawing.gantt_page import gantt_svg
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.hold_words import hold_words
 from bt_orchestrator.model.state import Hold
+from bt_orchestrator.model.wait import PartWait
 from bt_orchestrator.ports import ActionTypes, EventSink
-from bt_orchestrator.runtime.waits import PartWait
+from bt_orchestrator.report.forecast import Forecast
+from bt_orchestrator.report.forecast_fold import ForecastFold
+from bt_orchestrator.report.wait_log import WaitLog
 from bt_orchestrator.sim.fault_options import with_faults
-from bt_orchestrator.sim.forecast import Forecast
-from bt_orchestrator.sim.forecast_fold import ForecastFold
-from bt_orchestrator.sim.gantt import Gantt, GanttFold
-from bt_orchestrator.sim.gantt_page import gantt_svg
 from bt_orchestrator.sim.simulation import Outcome, Simulation
 from bt_orchestrator.sim.standing_answers import StandingAnswers
 from bt_orchestrator.sim.standstill import standstill
-from bt_orchestrator.sim.wait_log import WaitLog
 from bt_orchestrator.store.trace import TraceFile
 
 WHO = 'simulate --on-hold'

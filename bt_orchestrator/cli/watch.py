@@ -45,7 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns the exit status."""
-    from bt_orchestrator.ros.client import NodeClient
+    from bt_orchestrator.ros.link.client import NodeClient
 
     with ExitStack() as stack:
         stop = stack.enter_context(StopSignals())
@@ -104,7 +104,7 @@ def live_or(other: Callable[[], Lines], shell: Shell) -> Iterator[LiveView | Lin
 @contextmanager
 def _viewer(args: argparse.Namespace, node: str) -> Iterator[Viewer]:
     """Open the view that was asked for."""
-    from bt_orchestrator.ros.messages import to_plain
+    from bt_orchestrator.ros.types.messages import to_plain
     from bt_orchestrator.screen.machine import JsonView
     from bt_orchestrator.screen.plain import PlainView
 
@@ -127,7 +127,7 @@ def _streams(args: argparse.Namespace, client: Any, viewer: Viewer) -> list[Any]
     """Return what has to be asked of the inspection server."""
     if not (args.tree or args.blackboard):
         return []
-    from bt_orchestrator.ros.inspection_streams import blackboard_stream, tree_stream
+    from bt_orchestrator.ros.link.inspection_streams import blackboard_stream, tree_stream
     from bt_orchestrator.screen.tree_view import tree_of
 
     def on_tree(behaviours: Any) -> None:

@@ -5,13 +5,13 @@ from __future__ import annotations
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.frozen import changed
-from bt_orchestrator.model.job_folds import forget_skips
-from bt_orchestrator.model.packml import Mode
+from bt_orchestrator.model.jobs.job_folds import forget_skips
+from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.model.wish import STAND, START, STOP_AFTER, Wish
 
-_FORGET_ONCE = (Mode.STOPPED, Mode.ABORTED)
+_FORGET_ONCE = (PackmlState.STOPPED, PackmlState.ABORTED)
 """States in which somebody may have moved anything by hand (semantics 5.1)."""
 
 
@@ -19,7 +19,7 @@ def orchestrator_started(event: e.OrchestratorStarted, state: CellState) -> None
     """Go on where the last one ended; the time without one counts for no state."""
     if state.seq:
         _stay(state, state.time)
-    state.mode_since = event.time
+    state.packml_since = event.time
     state.cell_digest, state.history, state.boot = event.digest, event.history, event.boot
     if event.restored or event.missing:
         for key, task in state.running.items():
@@ -52,18 +52,18 @@ def stop_reason_changed(event: e.StopReasonChanged, state: CellState) -> None:
 def cell_state_changed(event: e.CellStateChanged, state: CellState) -> None:
     """Enter another PackML state."""
     _stay(state, event.time)
-    state.mode, state.mode_since = Mode(event.state), event.time
+    state.packml, state.packml_since = PackmlState(event.state), event.time
     # Not when it is left: an order that arrives in Stopped must not see what was before.
-    if state.mode in _FORGET_ONCE:
+    if state.packml in _FORGET_ONCE:
         state.done_once.clear()
         forget_skips(state, lambda job: not job.progress.started)
-    if state.mode is Mode.STARTING:
+    if state.packml is PackmlState.STARTING:
         state.had_work = state.has_work
 
 
 def clock_stepped(event: e.ClockStepped, state: CellState) -> None:
     """Keep how long ago things began; the time of day at which they did is another one now."""
-    state.mode_since += event.seconds
+    state.packml_since += event.seconds
     for key, task in list(state.running.items()):
         started = changed(task, started=task.started + event.seconds)
         state.tasks[key] = state.running[key] = started
@@ -86,5 +86,5 @@ def operator_decided(event: e.OperatorDecided, state: CellState) -> None:
 
 
 def _stay(state: CellState, until: float) -> None:
-    """Add the present stay to the time spent in the mode."""
-    state.mode_times = state.times(until)
+    """Add the present stay to the time spent in the PackML state."""
+    state.packml_times = state.times(until)

@@ -8,7 +8,7 @@ from typing import Any
 
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.cell_commands import CellCommand
-from bt_orchestrator.model.job_commands import JobCommand
+from bt_orchestrator.model.jobs.job_commands import JobCommand
 
 
 @dataclass(frozen=True)

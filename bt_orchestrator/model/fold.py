@@ -7,11 +7,11 @@ from typing import TypeVar
 
 from bt_orchestrator.model import cell_folds as cell
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model import job_folds as jobs
 from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.failures import answers, will_hold
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.goal import Reason
+from bt_orchestrator.model.jobs import job_folds as jobs
 from bt_orchestrator.model.script import index_task
 from bt_orchestrator.model.state import (
     CellState,

@@ -32,10 +32,10 @@ def stopped_because(state: CellState) -> Wait | None:
         holds = ', '.join(_hold_in_words(state))
         kind = WaitKind.PAUSE if state.pauses else WaitKind.HOLD
         return Wait(f'waiting for an answer to {holds}', kind, next(iter(state.holds)))
-    if not state.mode.begins:
-        return Wait(f'the cell is {state.mode.value}', WaitKind.CELL_STATE, state.mode.value)
+    if not state.packml.begins:
+        return Wait(f'the cell is {state.packml.value}', WaitKind.CELL_STATE, state.packml.value)
     if state.shutting_down:
-        return Wait('the node ends', WaitKind.CELL_STATE, state.mode.value)
+        return Wait('the node ends', WaitKind.CELL_STATE, state.packml.value)
     return None
 
 

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from enum import Enum
 
 
-class Mode(Enum):
+class PackmlState(Enum):
     """State of the cell."""
 
     STOPPED = 'Stopped'
@@ -45,29 +45,42 @@ class Mode(Enum):
         return self in _WORK
 
 
-_BEGIN = (Mode.EXECUTE, Mode.SUSPENDING, Mode.SUSPENDED, Mode.UNSUSPENDING)
-_WORK = (*_BEGIN, Mode.HOLDING, Mode.HELD, Mode.UNHOLDING, Mode.STOPPING)
+_BEGIN = (
+    PackmlState.EXECUTE,
+    PackmlState.SUSPENDING,
+    PackmlState.SUSPENDED,
+    PackmlState.UNSUSPENDING,
+)
+_WORK = (
+    *_BEGIN,
+    PackmlState.HOLDING,
+    PackmlState.HELD,
+    PackmlState.UNHOLDING,
+    PackmlState.STOPPING,
+)
 
-MEANINGS: Mapping[Mode, str] = {
-    Mode.STOPPED: (
+MEANINGS: Mapping[PackmlState, str] = {
+    PackmlState.STOPPED: (
         'nothing runs, nothing starts; waits for `reset`, or, if nobody stopped it, for an order'
     ),
-    Mode.RESETTING: 'gets ready to start',
-    Mode.IDLE: 'ready; waits for `start`, or, if nobody stopped it, for an order',
-    Mode.STARTING: 'begins to work',
-    Mode.EXECUTE: 'works',
-    Mode.COMPLETING: 'the last job has ended',
-    Mode.COMPLETE: 'every job has ended; waits for `reset`, or for an order',
-    Mode.HOLDING: 'something is held: what runs goes on to its end, no cycle begins',
-    Mode.HELD: 'something is held, and nothing runs: waits for people',
-    Mode.UNHOLDING: 'goes back to work',
-    Mode.SUSPENDING: 'nothing can start because source or sink is not ready',
-    Mode.SUSPENDED: 'waits for the source or the sink; goes on by itself',
-    Mode.UNSUSPENDING: 'goes back to work',
-    Mode.STOPPING: 'finishes the cycles in hand; at the end of the node: cancels every goal',
-    Mode.ABORTING: 'every goal is being cancelled; their ends are awaited',
-    Mode.ABORTED: 'nothing moves; waits for `clear`',
-    Mode.CLEARING: 'takes over what the operator said of the belt',
+    PackmlState.RESETTING: 'gets ready to start',
+    PackmlState.IDLE: 'ready; waits for `start`, or, if nobody stopped it, for an order',
+    PackmlState.STARTING: 'begins to work',
+    PackmlState.EXECUTE: 'works',
+    PackmlState.COMPLETING: 'the last job has ended',
+    PackmlState.COMPLETE: 'every job has ended; waits for `reset`, or for an order',
+    PackmlState.HOLDING: 'something is held: what runs goes on to its end, no cycle begins',
+    PackmlState.HELD: 'something is held, and nothing runs: waits for people',
+    PackmlState.UNHOLDING: 'goes back to work',
+    PackmlState.SUSPENDING: 'nothing can start because source or sink is not ready',
+    PackmlState.SUSPENDED: 'waits for the source or the sink; goes on by itself',
+    PackmlState.UNSUSPENDING: 'goes back to work',
+    PackmlState.STOPPING: (
+        'finishes the cycles in hand; at the end of the node: cancels every goal'
+    ),
+    PackmlState.ABORTING: 'every goal is being cancelled; their ends are awaited',
+    PackmlState.ABORTED: 'nothing moves; waits for `clear`',
+    PackmlState.CLEARING: 'takes over what the operator said of the belt',
 }
 """What each state means, for people."""
 
@@ -89,46 +102,47 @@ class Cause(Enum):
 
 
 _AT_WORK = (
-    Mode.STARTING,
-    Mode.EXECUTE,
-    Mode.UNHOLDING,
-    Mode.SUSPENDING,
-    Mode.SUSPENDED,
-    Mode.UNSUSPENDING,
+    PackmlState.STARTING,
+    PackmlState.EXECUTE,
+    PackmlState.UNHOLDING,
+    PackmlState.SUSPENDING,
+    PackmlState.SUSPENDED,
+    PackmlState.UNSUSPENDING,
 )
-_ABORTED = (Mode.ABORTING, Mode.ABORTED)
-_STOPPED = (Mode.STOPPING, Mode.STOPPED, Mode.CLEARING, *_ABORTED)
+_ABORTED = (PackmlState.ABORTING, PackmlState.ABORTED)
+_STOPPED = (PackmlState.STOPPING, PackmlState.STOPPED, PackmlState.CLEARING, *_ABORTED)
 
 
-def _all_but(modes: Iterable[Mode]) -> tuple[Mode, ...]:
-    return tuple(mode for mode in Mode if mode not in modes)
+def _all_but(states: Iterable[PackmlState]) -> tuple[PackmlState, ...]:
+    return tuple(state for state in PackmlState if state not in states)
 
 
-_ROWS: tuple[tuple[tuple[Mode, ...], Cause, Mode], ...] = (
-    ((Mode.STOPPED, Mode.COMPLETE), Cause.RESET, Mode.RESETTING),
-    ((Mode.RESETTING,), Cause.DONE, Mode.IDLE),
-    ((Mode.IDLE,), Cause.START, Mode.STARTING),
-    ((Mode.STARTING,), Cause.DONE, Mode.EXECUTE),
-    ((Mode.EXECUTE,), Cause.DONE, Mode.COMPLETING),
-    ((Mode.COMPLETING,), Cause.DONE, Mode.COMPLETE),
-    (_AT_WORK, Cause.HOLD, Mode.HOLDING),
-    ((Mode.HOLDING,), Cause.DONE, Mode.HELD),
-    ((Mode.HELD,), Cause.UNHOLD, Mode.UNHOLDING),
-    ((Mode.UNHOLDING,), Cause.DONE, Mode.EXECUTE),
-    ((Mode.EXECUTE,), Cause.SUSPEND, Mode.SUSPENDING),
-    ((Mode.SUSPENDING,), Cause.DONE, Mode.SUSPENDED),
-    ((Mode.SUSPENDED,), Cause.UNSUSPEND, Mode.UNSUSPENDING),
-    ((Mode.UNSUSPENDING,), Cause.DONE, Mode.EXECUTE),
-    (_all_but(_STOPPED), Cause.STOP, Mode.STOPPING),
-    ((Mode.STOPPING,), Cause.DONE, Mode.STOPPED),
-    (_all_but(_ABORTED), Cause.ABORT, Mode.ABORTING),
-    ((Mode.ABORTING,), Cause.DONE, Mode.ABORTED),
-    ((Mode.ABORTED,), Cause.CLEAR, Mode.CLEARING),
-    ((Mode.CLEARING,), Cause.DONE, Mode.STOPPED),
+_ROWS: tuple[tuple[tuple[PackmlState, ...], Cause, PackmlState], ...] = (
+    ((PackmlState.STOPPED, PackmlState.COMPLETE), Cause.RESET, PackmlState.RESETTING),
+    ((PackmlState.RESETTING,), Cause.DONE, PackmlState.IDLE),
+    ((PackmlState.IDLE,), Cause.START, PackmlState.STARTING),
+    ((PackmlState.STARTING,), Cause.DONE, PackmlState.EXECUTE),
+    ((PackmlState.EXECUTE,), Cause.DONE, PackmlState.COMPLETING),
+    ((PackmlState.COMPLETING,), Cause.DONE, PackmlState.COMPLETE),
+    (_AT_WORK, Cause.HOLD, PackmlState.HOLDING),
+    ((PackmlState.HOLDING,), Cause.DONE, PackmlState.HELD),
+    ((PackmlState.HELD,), Cause.UNHOLD, PackmlState.UNHOLDING),
+    ((PackmlState.UNHOLDING,), Cause.DONE, PackmlState.EXECUTE),
+    ((PackmlState.EXECUTE,), Cause.SUSPEND, PackmlState.SUSPENDING),
+    ((PackmlState.SUSPENDING,), Cause.DONE, PackmlState.SUSPENDED),
+    ((PackmlState.SUSPENDED,), Cause.UNSUSPEND, PackmlState.UNSUSPENDING),
+    ((PackmlState.UNSUSPENDING,), Cause.DONE, PackmlState.EXECUTE),
+    (_all_but(_STOPPED), Cause.STOP, PackmlState.STOPPING),
+    ((PackmlState.STOPPING,), Cause.DONE, PackmlState.STOPPED),
+    (_all_but(_ABORTED), Cause.ABORT, PackmlState.ABORTING),
+    ((PackmlState.ABORTING,), Cause.DONE, PackmlState.ABORTED),
+    ((PackmlState.ABORTED,), Cause.CLEAR, PackmlState.CLEARING),
+    ((PackmlState.CLEARING,), Cause.DONE, PackmlState.STOPPED),
 )
 
-TRANSITIONS: Mapping[Mode, Mapping[Cause, Mode]] = {
-    mode: {cause: after for before, cause, after in _ROWS if mode in before} for mode in Mode
+TRANSITIONS: Mapping[PackmlState, Mapping[Cause, PackmlState]] = {
+    state: {cause: after for before, cause, after in _ROWS if state in before}
+    for state in PackmlState
 }
 """Which state follows which, and why."""
 
@@ -147,17 +161,17 @@ HOLD_ANYWHERE = (Cause.HOLD, Cause.UNHOLD)
 """Commands about pauses, which stand in every state and act where the table says (7.3)."""
 
 
-def refusal(mode: Mode, cause: Cause) -> str | None:
+def refusal(state: PackmlState, cause: Cause) -> str | None:
     """Say why a command cannot be carried out in a state, and what can; None: it can."""
-    if cause in TRANSITIONS[mode] or cause in HOLD_ANYWHERE:
+    if cause in TRANSITIONS[state] or cause in HOLD_ANYWHERE:
         return None
-    fitting = ' or '.join(one.value for one in Mode if cause in TRANSITIONS[one])
+    fitting = ' or '.join(one.value for one in PackmlState if cause in TRANSITIONS[one])
     if len(fitting.split(' or ')) > 2:
         fitting = 'another state'
-    possible = ', '.join(VERBS[one] for one in possible_in(mode))
-    return f'the cell is {mode.value}; {VERBS[cause]} is for {fitting}; possible now: {possible}'
+    possible = ', '.join(VERBS[one] for one in possible_in(state))
+    return f'the cell is {state.value}; {VERBS[cause]} is for {fitting}; possible now: {possible}'
 
 
-def possible_in(mode: Mode) -> tuple[Cause, ...]:
+def possible_in(state: PackmlState) -> tuple[Cause, ...]:
     """Return the commands that people may give in a state."""
-    return tuple(cause for cause in VERBS if cause in (*TRANSITIONS[mode], *HOLD_ANYWHERE))
+    return tuple(cause for cause in VERBS if cause in (*TRANSITIONS[state], *HOLD_ANYWHERE))

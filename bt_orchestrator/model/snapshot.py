@@ -24,8 +24,8 @@ from typing import Any
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import from_plain, hints_of, text_of, to_plain
 from bt_orchestrator.model.initialization import Preparation
-from bt_orchestrator.model.live_jobs import LiveJobs
-from bt_orchestrator.model.packml import VERBS, Cause, Mode
+from bt_orchestrator.model.jobs.live_jobs import LiveJobs
+from bt_orchestrator.model.packml import VERBS, Cause, PackmlState
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.model.wish import STOP_AFTER
@@ -105,11 +105,12 @@ def _of_today(fields: Mapping[str, Any]) -> Mapping[str, Any]:
     if isinstance(done, list):  # action, constant and arguments in one text
         told = (text.split(' ', 2) for text in done)
         fields = {**fields, 'done_once': {f'{action} {name}': args for action, name, args in told}}
+    fields = {_RENAMED.get(name, name): value for name, value in fields.items()}
     if 'order_arrived' not in fields:
         return fields
-    arrived, mode = fields['order_arrived'], Mode(fields['mode'])
-    stands = not arrived and mode in _STANDS
-    wish = {'command': VERBS[Cause.ABORT if mode in _ABORTED else Cause.STOP]}
+    arrived, packml = fields['order_arrived'], PackmlState(fields['packml'])
+    stands = not arrived and packml in _STANDS
+    wish = {'command': VERBS[Cause.ABORT if packml in _ABORTED else Cause.STOP]}
     after = fields.get('stop_after')
     return {name: value for name, value in fields.items() if name != 'order_arrived'} | {
         'had_work': arrived,
@@ -118,8 +119,15 @@ def _of_today(fields: Mapping[str, Any]) -> Mapping[str, Any]:
     }
 
 
-_ABORTED = (Mode.ABORTING, Mode.ABORTED, Mode.CLEARING)
-_STANDS = (Mode.STOPPING, Mode.STOPPED, Mode.RESETTING, Mode.IDLE, *_ABORTED)
+_RENAMED = {'mode': 'packml', 'mode_since': 'packml_since', 'mode_times': 'packml_times'}
+_ABORTED = (PackmlState.ABORTING, PackmlState.ABORTED, PackmlState.CLEARING)
+_STANDS = (
+    PackmlState.STOPPING,
+    PackmlState.STOPPED,
+    PackmlState.RESETTING,
+    PackmlState.IDLE,
+    *_ABORTED,
+)
 
 
 def _fit(state: CellState) -> None:

@@ -12,10 +12,10 @@ from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.events import INDEX_KEY, TaskKey
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.initialization import Preparation
-from bt_orchestrator.model.live_jobs import LiveJobs
-from bt_orchestrator.model.order import Job
-from bt_orchestrator.model.order_ids import OrderIds
-from bt_orchestrator.model.packml import Mode
+from bt_orchestrator.model.jobs.live_jobs import LiveJobs
+from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.jobs.order_ids import OrderIds
+from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.pauses import NAMED
 from bt_orchestrator.model.reference import Scope
 from bt_orchestrator.model.script import Script, Task
@@ -281,15 +281,15 @@ class CellState:
     """Of the machine that it ran on; empty: not known."""
     seq: int = 0
     """Last event applied."""
-    mode: Mode = Mode.STOPPED
+    packml: PackmlState = PackmlState.STOPPED
     stopped_by: Wish | None = None
     """An operator stopped, aborted or cleared the cell, and none has started it since."""
     had_work: bool = False
     """There was a job that may start since the cell was started; until then it waits for one."""
-    mode_since: float = 0.0
-    """When the mode was entered, or the orchestrator started in it; seconds."""
-    mode_times: dict[Mode, float] = field(default_factory=dict)
-    """Seconds spent in each mode before the present stay."""
+    packml_since: float = 0.0
+    """When that state was entered, or the orchestrator started in it; seconds."""
+    packml_times: dict[PackmlState, float] = field(default_factory=dict)
+    """Seconds spent in each state before the present stay."""
     time: float = 0.0
     """Of the last event, seconds."""
     stop_reason: StopReason | None = None
@@ -388,12 +388,12 @@ class CellState:
     @property
     def works(self) -> bool:
         """Tell whether cycles in hand go on."""
-        return self.mode.works and not self.shutting_down
+        return self.packml.works and not self.shutting_down
 
-    def times(self, now: float) -> dict[Mode, float]:
+    def times(self, now: float) -> dict[PackmlState, float]:
         """Return the seconds spent in each state, the present stay included."""
-        stay = self.mode_times.get(self.mode, 0.0) + max(0.0, now - self.mode_since)
-        return {**self.mode_times, self.mode: stay}
+        stay = self.packml_times.get(self.packml, 0.0) + max(0.0, now - self.packml_since)
+        return {**self.packml_times, self.packml: stay}
 
     @property
     def next_hold(self) -> str:

@@ -7,7 +7,7 @@ import json
 from collections import deque
 
 from bt_orchestrator.errors import JournalFailed
-from bt_orchestrator.model.live_jobs import LiveJobs
+from bt_orchestrator.model.jobs.live_jobs import LiveJobs
 from bt_orchestrator.model.snapshot import (
     Reader,
     Writer,

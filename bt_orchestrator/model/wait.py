@@ -48,3 +48,28 @@ class Wait:
 
     def __str__(self) -> str:
         return self.reason
+
+
+INITIALIZATION = 'initialization'
+BELT = 'belt'
+
+
+@dataclass(frozen=True)
+class PartWait:
+    """One part of the cell and what it waits for."""
+
+    part: str
+    """initialization, section N, belt, or a component."""
+    wait: Wait
+    section: int | None = None
+    """The section, if it is one."""
+    components: tuple[str, ...] = ()
+    """Those that would work otherwise."""
+
+    @property
+    def reason(self) -> str:
+        """What it waits for, in words."""
+        return self.wait.reason
+
+    def __str__(self) -> str:
+        return f'{self.part}: {self.wait}'

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from bt_orchestrator.model.packml import VERBS, Cause, Mode
+from bt_orchestrator.model.packml import VERBS, Cause, PackmlState
 
 STOP_AFTER = 'stop_after_'
 """How the command begins that lets the line run empty first; `item` or `job` follows."""
@@ -31,11 +31,11 @@ class Wish:
         return f'{self.who or "an operator"} said {self.command.replace("_", " ")}{why}'
 
 
-def way_to_work(mode: Mode) -> str:
+def way_to_work(mode: PackmlState) -> str:
     """Return the commands that lead a cell that stands, or is going to, to work again."""
-    if mode in (Mode.RESETTING, Mode.IDLE):
+    if mode in (PackmlState.RESETTING, PackmlState.IDLE):
         return 'start'
     return 'clear, reset and start' if mode in _ABORTED else 'reset and start'
 
 
-_ABORTED = (Mode.ABORTING, Mode.ABORTED)
+_ABORTED = (PackmlState.ABORTING, PackmlState.ABORTED)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from bt_orchestrator.model.codec import digest
-from bt_orchestrator.model.job_commands import Sharing
+from bt_orchestrator.model.jobs.job_commands import Sharing
 from bt_orchestrator.model.script import Dependency, Script
 from bt_orchestrator.proof.deadlock import get_stuck_together
 

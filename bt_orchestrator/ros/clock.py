@@ -11,8 +11,8 @@ from rclpy.node import Node
 
 from bt_orchestrator.deadlines import NS_PER_S, Deadline, Deadlines, instant_ns
 from bt_orchestrator.model.uptime import Uptime
-from bt_orchestrator.ros.callbacks import guarded
-from bt_orchestrator.ros.timers import steady_timer
+from bt_orchestrator.ros.executor.callbacks import guarded
+from bt_orchestrator.ros.executor.timers import steady_timer
 from bt_orchestrator.ros.uptime import MachineUptime
 
 _FAR_S = 3600.0

@@ -6,8 +6,8 @@ import time
 from collections.abc import Iterator, Sequence
 
 from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.ros.actions.endpoints import names
 from bt_orchestrator.ros.diagnosis.graph import SETTLE_S, Graph
-from bt_orchestrator.ros.endpoints import names
 from bt_orchestrator.script.starter_plan import FoundServer
 
 _FEEDBACK = '/_action/feedback'

@@ -21,7 +21,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.limits import PLACE, cut
-from bt_orchestrator.ros.handles import subscription
+from bt_orchestrator.ros.executor.handles import subscription
 from bt_orchestrator.ros.qos import LATCHED, publisher
 from bt_orchestrator.ros.stamps import to_time
 

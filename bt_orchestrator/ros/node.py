@@ -23,25 +23,25 @@ from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.node_parameters import NodeParameters
 from bt_orchestrator.ports import EventStore, Foresight, Journal
 from bt_orchestrator.replies import begin
-from bt_orchestrator.ros.action_types import InstalledActionTypes
+from bt_orchestrator.ros.actions.gateway import RosGateway
 from bt_orchestrator.ros.clock import RosClock
-from bt_orchestrator.ros.events_service import EventsService
-from bt_orchestrator.ros.executors import make_executor, soon, spin_once
-from bt_orchestrator.ros.expected_ends import ExpectedEnds
-from bt_orchestrator.ros.gateway import RosGateway
-from bt_orchestrator.ros.heart import Heart
+from bt_orchestrator.ros.executor.executors import make_executor, soon, spin_once
+from bt_orchestrator.ros.executor.heart import Heart
 from bt_orchestrator.ros.identity import Presence
 from bt_orchestrator.ros.inspection.start import start_inspection
 from bt_orchestrator.ros.inspection.tick_statistics import TickStatistics
-from bt_orchestrator.ros.order_process import order_process
-from bt_orchestrator.ros.order_reader import OrderReader
-from bt_orchestrator.ros.outputs import Diagnostics, EventsTopic, StatusTopic
 from bt_orchestrator.ros.parameters import declare
 from bt_orchestrator.ros.pulse import Pulse
-from bt_orchestrator.ros.queue_services import QueueServices
-from bt_orchestrator.ros.run_job import RunJobServer
-from bt_orchestrator.ros.services import Services
+from bt_orchestrator.ros.services.events_service import EventsService
+from bt_orchestrator.ros.services.expected_ends import ExpectedEnds
+from bt_orchestrator.ros.services.order_process import order_process
+from bt_orchestrator.ros.services.order_reader import OrderReader
+from bt_orchestrator.ros.services.outputs import Diagnostics, EventsTopic, StatusTopic
+from bt_orchestrator.ros.services.queue_services import QueueServices
+from bt_orchestrator.ros.services.run_job import RunJobServer
+from bt_orchestrator.ros.services.services import Services
 from bt_orchestrator.ros.spare_log import SpareLog
+from bt_orchestrator.ros.types.action_types import InstalledActionTypes
 from bt_orchestrator.runtime.housekeeping import Housekeeping
 from bt_orchestrator.runtime.observed_durations import ObservedDurations, last_events
 from bt_orchestrator.runtime.orchestrator import Orchestrator

@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 from rclpy.node import Node
 
-from bt_orchestrator.ros.callbacks import guarded
-from bt_orchestrator.ros.timers import steady_timer
+from bt_orchestrator.ros.executor.callbacks import guarded
+from bt_orchestrator.ros.executor.timers import steady_timer
 
 PULSE_S = 1.0
 

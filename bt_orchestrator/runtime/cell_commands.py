@@ -40,7 +40,7 @@ def carry_out(command: CellCommand, ledger: Ledger) -> str:
     :raises CommandRefused: it is not possible now; nothing was recorded
     """
     state = ledger.state
-    why = refusal(state.mode, command.cause)
+    why = refusal(state.packml, command.cause)
     if why is not None:
         raise CommandRefused(why)
     follows = list(_FOLLOWS[type(command)](state, command))
@@ -52,15 +52,15 @@ def carry_out(command: CellCommand, ledger: Ledger) -> str:
 
 
 def _reset(state: CellState, command: Reset) -> Iterator[e.Event]:
-    yield transition(state.mode, command.cause, str(command.by))
+    yield transition(state.packml, command.cause, str(command.by))
 
 
 def _start(state: CellState, command: Start) -> Iterator[e.Event]:
-    yield transition(state.mode, command.cause, str(command.by))
+    yield transition(state.packml, command.cause, str(command.by))
 
 
 def _stop(state: CellState, command: Stop) -> Iterator[e.Event]:
-    yield transition(state.mode, command.cause, str(command.by))
+    yield transition(state.packml, command.cause, str(command.by))
 
 
 def _pause(state: CellState, command: Pause) -> Iterator[e.Event]:
@@ -91,7 +91,7 @@ def _resume(state: CellState, command: Resume) -> Iterator[e.Event]:
 def _abort(state: CellState, command: Abort) -> Iterator[e.Event]:
     emergency, words = StopReason.EMERGENCY, str(command.by)
     yield e.StopReasonChanged(stop_reason=emergency.value, reason=words)
-    yield transition(state.mode, command.cause, words)
+    yield transition(state.packml, command.cause, words)
     yield from effects.cancelled(state, state.running, ABORT)
 
 
@@ -100,7 +100,7 @@ def _clear(state: CellState, command: Clear) -> Iterator[e.Event]:
         yield gone
         yield from released_with(state, gone.item)
     yield e.StopReasonChanged(stop_reason='', reason=str(command.by))
-    yield transition(state.mode, command.cause, str(command.by))
+    yield transition(state.packml, command.cause, str(command.by))
 
 
 _FOLLOWS: Mapping[type[CellCommand], Callable[[CellState, Any], Iterator[e.Event]]] = {
@@ -150,7 +150,7 @@ def _is_meant(hold: Hold, command: Resume) -> bool:
 
 def _instead(state: CellState) -> str:
     waiting = ', '.join(f'hold {hold}' for hold in state.holds)
-    return f'it waits for answers to {waiting}' if waiting else f'it is {state.mode.value}'
+    return f'it waits for answers to {waiting}' if waiting else f'it is {state.packml.value}'
 
 
 def _pause_in_words(hold: Hold) -> str:

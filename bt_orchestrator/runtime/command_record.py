@@ -10,7 +10,7 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.cell_commands import CellCommand
 from bt_orchestrator.model.commands import AnswerHold, OnRecord, RefusedRequest, RemoveItem
-from bt_orchestrator.model.job_commands import (
+from bt_orchestrator.model.jobs.job_commands import (
     AddJobs,
     ControlJob,
     MoveJob,

@@ -63,8 +63,8 @@ def _shut_down(ledger: Ledger) -> str:
     """Cancel every goal and start nothing more: the node ends (semantics 2.6)."""
     state = ledger.state
     ledger.record([e.OrchestratorStopping()])
-    if Cause.STOP in TRANSITIONS[state.mode]:
-        ledger.record([transition(state.mode, Cause.STOP, SHUTDOWN)])
+    if Cause.STOP in TRANSITIONS[state.packml]:
+        ledger.record([transition(state.packml, Cause.STOP, SHUTDOWN)])
     # What `abort` has cancelled stays in doubt.
     running = [key for key, task in state.running.items() if task.cancel_cause != ABORT]
     ledger.record(effects.cancelled(state, running, SHUTDOWN))

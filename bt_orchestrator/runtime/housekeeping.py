@@ -16,8 +16,8 @@ from collections.abc import Callable
 from functools import partial
 from typing import TypeVar
 
-from bt_orchestrator.model.history import record_of
-from bt_orchestrator.model.job_folds import ENDED_KEPT
+from bt_orchestrator.model.jobs.job_folds import ENDED_KEPT
+from bt_orchestrator.model.jobs.job_record import record_of
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.state_text import StateText
 from bt_orchestrator.ports import Journal, Snapshot, Writer

@@ -17,7 +17,7 @@ from bt_orchestrator.model.commands import (
     RefusedRequest,
     Shutdown,
 )
-from bt_orchestrator.model.job_commands import (
+from bt_orchestrator.model.jobs.job_commands import (
     AddJobs,
     ControlJob,
     MoveJob,

@@ -6,10 +6,11 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import singledispatch
 
 from bt_orchestrator.errors import CommandRefused
-from bt_orchestrator.model import effects, job_control
+from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.isa95 import job_word
-from bt_orchestrator.model.job_commands import (
+from bt_orchestrator.model.jobs import job_control
+from bt_orchestrator.model.jobs.isa95 import job_word
+from bt_orchestrator.model.jobs.job_commands import (
     AddJobs,
     ControlJob,
     JobCommand,
@@ -19,7 +20,7 @@ from bt_orchestrator.model.job_commands import (
     UpdateJob,
 )
 from bt_orchestrator.model.limits import listed
-from bt_orchestrator.model.packml import Cause, Mode
+from bt_orchestrator.model.packml import Cause, PackmlState
 from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.model.wish import way_to_work
 from bt_orchestrator.runtime import orders
@@ -78,7 +79,7 @@ def _update(command: UpdateJob, state: CellState) -> tuple[str, list[e.Event]]:
 def standing(state: CellState) -> Iterator[str]:
     """Say that what was queued waits for an operator, if so (semantics 7.2)."""
     if state.wish is not None:
-        way = way_to_work(state.mode)
+        way = way_to_work(state.packml)
         soon = 'when it has stopped, ' if state.stopped_by is None else ''
         yield f'{soon}the cell waits for {way}, for {state.wish}'
 
@@ -194,11 +195,11 @@ def _stop_after(command: StopAfter, state: CellState) -> tuple[str, list[e.Event
 
 def stop_when_empty(state: CellState) -> list[e.Event]:
     """Stop a cell that is still, once its line has run empty as it was asked to."""
-    if state.stop_after is None or state.mode is not Mode.EXECUTE or not _is_empty(state):
+    if state.stop_after is None or state.packml is not PackmlState.EXECUTE or not _is_empty(state):
         return []
     reason = f'stop after the current {state.stop_after}'
     reached = e.QueueStopReached(after=state.stop_after)
-    return [reached, transition(state.mode, Cause.STOP, reason)]
+    return [reached, transition(state.packml, Cause.STOP, reason)]
 
 
 def _is_empty(state: CellState) -> bool:

@@ -10,9 +10,9 @@ from dataclasses import asdict
 from typing import NamedTuple
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.job_folds import ENDED_KEPT
+from bt_orchestrator.model.jobs.job_folds import ENDED_KEPT
 from bt_orchestrator.model.line import is_complete
-from bt_orchestrator.model.packml import TRANSITIONS, Cause, Mode
+from bt_orchestrator.model.packml import TRANSITIONS, Cause, PackmlState
 from bt_orchestrator.model.state import CellState, Phase
 from bt_orchestrator.model.stop_reason import WORDS, StopReason
 from bt_orchestrator.runtime.starvation import Starved
@@ -94,14 +94,20 @@ def _due_reason(state: CellState, outlook: Outlook) -> tuple[StopReason | None, 
         first = next(iter(state.holds.values()))
         words = f'hold {first.id}: {first.task or first.item or first.message}, {first.reason}'
         return (StopReason.OPERATOR if first.owner else StopReason.OWN_FAULT), words
-    if state.mode in _STANDING and _is_interrupted(state):
+    if state.packml in _STANDING and _is_interrupted(state):
         return StopReason.OPERATOR, 'the cell was stopped'
-    if outlook.starved is not None and state.mode.begins:
+    if outlook.starved is not None and state.packml.begins:
         return outlook.starved.reason, outlook.starved.words
     return None, ''
 
 
-_STANDING = (Mode.STOPPING, Mode.STOPPED, Mode.CLEARING, Mode.RESETTING, Mode.IDLE)
+_STANDING = (
+    PackmlState.STOPPING,
+    PackmlState.STOPPED,
+    PackmlState.CLEARING,
+    PackmlState.RESETTING,
+    PackmlState.IDLE,
+)
 """States from an operator's stop to the next start."""
 
 
@@ -124,10 +130,10 @@ def next_mode(
     if due is None:
         return None
     cause, reason = due
-    return transition(state.mode, cause, reason)
+    return transition(state.packml, cause, reason)
 
 
-def transition(mode: Mode, cause: Cause, reason: str) -> e.CellStateChanged:
+def transition(mode: PackmlState, cause: Cause, reason: str) -> e.CellStateChanged:
     """Return the event of a transition that the table has."""
     after = TRANSITIONS[mode][cause]
     return e.CellStateChanged(
@@ -143,18 +149,18 @@ class _Standstill(NamedTuple):
 
 
 _LEFT_BY = {
-    Mode.HELD: _Standstill(Cause.HOLD, Cause.UNHOLD),
-    Mode.SUSPENDED: _Standstill(Cause.SUSPEND, Cause.UNSUSPEND),
+    PackmlState.HELD: _Standstill(Cause.HOLD, Cause.UNHOLD),
+    PackmlState.SUSPENDED: _Standstill(Cause.SUSPEND, Cause.UNSUSPEND),
 }
 
 
 def _by_stop_reason(state: CellState) -> tuple[Cause, str] | None:
     wanted = _wanted(state)
-    if wanted is not None and wanted in TRANSITIONS[state.mode]:
+    if wanted is not None and wanted in TRANSITIONS[state.packml]:
         return wanted, state.stop_message
-    if state.mode not in _LEFT_BY or _LEFT_BY[state.mode].stands_for is wanted:
+    if state.packml not in _LEFT_BY or _LEFT_BY[state.packml].stands_for is wanted:
         return None
-    return _LEFT_BY[state.mode].ended_by, 'what stopped the line is over'
+    return _LEFT_BY[state.packml].ended_by, 'what stopped the line is over'
 
 
 def _wanted(state: CellState) -> Cause | None:
@@ -164,7 +170,7 @@ def _wanted(state: CellState) -> Cause | None:
 def _by_itself(
     state: CellState, outlook: Outlook, *, auto_start: bool
 ) -> tuple[Cause, str] | None:
-    cause = _AUTOMATIC.get(state.mode)
+    cause = _AUTOMATIC.get(state.packml)
     if cause is not None:
         may = auto_start and state.wish is None and not state.shutting_down
         return (cause, AUTOMATIC) if may and state.has_work else None
@@ -172,22 +178,26 @@ def _by_itself(
     return (Cause.DONE, done) if done is not None else None
 
 
-_AUTOMATIC = {Mode.STOPPED: Cause.RESET, Mode.COMPLETE: Cause.RESET, Mode.IDLE: Cause.START}
+_AUTOMATIC = {
+    PackmlState.STOPPED: Cause.RESET,
+    PackmlState.COMPLETE: Cause.RESET,
+    PackmlState.IDLE: Cause.START,
+}
 
 
 def _why_done(state: CellState, outlook: Outlook) -> str | None:
     """Say why a state that ends by itself is through; None: it is not."""
-    mode, wanted = state.mode, _wanted(state)
+    mode, wanted = state.packml, _wanted(state)
     if Cause.DONE not in TRANSITIONS[mode]:
         return None
-    if mode is Mode.EXECUTE:
+    if mode is PackmlState.EXECUTE:
         # Started before an order came, the cell waits for one.
         return 'every job ended' if state.had_work and not state.has_work else None
-    if mode is Mode.ABORTING:
+    if mode is PackmlState.ABORTING:
         return 'every goal ended' if outlook.still else None
-    if mode is Mode.STOPPING:
+    if mode is PackmlState.STOPPING:
         return _why_stopped(state, outlook)
-    if mode is Mode.HOLDING and wanted is Cause.HOLD:
+    if mode is PackmlState.HOLDING and wanted is Cause.HOLD:
         return 'nothing runs and nothing can start' if outlook.still else None
     return ''
 

@@ -21,7 +21,7 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.cell_commands import Abort
 from bt_orchestrator.model.codec import text_of
 from bt_orchestrator.model.commands import Answer, Command, Shutdown
-from bt_orchestrator.model.packml import Mode
+from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.ports import ActionGateway, Clock, EventSink, EventStore, Writer
 from bt_orchestrator.replies import begin
@@ -284,7 +284,7 @@ class Orchestrator:
             # Everybody reads this object, and shall see nothing that was not kept.
             vars(self.state).update(vars(durable))
         # Held is what it is, and the one thing shown that cannot be written down.
-        self.state.mode, self.state.mode_since = Mode.HELD, self._ledger.now
+        self.state.packml, self.state.packml_since = PackmlState.HELD, self._ledger.now
         self.state.stop_reason, self.state.stop_message = StopReason.OWN_FAULT, str(failed)
         for event in lost:
             if isinstance(event, e.TaskAdopted):

@@ -8,8 +8,8 @@ from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.codec import digest
-from bt_orchestrator.model.job_commands import Sharing
-from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.jobs.job_commands import Sharing
+from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.proof.sharing import contradiction

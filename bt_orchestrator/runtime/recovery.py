@@ -17,7 +17,7 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.limits import listed
-from bt_orchestrator.model.packml import Mode
+from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.pauses import MISSING, RESTARTED, RESTORED
 from bt_orchestrator.model.snapshot import state_from_plain
 from bt_orchestrator.model.state import CellState
@@ -211,11 +211,11 @@ def _unfinished(jobs: int, goals: int) -> str:
 
 
 _STANDS = (
-    *(Mode.STOPPED, Mode.RESETTING, Mode.IDLE),
-    *(Mode.ABORTING, Mode.ABORTED, Mode.CLEARING),
+    *(PackmlState.STOPPED, PackmlState.RESETTING, PackmlState.IDLE),
+    *(PackmlState.ABORTING, PackmlState.ABORTED, PackmlState.CLEARING),
 )
 
 
 def _would_go_on(state: CellState) -> bool:
     """Tell whether the cell starts anything without a command."""
-    return state.mode not in _STANDS or state.wish is None
+    return state.packml not in _STANDS or state.wish is None

@@ -6,8 +6,8 @@ import shlex
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
-from bt_orchestrator.model.isa95 import OVER
-from bt_orchestrator.model.packml import Mode
+from bt_orchestrator.model.jobs.isa95 import OVER
+from bt_orchestrator.model.packml import PackmlState
 
 PROGRAM = 'bt-orchestrator'
 
@@ -19,7 +19,11 @@ OTHER_VERBS = {'remove_item': 'remove-item {item}', 'resume': 'resume --hold {ho
 WHY = '--reason "WHY"'
 
 
-_WAITING_FOR_ORDERS = (Mode.STOPPED.value, Mode.IDLE.value, Mode.COMPLETE.value)
+_WAITING_FOR_ORDERS = (
+    PackmlState.STOPPED.value,
+    PackmlState.IDLE.value,
+    PackmlState.COMPLETE.value,
+)
 
 
 class Shell(NamedTuple):
@@ -82,18 +86,18 @@ def next_choices(status: Any) -> tuple[Choice, ...]:
 
 def _next_choices(status: Any) -> Iterator[Choice]:
     waits = any(job.state not in OVER for job in status.jobs)
-    if status.state == Mode.ABORTED.value:
+    if status.state == PackmlState.ABORTED.value:
         shown = f'clear --as-shown {status.seq}'
         yield Choice('clear', shown, 'if the belt is as shown here')
         each = 'clear --belt 1=ITEM,2=empty'
         yield Choice('clear', each, 'else: every slot as it really is', is_complete=False)
-    elif status.state == Mode.IDLE.value and waits:
+    elif status.state == PackmlState.IDLE.value and waits:
         yield Choice('start', 'start', 'lets the cell begin to work')
     elif status.state in _WAITING_FOR_ORDERS:
         if not waits and not status.waits_for:
             order, effect = 'submit ORDER.yaml', 'gives it a work order'
             yield Choice('submit', order, effect, needs_reason=False, is_complete=False)
-        if status.state == Mode.STOPPED.value or waits:
+        if status.state == PackmlState.STOPPED.value or waits:
             yield Choice('reset', 'reset', 'gets the cell ready to start')
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any, NamedTuple
 
-from bt_orchestrator.model.isa95 import OVER
+from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.screen import words
 from bt_orchestrator.screen.advice import Shell, hold_advice, next_lines
 

@@ -11,8 +11,8 @@ from bt_orchestrator.model.action_type import ActionType, FieldType, MessageType
 from bt_orchestrator.model.cell import DEFAULT_TIMEOUT_S, Component, StateTopic
 from bt_orchestrator.model.fault import Fault, parse_fault
 from bt_orchestrator.ports import ActionTypes
-from bt_orchestrator.script.argument_checks import MessageReader
-from bt_orchestrator.script.fault_checks import unseen
+from bt_orchestrator.script.checks.arguments import MessageReader
+from bt_orchestrator.script.checks.faults import unseen
 from bt_orchestrator.script.field_types import misfit, simple_type
 from bt_orchestrator.script.fields import Fields
 from bt_orchestrator.script.keys import LONGEST_SECONDS

@@ -7,10 +7,10 @@ from typing import Any
 from bt_orchestrator.model.action_type import FieldType
 from bt_orchestrator.model.reference import Template
 from bt_orchestrator.model.script import Condition
+from bt_orchestrator.script.checks.references import ReferenceReader
 from bt_orchestrator.script.drafts import TaskDraft
 from bt_orchestrator.script.field_types import misfit
 from bt_orchestrator.script.fields import Fields
-from bt_orchestrator.script.reference_checks import ReferenceReader
 from bt_orchestrator.script.references import has_reference
 from bt_orchestrator.script.report import Place, Report
 from bt_orchestrator.script.task_keys import CONDITION

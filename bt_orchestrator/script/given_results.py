@@ -9,7 +9,7 @@ from typing import Any
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model.action_type import TASK_RESULT, ActionType, MessageType
 from bt_orchestrator.model.limits import RESULTS_TEXT
-from bt_orchestrator.script.argument_checks import MessageReader
+from bt_orchestrator.script.checks.arguments import MessageReader
 from bt_orchestrator.script.composing import compose
 from bt_orchestrator.script.report import Report
 from bt_orchestrator.script.yaml_nodes import MapNode, as_data, found, plain_value

@@ -16,8 +16,8 @@ from pathlib import Path
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
-from bt_orchestrator.model.job_commands import Sharing
-from bt_orchestrator.model.order import Job, WorkOrder
+from bt_orchestrator.model.jobs.job_commands import Sharing
+from bt_orchestrator.model.jobs.order import Job, WorkOrder
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.proof.sharing import examine

@@ -9,7 +9,7 @@ from typing import Any
 
 from bt_orchestrator.errors import Finding, Refused
 from bt_orchestrator.model.action_type import ActionType
-from bt_orchestrator.model.order import Job, WorkOrder
+from bt_orchestrator.model.jobs.order import Job, WorkOrder
 from bt_orchestrator.model.script import Parameter, Script
 from bt_orchestrator.script.field_types import PARAMETER_TYPES, misfit
 from bt_orchestrator.script.fields import Fields, file_fields

@@ -10,7 +10,7 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.reference import Reference, Template
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import ActionTypes
-from bt_orchestrator.script.argument_checks import member_type
+from bt_orchestrator.script.checks.arguments import member_type
 from bt_orchestrator.script.field_types import misfit
 from bt_orchestrator.script.references import is_single
 from bt_orchestrator.script.yaml_nodes import found_value

@@ -15,15 +15,15 @@ from bt_orchestrator.model.script import (
     Zone,
 )
 from bt_orchestrator.ports import ActionTypes
-from bt_orchestrator.script.balance_checks import check_balance
-from bt_orchestrator.script.dependency_checks import DependencyReader
+from bt_orchestrator.script.checks.balance import check_balance
+from bt_orchestrator.script.checks.dependencies import DependencyReader
+from bt_orchestrator.script.checks.sections import check_sections
 from bt_orchestrator.script.drafts import ScriptDraft, SectionDraft
 from bt_orchestrator.script.fields import Fields, file_fields
 from bt_orchestrator.script.names import check_id
 from bt_orchestrator.script.parameters import read_parameters
 from bt_orchestrator.script.report import Report
 from bt_orchestrator.script.script_keys import SCRIPT
-from bt_orchestrator.script.section_checks import check_sections
 from bt_orchestrator.script.section_reader import SectionReader
 from bt_orchestrator.script.source_text import read_text
 from bt_orchestrator.script.task_reader import TaskReader

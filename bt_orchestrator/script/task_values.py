@@ -7,10 +7,10 @@ from typing import Any
 
 from bt_orchestrator.model.action_type import TASK, ActionType, MessageType
 from bt_orchestrator.model.script import Task
-from bt_orchestrator.script.argument_checks import MessageReader
+from bt_orchestrator.script.checks.arguments import MessageReader
+from bt_orchestrator.script.checks.references import ReferenceReader
 from bt_orchestrator.script.conditions import ConditionReader
 from bt_orchestrator.script.drafts import ScriptDraft, TaskDraft
-from bt_orchestrator.script.reference_checks import ReferenceReader
 from bt_orchestrator.script.references import has_reference
 from bt_orchestrator.script.report import Report
 from bt_orchestrator.script.yaml_nodes import ListNode, MapNode, Node, Scalar

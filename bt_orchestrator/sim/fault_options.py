@@ -10,7 +10,7 @@ from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.cell import CONVEYOR, Cell, Component
 from bt_orchestrator.model.fault import Fault, parse_fault
 from bt_orchestrator.ports import ActionTypes
-from bt_orchestrator.script.fault_checks import Unseen, unseen
+from bt_orchestrator.script.checks.faults import Unseen, unseen
 from bt_orchestrator.script.report import did_you_mean, listing
 
 _OPTION = re.compile(r'(?P<component>[\w-]+)\.?(?P<fault>.*)', re.DOTALL)

@@ -9,12 +9,13 @@ from enum import Enum
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.goal import GoalRequest
-from bt_orchestrator.model.job_commands import AddJobs
-from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.jobs.job_commands import AddJobs
+from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.state import CellState
+from bt_orchestrator.model.wait import PartWait
 from bt_orchestrator.ports import ActionTypes, EventSink, EventStore
 from bt_orchestrator.runtime.orchestrator import Orchestrator
-from bt_orchestrator.runtime.waits import PartWait, waits
+from bt_orchestrator.runtime.waits import waits
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.gateway import VirtualGateway
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from bt_orchestrator.model.state import CellState
-from bt_orchestrator.model.wait import Wait, WaitKind
-from bt_orchestrator.runtime.waits import PartWait
+from bt_orchestrator.model.wait import PartWait, Wait, WaitKind
 
 
 def standstill(state: CellState, waits: Sequence[PartWait]) -> list[PartWait]:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from bt_orchestrator.errors import DamagedRecord
-from bt_orchestrator.model.history import JobRecord, job_from_plain
+from bt_orchestrator.model.jobs.job_record import JobRecord, job_from_plain
 from bt_orchestrator.store.checks import check_of, check_of_event
 from bt_orchestrator.store.database import (
     JournalUnusable,

@@ -12,7 +12,7 @@ from uuid import uuid4
 from bt_orchestrator.errors import JournalFailed
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.events import Event
-from bt_orchestrator.model.history import JobRecord, job_to_plain
+from bt_orchestrator.model.jobs.job_record import JobRecord, job_to_plain
 from bt_orchestrator.ports import Snapshot
 from bt_orchestrator.store import opening, retention, rows, snapshots
 from bt_orchestrator.store.checks import check_of

@@ -131,7 +131,7 @@ class BlackboardProjection:
         self._set('beat', self._state.beat)
 
     def _cell(self, _: e.Event | None = None) -> None:
-        self._set('cell', self._state.mode.value)
+        self._set('cell', self._state.packml.value)
 
     def _slots_around(self, event: e.ItemPlaced | e.ItemMoved | e.ItemRemoved) -> None:
         """Set a slot that was filled or emptied, and the one before, which an item left."""

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import graphviz
 
+from bt_orchestrator.drawing.card import Sheet
+from bt_orchestrator.drawing.line import line
+from bt_orchestrator.drawing.line_state import LineState
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import Script
-from bt_orchestrator.tree.draw_card import Sheet
-from bt_orchestrator.tree.draw_line import line
-from bt_orchestrator.tree.draw_state import LineState
 from bt_orchestrator.tree.draw_tree import tree
 
 FORMATS = ('svg', 'png', 'pdf')

@@ -10,13 +10,13 @@ from py_trees.behaviour import Behaviour
 from py_trees.composites import Parallel, Selector, Sequence
 from py_trees.decorators import Decorator
 
+from bt_orchestrator.drawing.card import Sheet, details
+from bt_orchestrator.drawing.text import FAINT, FONT, INK, PAPER, entry, font, table, tooltip
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.tree.compile import CellTree
-from bt_orchestrator.tree.draw_card import Sheet, details
-from bt_orchestrator.tree.draw_text import FAINT, FONT, INK, PAPER, entry, font, table, tooltip
 from bt_orchestrator.tree.leaf import ActionLeaf
 
 JOB = 'JOB'

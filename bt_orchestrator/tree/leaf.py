@@ -92,7 +92,7 @@ class ActionLeaf(TaskWaiter, Ticked):
         """Say why nothing goes on here; a skip would, for it counts as if the task had run."""
         state = self.subject.state
         if not state.works:
-            mode = state.mode.value
+            mode = state.packml.value
             what = 'the node ends' if state.shutting_down else f'the cell is {mode}'
             return Wait(what, WaitKind.CELL_STATE, mode)
         if state.pauses:

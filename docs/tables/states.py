@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from bt_orchestrator.model.fault import FaultKind
-from bt_orchestrator.model.isa95 import JobWord
-from bt_orchestrator.model.job_control import METHODS, Method
-from bt_orchestrator.model.packml import MEANINGS, TRANSITIONS, VERBS, Cause, Mode
+from bt_orchestrator.model.jobs.isa95 import JobWord
+from bt_orchestrator.model.jobs.job_control import METHODS, Method
+from bt_orchestrator.model.packml import MEANINGS, TRANSITIONS, VERBS, Cause, PackmlState
 from bt_orchestrator.model.stop_reason import WORDS, StopReason
 from tables import docstrings
 from tables.markdown import cell, table
@@ -16,7 +16,7 @@ from tables.markdown import cell, table
 def states_of_the_cell() -> Iterator[str]:
     """Yield what every state means."""
     titles = ('state', 'means', 'cycles begin', 'cycles in hand go on')
-    rows = ((m.value, MEANINGS[m], _yes(m.begins), _yes(m.works)) for m in Mode)
+    rows = ((m.value, MEANINGS[m], _yes(m.begins), _yes(m.works)) for m in PackmlState)
     yield from table(titles, rows)
 
 

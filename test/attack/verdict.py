@@ -13,7 +13,7 @@ from chaos.witnesses import vanished
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import from_record
-from bt_orchestrator.ros.messages import to_plain
+from bt_orchestrator.ros.types.messages import to_plain
 
 _OF_THE_MOMENT = frozenset(
     [

@@ -11,24 +11,30 @@ from fakes.queue_invariants import QueueInvariants
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.packml import TRANSITIONS, Cause, Mode
+from bt_orchestrator.model.packml import TRANSITIONS, Cause, PackmlState
 from bt_orchestrator.model.script import Script
 
 FREEING = (e.TaskSkipped, e.TaskContinued, e.TaskMarkedDone)
 """Events after which a task has no component any more, whatever was in doubt."""
 
 AT_REST = (
-    Mode.STOPPED,
-    Mode.RESETTING,
-    Mode.IDLE,
-    Mode.COMPLETE,
-    Mode.ABORTING,
-    Mode.ABORTED,
-    Mode.CLEARING,
+    PackmlState.STOPPED,
+    PackmlState.RESETTING,
+    PackmlState.IDLE,
+    PackmlState.COMPLETE,
+    PackmlState.ABORTING,
+    PackmlState.ABORTED,
+    PackmlState.CLEARING,
 )
 """States in which no task starts."""
 
-EMPTY_HANDED = (Mode.STOPPED, Mode.SUSPENDED, Mode.ABORTED, Mode.IDLE, Mode.COMPLETE)
+EMPTY_HANDED = (
+    PackmlState.STOPPED,
+    PackmlState.SUSPENDED,
+    PackmlState.ABORTED,
+    PackmlState.IDLE,
+    PackmlState.COMPLETE,
+)
 """States that are entered only when no goal is in flight."""
 
 
@@ -60,7 +66,7 @@ class Invariants:
         self._initialization = InitializationInvariants(cell, self._jobs)
         self._ended: set[tuple[str | None, str]] = set()
         """Items with the tasks that ended for them, one way or the other."""
-        self._mode = Mode.STOPPED
+        self._mode = PackmlState.STOPPED
         self._pauses: set[str] = set()
 
     def follow(self, event: e.Event) -> None:
@@ -204,8 +210,8 @@ class Invariants:
 
     def _state_changed(self, event: e.CellStateChanged) -> None:
         assert event.previous == self._mode.value, event
-        assert TRANSITIONS[self._mode][Cause(event.cause)] is Mode(event.state), event
-        self._mode = Mode(event.state)
+        assert TRANSITIONS[self._mode][Cause(event.cause)] is PackmlState(event.state), event
+        self._mode = PackmlState(event.state)
         assert self._mode not in EMPTY_HANDED or not self._in_flight, (event, self._in_flight)
 
     def _hold_raised(self, event: e.HoldRaised) -> None:

@@ -9,8 +9,8 @@ from pathlib import Path
 from fakes.action_types import FakeActionTypes
 from fakes.line import THREE, Line
 
-from bt_orchestrator.model.job_commands import AddJobs
-from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.jobs.job_commands import AddJobs
+from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.runtime.housekeeping import Housekeeping
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.sim.clock import VirtualClock

@@ -219,7 +219,7 @@ class ProductBench:
 
     def commands(self) -> Sequence[str]:
         state = self.run.state
-        found = [VERBS[cause] for cause in possible_in(state.mode)]
+        found = [VERBS[cause] for cause in possible_in(state.packml)]
         is_open = any(hold.key == INDEX_KEY for hold in state.holds.values())
         return [one for one in found if one in COMMANDS and not (is_open and one == 'clear')]
 

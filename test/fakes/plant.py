@@ -10,8 +10,8 @@ from fakes.dying_gateway import DyingGateway
 from fakes.line import THREE, Line
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.job_commands import AddJobs
-from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.jobs.job_commands import AddJobs
+from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.store.restoring import bring_back

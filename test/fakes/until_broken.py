@@ -19,8 +19,8 @@ from fakes.long_journal import LongRun
 from fakes.operator import ann
 
 from bt_orchestrator.model.cell_commands import Pause
-from bt_orchestrator.model.job_commands import AddJobs
-from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.jobs.job_commands import AddJobs
+from bt_orchestrator.model.jobs.order import Job
 
 
 def main(path: Path, largest: int) -> None:

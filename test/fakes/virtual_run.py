@@ -22,8 +22,8 @@ from bt_orchestrator.model.commands import (
 )
 from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.goal import GoalRequest
-from bt_orchestrator.model.job_commands import AddJobs, ControlJob
-from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.jobs.job_commands import AddJobs, ControlJob
+from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.ports import ActionTypes

@@ -10,8 +10,8 @@ from fakes.dying_gateway import DyingGateway
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.job_commands import AddJobs
-from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.jobs.job_commands import AddJobs
+from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import EventStore
 from bt_orchestrator.runtime.orchestrator import Orchestrator

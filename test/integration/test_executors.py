@@ -18,8 +18,8 @@ from rclpy.timer import Timer
 from rclpy.waitable import NumberOfEntities, Waitable
 from std_msgs.msg import Empty
 
-from bt_orchestrator.ros.executors import spin_once
-from bt_orchestrator.ros.lean_executor import LeanExecutor
+from bt_orchestrator.ros.executor.executors import spin_once
+from bt_orchestrator.ros.executor.lean_executor import LeanExecutor
 
 pytestmark = pytest.mark.every_distro
 

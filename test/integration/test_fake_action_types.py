@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from fakes.action_types import ACTIONS, MESSAGES, PACKAGE, FakeActionTypes
 
-from bt_orchestrator.ros.action_types import InstalledActionTypes
+from bt_orchestrator.ros.types.action_types import InstalledActionTypes
 from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.script.field_types import simple_type
 from bt_orchestrator.script.script_file import read_script

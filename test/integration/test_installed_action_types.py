@@ -9,9 +9,9 @@ import pytest
 
 from bt_orchestrator.errors import UnknownActionType
 from bt_orchestrator.model.action_type import FieldType
-from bt_orchestrator.ros.action_types import InstalledActionTypes
-from bt_orchestrator.ros.interface_classes import message_class
-from bt_orchestrator.ros.slot_types import message_type
+from bt_orchestrator.ros.types.action_types import InstalledActionTypes
+from bt_orchestrator.ros.types.interface_classes import message_class
+from bt_orchestrator.ros.types.slot_types import message_type
 
 pytestmark = pytest.mark.every_distro
 
@@ -163,7 +163,7 @@ def test_unknown_message_field(type_name: str, field: str, what: str, hint: str)
 def test_needs_no_client_library() -> None:
     program = (
         'import sys\n'
-        'from bt_orchestrator.ros.action_types import InstalledActionTypes\n'
+        'from bt_orchestrator.ros.types.action_types import InstalledActionTypes\n'
         'InstalledActionTypes().action("test_msgs/action/NestedMessage")\n'
         'InstalledActionTypes().message_field("std_msgs/msg/String", "data")\n'
         'print("rclpy" in sys.modules)\n'

@@ -12,7 +12,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 from test_msgs import msg
 from test_msgs.action import NestedMessage
 
-from bt_orchestrator.ros.messages import InstalledInterfaces, field_value, fill, to_plain
+from bt_orchestrator.ros.types.messages import InstalledInterfaces, field_value, fill, to_plain
 
 pytestmark = pytest.mark.every_distro
 

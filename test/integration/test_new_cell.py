@@ -10,7 +10,7 @@ from cell_processes import run_verb
 from fakes.shipped import REFERENCE_CELL
 from program_process import ProgramProcess
 
-from bt_orchestrator.ros.action_types import InstalledActionTypes
+from bt_orchestrator.ros.types.action_types import InstalledActionTypes
 from bt_orchestrator.script.cell_file import read_cell
 
 

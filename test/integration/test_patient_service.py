@@ -12,9 +12,9 @@ from action_caller import ActionCaller
 from rcl_interfaces.srv import GetParameters
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
-from bt_orchestrator.ros import patient_service
-from bt_orchestrator.ros.patient_service import create_patient_service
 from bt_orchestrator.ros.qos import create_client
+from bt_orchestrator.ros.services import patient_service
+from bt_orchestrator.ros.services.patient_service import create_patient_service
 from bt_orchestrator.ros.spare_log import SpareLog
 
 pytestmark = pytest.mark.every_distro

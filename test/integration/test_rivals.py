@@ -14,7 +14,7 @@ from thread_servers import ThreadServers
 
 from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.goal import GoalStatus, SeenContest
-from bt_orchestrator.ros.goal import RosGoal
+from bt_orchestrator.ros.actions.goal import RosGoal
 
 
 @pytest.fixture

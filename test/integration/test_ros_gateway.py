@@ -16,9 +16,9 @@ from thread_servers import LateYes, ThreadServers
 
 from bt_orchestrator.model.cell import Component
 from bt_orchestrator.model.goal import RESULT_CHECK_S, SERVER_LEASE_S, GoalStatus
-from bt_orchestrator.ros.action_link import ActionLink
-from bt_orchestrator.ros.goal import RosGoal
-from bt_orchestrator.ros.goal_client import GoalClient
+from bt_orchestrator.ros.actions.action_link import ActionLink
+from bt_orchestrator.ros.actions.goal import RosGoal
+from bt_orchestrator.ros.actions.goal_client import GoalClient
 
 pytestmark = pytest.mark.every_distro
 
@@ -249,7 +249,7 @@ class TestBounds:
         assert nothing_left(client(cell, 'hanging')) == {}
 
     def test_requests_without_answer_are_forgotten(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr('bt_orchestrator.ros.open_goals._MOST_UNANSWERED', 3)
+        monkeypatch.setattr('bt_orchestrator.ros.actions.open_goals._MOST_UNANSWERED', 3)
         bench = running_bench([component('mute', '#*=mute')])
         try:
             goals = [bench.gateway.send(goal_request('mute')) for _ in range(8)]
@@ -268,7 +268,7 @@ class TestErrors:
             raise RuntimeError('unreadable')
 
         with monkeypatch.context() as patch:
-            patch.setattr('bt_orchestrator.ros.goal_follower.to_plain', fail)
+            patch.setattr('bt_orchestrator.ros.actions.goal_follower.to_plain', fail)
             goal = cell.gateway.send(goal_request('good'))
             assert ended(cell, goal) is GoalStatus.LOST
             assert goal.end is not None

@@ -15,8 +15,8 @@ from ros_bench import RosBench, running_bench
 from thread_servers import LateYes, ThreadServers
 
 from bt_orchestrator.model.goal import GoalStatus
-from bt_orchestrator.ros.action_link import ActionLink
-from bt_orchestrator.ros.goal import RosGoal
+from bt_orchestrator.ros.actions.action_link import ActionLink
+from bt_orchestrator.ros.actions.goal import RosGoal
 
 pytestmark = pytest.mark.every_distro
 
@@ -29,8 +29,8 @@ PATIENCE_S = 30.0
 
 @pytest.fixture(autouse=True)
 def hurry(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr('bt_orchestrator.ros.server_watch.RESULT_CHECK_S', CHECK_S)
-    monkeypatch.setattr('bt_orchestrator.ros.server_watch.SILENCE_S', SILENCE_S)
+    monkeypatch.setattr('bt_orchestrator.ros.actions.server_watch.RESULT_CHECK_S', CHECK_S)
+    monkeypatch.setattr('bt_orchestrator.ros.actions.server_watch.SILENCE_S', SILENCE_S)
 
 
 @pytest.fixture
@@ -120,7 +120,7 @@ def test_9_3_a_client_that_has_gone_deaf_is_replaced(
     deafen(link(cell, 'good'))
     deafen(link(cell, 'other'))
     cell.run_until(lambda: goal.renewed and other.renewed, 'fresh participants')
-    monkeypatch.setattr('bt_orchestrator.ros.server_watch.SILENCE_S', PATIENCE_S)
+    monkeypatch.setattr('bt_orchestrator.ros.actions.server_watch.SILENCE_S', PATIENCE_S)
     assert end_of(cell, goal).status is GoalStatus.SUCCEEDED
     assert goal.end is not None
     assert goal.end.result['measurement'] == 1.5

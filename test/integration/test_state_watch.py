@@ -13,7 +13,7 @@ from std_msgs.msg import Bool, Header, String
 
 from bt_orchestrator.model.cell import Component, StateTopic
 from bt_orchestrator.model.goal import StateReading
-from bt_orchestrator.ros.state_watch import HEARS_ALL, best_profile
+from bt_orchestrator.ros.actions.state_watch import HEARS_ALL, best_profile
 
 RELIABLE, BEST_EFFORT = ReliabilityPolicy.RELIABLE, ReliabilityPolicy.BEST_EFFORT
 LATCHED, VOLATILE = DurabilityPolicy.TRANSIENT_LOCAL, DurabilityPolicy.VOLATILE

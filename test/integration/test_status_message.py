@@ -12,17 +12,17 @@ from fakes.line import THREE, Line
 from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.cli.queue import others
-from bt_orchestrator.model.pace import expected_ends_s
+from bt_orchestrator.drawing.status_marks import line_state
 from bt_orchestrator.model.snapshot import state_from_plain, state_to_plain
-from bt_orchestrator.ros.expected_ends import nearest
-from bt_orchestrator.ros.job_message import list_queue
-from bt_orchestrator.ros.messages import to_plain
-from bt_orchestrator.ros.status_message import status_message
+from bt_orchestrator.report.pace import expected_ends_s
+from bt_orchestrator.ros.services.expected_ends import nearest
+from bt_orchestrator.ros.services.job_message import list_queue
+from bt_orchestrator.ros.services.status_message import status_message
+from bt_orchestrator.ros.types.messages import to_plain
 from bt_orchestrator.screen import words
 from bt_orchestrator.screen.advice import Shell
 from bt_orchestrator.screen.view import cell_view
 from bt_orchestrator.tree.draw import draw
-from bt_orchestrator.tree.draw_status import line_state
 
 SCRIPT = """
 params: {off: {type: bool, default: true}}

@@ -28,7 +28,7 @@ from bt_orchestrator.cli.bootstrap import (
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.node_parameters import NodeParameters
 from bt_orchestrator.ros.node import NODE_NAME, Parts, TreeNode
-from bt_orchestrator.ros.outputs import StatusTopic
+from bt_orchestrator.ros.services.outputs import StatusTopic
 from bt_orchestrator.stop_signals import StopSignals
 
 pytestmark = pytest.mark.every_distro

@@ -20,7 +20,7 @@ from bt_orchestrator.script.composing import MOST_NODES
 LIGHT = 5
 """Questions that are answered while one request is read: one may be in front of it."""
 
-MODULE = b'bt_orchestrator.ros.order_process'
+MODULE = b'bt_orchestrator.ros.services.order_process'
 
 
 def reading_process(cell: CellProcesses) -> int:

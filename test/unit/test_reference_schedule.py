@@ -35,7 +35,7 @@ from fakes.action_types import FakeActionTypes
 from fakes.shipped import REFERENCE_CELL, TREES
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.script.script_file import read_script
 from bt_orchestrator.sim.simulation import Outcome, Simulation

@@ -9,8 +9,8 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from bt_orchestrator.diagnosis.check import Check, fail, ok, warn
 from bt_orchestrator.model.cell import Cell, Component, StateTopic
+from bt_orchestrator.ros.actions.endpoints import is_named, names
 from bt_orchestrator.ros.diagnosis.graph import Graph
-from bt_orchestrator.ros.endpoints import is_named, names
 
 
 def cell_on_graph(graph: Graph, cell: Cell, timeout_s: float, elsewhere: str) -> Iterator[Check]:

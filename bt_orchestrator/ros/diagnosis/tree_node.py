@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from rcl_interfaces.srv import GetParameters
 
 from bt_orchestrator.diagnosis.check import Check, fail, ok
+from bt_orchestrator.ros.actions.endpoints import names
 from bt_orchestrator.ros.diagnosis.graph import Graph
-from bt_orchestrator.ros.endpoints import names
 
 CLOCK = '/clock'
 

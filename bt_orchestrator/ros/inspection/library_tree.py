@@ -10,7 +10,7 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from bt_orchestrator.errors import OrchestratorError
-from bt_orchestrator.ros.callbacks import Logger, guarded
+from bt_orchestrator.ros.executor.callbacks import Logger, guarded
 
 LIBRARY = 'py_trees_ros'
 

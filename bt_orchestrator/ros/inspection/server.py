@@ -9,7 +9,8 @@ from typing import Any
 from py_trees_ros_interfaces import srv
 from rclpy.node import Node
 
-from bt_orchestrator.ros.callbacks import guarded, report
+from bt_orchestrator.ros.executor.callbacks import guarded, report
+from bt_orchestrator.ros.executor.timers import steady_timer
 from bt_orchestrator.ros.inspection import blackboard_view
 from bt_orchestrator.ros.inspection.blackboard_streams import BlackboardStreams, View
 from bt_orchestrator.ros.inspection.blackboard_view import ActivityLog
@@ -18,9 +19,8 @@ from bt_orchestrator.ros.inspection.snapshot_source import SnapshotSource
 from bt_orchestrator.ros.inspection.snapshot_streams import SnapshotStreams, StreamParameters
 from bt_orchestrator.ros.inspection.stream_refused import StreamRefused
 from bt_orchestrator.ros.inspection.tick_statistics import TickStatistics
-from bt_orchestrator.ros.patient_service import create_patient_service
+from bt_orchestrator.ros.services.patient_service import create_patient_service
 from bt_orchestrator.ros.spare_log import SpareLog
-from bt_orchestrator.ros.timers import steady_timer
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 
 TURN_S = 0.1

@@ -10,9 +10,9 @@ from fakes.virtual_run import BY, VirtualRun
 from bt_orchestrator.model.belt_statement import believed, parse_slots
 from bt_orchestrator.model.cell_commands import Abort, Clear, Reset, Resume, Start, Stop
 from bt_orchestrator.model.commands import Answer
-from bt_orchestrator.model.job_commands import AddJobs, MoveJob, RunNext, StopAfter, UpdateJob
-from bt_orchestrator.model.order import Job
-from bt_orchestrator.model.packml import Mode
+from bt_orchestrator.model.jobs.job_commands import AddJobs, MoveJob, RunNext, StopAfter, UpdateJob
+from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.runtime.job_queue import CONTROLS
 
@@ -64,9 +64,9 @@ class QueueOperator:
         assert run.ask(AddJobs((self._job('last'),), BY)).accepted
         run.go()
         if run.state.wish is not None:
-            mode = run.state.mode
-            assert mode in (Mode.STOPPED, Mode.IDLE), 'no order starts it'
-            if mode is Mode.STOPPED:
+            packml = run.state.packml
+            assert packml in (PackmlState.STOPPED, PackmlState.IDLE), 'no order starts it'
+            if packml is PackmlState.STOPPED:
                 assert run.command(Reset).accepted
             assert run.command(Start).accepted
 

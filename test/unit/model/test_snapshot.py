@@ -21,7 +21,7 @@ from hypothesis import given
 from bt_orchestrator.model import snapshot as kept
 from bt_orchestrator.model.codec import hints_of
 from bt_orchestrator.model.fold import apply
-from bt_orchestrator.model.live_jobs import LiveJobs
+from bt_orchestrator.model.jobs.live_jobs import LiveJobs
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.snapshot import (
     kept_fields,
@@ -175,7 +175,7 @@ def test_what_an_older_program_knew_of_a_stop_is_an_operators_wish(
     mode: str, arrived: bool, wish: str | None
 ) -> None:
     plain = state_to_plain(CellState(LINE.cell))
-    for name in ('had_work', 'stopped_by', 'stop_after_by'):
+    for name in ('had_work', 'stopped_by', 'stop_after_by', 'packml'):
         del plain['state'][name]
     plain['state'] |= {'order_arrived': arrived, 'mode': mode, 'stop_after': 'job'}
     state = state_from_plain(LINE.cell, plain)

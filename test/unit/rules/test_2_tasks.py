@@ -144,7 +144,7 @@ sections:
 @pytest.mark.parametrize('fault', ['#2=abort', '#2=false', '#2=reject', '#2=hang'])
 def test_2_5_a_held_task_keeps_its_component(fault: str) -> None:
     run = Line(faults={'arm': fault}).run(SHARED, 2)
-    assert run.state.mode.value == 'Held'
+    assert run.state.packml.value == 'Held'
     assert run.starts('two') == [3.0]
     assert run.waits()['section 2'] == (
         'waiting for arm, busy with three of J/1, which waits for an answer to hold 1'

@@ -285,7 +285,7 @@ def test_4_3_the_belt_waits_until_somebody_says_what_the_slot_holds(
     (hold,) = run.state.holds.values()
     assert (hold.task, hold.answers) == (task, ('mark_done', 'skip'))
     assert hold.message.endswith(f'was J/1 {asked}? mark_done if it was, else skip')
-    assert run.state.mode.value == 'Held'
+    assert run.state.packml.value == 'Held'
     assert not any(run.answer(word).accepted for word in ('retry', 'reject', 'abort_job'))
     assert run.times('belt.index_started') == moves
 
@@ -400,7 +400,7 @@ def held_on_the_table(more: str = '', fault: str = '#1=abort', **given: Any) -> 
 @pytest.mark.parametrize('fault', ['#1=abort', '#1=reject', '#0=absent', '#1=hang', '#1=die:1'])
 def test_4_4_a_held_task_keeps_its_zone(fault: str) -> None:
     run = held_on_the_table(fault=fault)
-    assert run.state.mode.value == 'Held'
+    assert run.state.packml.value == 'Held'
     assert run.starts('two', item='J/2') == []
     assert run.waits()['section 2'] == (
         'waiting for zone table, taken by three of J/1, which waits for an answer to hold 1'

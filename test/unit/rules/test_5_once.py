@@ -8,8 +8,8 @@ from fakes.virtual_run import BY, VirtualRun
 
 from bt_orchestrator.model.cell_commands import Abort, Reset, Start, Stop
 from bt_orchestrator.model.events import TaskKey
-from bt_orchestrator.model.job_commands import RunNext
-from bt_orchestrator.model.packml import Mode
+from bt_orchestrator.model.jobs.job_commands import RunNext
+from bt_orchestrator.model.packml import PackmlState
 
 HOME = with_initialization('[{id: home, task: HOME, action: /belt/do, once: true}]')
 
@@ -66,7 +66,7 @@ def test_5_1_once_is_forgotten_in_stopped() -> None:
     line = Line()
     run = line.run(HOME)
     run.command(Stop)
-    assert run.state.mode.value == 'Stopped'
+    assert run.state.packml.value == 'Stopped'
     run.submit('K', line.script(HOME), 1)
     run.command(Reset)
     run.command(Start)
@@ -112,7 +112,7 @@ def test_5_1_skips_of_a_job_without_a_cycle_are_forgotten_in_aborted() -> None:
     run.go(until=9.0)
     run.command(Abort)
     run.go(until=10.0)
-    assert run.state.mode is Mode.ABORTED
+    assert run.state.packml is PackmlState.ABORTED
     assert run.state.phase(TaskKey('K', None, None, 'home')) is None
 
 

@@ -8,8 +8,8 @@ from fakes.queued_jobs import LINE, SCRIPT, begun, queue, queued
 from fakes.virtual_run import BY, VirtualRun
 
 from bt_orchestrator.model.cell_commands import Abort, Pause, Reset, Start, Stop
-from bt_orchestrator.model.job_commands import StopAfter
-from bt_orchestrator.model.packml import Mode
+from bt_orchestrator.model.jobs.job_commands import StopAfter
+from bt_orchestrator.model.packml import PackmlState
 
 TOLERANT = LINE.script(THREE.replace('qty_change: -1', 'qty_change: -1, runs_for: all'))
 """Packs rejected items too."""
@@ -111,7 +111,7 @@ def test_6_6_a_queued_job_is_aborted_at_once_while_a_task_is_held() -> None:
     run = VirtualRun(line.cell, line.types)
     run.add(('J', script), ('K', script))
     run.go()
-    assert run.state.mode is Mode.HELD
+    assert run.state.packml is PackmlState.HELD
     assert run.control('abort', 'K').accepted
     assert run.job('K').ended_at == run.now
 
@@ -189,7 +189,7 @@ def test_6_6_the_cell_stops_after_the_current_item() -> None:
     assert run.ask(StopAfter('item', BY)).message == 'the cell stops after the current item'
     assert run.state.stop_after == 'item'
     run.go(until=60.0)
-    assert run.state.mode is Mode.STOPPED
+    assert run.state.packml is PackmlState.STOPPED
     assert len(run.all('queue.stop_reached')) == 1
     assert (run.counts()['started'], run.counts()['packed']) == (2, 2)
     assert begun(run) == ['J']
@@ -199,7 +199,7 @@ def test_6_6_the_cell_stops_after_the_current_job() -> None:
     run = queued('KL')
     run.ask(StopAfter('job', BY))
     run.go(until=60.0)
-    assert run.state.mode is Mode.STOPPED
+    assert run.state.packml is PackmlState.STOPPED
     assert begun(run) == list(run.state.ended) == ['J']
     reasons = [r.get('reason') for r in run.all('cell.state_changed', state='Stopping')]
     assert reasons == ['stop after the current job']
@@ -217,10 +217,10 @@ def test_6_6_an_empty_line_with_a_hold_waits_for_the_answer(task: str, component
     run.ask(StopAfter('item', BY))
     run.go()
     assert [hold.task for hold in run.state.holds.values()] == [task]
-    assert run.state.mode.value == 'Held'
+    assert run.state.packml.value == 'Held'
     run.answer('mark_done')
     run.go()
-    assert run.state.mode is Mode.STOPPED
+    assert run.state.packml is PackmlState.STOPPED
     assert not run.state.holds
     assert len(run.all('queue.stop_reached')) == 1
 
@@ -235,7 +235,7 @@ def test_6_6_the_preparation_in_hand_is_finished_before_the_cell_stops() -> None
     run.go()
     assert run.starts('second') == [1.0, 7.0]
     assert run.times('cell.state_changed', state='Stopping') == [8.0]
-    assert run.state.mode is Mode.STOPPED
+    assert run.state.packml is PackmlState.STOPPED
 
 
 def test_6_6_a_stop_to_come_is_taken_back() -> None:

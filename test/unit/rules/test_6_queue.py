@@ -7,10 +7,10 @@ from fakes.line import THREE, Line, with_section
 from fakes.queued_jobs import LINE, SCRIPT, begun, queue, queued
 from fakes.virtual_run import BY, VirtualRun
 
-from bt_orchestrator.model.job_commands import MoveJob, RunNext, UpdateJob
-from bt_orchestrator.model.job_folds import ENDED_KEPT
-from bt_orchestrator.model.order import Job
-from bt_orchestrator.model.packml import Mode
+from bt_orchestrator.model.jobs.job_commands import MoveJob, RunNext, UpdateJob
+from bt_orchestrator.model.jobs.job_folds import ENDED_KEPT
+from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryStore
 
@@ -184,7 +184,7 @@ def test_6_6_a_held_job_prepares_nothing() -> None:
     run.add(('L', SCRIPT))
     run.go()
     assert run.starts('ready') == []
-    assert run.state.mode is Mode.COMPLETE, 'there is nothing to be done'
+    assert run.state.packml is PackmlState.COMPLETE, 'there is nothing to be done'
     run.control('release', 'K')
     run.go()
     assert run.ended
@@ -194,7 +194,7 @@ def test_6_6_held_jobs_alone_do_not_start_the_cell() -> None:
     run = VirtualRun(LINE.cell, LINE.types)
     run.add(('K', SCRIPT), held=True)
     run.go()
-    assert run.state.mode is Mode.STOPPED
+    assert run.state.packml is PackmlState.STOPPED
     assert run.waits()['section 1'].startswith('the cell is Stopped')
     run.control('release', 'K')
     run.go()

@@ -21,9 +21,9 @@ from bt_orchestrator.model.cell_commands import (
 )
 from bt_orchestrator.model.commands import AnswerHold, Shutdown
 from bt_orchestrator.model.fold import apply
-from bt_orchestrator.model.job_commands import StopAfter
-from bt_orchestrator.model.order import Job
-from bt_orchestrator.model.packml import TRANSITIONS, Mode
+from bt_orchestrator.model.jobs.job_commands import StopAfter
+from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.packml import TRANSITIONS, PackmlState
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.gateway import VirtualGateway
@@ -54,7 +54,7 @@ def arrows() -> set[tuple[str, str, str]]:
     for line in ARROWS.strip().splitlines():
         words = line.split()
         found |= {tuple(words[n : n + 3]) for n in range(0, len(words) - 2, 2)}
-    states = {mode.value for mode in Mode}
+    states = {packml.value for packml in PackmlState}
     found |= {(state, 'stop', 'Stopping') for state in states - NEVER_STOPPED}
     found |= {(state, 'abort', 'Aborting') for state in states - {'Aborting', 'Aborted'}}
     return found  # type: ignore[return-value]
@@ -62,12 +62,12 @@ def arrows() -> set[tuple[str, str, str]]:
 
 def test_7_2_the_table_is_the_rule() -> None:
     table = {
-        (mode.value, cause.value, after.value)
-        for mode, row in TRANSITIONS.items()
+        (packml.value, cause.value, after.value)
+        for packml, row in TRANSITIONS.items()
         for cause, after in row.items()
     }
     assert table == arrows()
-    assert len(Mode) == 17
+    assert len(PackmlState) == 17
 
 
 COMMANDS: dict[str, type[CellCommand]] = {
@@ -79,19 +79,19 @@ COMMANDS: dict[str, type[CellCommand]] = {
 }
 
 
-def orchestrator_in(mode: Mode) -> Orchestrator:
+def orchestrator_in(packml: PackmlState) -> Orchestrator:
     """Return an orchestrator whose journal ended in a state; it has not settled yet."""
     line, clock, store = Line(), VirtualClock(), MemoryStore()
-    event = e.CellStateChanged(seq=1, state=mode.value, previous='Stopped')
+    event = e.CellStateChanged(seq=1, state=packml.value, previous='Stopped')
     store.append([event])
     gateway = VirtualGateway(line.cell, line.types, clock)
     return Orchestrator(line.cell, gateway, clock, store, auto_start=False)
 
 
 @pytest.mark.parametrize('verb', COMMANDS)
-@pytest.mark.parametrize('mode', Mode)
-def test_7_2_every_command_in_every_state(mode: Mode, verb: str) -> None:
-    orchestrator = orchestrator_in(mode)
+@pytest.mark.parametrize('packml', PackmlState)
+def test_7_2_every_command_in_every_state(packml: PackmlState, verb: str) -> None:
+    orchestrator = orchestrator_in(packml)
     kind = COMMANDS[verb]
     seen = AsShown(orchestrator.state.seq)
     command = Clear(ann('so'), belt=seen) if kind is Clear else kind(ann('so'))
@@ -100,19 +100,19 @@ def test_7_2_every_command_in_every_state(mode: Mode, verb: str) -> None:
     orchestrator.settle()
     events = [event for event in orchestrator._store.read() if event.seq > before]
 
-    after = {arrow[2] for arrow in arrows() if arrow[:2] == (mode.value, verb)}
+    after = {arrow[2] for arrow in arrows() if arrow[:2] == (packml.value, verb)}
     assert answer.accepted is bool(after)
     if after:
         changed = next(event for event in events if isinstance(event, e.CellStateChanged))
         assert {changed.state} == after
-        assert (changed.previous, changed.cause) == (mode.value, verb)
+        assert (changed.previous, changed.cause) == (packml.value, verb)
         assert any(isinstance(event, e.OperatorDecided) for event in events)
         return
     (refused,) = [event for event in events if isinstance(event, e.OperatorRefused)]
     assert (refused.command, refused.who, refused.message) == (verb, 'Ann', answer.message)
-    assert answer.message.startswith(f'the cell is {mode.value}; {verb} is for ')
+    assert answer.message.startswith(f'the cell is {packml.value}; {verb} is for ')
     possible = answer.message.partition('possible now: ')[2].split(', ')
-    named = {cause for before, cause, _ in arrows() if before == mode.value} & {*COMMANDS}
+    named = {cause for before, cause, _ in arrows() if before == packml.value} & {*COMMANDS}
     assert set(possible) == named | {'pause', 'resume'}
 
 
@@ -121,13 +121,13 @@ def table_walk(orchestrator: Orchestrator) -> list[str]:
     return [event.state for event in events if isinstance(event, e.CellStateChanged)]
 
 
-@pytest.mark.parametrize('mode', Mode)
-def test_7_2_pause_and_resume_in_every_state(mode: Mode) -> None:
-    orchestrator = orchestrator_in(mode)
+@pytest.mark.parametrize('packml', PackmlState)
+def test_7_2_pause_and_resume_in_every_state(packml: PackmlState) -> None:
+    orchestrator = orchestrator_in(packml)
     assert orchestrator.ask(Pause(ann('a visitor'))).accepted
     (hold,) = orchestrator.state.holds.values()
     assert (hold.owner, hold.reason, hold.message) == ('Ann', 'paused', 'Ann: a visitor')
-    holds = (mode.value, 'hold', 'Holding') in arrows()
+    holds = (packml.value, 'hold', 'Holding') in arrows()
     assert ('Holding' in table_walk(orchestrator)[1:]) is holds
     assert orchestrator.ask(Resume(ann('gone'))).accepted
     assert not orchestrator.state.holds
@@ -156,11 +156,11 @@ def test_7_2_started_without_an_order_the_cell_waits_for_one() -> None:
     run = VirtualRun(line.cell, line.types, auto_start=False)
     run.command(Reset)
     run.command(Start)
-    assert run.state.mode.value == 'Execute'
+    assert run.state.packml.value == 'Execute'
     run.submit('J', line.script(THREE))
     run.go()
     assert run.ended
-    assert run.state.mode.value == 'Complete'
+    assert run.state.packml.value == 'Complete'
 
 
 def test_7_2_after_complete_the_next_order_starts_the_cell_only_with_auto_start() -> None:
@@ -190,10 +190,10 @@ def stopped(**options: object) -> VirtualRun:
 
 def test_7_2_stop_finishes_the_cycles_in_hand_and_begins_none() -> None:
     run = stopped()
-    assert run.state.mode.value == 'Stopping'
+    assert run.state.packml.value == 'Stopping'
     begun = len(run.all('cycle.started'))
     run.go()
-    assert run.state.mode.value == 'Stopped'
+    assert run.state.packml.value == 'Stopped'
     assert run.starts('more') == [6.0]
     assert run.times('cell.state_changed', state='Stopped') == [7.0]
     assert len(run.all('cycle.started')) == begun
@@ -206,7 +206,7 @@ def test_7_2_what_was_stopped_goes_on_after_reset_and_start() -> None:
     run.go()
     assert run.command(Reset).accepted
     run.go()
-    assert run.state.mode.value == 'Idle', 'the jobs that were there are no reason to start'
+    assert run.state.packml.value == 'Idle', 'the jobs that were there are no reason to start'
     assert run.command(Start).accepted
     run.go()
     assert run.counts()['packed'] == 4
@@ -215,15 +215,15 @@ def test_7_2_what_was_stopped_goes_on_after_reset_and_start() -> None:
 def test_7_2_no_order_starts_what_an_operator_stopped() -> None:
     run = stopped()
     script = Line().script(THREE, 'other')
-    for job, mode in (('K', 'Stopped'), ('L', 'Stopped')):
+    for job, packml in (('K', 'Stopped'), ('L', 'Stopped')):
         answer = run.submit(job, script)
         assert answer.message == (
             f'{job} is queued\nthe cell waits for reset and start, for Ann said stop: it is so'
         )
-        assert run.go().state.mode.value == mode
+        assert run.go().state.packml.value == packml
     assert run.command(Reset).accepted
     assert run.submit('M', script).message.endswith('waits for start, for Ann said stop: it is so')
-    assert run.go().state.mode.value == 'Idle', 'a reset is no start'
+    assert run.go().state.packml.value == 'Idle', 'a reset is no start'
     assert run.command(Start).accepted
     assert run.submit('N', script).message == 'N is queued'
     run.go()
@@ -237,7 +237,7 @@ def test_7_2_no_order_starts_what_an_operator_aborted_and_cleared() -> None:
     assert 'waits for clear, reset and start' in run.submit('K', script).message
     run.command(Clear, belt=AsShown(run.state.seq))
     assert 'for Ann said clear' in run.submit('L', script).message
-    assert run.go().state.mode.value == 'Stopped'
+    assert run.go().state.packml.value == 'Stopped'
     run.command(Reset)
     run.command(Start)
     run.go()
@@ -254,9 +254,9 @@ def test_7_2_no_order_starts_what_was_stopped_after_a_job() -> None:
         'for Ann said stop after job: it was time'
     )
     run.go()
-    assert run.state.mode.value == 'Stopped'
+    assert run.state.packml.value == 'Stopped'
     run.submit('L', script)
-    assert run.go().state.mode.value == 'Stopped'
+    assert run.go().state.packml.value == 'Stopped'
     run.command(Reset)
     run.command(Start)
     run.go()
@@ -277,7 +277,7 @@ def test_7_2_to_take_a_stop_after_back_does_not_take_back_a_stop() -> None:
     run.ask(StopAfter('job', BY))
     run.ask(StopAfter('never', BY))
     run.submit('K', Line().script(THREE, 'other'))
-    assert run.go().state.mode.value == 'Stopped'
+    assert run.go().state.packml.value == 'Stopped'
 
 
 def test_7_2_a_job_that_is_released_is_told_that_it_waits() -> None:
@@ -286,7 +286,7 @@ def test_7_2_a_job_that_is_released_is_told_that_it_waits() -> None:
     assert run.control('release', 'K').message == (
         'K is released\nthe cell waits for reset and start, for Ann said stop: it is so'
     )
-    assert run.go().state.mode.value == 'Stopped'
+    assert run.go().state.packml.value == 'Stopped'
 
 
 @pytest.mark.parametrize('reset', [False, True])
@@ -312,7 +312,7 @@ def test_7_2_a_new_orchestrator_does_not_start_what_an_operator_stopped(
         again.orchestrator.ask(AnswerHold(hold, 'retry', ann()))
     again.submit([Job('K', line.script(THREE, 'other'), 1)])
     again.run()
-    assert again.state.mode.value == ('Idle' if reset else 'Stopped')
+    assert again.state.packml.value == ('Idle' if reset else 'Stopped')
     assert not [x for x in run.store.read() if isinstance(x, e.TaskStarted) and x.job == 'K']
     if not reset:
         assert again.orchestrator.ask(Reset(ann())).accepted
@@ -345,9 +345,9 @@ def test_7_2_stop_waits_for_a_component_that_is_busy_for_a_moment() -> None:
 
 def test_7_2_stop_leaves_held_tasks_held() -> None:
     run = Line(faults={'a2': '#1=abort'}).run(TWO_STEPS, 2)
-    assert run.state.mode.value == 'Held'
+    assert run.state.packml.value == 'Held'
     run.command(Stop)
-    assert run.state.mode.value == 'Stopped'
+    assert run.state.packml.value == 'Stopped'
     run.answer('retry')
     run.go()
     assert run.starts('work') == [3.0], 'an answer starts nothing in Stopped'
@@ -369,12 +369,12 @@ def aborted(at: float = 3.5, **faults: str) -> VirtualRun:
 
 def test_7_2_abort_cancels_every_goal_and_keeps_everything() -> None:
     run = aborted()
-    assert run.state.mode.value == 'Aborting'
+    assert run.state.packml.value == 'Aborting'
     assert sorted(run.order('task.cancel_requested')) == ['place', 'work']
     assert set(run.order('task.cancel_requested', 'cause')) == {'abort'}
     slots = {n: section.slot for n, section in run.state.sections.items()}
     run.go()
-    assert run.state.mode.value == 'Aborted'
+    assert run.state.packml.value == 'Aborted'
     assert {n: section.slot for n, section in run.state.sections.items()} == slots
     assert run.job().progress.started == 2
     assert not run.ended
@@ -394,7 +394,7 @@ def test_7_2_cancelled_tasks_are_held_in_doubt_whatever_their_policy() -> None:
 def test_7_2_aborted_is_reached_when_every_goal_has_ended() -> None:
     run = aborted(a2='#1=ignore_cancel')
     run.go(until=5.0)
-    assert run.state.mode.value == 'Aborting'
+    assert run.state.packml.value == 'Aborting'
     run.go()
     assert run.times('cell.state_changed', state='Aborted') == [8.0]  # after the grace
 
@@ -409,7 +409,7 @@ def test_7_2_nothing_starts_between_abort_and_start() -> None:
     started = len(run.all('task.started'))
     assert run.command(Clear, belt=AsShown(run.state.seq)).accepted
     run.go()
-    assert run.state.mode.value == 'Stopped'
+    assert run.state.packml.value == 'Stopped'
     run.command(Reset)
     run.go()
     assert len(run.all('task.started')) == started
@@ -437,10 +437,10 @@ def test_7_2_homing_is_done_again_after_an_abort() -> None:
 
 def test_7_2_the_time_in_every_state_is_counted() -> None:
     run = Line(faults={'a2': '#1=abort'}, seconds={'a1': 5.0}).run(quantity=2)
-    assert run.state.mode.value == 'Held'
-    spent = {mode.value: s for mode, s in run.state.times(20.0).items() if s}
+    assert run.state.packml.value == 'Held'
+    spent = {packml.value: s for packml, s in run.state.times(20.0).items() if s}
     assert spent == {'Execute': 8.0, 'Holding': 4.0, 'Held': 8.0}
-    assert run.state.mode_since == 12.0
+    assert run.state.packml_since == 12.0
 
 
 def test_7_2_time_without_an_orchestrator_counts_for_no_state() -> None:
@@ -449,7 +449,7 @@ def test_7_2_time_without_an_orchestrator_counts_for_no_state() -> None:
     spent = state.times(at)
     again = e.OrchestratorStarted(seq=state.seq + 1, time=at + 1000.0, cell='c', digest='d')
     apply(state, again)
-    assert state.times(at + 1001.0) == {**spent, Mode.HELD: spent[Mode.HELD] + 1.0}
+    assert state.times(at + 1001.0) == {**spent, PackmlState.HELD: spent[PackmlState.HELD] + 1.0}
 
 
 def test_7_2_every_command_is_recorded_with_who_why_and_where_from() -> None:

@@ -17,7 +17,7 @@ def aborted(at: float = 3.5) -> VirtualRun:
     run = Line().begin(with_section(2, '[{id: work, @a2}, {id: more, @b2}]'), 3).go(until=at)
     run.command(Abort)
     run.go(until=run.now)
-    assert run.state.mode.value == 'Aborted'
+    assert run.state.packml.value == 'Aborted'
     return run
 
 
@@ -29,7 +29,7 @@ def refused(run: VirtualRun, text: str) -> str:
     before = run.all('operator.decided')
     answer = clear(run, text)
     assert not answer.accepted
-    assert run.state.mode.value == 'Aborted'
+    assert run.state.packml.value == 'Aborted'
     assert run.all('operator.decided') == before
     return answer.message
 

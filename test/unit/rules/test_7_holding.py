@@ -424,10 +424,10 @@ def test_7_3_holds_stack_and_the_cell_resumes_when_all_are_released() -> None:
     assert [hold.section for hold in run.state.holds.values()] == [3, 2]
     run.answer('mark_done', hold='1')
     run.go()
-    assert run.state.mode.value == 'Held'
+    assert run.state.packml.value == 'Held'
     assert len(run.all('belt.index_started')) == 2
     run.answer('mark_done', hold='2')
-    assert run.state.mode.value == 'Execute'
+    assert run.state.packml.value == 'Execute'
     assert len(run.all('belt.index_started')) == 3
     run.go()
     assert run.ended

@@ -29,7 +29,7 @@ def test_7_3_two_pauses_need_two_resumes() -> None:
     assert answer.accepted
     assert answer.message == 'still paused: hold 2 (paused, Bob: it is so)'
     run.go()
-    assert run.state.mode.value == 'Held'
+    assert run.state.packml.value == 'Held'
     assert run.command(Resume, who='Bob').message == 'the cell goes on'
     run.go()
     assert run.ended
@@ -75,7 +75,7 @@ def test_7_3_a_pause_before_an_order_keeps_the_cell_from_working() -> None:
     run.command(Pause)
     run.submit('J', line.script(THREE))
     run.go()
-    assert run.state.mode.value == 'Held'
+    assert run.state.packml.value == 'Held'
     assert run.all('task.started') == []
     run.command(Resume)
     run.go()
@@ -152,7 +152,7 @@ def test_7_3_a_node_that_finds_a_twin_lets_run_what_runs_and_starts_nothing() ->
     assert running
     started = len(run.all('task.started'))
     run.go()
-    assert run.state.mode.value == 'Held'
+    assert run.state.packml.value == 'Held'
     assert len(run.all('task.started')) == started
     assert not run.all('task.cancel_requested')
     assert running <= set(run.order('task.succeeded'))

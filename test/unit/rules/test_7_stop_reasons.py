@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bt_orchestrator.model.cell_commands import Abort, Pause, Resume, Stop
-from bt_orchestrator.model.isa95 import job_word
+from bt_orchestrator.model.jobs.isa95 import job_word
 from bt_orchestrator.model.stop_reason import WORDS, StopReason
 from bt_orchestrator.runtime.starvation import SUSPEND_AFTER_S
 
@@ -50,7 +50,7 @@ def test_7_2_both_vocabularies_follow_from_the_stop_reason(row: str) -> None:
     name, cell, job = row.split()
     run = standing(StopReason(name))
     assert run.state.stop_reason is StopReason(name)
-    assert run.state.mode.value == cell
+    assert run.state.packml.value == cell
     assert job_word(run.state, run.job()).value == job
     assert run.order('cell.stop_reason_changed', 'stop_reason')[-1] == name
 
@@ -70,7 +70,7 @@ def test_7_2_the_first_hold_that_stands_is_the_stop_reason() -> None:
     assert run.order('cell.stop_reason_changed', 'stop_reason') == ['operator']
     run.command(Resume)
     assert run.order('cell.stop_reason_changed', 'stop_reason') == ['operator', 'own_fault']
-    assert run.state.mode.value == 'Held'
+    assert run.state.packml.value == 'Held'
     run.answer('retry')
     assert run.state.stop_reason is None
     run.go()
@@ -135,7 +135,7 @@ def test_7_2_a_component_that_is_busy_for_a_moment_suspends_nothing() -> None:
 
 def test_7_2_a_station_that_is_not_ready_is_neither_starved_nor_blocked() -> None:
     run = not_ready('a2')
-    assert run.state.mode.value == 'Execute'
+    assert run.state.packml.value == 'Execute'
     assert run.state.stop_reason is None
     assert 'waiting for /a2/state = READY' in run.waits()['section 2']
 
@@ -163,15 +163,15 @@ def test_7_2_a_suspended_cell_can_be_paused_and_comes_back_to_suspended() -> Non
     run = not_ready('a1')
     run.command(Pause)
     run.go()
-    assert run.state.mode.value == 'Held'
+    assert run.state.packml.value == 'Held'
     run.command(Resume)
     run.go(until=run.now + 10)
-    assert run.state.mode.value == 'Suspended'
+    assert run.state.packml.value == 'Suspended'
 
 
 def test_7_2_a_suspended_cell_goes_on_with_whatever_can_start() -> None:
     run = not_ready('a1')
     assert run.remove('J/1').accepted
     run.go()
-    assert run.state.mode.value == 'Suspended'
+    assert run.state.packml.value == 'Suspended'
     assert run.starts('pack') == []

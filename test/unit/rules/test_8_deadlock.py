@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.goal import GoalRequest
-from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.script import Dependency, Script
 from bt_orchestrator.proof.deadlock import Deadlock, deadlock, get_stuck_together
 from bt_orchestrator.script.cell_file import read_cell

@@ -24,9 +24,9 @@ from bt_orchestrator.model.cell_commands import (
 )
 from bt_orchestrator.model.commands import Answer, RemoveItem, Shutdown
 from bt_orchestrator.model.goal import GoalRequest, GoalStatus
-from bt_orchestrator.model.job_commands import AddJobs
-from bt_orchestrator.model.order import Job
-from bt_orchestrator.model.packml import Mode
+from bt_orchestrator.model.jobs.job_commands import AddJobs
+from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.sim.clock import VirtualClock
@@ -155,7 +155,7 @@ def test_9_1_nothing_shown_claims_that_the_abort_is_on_record() -> None:
     broken = plant.orchestrator.broken or ''
     assert '2 asked to cancel without a record, 0 of them not ended' in broken
     state = plant.orchestrator.state
-    assert (state.mode, state.stop_reason) == (Mode.HELD, StopReason.OWN_FAULT)
+    assert (state.packml, state.stop_reason) == (PackmlState.HELD, StopReason.OWN_FAULT)
     assert 'disk full' in state.stop_message
     assert state.wish is None
     assert state.seq == len(list(plant.disk.read()))
@@ -170,7 +170,7 @@ def test_9_1_an_abort_that_cannot_be_recorded_cancels_all_the_same() -> None:
     assert answer.message.startswith(f'2 goals are being cancelled; {NOT_ON_RECORD}')
     plant.advance()
     assert plant.gateway.ended(running) == {GoalStatus.CANCELED}
-    assert plant.orchestrator.state.mode is Mode.HELD
+    assert plant.orchestrator.state.packml is PackmlState.HELD
 
 
 def test_9_1_an_abort_that_is_refused_as_the_disk_fills_cancels_again() -> None:
@@ -265,7 +265,7 @@ def test_9_1_the_next_orchestrator_holds_what_was_cancelled_off_the_record() -> 
     ]
     assert not plant.gateway.open
     assert plant.abort().message == '0 goals are being cancelled'
-    assert plant.orchestrator.state.mode in (Mode.ABORTING, Mode.ABORTED)
+    assert plant.orchestrator.state.packml in (PackmlState.ABORTING, PackmlState.ABORTED)
 
 
 def test_9_1_the_end_of_the_node_cancels_and_awaits_without_a_journal() -> None:

@@ -47,7 +47,7 @@ def test_without_auto_start_an_order_waits() -> None:
     gateway = VirtualGateway(line.cell, line.types, clock)
     orchestrator = Orchestrator(line.cell, gateway, clock, store, auto_start=False)
     orchestrator.settle()
-    assert orchestrator.state.mode.value == 'Stopped'
+    assert orchestrator.state.packml.value == 'Stopped'
     orchestrator.close()
 
 
@@ -62,7 +62,7 @@ def test_shutdown_cancels_every_goal_and_holds_its_task() -> None:
     assert run.reasons() == ['canceled', 'canceled']
     assert run.all('task.retrying') == []
     assert sorted(run.order('hold.raised')) == ['place', 'work']
-    assert run.state.mode.value == 'Stopped'
+    assert run.state.packml.value == 'Stopped'
     assert run.state.items.keys() == {'J/1', 'J/2'}
 
 
@@ -80,11 +80,11 @@ def test_after_a_shutdown_in_a_retry_delay_nothing_starts_whatever_arrives() -> 
     run.go(until=4.0)
     run.ask(Shutdown())
     run.go()
-    assert run.state.mode.value == 'Stopped'
+    assert run.state.packml.value == 'Stopped'
     assert run.starts('work') == [3.0]
     run.submit('K', line.script(THREE))
     run.go()
-    assert run.state.mode.value == 'Stopped'
+    assert run.state.packml.value == 'Stopped'
     assert run.starts('work') == [3.0]
 
 

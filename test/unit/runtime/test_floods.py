@@ -26,9 +26,9 @@ from bt_orchestrator.model.commands import (
     RemoveItem,
     Shutdown,
 )
-from bt_orchestrator.model.job_commands import AddJobs, ControlJob, MoveJob, StopAfter
+from bt_orchestrator.model.jobs.job_commands import AddJobs, ControlJob, MoveJob, StopAfter
+from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.limits import COMMANDS_OF_ONE
-from bt_orchestrator.model.order import Job
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.gateway import VirtualGateway

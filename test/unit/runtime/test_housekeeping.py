@@ -24,9 +24,9 @@ from bt_orchestrator.errors import JournalFailed, JournalMismatch
 from bt_orchestrator.model import state_text
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.fold import apply
-from bt_orchestrator.model.job_commands import AddJobs, ControlJob
-from bt_orchestrator.model.job_folds import ENDED_KEPT
-from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.jobs.job_commands import AddJobs, ControlJob
+from bt_orchestrator.model.jobs.job_folds import ENDED_KEPT
+from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.snapshot import Writer, state_from_plain, state_to_plain
 from bt_orchestrator.model.state import CellState, Reading
 from bt_orchestrator.ports import Snapshot

@@ -11,9 +11,9 @@ from fakes.virtual_run import BY, VirtualRun
 
 from bt_orchestrator.model.cell_commands import Pause
 from bt_orchestrator.model.commands import Answer
-from bt_orchestrator.model.isa95 import JobWord, job_word
-from bt_orchestrator.model.job_commands import UpdateJob
-from bt_orchestrator.model.job_control import (
+from bt_orchestrator.model.jobs.isa95 import JobWord, job_word
+from bt_orchestrator.model.jobs.job_commands import UpdateJob
+from bt_orchestrator.model.jobs.job_control import (
     ABORT,
     CANCEL,
     CLEAR,
@@ -28,7 +28,7 @@ from bt_orchestrator.model.job_control import (
     UPDATE,
     Method,
 )
-from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.runtime.job_queue import CONTROLS
 
 LINE = Line()

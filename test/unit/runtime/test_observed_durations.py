@@ -8,8 +8,8 @@ from fakes.line import THREE, Line
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.events import TaskKey
 from bt_orchestrator.model.goal import GoalRequest
-from bt_orchestrator.model.order import Job
-from bt_orchestrator.model.pace import expected_ends_s
+from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.report.pace import expected_ends_s
 from bt_orchestrator.runtime.observed_durations import ObservedDurations, as_observed
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryStore

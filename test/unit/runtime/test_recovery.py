@@ -20,7 +20,7 @@ from bt_orchestrator.model.cell_commands import Pause, Resume
 from bt_orchestrator.model.commands import AnswerHold
 from bt_orchestrator.model.fault import parse_fault
 from bt_orchestrator.model.goal import RESULT_TIMEOUT_S
-from bt_orchestrator.model.packml import Mode
+from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.store.memory import MemoryStore
@@ -77,7 +77,7 @@ def test_9_2_without_auto_resume_nothing_new_starts_until_resume() -> None:
 
     assert running == ['work', 'place']
     assert [event.task for event in world.events(e.TaskAdopted)] == running  # type: ignore[attr-defined]
-    assert second.state.mode is Mode.HELD
+    assert second.state.packml is PackmlState.HELD
     assert not second.state.running
     (hold,) = second.state.holds.values()
     assert (hold.reason, hold.message) == ('restarted', '1 unfinished job, 2 goals in flight')
@@ -297,7 +297,7 @@ def test_7_2_pause_lets_what_runs_end_and_starts_nothing() -> None:
     before = len(world.events(e.TaskStarted))
     world.go(orchestrator)
     assert len(world.events(e.TaskStarted)) == before
-    assert orchestrator.state.mode is Mode.HELD
+    assert orchestrator.state.packml is PackmlState.HELD
     assert orchestrator.ask(Resume(ann('gone'))).accepted
     world.go(orchestrator)
     assert orchestrator.state.ended['J'].progress.packed == 3
@@ -333,7 +333,10 @@ def test_9_1_nothing_is_sent_that_is_not_durable() -> None:
     world.go(first)
     assert first.broken is not None
     assert 'disk full' in first.broken
-    assert (first.state.mode, first.state.stop_reason) == (Mode.HELD, StopReason.OWN_FAULT)
+    assert (first.state.packml, first.state.stop_reason) == (
+        PackmlState.HELD,
+        StopReason.OWN_FAULT,
+    )
     assert 'disk full' in first.state.stop_message
     assert not first.ask(Pause(ann())).accepted
     assert first.state.seq == len(list(world.store.read())) == 23

@@ -10,8 +10,8 @@ from fakes.line import Line, with_section
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.cell_commands import Pause
-from bt_orchestrator.model.job_commands import AddJobs
-from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.jobs.job_commands import AddJobs
+from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.sim.gateway import VirtualGateway
 from bt_orchestrator.store.memory import MemoryStore
@@ -179,11 +179,11 @@ def test_2_4_a_clock_that_is_slewed_is_no_event(slew_s: float) -> None:
 @either_way
 def test_7_2_the_time_in_a_state_is_that_which_has_passed(step_s: float) -> None:
     run = SetLine('#1=hang', 'timeout: 10').go(until=WORK_AT)
-    since = run.clock.steady() - run.orchestrator.state.mode_since
+    since = run.clock.steady() - run.orchestrator.state.packml_since
     run.clock.ahead_s = step_s
     run.orchestrator.settle()
     state = run.orchestrator.state
-    assert run.clock.now() - state.mode_since == pytest.approx(since)
+    assert run.clock.now() - state.packml_since == pytest.approx(since)
     (work,) = state.running.values()
     assert run.clock.now() - work.started == pytest.approx(run.clock.steady() - WORK_AT)
     run.go()

@@ -17,8 +17,8 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell_commands import Abort, Pause, Resume
 from bt_orchestrator.model.commands import Answer, Command, Shutdown
 from bt_orchestrator.model.goal import GoalRequest, GoalStatus
-from bt_orchestrator.model.job_commands import AddJobs
-from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.jobs.job_commands import AddJobs
+from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.replies import Reply, begin
 from bt_orchestrator.runtime.commits import PATIENCE_S
 from bt_orchestrator.runtime.orchestrator import Orchestrator

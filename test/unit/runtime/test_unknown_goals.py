@@ -11,8 +11,8 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell_commands import Abort, Pause, Resume
 from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.goal import SeenContest
-from bt_orchestrator.model.job_commands import AddJobs
-from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.jobs.job_commands import AddJobs
+from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 
 STRANGE = '5b6c0000-0000-4000-8000-000000000001'

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from fakes import statuses
 
-from bt_orchestrator.model.packml import VERBS, Mode, possible_in
+from bt_orchestrator.model.packml import VERBS, PackmlState, possible_in
 from bt_orchestrator.screen import words
 from bt_orchestrator.screen.advice import Shell, hold_advice, next_choices
 
@@ -79,10 +79,10 @@ def test_what_can_be_typed_next(about: dict[str, Any], lines: list[str]) -> None
 
 
 def test_every_state_in_which_a_cell_waits_for_somebody_names_commands_it_takes() -> None:
-    for mode in Mode:
-        for choice in next_choices(statuses.status(state=mode.value)):
-            verbs = [VERBS[cause] for cause in possible_in(mode)]
-            assert choice.name in [*verbs, 'submit'], mode
+    for packml in PackmlState:
+        for choice in next_choices(statuses.status(state=packml.value)):
+            verbs = [VERBS[cause] for cause in possible_in(packml)]
+            assert choice.name in [*verbs, 'submit'], packml
 
 
 def stopped(**fields: Any) -> Any:

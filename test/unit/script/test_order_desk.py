@@ -14,7 +14,7 @@ from fakes.script_texts import LINE, cell
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.codec import digest, to_text
 from bt_orchestrator.model.events import ScriptLoaded
-from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.script.desk_pickles import pickled, unpickled
 from bt_orchestrator.script.order_desk import (

@@ -6,7 +6,7 @@ import pytest
 from fakes.line import THREE, Line
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.sim.simulation import Outcome, Simulation
 from bt_orchestrator.sim.standing_answers import MOST_RETRIES, StandingAnswers
 from bt_orchestrator.store.memory import MemoryStore

@@ -10,7 +10,7 @@ from fakes.action_types import FakeActionTypes
 from fakes.shipped import REFERENCE_CELL, STUCK
 
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.wait import WaitKind
 from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.script.script_file import read_script

@@ -12,8 +12,8 @@ from datetime import datetime
 from fakes.line import Line, with_section
 from fakes.virtual_run import VirtualRun
 
-from bt_orchestrator.store.csv_export import COLUMNS, CsvExport
-from bt_orchestrator.store.xes_export import XesExport
+from bt_orchestrator.report.csv_export import COLUMNS, CsvExport
+from bt_orchestrator.report.xes_export import XesExport
 
 XES = '{http://www.xes-standard.org/}'
 KINDS = ('string', 'date', 'int', 'float', 'boolean', 'id')

@@ -14,9 +14,9 @@ from fakes.operator import ann
 
 from bt_orchestrator.model.cell_commands import Resume
 from bt_orchestrator.model.commands import AnswerHold
-from bt_orchestrator.model.job_commands import AddJobs, ControlJob
-from bt_orchestrator.model.order import Job
-from bt_orchestrator.model.packml import Mode
+from bt_orchestrator.model.jobs.job_commands import AddJobs, ControlJob
+from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.state import CellState, Phase
 from bt_orchestrator.runtime.housekeeping import Housekeeping
 from bt_orchestrator.runtime.orchestrator import Orchestrator
@@ -95,7 +95,7 @@ class NextNode:
 def test_what_the_killed_node_had_done_is_there(killed: Path) -> None:
     state = restored(killed)
     assert state.seq == KILLED_AT
-    assert state.mode is Mode.HOLDING
+    assert state.packml is PackmlState.HOLDING
     assert packed(state) == {'WO-1': 2, 'WO-2': 1}
     live = {name: (job.job.quantity, job.held) for name, job in state.jobs.items()}
     assert live == {'WO-3': (4, False), 'WO-4': (2, False), 'WO-5': (1, True)}
@@ -119,7 +119,7 @@ def test_a_killed_node_is_followed_by_one_of_today(killed: Path) -> None:
     assert node.orchestrator.ask(ControlJob('release', 'WO-5', ann('now'))).accepted
     node.finish()
     assert packed(node.state) == {'WO-1': 2, 'WO-2': 1, 'WO-3': 4, 'WO-4': 2, 'WO-5': 1}
-    assert node.state.mode is Mode.COMPLETE
+    assert node.state.packml is PackmlState.COMPLETE
     node.close()
     with JournalReader(killed) as reader:
         done = {job.job: job.counts.packed for job in reader.summaries()}
@@ -129,7 +129,7 @@ def test_a_killed_node_is_followed_by_one_of_today(killed: Path) -> None:
 
 def test_what_came_before_retention_is_known_by_its_result(retention: Path) -> None:
     state = restored(retention)
-    assert (state.seq, state.mode) == (216, Mode.STOPPED)
+    assert (state.seq, state.packml) == (216, PackmlState.STOPPED)
     assert packed(state) == {'A-1': 2, 'A-2': 2, 'A-3': 2}
     with JournalReader(retention) as reader:
         assert reader.first_seq() == 146

@@ -13,7 +13,7 @@ from fakes.line import Line
 from fakes.long_journal import LongRun
 
 from bt_orchestrator.model.events import JobStarted
-from bt_orchestrator.model.history import History
+from bt_orchestrator.report.history import History
 from bt_orchestrator.runtime.housekeeping import AT_REST
 from bt_orchestrator.store import reader as reading
 from bt_orchestrator.store.database import JournalUnusable

@@ -11,8 +11,8 @@ from fakes.line import THREE, Line, with_initialization, with_section
 from fakes.operator import ann
 from py_trees.common import Status
 
-from bt_orchestrator.model.job_commands import AddJobs, ControlJob, JobCommand, MoveJob
-from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.jobs.job_commands import AddJobs, ControlJob, JobCommand, MoveJob
+from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryStore

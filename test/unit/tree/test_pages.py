@@ -20,8 +20,8 @@ from hypothesis import given
 from py_trees.blackboard import Blackboard
 
 from bt_orchestrator.model.codec import digest, text_of
-from bt_orchestrator.model.job_commands import AddJobs
-from bt_orchestrator.model.order import Job
+from bt_orchestrator.model.jobs.job_commands import AddJobs
+from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryStore

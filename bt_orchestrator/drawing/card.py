@@ -1,0 +1,221 @@
+"""One task as a card: what a reviewer has to know, and the rest as its tooltip."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from bt_orchestrator.drawing.line_state import LineState
+from bt_orchestrator.drawing.mark import CARD_HEIGHT, card_state, tooltip_state
+from bt_orchestrator.drawing.text import (
+    CARD_COLUMNS,
+    FAINT,
+    INK,
+    PAPER,
+    entry,
+    font,
+    lines,
+    table,
+    tooltip,
+    wrapped,
+)
+from bt_orchestrator.model.cell import Cell, OnFailure
+from bt_orchestrator.model.script import RunsFor, Script, SectionList, Step, Task
+
+MOST_LINES = 3
+"""Lines of one argument on a card; the tooltip has all of it."""
+
+CARD_WIDTH = 190
+BADGE_WIDTH = 56
+"""Points."""
+
+ID_COLUMNS = 17
+NAME_COLUMNS = 27
+"""As CARD_COLUMNS, in their larger letters."""
+
+ITEM_FILL = '#dbeafe'
+ZONE_FILLS = ('#fde68a', '#bbf7d0', '#fbcfe8', '#ddd6fe')
+"""Light enough for black text, and for paper; a zone's name is always beside its colour."""
+
+OFF_BELT = 'while the belt moves'
+NEEDS_NO_BELT = 'does not need the belt'
+
+_POLICY: Mapping[OnFailure, str] = {
+    OnFailure.HOLD: 'hold, an operator decides',
+    OnFailure.CONTINUE: 'continue',
+    OnFailure.REJECT: 'reject the item',
+    OnFailure.ABORT_JOB: 'abort the job',
+}
+_RUNS_FOR: Mapping[RunsFor, str] = {
+    RunsFor.GOOD: 'good items',
+    RunsFor.REJECTED: 'rejected items only',
+    RunsFor.ALL: 'good and rejected items',
+}
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """What is drawn: one script in its cell, and how it stands there."""
+
+    script: Script
+    cell: Cell
+    state: LineState | None = None
+    """The line at work; None: the script alone."""
+
+    def zone_fill(self, zone: str) -> str:
+        """Return the colour of a zone; with many zones colours repeat, names do not."""
+        names = [one.name for one in self.script.zones]
+        return ZONE_FILLS[names.index(zone) % len(ZONE_FILLS)]
+
+
+@dataclass(frozen=True)
+class Card:
+    """A label and how high it is at most, in points: `dot` does not tell before it draws."""
+
+    label: str
+    height: float
+
+
+def card(sheet: Sheet, task: Task, belt: str = '') -> Card:
+    """Return the card of a task.
+
+    :param belt: how it relates to the moving belt, if it does not require the belt to rest
+    """
+    title, what = _title(task), list(_what(task))
+    rows = [_head(task, title), _wide(lines(what))]
+    options = [belt] if belt else []
+    options += [text for option in _options(sheet.cell, task) for text in wrapped(option)]
+    if options:
+        rows.append(_wide(lines([font(text, size=9, italic=True) for text in options])))
+    marks = list(_marks(sheet, task))
+    rows += [_wide(font(text, size=9), fill) for text, fill in marks]
+    texts, blocks = len(what) + len(options), len(rows)
+    height = 15 * len(title) + 11 * texts + 4 * blocks + 11 * len(marks) + 4.0
+    border = 1
+    if sheet.state is not None:
+        now = sheet.state.task(task.id)
+        rows.insert(0, _wide(card_state(now), now.mark.fill))
+        height += CARD_HEIGHT
+        border = 3 if now.mark.needs_eyes else 1
+    return Card(table(rows, border=border, fill=PAPER, dashed=bool(belt), height=height), height)
+
+
+def belt_words(tasks: SectionList, step: Step, task: Task) -> str:
+    """Say how a task that does not require the conveyor relates to it (semantics 3.3 to 3.8)."""
+    if task.requires_conveyor:
+        return ''
+    number = tasks.steps.index(step)
+    leads = not any(one.requires_conveyor for one in tasks.steps[: number + 1])
+    return OFF_BELT if leads or number >= tasks.turn_steps else NEEDS_NO_BELT
+
+
+def details(sheet: Sheet, task: Task, belt: str = '') -> str:
+    """Return the tooltip of a task: everything that is known about it."""
+    now = () if sheet.state is None else tooltip_state(sheet.state.task(task.id))
+    return tooltip([*now, *_details(sheet, task, belt)])
+
+
+def arguments(value: Any) -> str:
+    """Write an argument as a script does: references as written, true and not True."""
+    if isinstance(value, Mapping):
+        return '{' + ', '.join(f'{key}: {arguments(v)}' for key, v in value.items()) + '}'
+    if isinstance(value, (list, tuple)):
+        return f'[{", ".join(arguments(member) for member in value)}]'
+    if isinstance(value, bool):
+        return str(value).lower()
+    return str(value)
+
+
+def seconds(value: float | None) -> str:
+    """Write a time limit."""
+    return 'no time limit' if value is None else f'at most {value:g} s'
+
+
+def _title(task: Task) -> list[str]:
+    return wrapped(task.id, ID_COLUMNS)
+
+
+def _head(task: Task, title: Sequence[str]) -> list[str]:
+    words = lines([font(text, size=12, bold=True) for text in title])
+    if not task.qty_change:
+        return _wide(words)
+    return [entry(words, width=CARD_WIDTH - BADGE_WIDTH), _badge(task)]
+
+
+def _badge(task: Task) -> str:
+    text = font(f'{task.qty_change:+d} item'.replace('-', '\u2212'), size=10, bold=True)
+    return entry(text, align='CENTER', fill=ITEM_FILL, width=BADGE_WIDTH)
+
+
+def _wide(content: str, fill: str = '') -> list[str]:
+    return [entry(content, fill=fill, span=2, width=CARD_WIDTH)]
+
+
+def _what(task: Task) -> Iterator[str]:
+    for text in wrapped(task.name, NAME_COLUMNS):
+        yield font(text, size=10)
+    for text in wrapped(task.action):
+        yield font(text, size=9, colour=FAINT)
+    for name, value in task.args.items():
+        for text in _shortened(wrapped(f'{name}: {arguments(value)}')):
+            yield font(text, size=9, colour=INK)
+
+
+def _shortened(texts: list[str]) -> list[str]:
+    if len(texts) <= MOST_LINES:
+        return texts
+    return [*texts[: MOST_LINES - 1], texts[MOST_LINES - 1][: CARD_COLUMNS - 2] + ' \u2026']
+
+
+def _options(cell: Cell, task: Task) -> Iterator[str]:
+    """Yield what differs from a plain task."""
+    if task.once:
+        yield 'once, until the cell stops'
+    if task.condition is not None:
+        yield str(task.condition)
+    if task.runs_for is not RunsFor.GOOD:
+        yield f'for {_RUNS_FOR[task.runs_for]}'
+    if task.retries:
+        yield _retries(task)
+    if task.on_failure is not OnFailure.HOLD:
+        yield f'if it fails: {_POLICY[task.on_failure]}'
+    if task.timeout_s != cell.components[task.component].timeout_s:
+        yield seconds(task.timeout_s)
+    if task.repeatable:
+        yield 'repeatable'
+
+
+def _retries(task: Task) -> str:
+    times = 'retry once' if task.retries == 1 else f'retry {task.retries} times'
+    return f'{times}, after {task.retry_delay_s:g} s' if task.retry_delay_s else times
+
+
+def _marks(sheet: Sheet, task: Task) -> Iterator[tuple[str, str]]:
+    for flag in sheet.script.downstream_of.get(task.id, ()):
+        yield f'\u25bc takes flag {flag.flag}', ''
+    for flag in sheet.script.upstream_of.get(task.id, ()):
+        yield f'\u25b2 sets flag {flag.flag}', ''
+    for zone in sheet.script.zones_of.get(task.id, ()):
+        yield f'\u25a0 zone {zone}', sheet.zone_fill(zone)
+
+
+def _details(sheet: Sheet, task: Task, belt: str) -> Iterator[str]:
+    component = sheet.cell.components[task.component]
+    yield f'{task.id}: {task.name}'
+    yield f'action: {task.action} ({component.type})'
+    yield f'component: {task.component}'
+    if component.state is not None:
+        yield f'starts when: {component.state}'
+    for name, value in task.args.items():
+        yield f'argument {name}: {arguments(value)}'
+    if sheet.script.section_of(task.id):
+        yield f'runs for: {_RUNS_FOR[task.runs_for]}'
+        yield f'belt: {belt or "must be at rest"}'
+    if task.condition is not None:
+        yield f'condition: {task.condition}'
+    yield f'time limit: {seconds(task.timeout_s)}'
+    yield _retries(task) if task.retries else 'no retries'
+    yield f'if it fails: {_POLICY[task.on_failure]}'
+    yield f'repeatable: {"yes" if task.repeatable else "no"}'
+    yield from (text for text, _ in _marks(sheet, task))

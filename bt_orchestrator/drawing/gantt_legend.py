@@ -1,0 +1,52 @@
+"""What the bars of a Gantt chart mean: those that occur in it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple
+
+from bt_orchestrator.drawing.gantt import Gantt
+from bt_orchestrator.drawing.gantt_style import JOB_COLOURS, JOB_LINES, WAITS, fill_of_wait
+from bt_orchestrator.drawing.svg import CHARACTER, FONT, Svg
+
+WIDEST = 1000.0
+"""Where a line of the legend ends, in pixels."""
+
+
+class _Entry(NamedTuple):
+    text: str
+    look: Mapping[str, Any]
+
+
+def add_legend(svg: Svg, gantt: Gantt, letters: Mapping[str, str], left: float, y: float) -> None:
+    """Draw the legend, line after line."""
+    group = svg.add('g', id='legend')
+    x = left
+    for entry in _entries(gantt, letters):
+        width = 34.0 + len(entry.text) * FONT['legend'] * CHARACTER + 14.0
+        if x + width > WIDEST and x > left:
+            x, y = left, y + 21.0
+        group.add('rect', x=x, y=y, width=26, height=12, **entry.look)
+        group.label(x + 32.0, y + 10.0, entry.text, 'legend')
+        x += width
+
+
+def _entries(gantt: Gantt, letters: Mapping[str, str]) -> Iterator[_Entry]:
+    for number, job in enumerate(gantt.jobs):
+        colour = number % len(JOB_COLOURS)
+        look = {'fill': JOB_COLOURS[colour], 'stroke': JOB_LINES[colour], 'class_': 'work'}
+        short = f' (items {letters[job]}.1 …)' if letters[job] else ''
+        yield _Entry(f'task of {job}{short}', look)
+    outline = {'fill': '#ffffff', 'stroke': '#555b61', 'rx': 3, 'class_': 'cycle'}
+    yield _Entry('item in hand', outline)
+    yield _Entry('index move', {'class_': 'move'})
+    bars = [bar for row in gantt.rows for bar in row.tasks]
+    if any(bar.failed for bar in bars):
+        failed = {'fill': '#ffffff', 'class_': 'work failed'}
+        yield _Entry('attempt that failed', failed)
+    if any(row.holds for row in gantt.rows):
+        yield _Entry('hold', {'class_': 'hold'})
+    waited = {span.causes[0].kind.value for row in gantt.rows for span in row.waits}
+    for kind, (what, _) in WAITS.items():
+        if kind in waited:
+            yield _Entry(f'waits for {what}', {'fill': fill_of_wait(kind), 'class_': 'wait'})

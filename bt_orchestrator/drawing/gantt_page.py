@@ -1,0 +1,202 @@
+"""A Gantt chart as SVG: time to the right, one row a part of the cell.
+
+In a row of a section the items stand above the tasks, for as long as the section has them in hand;
+tasks that run at the same time stand in lanes. Everything says more when it is pointed at.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from typing import Any
+
+from bt_orchestrator.drawing.gantt import CycleBar, Gantt, HoldBar, Row, TaskBar
+from bt_orchestrator.drawing.gantt_legend import add_legend
+from bt_orchestrator.drawing.gantt_style import JOB_COLOURS, JOB_LINES, add_style, fill_of_wait
+from bt_orchestrator.drawing.svg import Svg, fitting
+from bt_orchestrator.report.wait_log import WaitSpan
+
+LEFT, RIGHT, TOP = 118.0, 24.0, 66.0
+STRIP, LANE, GAP = 15.0, 18.0, 9.0
+"""Heights of a row's items, of a lane of tasks, and of the space to the next row."""
+
+LEGEND_HEIGHT = 72.0
+TICK_ROOM = 64.0
+"""Least pixels between two ticks."""
+
+ITEM_ROOM = 110.0
+"""Pixels for the time of one item, as far as the widest page allows."""
+
+WIDTHS = (1200.0, 12000.0)
+"""Narrowest and widest plot."""
+
+_STEPS_S = (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600, 1200, 1800, 3600, 7200, 14400)
+
+
+def gantt_svg(gantt: Gantt) -> str:
+    """Draw a chart; the same chart gives the same text."""
+    return str(_Page(gantt).drawn())
+
+
+def ticks(total_s: float, room_px: float) -> tuple[float, ...]:
+    """Return the times to mark, at round distances, in a plot of a width."""
+    least_s = total_s * TICK_ROOM / room_px
+    step_s = next((s for s in _STEPS_S if s >= least_s), None) or -(-least_s // 86400) * 86400
+    return tuple(step_s * n for n in range(int(total_s / step_s + 1e-9) + 1))
+
+
+def time_label(time_s: float, step_s: float) -> str:
+    """Write a time as the axis does: seconds, or hours, minutes and seconds."""
+    if step_s < 60:
+        return f'{time_s:g} s'
+    minutes, seconds = divmod(round(time_s), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f'{hours}:{minutes:02}:{seconds:02}' if hours else f'{minutes}:{seconds:02}'
+
+
+class _Page:
+    def __init__(self, gantt: Gantt) -> None:
+        self._gantt = gantt
+        self._total_s = gantt.total_s or 1.0
+        narrow, wide = WIDTHS
+        self._plot = max(narrow, min(wide, ITEM_ROOM * gantt.items))
+        heights = [_height(row) for row in gantt.rows]
+        self._tops = [*itertools.accumulate(heights, initial=TOP)]
+        self._bottom = self._tops[-1]
+        height = self._bottom + 26.0 + LEGEND_HEIGHT
+        self._size = (LEFT + self._plot + RIGHT, height)
+        self._svg = Svg.page(*self._size)
+        self._letters = _letters(gantt.jobs)
+
+    def drawn(self) -> Svg:
+        add_style(self._svg)
+        self._svg.add('title', f'Gantt chart of cell {self._gantt.cell}')
+        width, height = self._size
+        self._svg.add('rect', width=width, height=height, class_='page')
+        self._svg.label(12.0, 24.0, self._headline(), 'title')
+        for number, (row, top) in enumerate(zip(self._gantt.rows, self._tops, strict=False)):
+            if number % 2 == 0:
+                band = _height(row)
+                self._svg.add('rect', x=0, y=top, width=width, height=band, class_='band')
+        self._axis()
+        for row, top in zip(self._gantt.rows, self._tops, strict=False):
+            self._row(row, top)
+        add_legend(self._svg, self._gantt, self._letters, 12.0, self._bottom + 40.0)
+        return self._svg
+
+    def _headline(self) -> str:
+        jobs = ', '.join(self._gantt.jobs)
+        return f'cell {self._gantt.cell}: {jobs}; {self._gantt.total_s:g} s in virtual time'
+
+    def _x(self, time_s: float) -> float:
+        return LEFT + time_s / self._total_s * self._plot
+
+    def _axis(self) -> None:
+        marks = ticks(self._total_s, self._plot)
+        step_s = marks[1] if len(marks) > 1 else self._total_s
+        for mark in marks:
+            x = self._x(mark)
+            self._svg.add('line', x1=x, y1=TOP - 6, x2=x, y2=self._bottom, class_='grid')
+            for y in (TOP - 11.0, self._bottom + 14.0):
+                self._svg.label(x, y, time_label(mark, step_s), 'tick')
+
+    # --- rows -------------------------------------------------------------------------------
+
+    def _row(self, row: Row, top: float) -> None:
+        group = self._svg.add('g', id=row.title.replace(' ', '_'))
+        lanes = row.lanes()
+        first = top + GAP / 2 + (STRIP if row.cycles else 0.0)
+        group.label(12.0, top + _height(row) / 2 + 4.0, row.title, 'row')
+        for wait in row.waits:
+            self._wait(group, wait, first)
+        for cycle in row.cycles:
+            self._cycle(group, cycle, first - STRIP)
+        for hold in row.holds:
+            self._hold(group, hold, first)
+        for number, lane in enumerate(lanes):
+            for bar in lane:
+                self._task(group, bar, first + number * LANE)
+
+    def _bar(self, group: Svg, start_s: float, end_s: float, y: float, **more: Any) -> Svg:
+        x = self._x(start_s)
+        width = max(0.5, self._x(end_s) - x)
+        return group.add('rect', x=x, y=y, width=width, **more)
+
+    def _wait(self, group: Svg, wait: WaitSpan, y: float) -> None:
+        kinds = '+'.join(dict.fromkeys(cause.kind.value for cause in wait.causes))
+        fill = fill_of_wait(kinds)
+        bar = self._bar(
+            group, wait.start_s, wait.end_s, y + 4, height=LANE - 8, fill=fill, class_='wait'
+        )
+        what = ' and '.join(cause.text for cause in wait.causes)
+        bar.add('title', f'waits for {what}\n{_span(wait.start_s, wait.end_s)}')
+
+    def _cycle(self, group: Svg, cycle: CycleBar, y: float) -> None:
+        colour = self._colour(cycle.job)
+        style = {'fill': '#ffffff', 'stroke': JOB_LINES[colour], 'class_': 'cycle'}
+        bar = self._bar(group, cycle.start_s, cycle.end_s, y, height=STRIP - 2, rx=3, **style)
+        bar.add('title', f'{cycle.item}\n{_span(cycle.start_s, cycle.end_s)}')
+        room = self._x(cycle.end_s) - self._x(cycle.start_s) - 4
+        number = cycle.item.rpartition('/')[2]
+        for text in (cycle.item, self._short(cycle.job, number), number):
+            if group.label(self._x(cycle.start_s) + 3, y + 10, text, 'item', room):
+                return
+
+    def _hold(self, group: Svg, hold: HoldBar, y: float) -> None:
+        bar = self._bar(group, hold.start_s, hold.end_s, y + 1, height=LANE - 2, class_='hold')
+        bar.add('title', f'hold {hold.hold}: {hold.words}\n{_span(hold.start_s, hold.end_s)}')
+        room = self._x(hold.end_s) - self._x(hold.start_s) - 4
+        group.label(self._x(hold.start_s) + 3, y + 12, f'HOLD {hold.hold}', 'task', room)
+
+    def _task(self, group: Svg, bar: TaskBar, y: float) -> None:
+        drawn = self._bar(group, bar.start_s, bar.end_s, y + 1, height=LANE - 2, **self._look(bar))
+        attempt = f', attempt {bar.attempt}' if bar.attempt > 1 else ''
+        end = '' if bar.outcome == 'succeeded' else f'\n{bar.outcome}'
+        what = f'{bar.key}: {bar.name} at {bar.component}{attempt}'
+        drawn.add('title', f'{what}\n{_span(bar.start_s, bar.end_s)}{end}')
+        if bar.failed:
+            group.add('path', d=self._cross(bar, y), class_='cross')
+        room = self._x(bar.end_s) - self._x(bar.start_s) - 4
+        if bar.key.job is not None:
+            text = bar.key.task if bar.key.item else self._short(bar.key.job, bar.key.task)
+            group.label(self._x(bar.start_s) + 3, y + 12, fitting(text, 'task', room), 'task')
+
+    def _short(self, job: str, what: str) -> str:
+        letter = self._letters[job]
+        return f'{letter}.{what}' if letter else what
+
+    def _look(self, bar: TaskBar) -> dict[str, str]:
+        if bar.key.job is None:
+            return {'class_': 'move failed' if bar.failed else 'move'}
+        colour = self._colour(bar.key.job)
+        look = {'fill': JOB_COLOURS[colour], 'stroke': JOB_LINES[colour]}
+        return {**look, 'class_': 'work failed' if bar.failed else 'work'}
+
+    def _cross(self, bar: TaskBar, y: float) -> str:
+        x, size = self._x(bar.end_s) - 7, 5
+        return f'M{x:.2f} {y + 6:.2f} l{size} {size} m0 -{size} l-{size} {size}'
+
+    def _colour(self, job: str) -> int:
+        return self._gantt.jobs.index(job) % len(JOB_COLOURS)
+
+
+def _height(row: Row) -> float:
+    return GAP + (STRIP if row.cycles else 0.0) + LANE * len(row.lanes())
+
+
+def _span(start_s: float, end_s: float) -> str:
+    return f'{start_s:g} to {end_s:g} s, {end_s - start_s:g} s'
+
+
+def _letters(jobs: tuple[str, ...]) -> dict[str, str]:
+    """Give each job a short name, where there is more than one."""
+    if len(jobs) < 2:
+        return dict.fromkeys(jobs, '')
+    return dict(zip(jobs, _short_names(), strict=False))
+
+
+def _short_names() -> Iterator[str]:
+    """Yield A, B, … Z, A2, B2 and so on."""
+    for turn in itertools.count(1):
+        for letter in 'ABCDEFGHIJKLMNOPQRSTUVWXYZ':
+            yield f'{letter}{"" if turn == 1 else turn}'

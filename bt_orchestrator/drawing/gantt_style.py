@@ -1,0 +1,76 @@
+"""How a Gantt chart looks. Kinds of bars differ in form and pattern, and only then in colour."""
+
+from __future__ import annotations
+
+from bt_orchestrator.drawing.svg import FONT, Svg
+
+JOB_COLOURS = ('#9ecae1', '#fdd0a2', '#a1d99b', '#bcbddc', '#f4b6c2', '#d9c39a')
+"""Fills of tasks, by job in turn; light, so that black text can be read on them."""
+
+JOB_LINES = ('#2b6c99', '#b35806', '#2e7d4f', '#54468a', '#a8325a', '#7a5b1f')
+
+WAITS: dict[str, tuple[str, str]] = {
+    'item': ('an item', ''),
+    'job': ('a job', 'M0 9 H9'),
+    'belt': ('the belt', 'M0 3 H9 M0 8 H9'),
+    'turn': ('turns of sections', 'M3 0 V9 M8 0 V9'),
+    'flag': ('a flag', 'M-1 10 L10 -1'),
+    'zone': ('a zone', 'M-1 -1 L10 10'),
+    'component': ('a component', 'M-1 10 L10 -1 M-1 -1 L10 10'),
+    'readiness': ('a state topic', 'M4 4 h1.4 v1.4 h-1.4 z'),
+    'initialization': ('initialization', 'M0 4.5 h5'),
+    'hold': ('an answer to a hold', 'M4.5 0 V9 M0 4.5 H9'),
+    'pause': ('resume', 'M2 1 V7 M5 1 V7'),
+    'retry_delay': ('a retry', 'M1 7 L4.5 2 L8 7'),
+    'cell_state': ('the cell', 'M2 2 h5 v5 h-5 z'),
+}
+"""What each kind of wait is for, and its pattern in a square of 9."""
+
+_RULES = """
+text { font-family: "DejaVu Sans", Verdana, Arial, sans-serif; fill: #1b1b1b }
+.page { fill: #ffffff }
+.band { fill: #f6f7f8 }
+.grid { stroke: #d5d9dd; stroke-width: 1 }
+.tick { fill: #555b61; text-anchor: middle }
+.item, .task { pointer-events: none }
+.cycle { stroke-width: 1 }
+.work { stroke-width: 1 }
+.failed { stroke: #b00020; stroke-width: 2; stroke-dasharray: 4 2 }
+.cross { stroke: #b00020; stroke-width: 1.5 }
+.move { fill: url(#move); stroke: #333a40; stroke-width: 1 }
+.wait { stroke: #a9afb5; stroke-width: 0.6; stroke-dasharray: 2 2 }
+.hatch { stroke: #8b9299; stroke-width: 1; fill: none }
+.hold { fill: url(#held); stroke: #b00020; stroke-width: 2 }
+"""
+
+
+def add_style(page: Svg) -> None:
+    """Put the rules and patterns that the chart refers to into a drawing."""
+    sizes = ''.join(f'.{kind} {{ font-size: {size:g}px }}\n' for kind, size in FONT.items())
+    page.add('style', f'{_RULES}{sizes}.title, .row {{ font-weight: bold }}\n')
+    defs = page.add('defs')
+    for kind, (_, path) in WAITS.items():
+        square = _pattern(defs, f'wait_{kind}', 9)
+        square.add('rect', width=9, height=9, fill='#ffffff')
+        if path:
+            square.add('path', d=path, class_='hatch')
+    move = _pattern(defs, 'move', 10)
+    move.add('rect', width=10, height=10, fill='#c3c9cf')
+    move.add('path', d='M2 1 L7 5 L2 9', fill='none', stroke='#333a40')
+    held = _pattern(defs, 'held', 8)
+    held.add('rect', width=8, height=8, fill='#fde3e6')
+    held.add('path', d='M0 8 L8 0 M-2 2 L2 -2 M6 10 L10 6', stroke='#eda3ae', stroke_width=1.2)
+
+
+def fill_of_wait(kinds: str) -> str:
+    """Return the fill of a wait; of a wait for several things, that of the first."""
+    return f'url(#wait_{first_kind(kinds)})'
+
+
+def first_kind(kinds: str) -> str:
+    """Return the first of the kinds that a wait is for."""
+    return kinds.partition('+')[0]
+
+
+def _pattern(defs: Svg, name: str, size: int) -> Svg:
+    return defs.add('pattern', id=name, width=size, height=size, patternUnits='userSpaceOnUse')

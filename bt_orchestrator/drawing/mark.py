@@ -1,0 +1,121 @@
+"""The state of a task, a slot and a flag as parts of a drawing; as large as they can get."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from bt_orchestrator.drawing.line_state import LineState, Mark, SectionMark, TaskMark
+from bt_orchestrator.drawing.text import (
+    FAINT,
+    INK,
+    SLOT_FILL,
+    entry,
+    font,
+    lines,
+    table,
+    wrapped,
+)
+
+REASON_LINES = 2
+"""Room for a reason on a card, used or not: nothing moves from one drawing to the next."""
+
+CARD_HEIGHT = 15.0 + 11 * REASON_LINES + 4
+SLOT_HEIGHT = 61.0
+"""Points."""
+
+MOST_JOBS = 4
+ELLIPSIS = ' \u2026'
+
+
+def card_state(mark: TaskMark) -> str:
+    """Return what a card says of its task, above everything else."""
+    reason = _cut(wrapped(mark.reason), REASON_LINES)
+    texts = [_now(mark)]
+    texts += [font(text or ' ', size=9) for text in reason]
+    return lines(texts)
+
+
+def tooltip_state(mark: TaskMark) -> Iterator[str]:
+    """Yield what the tooltip of a task begins with."""
+    yield f'now: {mark.text or "not begun"}'
+    if mark.reason:
+        yield mark.reason
+
+
+def slot_label(number: int, mark: SectionMark, width: float, height: float) -> str:
+    """Return a slot with what stands there, and what its section does."""
+    there = f'({mark.slot})' if mark.is_empty_position else mark.slot or 'empty'
+    work = f'works on {mark.works_on}' if mark.works_on else 'no cycle'
+    waits = '' if mark.works_on else ' '.join(mark.waiting[:1])
+    texts = [
+        font(f'slot {number}: {there}', bold=True),
+        font(_fate(mark) or ' ', size=9, bold=True),
+    ]
+    texts.append(font(work, size=9))
+    texts.append(font(_cut(wrapped(waits), 1)[0] or ' ', size=9, colour=FAINT))
+    middle = ''.join(f'{text}<BR/>' for text in texts)
+    inside = entry(middle, align='CENTER', width=width, height=height)
+    fill = Mark.REJECTED.fill if mark.is_rejected else SLOT_FILL
+    return table([[inside]], fill=fill, border=3 if mark.works_on else 0)
+
+
+def _fate(mark: SectionMark) -> str:
+    """Say what is wrong with what stands in a slot."""
+    words = (
+        (mark.is_empty_position, 'empty position'),
+        (mark.is_rejected, f'{Mark.REJECTED.sign} REJECTED'),
+        (mark.is_nonconforming, 'nonconforming'),
+    )
+    return ', '.join(word for is_so, word in words if is_so)
+
+
+def slot_tooltip(mark: SectionMark) -> Iterator[str]:
+    """Yield what is wrong with the item, and everything that the section waits for."""
+    if _fate(mark):
+        yield _fate(mark)
+    yield f'works on {mark.works_on}' if mark.works_on else 'no cycle in hand'
+    yield from mark.waiting
+
+
+def headlines(state: LineState) -> list[str]:
+    """Return the lines below the title: always as many."""
+    jobs = list(state.jobs)
+    if len(jobs) > MOST_JOBS:
+        jobs[MOST_JOBS - 1 :] = [f'and {len(jobs) - MOST_JOBS + 1} more jobs']
+    jobs += [' '] * (MOST_JOBS - len(jobs))
+    return [
+        font(state.headline, size=14, bold=True),
+        *(font(job, size=11, colour=INK) for job in jobs),
+    ]
+
+
+def legend_rows() -> Iterator[tuple[str, str, str]]:
+    """Yield sample, its colour, and meaning of each mark."""
+    for mark, meaning in (
+        (Mark.WAITING, 'is next, and says for what it waits'),
+        (Mark.RUNNING, 'its goal is at the action server; thick frame'),
+        (Mark.FAILED, 'its last attempt failed; thick frame'),
+        (Mark.HELD, 'an operator has to answer: bt-orchestrator answer; thick frame'),
+        (Mark.DONE, 'succeeded, in the cycle that is in hand'),
+        (Mark.MARKED_DONE, 'failed, and an operator says that it is done'),
+        (Mark.SKIPPED, 'not needed for this item, and not done'),
+        (Mark.CONTINUED, 'failed, and the cycle goes on: the item is nonconforming'),
+        (Mark.REJECTED, 'failed, and its item is rejected'),
+        (Mark.ABORTED, 'failed, and its job is aborted'),
+    ):
+        word = mark.word.removeprefix('failed, ').removeprefix('is ')
+        yield f'{mark.sign} {word}', mark.fill, meaning
+
+
+def _now(mark: TaskMark) -> str:
+    if mark.mark is Mark.NEW:
+        return font('not begun', size=9, colour=FAINT, italic=True)
+    return font(mark.text, size=11, bold=True)
+
+
+def _cut(texts: Sequence[str], count: int) -> list[str]:
+    """Return so many lines; the last one says if there were more."""
+    kept = list(texts[:count])
+    if len(texts) > count:
+        kept[-1] = kept[-1][: -len(ELLIPSIS)] + ELLIPSIS
+    return kept + [''] * (count - len(kept))

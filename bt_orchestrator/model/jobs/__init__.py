@@ -1,0 +1,1 @@
+"""Work orders, the jobs they become, and what may be asked of them."""

@@ -1,0 +1,111 @@
+"""What may be asked of a job in which state: one table, after ISA-95 Job Control (semantics 7.2).
+
+Code, documentation and tests are made from it, and every interface asks it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from bt_orchestrator.model.jobs.isa95 import JobWord
+
+Change = Mapping[JobWord | None, JobWord | None]
+"""State before and after; None: there is no such job."""
+
+
+@dataclass(frozen=True)
+class Method:
+    """One thing that can be asked of a job."""
+
+    name: str
+    """Method name in ISA-95 Job Control."""
+    verb: str
+    """The word for it in commands, for instance `queue hold JOB`."""
+    meaning: str
+    changes: Change
+
+    @property
+    def title(self) -> str:
+        """Both names, as in Start (release)."""
+        return self.name if self.name.lower() == self.verb else f'{self.name} ({self.verb})'
+
+
+NOT_ALLOWED, ALLOWED = JobWord.NOT_ALLOWED_TO_START, JobWord.ALLOWED_TO_START
+RUNNING, HELD, SUSPENDED = JobWord.RUNNING, JobWord.HELD, JobWord.SUSPENDED
+ENDED, ABORTED = JobWord.ENDED, JobWord.ABORTED
+
+STORE = Method('Store', 'add --held', 'queue an order that may not start yet', {None: NOT_ALLOWED})
+STORE_AND_START = Method(
+    'StoreAndStart', 'add', 'queue an order; it starts when its turn comes', {None: ALLOWED}
+)
+START = Method('Start', 'release', 'let a job start when its turn comes', {NOT_ALLOWED: ALLOWED})
+REVOKE_START = Method(
+    'RevokeStart', 'hold', 'keep a job in its place; others pass it', {ALLOWED: NOT_ALLOWED}
+)
+UPDATE = Method(
+    'Update',
+    'update',
+    'change quantity, parameters or script of a job that has not started',
+    {NOT_ALLOWED: NOT_ALLOWED, ALLOWED: ALLOWED},
+)
+PAUSE = Method(
+    'Pause', 'pause', 'begin no more items of a job; those on the line go on', {RUNNING: SUSPENDED}
+)
+RESUME = Method('Resume', 'resume', 'go on with the items of a job', {SUSPENDED: RUNNING})
+STOP = Method(
+    'Stop',
+    'stop',
+    'end a job early: its items on the line are finished, no more are begun',
+    dict.fromkeys((RUNNING, HELD, SUSPENDED), ENDED),
+)
+ABORT = Method(
+    'Abort',
+    'abort',
+    'end a job now: its goals are cancelled, its items are rejected and drain',
+    dict.fromkeys((NOT_ALLOWED, ALLOWED, RUNNING, HELD, SUSPENDED), ABORTED),
+)
+CANCEL = Method(
+    'Cancel',
+    'cancel',
+    'take a job that has not started out of the queue',
+    {NOT_ALLOWED: None, ALLOWED: None},
+)
+CLEAR = Method(
+    'Clear',
+    'clear',
+    'list an ended job no more; the journal keeps it',
+    {ENDED: None, ABORTED: None},
+)
+
+METHODS = (
+    STORE,
+    STORE_AND_START,
+    START,
+    REVOKE_START,
+    UPDATE,
+    PAUSE,
+    RESUME,
+    STOP,
+    ABORT,
+    CANCEL,
+    CLEAR,
+)
+
+LEFT_WHILE_ENDING: Mapping[str, tuple[Method, ...]] = {'stopping': (ABORT,), 'aborting': ()}
+"""What may still be asked of a job that ends when its last item has left."""
+
+
+def refusal(method: Method, job: str, word: JobWord, ending: str = '') -> str | None:
+    """Say why something cannot be asked of a job now; None: it can.
+
+    :param ending: `stopping` or `aborting` if the job already ends
+    """
+    if word not in method.changes:
+        fitting = ' or '.join(before.value for before in method.changes if before is not None)
+        return f'{job} is {word.value}; {method.title} is for jobs that are {fitting}'
+    if ending and method not in LEFT_WHILE_ENDING[ending]:
+        left = ', '.join(one.title for one in LEFT_WHILE_ENDING[ending])
+        what = f'{job} is {ending} already and ends when its last item has left the line'
+        return f'{what}; only {left} is left' if left else what
+    return None

@@ -1,0 +1,167 @@
+"""How the events of jobs and of the queue change the state; part of `model.fold`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.initialization import Preparation
+from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.model.state import CellState, FlagState, JobState, Phase
+from bt_orchestrator.model.wish import STOP_AFTER, Wish
+
+ENDED_KEPT = 100
+"""How many ended jobs the state remembers; the journal has them all."""
+
+
+def script_loaded(event: e.ScriptLoaded, state: CellState) -> None:
+    """Keep the script as long as a live job names it."""
+    state.scripts[event.digest] = event.definition
+    state.preparations[event.digest] = Preparation(event.definition, state.cell)
+
+
+# --- the queue ------------------------------------------------------------------------------
+
+
+def job_queued(event: e.JobQueued, state: CellState) -> None:
+    """Put a new job into the queue."""
+    script = state.scripts[event.digest]
+    job = Job(event.job, script, event.quantity, event.params)
+    _begin_flags(state, script)
+    queued = JobState(job, event.digest, queued_at=event.time, held=event.held)
+    state.jobs.add(queued, event.position)
+    state.order_ids.add(event.job)
+    if not event.held:
+        state.had_work = True
+
+
+def job_moved(event: e.JobMoved, state: CellState) -> None:
+    """Put a queued job at another place."""
+    state.jobs.move(event.job, event.position)
+
+
+def job_updated(event: e.JobUpdated, state: CellState) -> None:
+    """Let a queued job be another one, as if it had been queued so."""
+    script, live = state.scripts[event.digest], state.jobs.queued(event.job)
+    before = live.digest
+    _forget_initialization(state, live)
+    with state.jobs.changing(event.job) as changed:
+        _begin_flags(state, script)
+        changed.job = Job(event.job, script, event.quantity, event.params)
+        changed.digest = event.digest
+    _forget_unused(state, before)
+
+
+def job_held(event: e.JobHeld, state: CellState) -> None:
+    """Let later jobs pass."""
+    state.jobs.hold(event.job, held=True)
+
+
+def job_released(event: e.JobReleased, state: CellState) -> None:
+    """Let it start in its turn; to the cell it is as if an order had arrived."""
+    state.jobs.hold(event.job, held=False)
+    state.had_work = True
+
+
+def job_removed(event: e.JobRemoved, state: CellState) -> None:
+    """Forget a job that has not started, but for its id."""
+    removed = state.jobs.queued(event.job)
+    state.jobs.remove(event.job)
+    _forget_initialization(state, removed)
+    _forget_unused(state, removed.digest)
+
+
+def queue_stop_requested(event: e.QueueStopRequested, state: CellState) -> None:
+    """Let the line run empty."""
+    state.stop_after = event.after
+
+
+def queue_stop_cancelled(_: e.QueueStopCancelled, state: CellState) -> None:
+    """Let the line go on."""
+    state.stop_after = state.stop_after_by = None
+
+
+def queue_stop_reached(event: e.QueueStopReached, state: CellState) -> None:
+    """Let the line go on when an operator starts the cell again."""
+    state.stopped_by = state.stop_after_by or Wish(STOP_AFTER + event.after)
+    state.stop_after = state.stop_after_by = None
+
+
+# --- jobs on the line -----------------------------------------------------------------------
+
+
+def job_started(event: e.JobStarted, state: CellState) -> None:
+    """Take a job out of the queue, behind those on the line; held ones in front stay queued."""
+    state.jobs.start(event.job, event.time)
+
+
+def job_paused(event: e.JobPaused, state: CellState) -> None:
+    """Let it begin no more items."""
+    state.jobs[event.job].paused = True
+
+
+def job_resumed(event: e.JobResumed, state: CellState) -> None:
+    """Let it begin items again."""
+    state.jobs[event.job].paused = False
+
+
+def job_stopping(event: e.JobStopping, state: CellState) -> None:
+    """Let it end with the items that it has begun."""
+    job = state.jobs[event.job]
+    job.stopping, job.paused, job.end_reason = True, False, event.reason
+
+
+def job_aborting(event: e.JobAborting, state: CellState) -> None:
+    """Let it end; what is on the line drains."""
+    state.jobs.abort(event.job, event.reason)
+
+
+# --- ended jobs -----------------------------------------------------------------------------
+
+
+def job_ended(event: e.JobCompleted | e.JobAborted, state: CellState) -> None:
+    """Keep the job among the last that ended."""
+    ended = state.jobs.remove(event.job)
+    ended.ended_at = event.time
+    _forget_initialization(state, ended)
+    state.ended[event.job] = ended
+    if len(state.ended) > ENDED_KEPT:
+        # Only in journals of before, which have no `job.cleared` for it.
+        del state.ended[next(iter(state.ended))]
+    _forget_unused(state, ended.digest)
+
+
+def job_cleared(event: e.JobCleared, state: CellState) -> None:
+    """List the ended job no more; its id stays used."""
+    del state.ended[event.job]
+
+
+def _begin_flags(state: CellState, script: Script) -> None:
+    """Set the flags that no other live job names to what a script begins with.
+
+    They are back at their initial count (semantics 4.2), and a script that sees them otherwise
+    than the one before may begin with its own.
+    """
+    for dependency in script.dependencies:
+        if not state.jobs.names_flag(dependency.flag):
+            state.flags[dependency.flag] = FlagState(dependency.initial, dependency.capacity)
+
+
+def _forget_initialization(state: CellState, job: JobState) -> None:
+    for task in job.job.script.initialization:
+        state.tasks.pop(e.TaskKey(job.job.id, None, None, task.id), None)
+
+
+def forget_skips(state: CellState, may_forget: Callable[[JobState], bool]) -> None:
+    """Let initialization that jobs did not need, as it was done, be judged again (5.1)."""
+    for key, progress in list(state.tasks.items()):
+        if key.job is None or key.section is not None or not may_forget(state.jobs[key.job]):
+            continue
+        if progress.phase is Phase.DONE and not progress.attempt:
+            del state.tasks[key]
+
+
+def _forget_unused(state: CellState, digest: str) -> None:
+    if not state.jobs.users(digest):
+        del state.scripts[digest], state.preparations[digest]

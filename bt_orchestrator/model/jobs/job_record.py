@@ -1,0 +1,99 @@
+"""The record of a job and its items, and what is kept of it when its events are gone."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from bt_orchestrator.model.codec import from_plain, to_plain
+from bt_orchestrator.model.state import JobState
+
+QUEUED, RUNNING, COMPLETED, ABORTED = 'queued', 'running', 'completed', 'aborted'
+"""How a job stands or ended."""
+
+
+@dataclass(frozen=True)
+class Counts:
+    """Counts of one job (semantics 6.2)."""
+
+    started: int = 0
+    placed: int = 0
+    packed: int = 0
+    rejected: int = 0
+    missing: int = 0
+    nonconforming: int = 0
+
+
+@dataclass(frozen=True)
+class FailureRecord:
+    """One attempt that failed."""
+
+    time: float
+    task: str
+    attempt: int
+    reason: str
+    message: str = ''
+    section: int | None = None
+    item: str | None = None
+
+
+@dataclass
+class ItemRecord:
+    """One item, from its source cycle to its end."""
+
+    item: str
+    started: float
+    ended: float | None = None
+    how: str = ''
+    """packed, rejected, by_hand or missing; empty while it is on the line."""
+    nonconforming: list[str] = field(default_factory=list)
+    results: dict[str, Mapping[str, Any]] = field(default_factory=dict)
+
+
+@dataclass
+class JobRecord:
+    """One job, from its order to its end."""
+
+    job: str
+    script: str
+    quantity: int
+    queued: float
+    params: Mapping[str, Any] = field(default_factory=dict)
+    started: float | None = None
+    ended: float | None = None
+    status: str = QUEUED
+    counts: Counts = Counts()
+    items: dict[str, ItemRecord] = field(default_factory=dict)
+    failures: list[FailureRecord] = field(default_factory=list)
+    complete: bool = True
+    """False: its events were removed, and with them its items and failures."""
+
+
+def record_of(job: JobState) -> JobRecord:
+    """Return what stays of a job that ended when its events are gone."""
+    names = [one.name for one in dataclasses.fields(Counts)]
+    return JobRecord(
+        job=job.job.id,
+        script=job.job.script.name,
+        quantity=job.job.quantity,
+        queued=job.queued_at,
+        params=job.job.params,
+        started=job.started_at,
+        ended=job.ended_at,
+        status=ABORTED if job.aborting else COMPLETED,
+        counts=Counts(**{name: getattr(job.progress, name) for name in names}),
+        complete=False,
+    )
+
+
+def job_to_plain(job: JobRecord) -> dict[str, Any]:
+    """Return a job as JSON carries it."""
+    plain: dict[str, Any] = to_plain(job)
+    return plain
+
+
+def job_from_plain(plain: Mapping[str, Any]) -> JobRecord:
+    """Return the job that a record tells of."""
+    return from_plain(JobRecord, plain)

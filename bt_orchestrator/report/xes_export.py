@@ -1,0 +1,140 @@
+"""Records for process mining: an event log in XES (IEEE 1849-2016).
+
+One trace an item, for an item is what goes through the process; job and script are attributes of
+the trace. An activity is a task; its attempts are told apart by `concept:instance`, the goal UUID.
+Initialization and moves of the belt belong to no item and are not in the log.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from typing import IO, Any
+from xml.sax.saxutils import quoteattr
+
+from bt_orchestrator.model.codec import json_of
+from bt_orchestrator.report.csv_export import iso_time
+
+_HEAD = """\
+<?xml version="1.0" encoding="UTF-8"?>
+<log xes.version="1849.2016" xes.features="" xmlns="http://www.xes-standard.org/">
+  <extension name="Concept" prefix="concept" uri="http://www.xes-standard.org/concept.xesext"/>
+  <extension name="Lifecycle" prefix="lifecycle" \
+uri="http://www.xes-standard.org/lifecycle.xesext"/>
+  <extension name="Time" prefix="time" uri="http://www.xes-standard.org/time.xesext"/>
+  <extension name="Organizational" prefix="org" uri="http://www.xes-standard.org/org.xesext"/>
+  <global scope="trace">
+    <string key="concept:name" value=""/>
+    <string key="job" value=""/>
+  </global>
+  <global scope="event">
+    <string key="concept:name" value=""/>
+    <string key="lifecycle:transition" value="complete"/>
+    <date key="time:timestamp" value="1970-01-01T00:00:00.000000+00:00"/>
+  </global>
+  <classifier name="Activity" keys="concept:name"/>
+  <classifier name="ActivityAndLifecycle" keys="concept:name lifecycle:transition"/>
+  <string key="concept:name" value="bt_orchestrator"/>
+  <string key="lifecycle:model" value="standard"/>
+"""
+
+_TRANSITIONS: Mapping[str, str] = {
+    'task.started': 'start',
+    'task.adopted': 'resume',
+    'task.succeeded': 'complete',
+    'task.marked_done': 'complete',
+    'task.failed': 'ate_abort',
+    'task.retrying': 'schedule',
+    'task.skipped': 'autoskip',
+}
+"""What an event of a task is in the standard life cycle."""
+
+_KEPT = ('section', 'attempt', 'action', 'reason', 'message')
+"""Fields that become attributes of the event."""
+
+
+class XesExport:
+    """Collects the traces and writes them at the end: events of many items come interleaved."""
+
+    def __init__(self, file: IO[str]) -> None:
+        self._file = file
+        self._traces: dict[str, list[str]] = {}
+        self._attributes: dict[str, dict[str, Any]] = {}
+        self._scripts: dict[str, str] = {}
+        self._components: dict[str, str] = {}
+        """Of the goals."""
+
+    def write(self, text: str) -> None:
+        """Take in one record."""
+        record = json.loads(text)
+        name = record['event']
+        if name in ('job.queued', 'job.updated'):
+            self._scripts[record['job']] = record['script']
+        if 'item' not in record or 'job' not in record:
+            return
+        if name == 'item.removed':
+            self._attributes_of(record)['outcome'] = record['how']
+        if name == 'item.missing':
+            self._attributes_of(record)['outcome'] = 'missing'
+        if name in _TRANSITIONS:
+            self._traces.setdefault(record['item'], []).append(self._event(record))
+            self._attributes_of(record)
+
+    def close(self) -> None:
+        """Write the log."""
+        self._file.write(_HEAD)
+        for item, events in self._traces.items():
+            self._file.write('  <trace>\n')
+            attributes = self._attributes[item]
+            self._file.write(''.join(_attribute(k, v, 4) for k, v in attributes.items()))
+            self._file.write(''.join(events))
+            self._file.write('  </trace>\n')
+        self._file.write('</log>\n')
+
+    def _attributes_of(self, record: Mapping[str, Any]) -> dict[str, Any]:
+        item, job = record['item'], record['job']
+        if item not in self._attributes:
+            script = self._scripts.get(job, '')
+            self._attributes[item] = {'concept:name': item, 'job': job, 'script': script}
+        return self._attributes[item]
+
+    def _event(self, record: Mapping[str, Any]) -> str:
+        attributes: dict[str, Any] = {'concept:name': record['task']}
+        goal = record.get('goal')
+        if goal is not None:
+            attributes['concept:instance'] = goal
+            component = self._component(record, goal)
+            if component is not None:
+                attributes['org:resource'] = component
+        attributes['lifecycle:transition'] = _transition(record)
+        attributes |= {name: record[name] for name in _KEPT if name in record}
+        if record.get('results'):
+            attributes['results'] = json_of(record['results'])
+        date = f'      <date key="time:timestamp" value="{iso_time(record["time"])}"/>\n'
+        lines = ''.join(_attribute(key, value, 6) for key, value in attributes.items())
+        return f'    <event>\n{lines}{date}    </event>\n'
+
+    def _component(self, record: Mapping[str, Any], goal: str) -> str | None:
+        if 'component' in record:
+            self._components[goal] = record['component']
+        return self._components.get(goal)
+
+
+def _transition(record: Mapping[str, Any]) -> str:
+    by_hand = record['event'] == 'task.skipped' and ' decided ' in record.get('reason', '')
+    return 'manualskip' if by_hand else _TRANSITIONS[record['event']]
+
+
+def _attribute(key: str, value: Any, indent: int) -> str:
+    kind = 'int' if isinstance(value, int) else 'string'
+    return f'{" " * indent}<{kind} key={quoteattr(key)} value={quoteattr(_xml(str(value)))}/>\n'
+
+
+def _xml(text: str) -> str:
+    """Return a text without characters that XML 1.0 cannot carry, whatever a device sent."""
+    return _NOT_XML.sub('\N{REPLACEMENT CHARACTER}', text)
+
+
+_NOT_XML = re.compile('[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]')
+"""Characters outside production 2 of XML 1.0."""

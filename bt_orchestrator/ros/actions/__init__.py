@@ -1,0 +1,1 @@
+"""The robots: action clients, goals, state topics."""

@@ -1,0 +1,209 @@
+"""The connection to one action server: what goes out to it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
+from itertools import chain
+from typing import Any
+
+from rclpy.node import Node
+
+from bt_orchestrator.model.action_type import TASK, ActionType
+from bt_orchestrator.model.cell import Component
+from bt_orchestrator.model.contest import Contest
+from bt_orchestrator.model.goal import GoalRequest, GoalStatus, SeenContest
+from bt_orchestrator.news import News
+from bt_orchestrator.ros.actions.fresh_participant import KEPT_FRESH_S
+from bt_orchestrator.ros.actions.goal import RosGoal
+from bt_orchestrator.ros.actions.goal_client import GoalClient
+from bt_orchestrator.ros.actions.goal_follower import GoalFollower
+from bt_orchestrator.ros.actions.open_goals import OpenGoals
+from bt_orchestrator.ros.actions.renewable_client import RenewableClient
+from bt_orchestrator.ros.actions.rivals import RIVALS_FRESH_S, Rivals
+from bt_orchestrator.ros.actions.seen_server import SeenServer
+from bt_orchestrator.ros.actions.server_watch import ServerWatch
+from bt_orchestrator.ros.actions.strangers import Strangers
+from bt_orchestrator.ros.executor.callbacks import report
+from bt_orchestrator.ros.types.messages import fill, to_plain
+
+_SEEK_S = 3.0
+"""Seconds without a server after which it is looked for in a fresh way."""
+
+
+class ActionLink:
+    """One component's action client: sends goals once the server is there, and cancels them.
+
+    What comes back is for `GoalFollower`, what does not for `ServerWatch`.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        component: Component,
+        action_class: Any,
+        action_type: ActionType,
+        news: News,
+        server_timeout_s: float,
+        fresh_node: Callable[[float], Node],
+    ) -> None:
+        """Make the client.
+
+        :param fresh_node: returns a node with a participant so many seconds old at most
+        """
+        self._component = component.name
+        self._action = component.action
+        self._told = SeenContest(component.name, Contest())
+        self._class = action_class
+        self._type = action_type
+        self._server_timeout_s = server_timeout_s
+        self._logger = node.get_logger().get_child(component.name)
+        self._clients = RenewableClient(
+            node, action_class, self._action, partial(fresh_node, KEPT_FRESH_S)
+        )
+        self._server = SeenServer(self._clients)
+        self._goals = OpenGoals(self._clients, news)
+        self._rivals = Rivals(self._clients, partial(fresh_node, RIVALS_FRESH_S))
+        self._strangers = Strangers(self._clients, self._goals)
+        self._follower = GoalFollower(
+            self._clients, self._goals, self._server, self._rivals, self._logger
+        )
+        self._watch = ServerWatch(
+            self._action, self._clients, self._goals, self._follower, self._rivals, self._logger
+        )
+
+    @property
+    def _client(self) -> GoalClient:
+        return self._clients.current
+
+    @property
+    def nodes(self) -> Iterator[Node]:
+        """Nodes that its clients use."""
+        return chain(self._clients.nodes, self._rivals.nodes)
+
+    @property
+    def available(self) -> bool:
+        """Tell whether the server is in the ROS graph."""
+        return self._client.server_is_there()
+
+    @property
+    def server(self) -> str | None:
+        """Id of the server's status publisher, as it was seen last."""
+        return self._server.id
+
+    @property
+    def rivals(self) -> Sequence[str]:
+        """All servers that are in the ROS graph now, if several are."""
+        return self._rivals.look()
+
+    def look(self) -> SeenContest | None:
+        """Look who is there, once a second; return what has changed since the last time."""
+        self._rivals.look_afresh()
+        seen = self._strangers.seen(self._component, self._rivals.look())
+        if seen == self._told:
+            return None
+        self._told = seen
+        return seen
+
+    @property
+    def is_waiting(self) -> bool:
+        """Tell whether goals wait for the server."""
+        return bool(self._goals.waiting)
+
+    @property
+    def is_open(self) -> bool:
+        """Tell whether there is anything that `poll` or `watch` has to look after."""
+        return self.is_waiting or self._goals.any_sent
+
+    def send(self, request: GoalRequest) -> RosGoal:
+        """Send a goal, or let it wait for the server."""
+        return self._open(RosGoal(request, self))
+
+    def adopt(self, request: GoalRequest) -> RosGoal:
+        """Take over a goal that an earlier process sent (semantics 9.2)."""
+        goal = RosGoal(request, self)
+        goal.adopted = True
+        return self._open(goal)
+
+    def cancel(self, goal: RosGoal) -> None:
+        """Pass a cancel request on, or withdraw a goal that was not sent."""
+        if goal.end is not None:
+            return
+        goal.cancel_requested = True
+        if goal in self._goals.waiting and not goal.adopted:
+            self._goals.end(goal, GoalStatus.CANCELED, message='withdrawn before it was sent')
+        elif goal.accepted or (goal.adopted and goal in self._goals.in_flight):
+            self._client.request_cancel(goal.id)
+
+    def feedback(self, goal: RosGoal) -> Mapping[str, Any] | None:
+        """Return the last feedback of a goal, as plain values."""
+        message = self._client.feedback(goal.id)
+        return None if message is None else to_plain(message)
+
+    def poll(self) -> None:
+        """Send what waits, if the server has come; give up what waited too long."""
+        self._send_waiting()
+        now = time.monotonic()
+        if not self.available and self._clients.may_be_renewed and self._has_waited(_SEEK_S, now):
+            self._clients.renew()
+        there = Contest(self._rivals.look()).words(self._action) or f'no server of {self._action}'
+        message = f'{there} within {self._server_timeout_s:g} s'
+        for goal in [goal for goal, until in self._goals.waiting.items() if until <= now]:
+            status = GoalStatus.LOST if goal.adopted else GoalStatus.UNAVAILABLE
+            self._goals.end(goal, status, message=message)
+
+    def watch(self) -> None:
+        """Look after the goals in flight."""
+        self._watch.look()
+
+    def close(self) -> None:
+        """Leave; goals that run go on running."""
+        self._clients.destroy()
+
+    def _open(self, goal: RosGoal) -> RosGoal:
+        self._goals.waiting[goal] = time.monotonic() + self._server_timeout_s
+        self._send_waiting()
+        return goal
+
+    def _has_waited(self, seconds: float, now: float) -> bool:
+        since = (until - self._server_timeout_s for until in self._goals.waiting.values())
+        return any(now - since_s >= seconds for since_s in since)
+
+    def _send_waiting(self) -> None:
+        if not self._goals.waiting or not self.available:
+            return
+        several = self.rivals
+        for goal in tuple(self._goals.waiting):
+            # What was sent before is asked for; nothing new goes to two servers.
+            if goal.adopted or not several:
+                del self._goals.waiting[goal]
+                self._start(goal)
+
+    def _start(self, goal: RosGoal) -> None:
+        try:
+            if goal.adopted:
+                self._follower.ask(goal, is_check=True)
+                self._follower.repeat_cancel(goal)
+            else:
+                self._request(goal)
+        except ValueError as error:
+            self._goals.end(goal, GoalStatus.REJECTED, message=f'not sent: {error}')
+        except Exception as error:  # noqa: BLE001 - rclpy's and the middleware's errors
+            report(self._logger)
+            self._goals.end(goal, GoalStatus.REJECTED, message=f'cannot be sent: {error}')
+        else:
+            self._watch.begin(goal)
+
+    def _request(self, goal: RosGoal) -> None:
+        message = self._class.Goal()
+        fill(message, goal.request.args)
+        if self._type.has_task_field:
+            fill(message, {TASK: self._task_value(goal.request.task)})
+        answered = partial(self._follower.on_response, goal)
+        goal.question = self._client.send(message, goal.id, answered)
+
+    def _task_value(self, task: str) -> Any:
+        if task not in self._type.constants:
+            raise ValueError(f'{self._type.name} has no task {task}')
+        return self._type.constants[task]

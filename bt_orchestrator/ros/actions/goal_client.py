@@ -1,0 +1,130 @@
+"""An action client made of its parts, for one who asks again by UUID.
+
+An action is three services and two topics (design.ros2.org, article "Actions").
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from action_msgs.msg import GoalInfo
+from action_msgs.srv import CancelGoal
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from rclpy.type_support import check_for_type_support
+from unique_identifier_msgs.msg import UUID
+
+from bt_orchestrator.ros.actions.last_message import LastMessage
+from bt_orchestrator.ros.actions.questions import Answered, Question, Questions
+from bt_orchestrator.ros.actions.server_status import ServerStatus
+from bt_orchestrator.ros.executor.parted import PartedWaitable
+
+
+class GoalClient(PartedWaitable):
+    """What rclpy's action client does, without its habits that hurt here.
+
+    - Answers are called back at once, in the executor's thread; rclpy's futures make a turn of
+      each, and one a goal leaks in rclpy 7.1.6 and 9.1.2.
+    - Status and feedback wake nobody; they are read when somebody asks.
+    - A result may be asked for any number of times, whoever sent the goal.
+
+    :ivar node: the node that it belongs to
+    :ivar status: what the server says of its goals
+    """
+
+    def __init__(self, node: Node, action_class: Any, name: str) -> None:
+        """Make the parts; their names are remapped as any other."""
+        check_for_type_support(action_class)
+        wire = action_class.Impl
+        self.node = node
+        self.status = ServerStatus(node, name)
+        self._goal_request = wire.SendGoalService.Request
+        self._result_request = wire.GetResultService.Request
+        self._goals = Questions(node, wire.SendGoalService, f'{name}/_action/send_goal')
+        self._results = Questions(node, wire.GetResultService, f'{name}/_action/get_result')
+        self._cancels = Questions(node, CancelGoal, f'{name}/_action/cancel_goal')
+        self._feedback = LastMessage(
+            node, wire.FeedbackMessage, f'{name}/_action/feedback', QoSProfile(depth=1)
+        )
+        self._services = (self._goals, self._results, self._cancels)
+        self._asked: dict[bytes, list[Question]] = {}
+        self._is_whole = False
+        self._taking = node.resolve_service_name(f'{name}/_action/send_goal')
+        self._telling = node.resolve_topic_name(f'{name}/_action/status')
+        logger = node.get_logger().get_child('action_client')
+        super().__init__(node, logger, self._services)
+
+    # --- the server -----------------------------------------------------------------------------
+
+    def server_is_there(self) -> bool:
+        """Tell whether a server is there; costs next to nothing as long as it stays.
+
+        It has come when all its parts are in the ROS graph, and is gone without its status topic.
+        """
+        self._is_whole = self.status.is_published and (
+            self._is_whole or all(service.is_served() for service in self._services)
+        )
+        return self._is_whole
+
+    def count_servers(self, node: Node | None = None) -> int:
+        """Count the servers, those too that publish no status. Takes some microseconds.
+
+        :param node: another one that looks, in place of the client's own
+        """
+        takers = int((node or self.node).count_services(self._taking))
+        told = self.status.publishers if node is None else node.count_publishers(self._telling)
+        return max(takers, int(told))
+
+    def takers(self) -> Sequence[str]:
+        """Return the full names of the nodes that take goals; asks for every node there is."""
+        nodes = self.node.get_node_names_and_namespaces()
+        return [f'{at.rstrip("/")}/{name}' for name, at in nodes if self._is_taken_by(name, at)]
+
+    def _is_taken_by(self, name: str, namespace: str) -> bool:
+        try:
+            served = self.node.get_service_names_and_types_by_node(name, namespace)
+        except RuntimeError:
+            return False  # it has just left
+        return any(service == self._taking for service, _ in served)
+
+    # --- goals ----------------------------------------------------------------------------------
+
+    def send(self, goal: Any, goal_id: UUID, answered: Answered) -> Question:
+        """Send a goal.
+
+        :param answered: called with the answer, which has `accepted`
+        """
+        return self._goals.ask(self._goal_request(goal_id=goal_id, goal=goal), answered)
+
+    def feedback(self, goal_id: UUID) -> Any:
+        """Return the feedback of a goal of any client; None: the last message is not about it."""
+        message = self._feedback.read()
+        if message is None or bytes(message.goal_id.uuid) != bytes(goal_id.uuid):
+            return None
+        return message.feedback
+
+    def ask_result(self, goal_id: UUID, answered: Answered) -> None:
+        """Ask for the result of a goal of any client; an unknown goal is answered at once.
+
+        :param answered: called with the answer, which has `status` and `result`
+        """
+        question = self._results.ask(self._result_request(goal_id=goal_id), answered)
+        self._asked.setdefault(bytes(goal_id.uuid), []).append(question)
+
+    def request_cancel(self, goal_id: UUID) -> None:
+        """Ask to cancel a goal of any client; the answer does not matter, its end will tell."""
+        self._cancels.tell(CancelGoal.Request(goal_info=GoalInfo(goal_id=goal_id)))
+
+    def forget(self, goal_id: UUID) -> None:
+        """Ask no more about a goal: a busy server may have dropped some of the questions."""
+        for question in self._asked.pop(bytes(goal_id.uuid), ()):
+            question.drop()
+
+    def destroy(self) -> None:
+        """Leave the ROS graph."""
+        self.node.remove_waitable(self)
+        for service in self._services:
+            service.handle.destroy_when_not_in_use()
+        self._feedback.destroy()
+        self.status.destroy()

@@ -1,0 +1,168 @@
+"""What is heard of goals after they were sent."""
+
+from __future__ import annotations
+
+import time
+import uuid
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import partial
+from typing import Any
+
+from action_msgs.msg import GoalStatus as WireStatus
+from rclpy.impl.rcutils_logger import RcutilsLogger
+
+from bt_orchestrator.model.goal import REQUEST_CHECKS, RESULT_CHECK_S, GoalStatus
+from bt_orchestrator.ros.actions.goal import RosGoal
+from bt_orchestrator.ros.actions.goal_client import GoalClient
+from bt_orchestrator.ros.actions.open_goals import GIVEN_UP, OpenGoals
+from bt_orchestrator.ros.actions.renewable_client import RenewableClient
+from bt_orchestrator.ros.actions.rivals import Rivals
+from bt_orchestrator.ros.actions.seen_server import SeenServer
+from bt_orchestrator.ros.executor.callbacks import report
+from bt_orchestrator.ros.types.messages import to_plain
+
+_ENDS = {
+    WireStatus.STATUS_SUCCEEDED: GoalStatus.SUCCEEDED,
+    WireStatus.STATUS_ABORTED: GoalStatus.ABORTED,
+    WireStatus.STATUS_CANCELED: GoalStatus.CANCELED,
+}
+
+_SAID = {
+    WireStatus.STATUS_SUCCEEDED: 'succeeded',
+    WireStatus.STATUS_CANCELED: 'was canceled',
+    WireStatus.STATUS_ABORTED: 'was aborted',
+}
+
+
+class GoalFollower:
+    """Hears of goals by answer, status and result, and asks for the result by UUID.
+
+    Whatever comes for a goal that has ended is dropped; a late yes to a request is cancelled, so
+    that no goal is orphaned (semantics 2.4).
+    """
+
+    def __init__(
+        self,
+        clients: RenewableClient,
+        goals: OpenGoals,
+        server: SeenServer,
+        rivals: Rivals,
+        logger: RcutilsLogger,
+    ) -> None:
+        self._clients = clients
+        self._goals = goals
+        self._server = server
+        self._rivals = rivals
+        self._logger = logger
+
+    @property
+    def _client(self) -> GoalClient:
+        return self._clients.current
+
+    def ask(self, goal: RosGoal, *, is_check: bool) -> None:
+        """Ask for the result.
+
+        :param is_check: whether the server must know the goal by now; the question that follows
+            an acceptance at once may overtake the server's own book-keeping
+        """
+        self._client.ask_result(goal.id, partial(self._on_result, goal, is_check))
+
+    def repeat_cancel(self, goal: RosGoal) -> None:
+        """Cancel by its UUID a goal that is to be cancelled; no acceptance may ever come."""
+        if goal.cancel_requested:
+            self._client.request_cancel(goal.id)
+
+    def listed_end(self, goal: RosGoal) -> str:
+        """Return what else is known of a goal whose result does not come, to end a message."""
+        status = self._client.status.of(goal.id)
+        return f'; its status topic says that the goal {_SAID[status]}' if status in _SAID else ''
+
+    def look_at_status(self, goal: RosGoal) -> None:
+        """Learn from the server's status topic that it has the goal; the answer may be lost."""
+        status = self._client.status
+        if not goal.listed and status.of(goal.id) is not None:
+            goal.listed = True
+            if not goal.adopted or status.is_active(goal.id):
+                self._on_accepted(goal)
+
+    # --- what comes -------------------------------------------------------------------------
+
+    def on_response(self, goal: RosGoal, response: Any) -> None:
+        """Take the answer to the request."""
+        with self._failures_end(goal):
+            accepted = bool(response.accepted)
+            if goal.end is not None:
+                self._on_late_response(goal, accepted)
+            elif not accepted:
+                # It may have this UUID already: then it is no rejection (semantics 9.2).
+                goal.refused = True
+                self.ask(goal, is_check=True)
+            else:
+                self._on_accepted(goal)
+
+    def _on_accepted(self, goal: RosGoal) -> None:
+        if goal.accepted or goal.end is not None:
+            return
+        self._goals.accept(goal)
+        # Now, while the goal runs, rather than before the next one, which somebody waits for.
+        self._server.look()
+        self.ask(goal, is_check=False)
+        self.repeat_cancel(goal)
+
+    def _on_late_response(self, goal: RosGoal, accepted: bool) -> None:
+        self._goals.answered_late(goal)
+        if accepted and goal.end is not None and goal.end.status in GIVEN_UP:
+            text = f'goal {goal.request.id} was accepted after it was given up; it is cancelled'
+            self._logger.warning(text)
+            self._client.request_cancel(goal.id)
+
+    def _on_result(self, goal: RosGoal, is_check: bool, response: Any) -> None:
+        with self._failures_end(goal):
+            if goal.end is not None:
+                return
+            if response.status in _ENDS:
+                goal.accepted = True
+                self._goals.end(goal, _ENDS[response.status], result=to_plain(response.result))
+            elif response.status == WireStatus.STATUS_UNKNOWN and is_check:
+                self._on_unknown(goal)
+
+    def _on_unknown(self, goal: RosGoal) -> None:
+        goal.heard_s = time.monotonic()
+        if self._rivals.seen_within(RESULT_CHECK_S):
+            return  # another server than the one that has it may have said so
+        goal.unknown_count += 1
+        believed = 1 if goal.accepted else REQUEST_CHECKS
+        if goal.refused:
+            message = f'refused by the server{self._busy_with()}'
+            self._goals.end(goal, GoalStatus.REJECTED, message=message)
+        elif goal.unknown_count >= believed:
+            message = f'the server does not know the goal (any more){self.listed_end(goal)}'
+            denier = self._denier(goal)
+            self._goals.end(goal, GoalStatus.LOST, message=message, denied_by=denier)
+        else:
+            goal.denied_by = self._client.status.publisher_id()
+
+    def _busy_with(self) -> str:
+        """Name a goal that runs there and is not ours, to end a message; else return nothing."""
+        goals = (goal for goal in self._client.status.active() if not self._goals.is_ours(goal))
+        foreign = next(goals, None)
+        if foreign is None:
+            return ''
+        return f'; it runs a goal of another client, {uuid.UUID(bytes=foreign)}'
+
+    def _denier(self, goal: RosGoal) -> str | None:
+        """Return which server does not know a goal, if it was there at both answers."""
+        there = self._client.status.publisher_id()
+        return there if there == goal.denied_by else None
+
+    @contextmanager
+    def _failures_end(self, goal: RosGoal) -> Iterator[None]:
+        """Let a goal end of which something came that cannot be handled: nobody knows its end."""
+        try:
+            yield
+        except Exception as error:  # noqa: BLE001 - whatever it is, the other goals go on
+            report(self._logger)
+            if goal.end is None:
+                message = f'error while handling the answer of the server: {error}'
+                self._goals.end(goal, GoalStatus.LOST, message=message)

@@ -1,0 +1,98 @@
+"""The goals that a link has open, and how they end."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Any
+
+from bt_orchestrator.model.goal import GoalEnd, GoalStatus
+from bt_orchestrator.news import News
+from bt_orchestrator.ros.actions.goal import RosGoal
+from bt_orchestrator.ros.actions.questions import Question
+from bt_orchestrator.ros.actions.renewable_client import RenewableClient
+
+GIVEN_UP = (GoalStatus.LOST, GoalStatus.SILENT)
+"""Ends after which the server may still say yes to the request."""
+
+_MOST_UNANSWERED = 16
+"""Requests given up whose late answer is still listened to."""
+
+
+_OURS_KEPT = 64
+"""Goals whose ids are remembered: more than a server could still run of ours."""
+
+
+class OpenGoals:
+    """A goal is waiting (for the server), then in flight, then ended and not known here any more.
+
+    :ivar waiting: until when each may wait, on the steady clock
+    :ivar in_flight: an ordered set
+    """
+
+    def __init__(self, clients: RenewableClient, news: News) -> None:
+        """Begin without any.
+
+        :param news: gets each goal that is accepted, and that ends
+        """
+        self._clients = clients
+        self._news = news
+        self._unanswered: list[Question] = []
+        self._ours: deque[bytes] = deque(maxlen=_OURS_KEPT)
+        self.waiting: dict[RosGoal, float] = {}
+        self.in_flight: dict[RosGoal, None] = {}
+
+    @property
+    def any_sent(self) -> bool:
+        """Tell whether something may still come: of a goal in flight, or a late answer."""
+        return bool(self.in_flight or self._unanswered)
+
+    def begin(self, goal: RosGoal) -> None:
+        """Note that a goal is at the server, or on its way."""
+        self.in_flight[goal] = None
+        self._ours.append(bytes(goal.id.uuid))
+
+    def is_ours(self, goal_id: bytes) -> bool:
+        """Tell whether a goal was sent, or taken over, by this process."""
+        return goal_id in self._ours
+
+    def accept(self, goal: RosGoal) -> None:
+        """Note that the server has taken a goal."""
+        goal.accepted = True
+        self._news.add(goal)
+
+    def end(
+        self,
+        goal: RosGoal,
+        status: GoalStatus,
+        *,
+        result: Any = None,
+        message: str = '',
+        denied_by: str | None = None,
+    ) -> None:
+        """End a goal and free what its client keeps; arguments as in `GoalEnd`."""
+        self.waiting.pop(goal, None)
+        self.in_flight.pop(goal, None)
+        self._clients.forget(goal.id)
+        if goal.question is not None and goal.question.is_open:
+            if status in GIVEN_UP:
+                self._remember_unanswered(goal.question)
+            else:  # an answer that was lost on its way
+                goal.question.drop()
+        goal.end = GoalEnd(status, result or {}, message, denied_by)
+        self._news.add(goal)
+
+    def answered_late(self, goal: RosGoal) -> None:
+        """Take note of the answer to the request of a goal that has ended."""
+        if goal.question in self._unanswered:
+            self._unanswered.remove(goal.question)
+
+    def forget_unanswered(self) -> None:
+        """Listen to no late answer any more: whoever would give it is gone."""
+        for question in self._unanswered:
+            question.drop()
+        self._unanswered.clear()
+
+    def _remember_unanswered(self, question: Question) -> None:
+        self._unanswered.append(question)
+        if len(self._unanswered) > _MOST_UNANSWERED:
+            self._unanswered.pop(0).drop()

@@ -1,0 +1,78 @@
+"""A service client that calls back in the turn in which an answer came."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
+
+from rclpy.node import Node
+
+from bt_orchestrator.ros.executor.handles import service_client
+from bt_orchestrator.ros.executor.parted import Call
+
+Answered = Callable[[Any], None]
+"""Gets the response."""
+
+
+class Question:
+    """A request that was sent. States: open, then answered or dropped."""
+
+    __slots__ = ('_open', '_sequence')
+
+    def __init__(self, open_ones: dict[int, Answered], sequence: int) -> None:
+        self._open = open_ones
+        self._sequence = sequence
+
+    @property
+    def is_open(self) -> bool:
+        """Tell whether the answer is still waited for."""
+        return self._sequence in self._open
+
+    def drop(self) -> None:
+        """Wait for the answer no longer; it may never come."""
+        self._open.pop(self._sequence, None)
+
+
+class Questions:
+    """One service, and the questions that are open at it.
+
+    rclpy's own client keeps a future for each, and lets the executor make a turn of its callback.
+    """
+
+    def __init__(self, node: Node, service_class: Any, name: str) -> None:
+        """Make the client; its name is remapped as any other."""
+        self._response = service_class.Response
+        self._open: dict[int, Answered] = {}
+        self.handle = service_client(node, service_class, name)
+
+    def __len__(self) -> int:
+        return len(self._open)
+
+    def ask(self, request: Any, answered: Answered) -> Question:
+        """Send a request.
+
+        :param answered: called once, with the response
+        """
+        sequence = self.tell(request)
+        self._open[sequence] = answered
+        return Question(self._open, sequence)
+
+    def tell(self, request: Any) -> int:
+        """Send a request whose answer does not matter; return its number."""
+        with self.handle:
+            return int(self.handle.send_request(request))
+
+    def is_served(self) -> bool:
+        """Tell whether the service is there; goes through the whole ROS graph twice."""
+        with self.handle:
+            return bool(self.handle.service_server_is_available())
+
+    def take(self) -> Sequence[Call]:
+        """Take all answers that have come, each with what is to be called."""
+        with self.handle:
+            taken = list(iter(partial(self.handle.take_response, self._response), (None, None)))
+        found = (
+            (self._open.pop(header.request_id.sequence_number, None), r) for header, r in taken
+        )
+        return [(answered, response) for answered, response in found if answered is not None]

@@ -1,0 +1,96 @@
+"""Whether several servers have the name of one action, and who they are (semantics 2.5)."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator, Sequence
+
+from rclpy.node import Node
+
+from bt_orchestrator.ros.actions.endpoints import endpoint_id, is_named, owners
+from bt_orchestrator.ros.actions.goal_client import GoalClient
+from bt_orchestrator.ros.actions.renewable_client import RenewableClient
+
+DISCOVERY_S = 3.5
+"""Seconds in which a fresh participant finds whoever is alive: announcements come every 3 s."""
+
+RIVALS_FRESH_S = 1.0
+"""How old a participant may be that is to know nothing of a server that has just died."""
+
+TRIAL_S = 10.0
+"""Shortest time between two fresh looks of one action; a participant is made for each."""
+
+MOST_TOLD = 16
+"""So many servers are told of: there may be any number, and what is told is kept."""
+
+
+class Rivals:
+    """Counts the servers of one action in the ROS graph, at next to no cost while there is one.
+
+    A server that was killed stays in the graph for its lease, 20 s. A participant made after its
+    death is not told of it, so one is made as soon as there seem to be several. If that finds one
+    server only, once everybody alive had the time to be found, it is spoken with from then on.
+    """
+
+    def __init__(self, clients: RenewableClient, fresh_node: Callable[[], Node]) -> None:
+        self._clients = clients
+        self._fresh_node = fresh_node
+        self._names: tuple[str, ...] = ()
+        self._ids: Sequence[str] = ()
+        self._trial: Node | None = None
+        self._tried_s = -math.inf
+        self._tried_ids: Sequence[str] | None = None
+        self._seen_s = -math.inf
+
+    def look(self) -> tuple[str, ...]:
+        """Return all servers that are there now, if there are several; else nothing."""
+        client = self._clients.current
+        if client.count_servers() < 2:
+            self._names, self._ids, self._trial = (), (), None
+            return ()
+        self._seen_s = time.monotonic()
+        publishers = client.status.publishers_info()
+        ids = sorted(map(endpoint_id, publishers))
+        # The names of nodes come a moment after what they serve.
+        if not self._names or ids != self._ids or not all(map(is_named, publishers)):
+            self._ids = ids
+            names = (*owners(publishers), *_without_status(client, len(publishers)))
+            self._names = names[:MOST_TOLD]
+        return self._names
+
+    def look_afresh(self) -> None:
+        """Find out whether all but one are dead; to be called once a second."""
+        now = time.monotonic()
+        if not self.look():
+            return
+        if self._trial is None:
+            # Who was found alive by a fresh look is not looked for again.
+            if self._ids != self._tried_ids and now - self._tried_s >= TRIAL_S:
+                self._trial, self._tried_s, self._tried_ids = self._fresh_node(), now, self._ids
+        elif now - self._tried_s >= DISCOVERY_S:
+            trial, self._trial = self._trial, None
+            if self._clients.current.count_servers(trial) == 1:
+                self._clients.renew(trial)
+                self._names = ()
+
+    def seen_within(self, seconds: float) -> bool:
+        """Tell whether there were several now, or a moment ago."""
+        return bool(self.look()) or time.monotonic() - self._seen_s < seconds
+
+    @property
+    def nodes(self) -> Iterator[Node]:
+        """Nodes that it looks through."""
+        if self._trial is not None:
+            yield self._trial
+
+
+def _without_status(client: GoalClient, with_status: int) -> Iterator[str]:
+    """Name servers that take goals and publish no status, as an action server has to."""
+    count = client.count_servers() - with_status
+    if count < 1:
+        return
+    publishers = set(owners(client.status.publishers_info()))
+    others = [name for name in client.takers() if name not in publishers]
+    yield from (f'{name} (publishes no status)' for name in others[:count])
+    yield from ['one that publishes no status'] * (count - len(others[:count]))

@@ -1,0 +1,100 @@
+"""What an action server says of its goals."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from action_msgs.msg import GoalStatus, GoalStatusArray
+from rclpy.node import Node
+from rclpy.qos import qos_profile_action_status_default
+from rclpy.topic_endpoint_info import TopicEndpointInfo
+from unique_identifier_msgs.msg import UUID
+
+from bt_orchestrator.ros.actions.endpoints import endpoint_id
+from bt_orchestrator.ros.actions.last_message import LastMessage
+
+_ACTIVE = (GoalStatus.STATUS_ACCEPTED, GoalStatus.STATUS_EXECUTING, GoalStatus.STATUS_CANCELING)
+
+
+class ServerStatus:
+    """The last message of its status topic, which is latched and lists all that it remembers.
+
+    A server publishes it three times a goal, the last time just before the result: it is read
+    when somebody asks.
+    """
+
+    def __init__(self, node: Node, action: str) -> None:
+        self._node = node
+        self._name = f'{action}/_action/status'
+        self._topic = LastMessage(
+            node, GoalStatusArray, self._name, qos_profile_action_status_default
+        )
+        self._read: Any = None
+        self._listed: Mapping[bytes, int] = {}
+        self._stamps: Mapping[bytes, Any] = {}
+
+    @property
+    def is_published(self) -> bool:
+        """Tell whether a publisher is connected; costs next to nothing."""
+        return self.publishers > 0
+
+    @property
+    def publishers(self) -> int:
+        """How many publishers are connected; costs next to nothing."""
+        return self._topic.publishers
+
+    def publishers_info(self) -> Sequence[TopicEndpointInfo]:
+        """Return who publishes it. Takes a tenth of a millisecond."""
+        return self._node.get_publishers_info_by_topic(self._name)
+
+    def publisher_id(self) -> str | None:
+        """Return an id of the publisher, which no other instance of the server has.
+
+        None: there is no server, or more than one. Takes a tenth of a millisecond.
+        """
+        publishers = self.publishers_info()
+        return endpoint_id(publishers[0]) if len(publishers) == 1 else None
+
+    def of(self, goal_id: UUID) -> int | None:
+        """Return a goal's status (action_msgs/GoalStatus); None: it is not listed.
+
+        A goal that is listed was accepted, whatever became of the answer. Of one that ended the
+        server may know no more than this topic still says.
+        """
+        return self._by_goal().get(bytes(goal_id.uuid))
+
+    def is_active(self, goal_id: UUID) -> bool:
+        """Tell whether a goal runs."""
+        return self.of(goal_id) in _ACTIVE
+
+    def active(self) -> Iterator[bytes]:
+        """Yield the ids of the goals that run, anybody's."""
+        return (goal for goal, status in self._by_goal().items() if status in _ACTIVE)
+
+    def accepted_s(self, goal_id: bytes) -> float:
+        """Return when a goal that is listed was accepted, in seconds by the server's clock."""
+        stamp = self._stamps[goal_id]
+        return float(stamp.sec + stamp.nanosec * 1e-9)
+
+    @property
+    def is_busy(self) -> bool:
+        """Tell whether any goal runs, anybody's.
+
+        Such a server may be silent for long: it answers for a goal at its end, and one that works
+        in the thread of its callbacks answers nothing meanwhile.
+        """
+        return any(self.active())
+
+    def destroy(self) -> None:
+        """End the subscription."""
+        self._topic.destroy()
+
+    def _by_goal(self) -> Mapping[bytes, int]:
+        message = self._topic.read()
+        if message is not self._read:
+            self._read = message
+            infos = [(bytes(one.goal_info.goal_id.uuid), one) for one in message.status_list]
+            self._listed = {goal: one.status for goal, one in infos}
+            self._stamps = {goal: one.goal_info.stamp for goal, one in infos}
+        return self._listed

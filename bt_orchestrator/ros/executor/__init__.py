@@ -1,0 +1,1 @@
+"""The executor of the tree node: one thread, and what wakes it."""

@@ -1,0 +1,187 @@
+"""What an executor waits for, kept from one wait to the next."""
+
+from __future__ import annotations
+
+import threading
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from typing import Any, NamedTuple
+
+from rclpy.context import Context
+from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
+from rclpy.node import Node
+from rclpy.waitable import NumberOfEntities
+
+from bt_orchestrator.ros.executor.parted import Part, PartedWaitable
+
+WAITABLE = 'waitable'
+"""Several entities that are asked together, such as an action server."""
+PARTED = 'parted waitable'
+"""Several service clients of which it is known what came for which."""
+GUARD = 'guard_condition'
+TIMER = 'timer'
+SUBSCRIPTION = 'subscription'
+CLIENT = 'client'
+SERVICE = 'service'
+
+
+class Member(NamedTuple):
+    """An entity of a node."""
+
+    kind: str
+    """As rclpy's wait set calls it, or WAITABLE or PARTED."""
+    entity: Any
+    node: Node
+
+    def may_run(self) -> bool:
+        """Tell whether it is to run now; a timer may have been cancelled since it was ready."""
+        if self.kind == TIMER and not self.entity.handle.is_timer_ready():
+            return False
+        return bool(self.entity.callback_group.can_execute(self.entity))
+
+
+class WaitList:
+    """The entities of some nodes, and a wait set that holds all of them.
+
+    rclpy gathers the entities anew for each wait, asks each whether it may run, locks it, and
+    makes a wait set for them; all that takes longer than the wait itself. What is destroyed
+    while it is in this list goes when the list is closed.
+    """
+
+    def __init__(self, nodes: Sequence[Node], own: Sequence[Any], context: Context) -> None:
+        """Gather the entities of the nodes.
+
+        :param own: guard conditions of the executor, which end a wait and have no callback
+        """
+        members = [
+            Member(_kind(e, kind), e, n) for n in nodes for kind, es in _kinds(n) for e in es
+        ]
+        self._entities = [one.entity for one in members]
+        self._groups = {one.entity.callback_group: one.entity for one in members}
+        self._waitables = [one for one in members if one.kind == WAITABLE]
+        self._guards = [one.entity for one in members if one.kind == GUARD]
+        self._simple: dict[int, Member] = {}
+        self._parted: dict[int, tuple[Member, Part]] = {}
+        self._adds: list[tuple[Any, Callable[[], Any]]] = []
+        self._held: list[Any] = []
+        self._waits = threading.RLock()
+        self._context: Any = context.handle
+        self._set = _wait_set(members, len(own), self._context)
+        for one in members:
+            self._take_in(one)
+        for guard in own:
+            self._hold(None, guard.handle, partial(self._set.add_guard_condition, guard.handle))
+
+    def is_of(self, nodes: Sequence[Node]) -> bool:
+        """Tell whether the nodes still have these entities, and no others."""
+        return self._entities == [
+            entity for node in nodes for _, entities in _kinds(node) for entity in entities
+        ]
+
+    def wait(self, timeout_ns: int) -> list[Member]:
+        """Wait until something is ready, and return that in the order in which it is to run.
+
+        :param timeout_ns: for ever if negative
+        """
+        busy = {group for group, one in self._groups.items() if not group.can_execute(one)}
+        for guard in self._guards:
+            if guard._executor_triggered:  # noqa: SLF001
+                guard.trigger()  # an earlier wait has taken this away, and it did not run
+        with self._waits, self._context:
+            self._set.clear_entities()
+            for group, add in self._adds:
+                if group not in busy:
+                    add()
+            self._set.wait(timeout_ns)
+            return self._ready(busy)
+
+    def close(self) -> None:
+        """Let go of the entities, after the wait of another thread if there is one."""
+        with self._waits:
+            for handle in self._held:
+                handle.__exit__(None, None, None)
+            self._held.clear()
+            self._adds.clear()
+
+    def _take_in(self, one: Member) -> None:
+        entity, group = one.entity, one.entity.callback_group
+        if one.kind == WAITABLE:
+            self._hold(group, entity, partial(entity.add_to_wait_set, self._set))
+        elif one.kind == PARTED:
+            for part in entity.parts:
+                self._parted[part.handle.pointer] = one, part
+                self._hold(group, part.handle, self._adder(CLIENT, part.handle))
+        else:
+            self._simple[entity.handle.pointer] = one
+            self._hold(group, entity.handle, self._adder(one.kind, entity.handle))
+
+    def _adder(self, kind: str, handle: Any) -> Callable[[], Any]:
+        return partial(getattr(self._set, f'add_{kind}'), handle)
+
+    def _hold(self, group: Any, handle: Any, add: Callable[[], Any]) -> None:
+        """Keep something from being destroyed, and remember how it is put into the wait set."""
+        try:
+            handle.__enter__()
+        except _rclpy.InvalidHandle:
+            return  # destroyed, and not forgotten yet
+        self._held.append(handle)
+        self._adds.append((group, add))
+
+    def _ready(self, busy: set[Any]) -> list[Member]:
+        parted: dict[Member, list[Part]] = {}
+        simple: list[Member] = []
+        for kind in (TIMER, SUBSCRIPTION, GUARD, CLIENT, SERVICE):
+            for pointer in self._set.get_ready_entities(kind):
+                if pointer in self._simple:
+                    one = self._simple[pointer]
+                    if kind == GUARD:
+                        one.entity._executor_triggered = True  # noqa: SLF001
+                    simple.append(one)
+                elif pointer in self._parted:
+                    one, part = self._parted[pointer]
+                    parted.setdefault(one, []).append(part)
+        for one, parts in parted.items():
+            one.entity.note_ready(parts)
+        others = [
+            one
+            for one in self._waitables
+            if one.entity.callback_group not in busy and one.entity.is_ready(self._set)
+        ]
+        return [*parted, *others, *simple]
+
+
+def _kinds(node: Node) -> Sequence[tuple[str, Iterator[Any]]]:
+    """Return the entities of a node that can become ready, in the order in which they run."""
+    return (
+        (WAITABLE, node.waitables),
+        (TIMER, node.timers),
+        (SUBSCRIPTION, node.subscriptions),
+        (GUARD, node.guards),
+        (CLIENT, node.clients),
+        (SERVICE, node.services),
+    )
+
+
+def _kind(entity: Any, kind: str) -> str:
+    return PARTED if isinstance(entity, PartedWaitable) else kind
+
+
+def _wait_set(members: Sequence[Member], guards: int, context: Any) -> Any:
+    kinds = Counter(one.kind for one in members)
+    count = NumberOfEntities(
+        kinds[SUBSCRIPTION], kinds[GUARD] + guards, kinds[TIMER], kinds[CLIENT], kinds[SERVICE]
+    )
+    for one in members:
+        if one.kind in (WAITABLE, PARTED):
+            count += one.entity.get_num_entities()
+    with context:
+        return _rclpy.WaitSet(
+            count.num_subscriptions,
+            count.num_guard_conditions,
+            count.num_timers,
+            count.num_clients,
+            count.num_services,
+            count.num_events,
+            context,
+        )

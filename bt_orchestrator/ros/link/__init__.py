@@ -1,0 +1,1 @@
+"""The other end: a running tree node as its clients see it."""

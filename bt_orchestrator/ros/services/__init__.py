@@ -1,0 +1,1 @@
+"""What the tree node offers: services, topics, an action."""

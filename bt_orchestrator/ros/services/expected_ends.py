@@ -1,0 +1,105 @@
+"""When jobs are expected to end, kept up to date while the cell works."""
+
+from __future__ import annotations
+
+import copy
+import time
+from collections.abc import Mapping
+
+from rclpy.node import Node
+
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.jobs.live_jobs import LiveJobs
+from bt_orchestrator.model.jobs.order_ids import OrderIds
+from bt_orchestrator.model.limits import QUEUE_SHOWN
+from bt_orchestrator.model.snapshot import state_to_text
+from bt_orchestrator.model.state import CellState
+from bt_orchestrator.ports import Foresight
+from bt_orchestrator.report.pace import expected_ends_s
+from bt_orchestrator.ros.pulse import Pulse
+from bt_orchestrator.runtime.observed_durations import ObservedDurations, as_observed
+from bt_orchestrator.runtime.orchestrator import Orchestrator
+
+RENEW_S = 5.0
+"""Shortest time between two questions about one queue that goes on as expected."""
+
+
+class ExpectedEnds:
+    """Asks for a forecast when the queue or the holds changed, and every few seconds of work."""
+
+    def __init__(
+        self,
+        node: Node,
+        orchestrator: Orchestrator,
+        durations: ObservedDurations,
+        foresight: Foresight | None,
+        pulse: Pulse,
+    ) -> None:
+        """Look ahead, once a second at most.
+
+        :param foresight: makes forecasts; None: the pace of the slowest section has to do
+        """
+        self._node = node
+        self._orchestrator = orchestrator
+        self._durations = durations
+        self._foresight = foresight
+        self._asked_s = 0.0
+        self._asked_seq = 0
+        self._asked_about: object = None
+        self._cell: Cell | None = None
+        """With the durations seen; None: to be made anew when it is needed."""
+        pulse.add(self._look)
+
+    def within_s(self, now_s: float) -> Mapping[str, float]:
+        """Return in how many seconds each live job ends; those nobody can know are left out.
+
+        By the last forecast, which knows nothing while somebody has to answer or start first; what
+        it does not know, by the pace. Both take the durations that were seen.
+        """
+        state = self._orchestrator.state
+        foresight = None if _waits(state) else self._foresight
+        ends_s = foresight.ends_s if foresight is not None else {}
+        known = {job: max(0.0, end_s - now_s) for job, end_s in ends_s.items()}
+        if all(job.job.id in known for job in state.jobs.first(QUEUE_SHOWN)):
+            return known
+        if self._cell is None:
+            self._cell = as_observed(state.cell, self._durations.seconds())
+        return {**expected_ends_s(state, self._cell), **known}
+
+    def close(self) -> None:
+        """Ask no more."""
+        if self._foresight is not None:
+            self._foresight.close()
+
+    def _look(self) -> None:
+        state = self._orchestrator.state
+        self._cell = None
+        if self._foresight is None:
+            return
+        if not state.jobs or _waits(state):
+            self._asked_about = None
+            return
+        steady_s = time.monotonic()
+        jobs = (job.job.id for job in state.jobs.first(QUEUE_SHOWN))
+        about = (*jobs, self._durations.kinds)  # a task seen first changes what is known
+        renews = steady_s - self._asked_s >= RENEW_S and state.seq != self._asked_seq
+        if about != self._asked_about or renews:
+            self._asked_s, self._asked_seq, self._asked_about = steady_s, state.seq, about
+            now_s = self._node.get_clock().now().nanoseconds / 1e9
+            text = state_to_text(nearest(state))
+            self._foresight.ask(text, self._durations.seconds(), now_s)
+
+
+def nearest(state: CellState) -> CellState:
+    """Return what a forecast has to know: of a long queue the first jobs, of the past nothing."""
+    near = copy.copy(state)
+    near.jobs = LiveJobs(state.jobs.first(QUEUE_SHOWN))
+    used = {job.digest for job in near.jobs.values()}
+    near.scripts = {name: script for name, script in state.scripts.items() if name in used}
+    near.ended, near.order_ids = {}, OrderIds()
+    return near
+
+
+def _waits(state: CellState) -> bool:
+    """Tell whether a person has to do something first: nobody knows how long that takes."""
+    return bool(state.holds) or state.stopped_by is not None

@@ -1,0 +1,182 @@
+"""What the node tells the world: events topic, latched status, diagnostics."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from bt_orchestrator_interfaces.msg import Event as EventMessage
+from bt_orchestrator_interfaces.msg import Status
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.node import Node
+
+from bt_orchestrator.deadlines import instant_ns
+from bt_orchestrator.model.events import (
+    BeatStarted,
+    BeltIndexed,
+    BeltIndexStarted,
+    CycleEvent,
+    Event,
+    ItemEvent,
+    TaskEvent,
+)
+from bt_orchestrator.model.hold_words import hold_words
+from bt_orchestrator.model.state import CellState
+from bt_orchestrator.model.stop_reason import StopReason
+from bt_orchestrator.ros.executor.heart import Heart
+from bt_orchestrator.ros.executor.timers import steady_timer
+from bt_orchestrator.ros.pulse import Pulse
+from bt_orchestrator.ros.qos import EVENTS, LATCHED, publisher
+from bt_orchestrator.ros.services.event_message import event_message
+from bt_orchestrator.ros.services.expected_ends import ExpectedEnds
+from bt_orchestrator.ros.services.status_message import contested_words, status_message
+from bt_orchestrator.ros.stamps import to_time
+from bt_orchestrator.runtime.orchestrator import Orchestrator
+
+STATUS_PERIOD_S = 0.1
+"""Shortest time between two status messages."""
+
+UNWATCHED_S = 0.5
+"""The same while nobody listens and the work just goes on; for whoever comes then."""
+
+PROGRESS = (TaskEvent, CycleEvent, ItemEvent, BeatStarted, BeltIndexStarted, BeltIndexed)
+"""Events of the ordinary work, as opposed to orders, holds, decisions and states of the cell."""
+
+
+class EventsTopic:
+    """`~/events`: every durable record. Implements `ports.EventSink`."""
+
+    def __init__(self, node: Node, history: str) -> None:
+        self._history = history
+        self._publisher = publisher(node, EventMessage, '~/events', EVENTS)
+
+    def publish(self, events: Sequence[Event]) -> None:
+        """Publish the records, in order; whoever comes later asks the journal (`~/get_events`)."""
+        if not self._publisher.get_subscription_count():
+            return
+        for event in events:
+            self._publisher.publish(event_message(event, self._history))
+
+
+class StatusTopic:
+    """`~/status`, latched: built outside the tick, at most ten times a second.
+
+    Implements `ports.EventSink`. What happens hurries the next message on; while nothing does, or
+    nobody listens to the ordinary work, it comes seldom. While the journal is waited for, the
+    state is ahead of it: the last message is said again, and that the disk is waited for.
+    """
+
+    def __init__(
+        self, node: Node, orchestrator: Orchestrator, expected: ExpectedEnds, pulse: Pulse
+    ) -> None:
+        self._node = node
+        self._orchestrator = orchestrator
+        self._expected = expected
+        self._publisher = publisher(node, Status, '~/status', LATCHED)
+        self._last = Status()
+        self._within_s = math.inf
+        self._timer = steady_timer(node, UNWATCHED_S, self.publish_now)
+        self._timer.cancel()
+        pulse.add(self._refresh)
+
+    def publish_now(self) -> None:
+        """Publish whatever is so now."""
+        now = self._node.get_clock().now().nanoseconds / 1e9
+        if self._orchestrator.awaits_disk:
+            self._last.stamp = to_time(now)
+        else:
+            self._last = status_message(self._orchestrator, now, self._expected.within_s(now))
+        self._last.disk_wait = self._orchestrator.disk_wait
+        self._publisher.publish(self._last)
+        self._within_s = math.inf
+        self._timer.cancel()
+
+    def publish(self, events: Sequence[Event]) -> None:
+        """See to it that a message tells of these events soon."""
+        is_progress = all(isinstance(event, PROGRESS) for event in events)
+        is_unheard = is_progress and not self._publisher.get_subscription_count()
+        within_s = UNWATCHED_S if is_unheard else STATUS_PERIOD_S
+        if within_s < self._within_s:
+            self._within_s = within_s
+            self._timer.timer_period_ns = instant_ns(within_s)
+            self._timer.reset()
+
+    def _refresh(self) -> None:
+        """Publish again although nothing happened: availability and feedback are no events."""
+        if self._timer.is_canceled():
+            self.publish_now()
+
+
+class Diagnostics:
+    """`/diagnostics` at 1 Hz: the cell, and every component that is not as it should be."""
+
+    def __init__(self, node: Node, orchestrator: Orchestrator, heart: Heart, pulse: Pulse) -> None:
+        self._node = node
+        self._orchestrator = orchestrator
+        self._heart = heart
+        self._publisher = publisher(node, DiagnosticArray, '/diagnostics', 10)
+        pulse.add(self._publish)
+
+    def _publish(self) -> None:
+        message = DiagnosticArray(status=[self._cell(), self._servers()])
+        message.header.stamp = self._node.get_clock().now().to_msg()
+        self._publisher.publish(message)
+
+    def _cell(self) -> DiagnosticStatus:
+        state = self._orchestrator.state
+        level, text = DiagnosticStatus.OK, state.packml.value
+        if state.stop_reason is not None:
+            text = f'{state.packml.value}, {state.stop_reason.value}: {state.stop_message}'
+            emergency = state.stop_reason is StopReason.EMERGENCY
+            level = DiagnosticStatus.ERROR if emergency else DiagnosticStatus.WARN
+        if self._orchestrator.broken:
+            level, text = DiagnosticStatus.ERROR, self._orchestrator.broken
+        elif self._heart.failures:
+            level, text = DiagnosticStatus.ERROR, f'{self._heart.failures} settles failed'
+        elif self._orchestrator.disk_wait:
+            level, text = DiagnosticStatus.WARN, self._orchestrator.disk_wait
+        return self._status('cell', level, text, self._values(state))
+
+    def _values(self, state: CellState) -> dict[str, str]:
+        now = self._node.get_clock().now().nanoseconds / 1e9
+        values = {
+            'state': state.packml.value,
+            'in this state for (s)': f'{max(0.0, now - state.packml_since):.1f}',
+            'stop reason': state.stop_reason.value if state.stop_reason else '',
+            'seq': str(state.seq),
+            'jobs': str(len(state.jobs)),
+            'waits for the disk (s)': f'{self._orchestrator.disk_wait_s:.1f}',
+        }
+        values |= {f'time in {m.value} (s)': f'{s:.1f}' for m, s in state.times(now).items()}
+        for hold in state.holds.values():
+            values[f'hold {hold.id}'] = hold_words(hold)
+        return values
+
+    def _servers(self) -> DiagnosticStatus:
+        components = self._orchestrator.state.cell.components
+        contested = {
+            c.name: words
+            for c in components.values()
+            if (words := contested_words(self._orchestrator, c))
+        }
+        if contested:
+            text = '; '.join(f'{name}: {words}' for name, words in contested.items())
+            return self._status('action servers', DiagnosticStatus.ERROR, text, contested)
+        gone = [c for c in components.values() if not self._orchestrator.gateway.available(c.name)]
+        if not gone:
+            text = f'all {len(components)} action servers are there'
+            return self._status('action servers', DiagnosticStatus.OK, text, {})
+        text = f'{len(gone)} of {len(components)} action servers are not there'
+        missing = {c.name: c.action for c in gone}
+        return self._status('action servers', DiagnosticStatus.WARN, text, missing)
+
+    def _status(
+        self, part: str, level: bytes, text: str, values: dict[str, str]
+    ) -> DiagnosticStatus:
+        return DiagnosticStatus(
+            level=level,
+            name=f'{self._node.get_fully_qualified_name().lstrip("/")}: {part}',
+            hardware_id=self._orchestrator.state.cell.name,
+            message=text,
+            values=[KeyValue(key=key, value=value) for key, value in values.items()],
+        )

@@ -1,0 +1,273 @@
+"""The action `~/run_job`: one work order, from the queue to its end.
+
+A goal lives as long as its job. Everything happens in the executor's one thread: goal and cancel
+requests are commands in the inbox of the cell, the ends of jobs come as events.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from bt_orchestrator_interfaces.action import RunJob
+from bt_orchestrator_interfaces.msg import FailureReport, JobStatus
+from bt_orchestrator_interfaces.msg import ItemReport as ItemMessage
+from rclpy.action.server import ActionServer, CancelResponse, GoalResponse
+from rclpy.node import Node
+
+from bt_orchestrator.deadlines import NS_PER_S
+from bt_orchestrator.errors import Refused
+from bt_orchestrator.model.allowance import Allowance
+from bt_orchestrator.model.by import By
+from bt_orchestrator.model.codec import json_of
+from bt_orchestrator.model.commands import Answer, RefusedRequest
+from bt_orchestrator.model.events import Event, TaskFailed
+from bt_orchestrator.model.jobs.job_commands import AddJobs, ControlJob
+from bt_orchestrator.model.limits import QUEUE_SHOWN, REFUSED_GOALS
+from bt_orchestrator.replies import begin
+from bt_orchestrator.report.job_report import ItemReport, JobReport
+from bt_orchestrator.ros.qos import SERVICES
+from bt_orchestrator.ros.services.expected_ends import ExpectedEnds
+from bt_orchestrator.ros.services.job_message import job_messages
+from bt_orchestrator.ros.services.order_process import NotRead
+from bt_orchestrator.ros.services.order_reader import OrderReader
+from bt_orchestrator.ros.services.order_requests import (
+    Told,
+    asked_orders,
+    refused_orders,
+    written_order,
+)
+from bt_orchestrator.ros.services.serving import by
+from bt_orchestrator.ros.spare_log import SpareLog
+from bt_orchestrator.ros.stamps import to_time
+from bt_orchestrator.runtime.command_record import ADD
+from bt_orchestrator.runtime.orchestrator import Orchestrator
+from bt_orchestrator.script.order_desk import Reading
+
+RESULT_TIMEOUT_S = 900
+"""How long a result is kept for a client that comes back for it."""
+
+
+@dataclass
+class _Served:
+    """A goal and its job."""
+
+    handle: Any
+    report: JobReport
+    by: By
+    status: JobStatus
+    """The last one sent as feedback."""
+
+
+class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazzy's rclpy
+    """Serves `~/run_job`. Implements `ports.EventSink`.
+
+    A goal is accepted whatever its order is, for a refusal has no words in ROS 2: one with
+    mistakes ends at once, aborted, with the findings in its result. As these are kept for a
+    while, goals are refused while there are too many of them.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        orchestrator: Orchestrator,
+        orders: OrderReader,
+        expected: ExpectedEnds,
+    ) -> None:
+        self._orchestrator = orchestrator
+        self._orders = orders
+        self._expected = expected
+        self._served: dict[str, _Served] = {}
+        self._being_read: list[Any] = []
+        self._log = SpareLog(node.get_logger())
+        self._refused = Allowance(REFUSED_GOALS)
+        super().__init__(
+            node,
+            RunJob,
+            '~/run_job',
+            execute_callback=_never_called,
+            goal_callback=self._admit,
+            handle_accepted_callback=self._begin,
+            cancel_callback=self._cancel,  # type: ignore[arg-type] # rclpy awaits it
+            result_timeout=RESULT_TIMEOUT_S,
+            goal_service_qos_profile=SERVICES,
+            cancel_service_qos_profile=SERVICES,
+            result_service_qos_profile=SERVICES,
+            feedback_pub_qos_profile=SERVICES,
+        )
+
+    def notify_execute(self, goal_handle: Any, execute_callback: Any) -> None:
+        """Do nothing when a goal starts: rclpy would resume a waiting coroutine at every turn."""
+
+    def publish(self, events: Sequence[Event]) -> None:
+        """Take in durable events: tell how jobs stand, and end the goals of those that ended.
+
+        Of a long queue the first jobs are told how they stand, and those that the events name.
+        """
+        if not self._served:
+            return
+        named = {getattr(event, 'job', None) for event in events}
+        near = {job.job.id for job in self._orchestrator.state.jobs.first(QUEUE_SHOWN)}
+        ends = self._ends()
+        for name in [name for name in self._served if name in named or name in near]:
+            served = self._served[name]
+            for event in events:
+                served.report.follow(event)
+            if served.report.exit_status:
+                del self._served[name]
+                self._end(served)
+            else:
+                self._feed_back(served, ends)
+
+    # --- requests ---------------------------------------------------------------------------
+
+    def _admit(self, _: Any) -> GoalResponse:
+        """Accept a goal, to say why if its order is refused, unless too many were refused."""
+        if self._refused.left(time.monotonic()) >= 1:
+            return GoalResponse.ACCEPT
+        self._log.warning('run_job takes no goal now: too many orders were refused lately')
+        return GoalResponse.REJECT
+
+    def _begin(self, handle: Any) -> None:
+        """Queue the order of a goal that was accepted, once it was read."""
+        handle.execute()
+        self._being_read.append(handle)
+
+        begin(self._queue(handle))
+
+    async def _queue(self, handle: Any) -> None:
+        try:
+            await self._queue_or_refuse(handle)
+        except Exception as error:  # noqa: BLE001 - a bad goal never stops the node
+            self._log.error(f'run_job failed: {error!r}')
+            self._being_read = [one for one in self._being_read if one is not handle]
+            self._refuse(handle, f'internal error, see the log of the node: {error!r}')
+
+    async def _queue_or_refuse(self, handle: Any) -> None:
+        goal, who = handle.request, by(handle.request, 'run_job')
+        wanted = written_order(goal.text) if goal.text else asked_orders([goal.order])
+        try:
+            async with self._orders.read(wanted) as reading:
+                self._being_read.remove(handle)
+                await self._queue_read(handle, reading, who)
+        except NotRead as why:
+            self._being_read.remove(handle)
+            self._refuse(handle, (await self._note(who, str(why))).message)
+
+    async def _queue_read(self, handle: Any, reading: Reading, who: By) -> None:
+        if handle.is_cancel_requested:
+            words = 'the goal was cancelled before its order was queued'
+            self._refuse(handle, (await self._note(who, words)).message)
+            return
+        goal, (read,) = handle.request, reading.read
+        if isinstance(read, Refused):
+            await self._orchestrator.carry_out(refused_orders([goal.order], [read], who))
+            self._refuse(handle, read.count, Told().of(read))
+            return
+        # From now on its events are its own: it may even end before `carry_out` returns. An
+        # order that was given before is refused there, and the events are not those of a goal.
+        is_known = read.id in self._served or read.id in self._orchestrator.state.jobs
+        if not is_known:
+            self._served[read.id] = _Served(handle, JobReport(read.id), who, JobStatus())
+        command = AddJobs((read,), who, goal.position or None, sharing=reading.sharing)
+        answer = await self._orchestrator.carry_out(command)
+        if not answer.accepted:
+            if not is_known:
+                del self._served[read.id]
+            self._refuse(handle, answer.message)
+
+    async def _note(self, who: By, why: str) -> Answer:
+        """Put on record that nothing was queued."""
+        return await self._orchestrator.carry_out(RefusedRequest(ADD, who, why))
+
+    async def _cancel(self, handle: Any) -> CancelResponse:
+        """Abort the job of a goal; the goal ends when the last item has left the line."""
+        if any(one is handle for one in self._being_read):
+            return CancelResponse.ACCEPT  # it will not be queued
+        served = next((s for s in self._served.values() if s.handle is handle), None)
+        if served is None:
+            return CancelResponse.REJECT
+        who = By(served.by.who, served.by.origin, 'the goal was cancelled')
+        command = ControlJob('abort', served.report.job, who)
+        # rclpy asks its own coroutines again and again; this one goes on in its turn.
+        answer = await begin(self._orchestrator.carry_out(command))
+        if not answer.accepted:
+            self._log.warning(f'run_job is not cancelled: {answer.message}')
+        return CancelResponse.ACCEPT if answer.accepted else CancelResponse.REJECT
+
+    # --- answers ----------------------------------------------------------------------------
+
+    def _feed_back(self, served: _Served, ends: Mapping[str, float]) -> None:
+        status = self._status(served.report.job, ends)
+        if status is not None and status != served.status:
+            served.status = status
+            served.handle.publish_feedback(RunJob.Feedback(status=status))
+
+    def _ends(self) -> Mapping[str, float]:
+        """Return in how many seconds jobs are expected to end."""
+        return self._expected.within_s(self._node.get_clock().now().nanoseconds / NS_PER_S)
+
+    def _status(self, job: str, ends: Mapping[str, float]) -> JobStatus | None:
+        state = self._orchestrator.state
+        found = state.jobs.get(job) or state.ended.get(job)
+        if found is None:
+            return None
+        return job_messages(state, [found], ends)[0]
+
+    def _end(self, served: _Served) -> None:
+        report = served.report
+        result = RunJob.Result(
+            job=report.job,
+            exit_status=report.exit_status,
+            message=report.reason,
+            status=self._status(report.job, self._ends()) or served.status,
+            items=[_item(item) for item in report.items.values()],
+            failures=[_failure(failure) for failure in report.failures],
+        )
+        self._conclude(served.handle, result)
+
+    def _refuse(self, handle: Any, message: str, findings: Sequence[str] = ()) -> None:
+        self._refused.use(1, time.monotonic())
+        result = RunJob.Result(exit_status='refused', message=message, findings=list(findings))
+        self._conclude(handle, result)
+
+    def _conclude(self, handle: Any, result: RunJob.Result) -> None:
+        """End a goal soon, in a task of its own: the client may have gone long ago."""
+
+        def conclude(handle: Any) -> Any:
+            if result.exit_status == 'completed':
+                handle.succeed()
+            elif handle.is_cancel_requested:
+                handle.canceled()
+            else:
+                handle.abort()
+            return result
+
+        super().notify_execute(handle, conclude)
+
+
+def _item(item: ItemReport) -> ItemMessage:
+    return ItemMessage(
+        id=item.id,
+        outcome=item.outcome,
+        nonconforming=item.nonconforming,
+        results=json_of(item.results),
+    )
+
+
+def _failure(failure: TaskFailed) -> FailureReport:
+    return FailureReport(
+        stamp=to_time(failure.time),
+        item=failure.item or '',
+        task=failure.task,
+        attempt=failure.attempt,
+        reason=failure.reason,
+        message=failure.message,
+    )
+
+
+def _never_called(handle: Any) -> Any:
+    """Stand where rclpy wants a function; goals are ended by events and never executed."""
+    raise AssertionError(f'rclpy was told not to execute goals, and began {handle}')

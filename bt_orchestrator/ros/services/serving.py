@@ -1,0 +1,47 @@
+"""Services that answer every request, whatever is wrong with it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.node import Node
+
+from bt_orchestrator.model.by import By
+from bt_orchestrator.model.commands import Answer
+from bt_orchestrator.model.limits import MESSAGE, cut
+from bt_orchestrator.replies import Steps, begin
+from bt_orchestrator.ros.services.patient_service import create_patient_service
+from bt_orchestrator.ros.spare_log import SpareLog
+
+
+def serve(node: Node, kind: Any, name: str, handle: Callable[[Any, Any], Steps[None]]) -> None:
+    """Offer a private service of a node, which answers when it has been handled.
+
+    :param handle: fills the response; an exception becomes a refusal, and stops nothing
+    """
+    said = SpareLog(node.get_logger())
+
+    async def answer(request: Any, response: Any) -> Any:
+        try:
+            await handle(request, response)
+        except Exception as error:  # noqa: BLE001 - a bad request never stops the node
+            said.error(f'{name} failed: {error!r}')
+            response.accepted = False
+            response.message = cut(f'internal error, see the log of the node: {error!r}', MESSAGE)
+        return response
+
+    create_patient_service(node, kind, f'~/{name}', lambda *asked: begin(answer(*asked)))
+
+
+def tell(response: Any, answer: Answer) -> None:
+    """Put an answer into a response."""
+    response.accepted, response.message = answer.accepted, answer.message
+
+
+def by(request: Any, otherwise: str = 'service') -> By:
+    """Return who asks, from where, and why.
+
+    :param otherwise: where from, if the request does not say it
+    """
+    return By(request.who, request.origin or otherwise, request.reason)

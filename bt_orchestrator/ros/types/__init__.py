@@ -1,0 +1,1 @@
+"""What the installed interfaces say of their types, and messages from plain values and back."""

@@ -1,0 +1,71 @@
+"""What the installed interface packages say about action and message types."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from bt_orchestrator.errors import UnknownActionType
+from bt_orchestrator.model.action_type import ActionType, FieldType, MessageType
+from bt_orchestrator.ros.types.interface_classes import action_class, message_class
+from bt_orchestrator.ros.types.slot_types import message_type
+from bt_orchestrator.script.report import did_you_mean, listing
+
+
+class InstalledActionTypes:
+    """Reads the generated Python classes. Implements `ports.ActionTypes`.
+
+    Needs the packages, but neither rclpy nor a ROS context: it also serves `check`.
+    """
+
+    def __init__(self) -> None:
+        self._actions: dict[str, ActionType] = {}
+
+    def action(self, name: str) -> ActionType:
+        """Return the description of an action type such as pkg/action/Name.
+
+        :raises UnknownActionType: it is not installed, or is no action type
+        """
+        if name not in self._actions:
+            found = action_class(name)
+            self._actions[name] = ActionType(
+                name,
+                message_type(found.Goal, f'{name}_Goal'),
+                message_type(found.Result, f'{name}_Result'),
+                _constants(found.Goal),
+            )
+        return self._actions[name]
+
+    def message_field(self, type_name: str, field: str) -> str:
+        """Return the ROS name of the type of a message's field.
+
+        :param field: its name, or a path into nested messages such as status.mode
+        :raises UnknownActionType: the message type is not installed or has no such field
+        """
+        message: MessageType | None = message_type(message_class(type_name), type_name)
+        found: FieldType | None = None
+        for part in field.split('.'):
+            if message is None or part not in message.fields:
+                raise _no_such_field(type_name, field, part, message)
+            found = message.fields[part]
+            message = None if found.is_array else found.message
+        return found.ros_name if found else ''
+
+
+def _constants(goal_class: Any) -> dict[str, Any]:
+    """Return the constants of a message class.
+
+    The class itself mixes them with defaults of fields; its metaclass keeps them apart.
+    """
+    metaclass = type(goal_class)
+    return dict(getattr(metaclass, f'_{metaclass.__name__}__constants', {}))
+
+
+def _no_such_field(
+    type_name: str, field: str, part: str, message: MessageType | None
+) -> UnknownActionType:
+    if message is None:
+        what = f'{type_name} has no field `{field}`: nothing is inside `{field[: -len(part) - 1]}`'
+        return UnknownActionType(type_name, what, 'name a field that holds one value')
+    known = list(message.fields)
+    hint = did_you_mean(part, known, f'{message.name} has {listing(known)}')
+    return UnknownActionType(type_name, f'{type_name} has no field `{field}`', hint)

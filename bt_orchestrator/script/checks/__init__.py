@@ -1,0 +1,1 @@
+"""What a script is checked for, after it was read."""

@@ -1,0 +1,303 @@
+"""Drawings of a line at work: what is on them at each point of a real (virtual) run."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+from fakes.dot_text import DotText
+from fakes.line import THREE, Line
+
+from bt_orchestrator.drawing.line_state import Mark
+from bt_orchestrator.drawing.status_marks import NotThisLine, line_state
+from bt_orchestrator.model.state import End
+from bt_orchestrator.tree.draw import draw
+
+SCRIPT = """
+initialization: [{id: prepare, @a1.PREPARE}]
+sections:
+  1: [{id: feed, @a1, qty_change: 1}]
+  2:
+    - {id: look, @a2}
+    - parallel: [[{id: turn, @a2}, {id: weld, @b2}], {id: watch, @lamp}]
+  3: [{id: pack, @a3, qty_change: -1}]
+lateral_dependencies: [{flag: seen, upstream: look, downstream: pack}]
+"""
+
+
+def section(number: int, **fields: Any) -> dict[str, Any]:
+    plain = {
+        'section': number,
+        'slot': '',
+        'slot_empty_position': False,
+        'slot_rejected': False,
+        'slot_nonconforming': [],
+        'job': '',
+        'item': '',
+        'running': [],
+        'done': [],
+        'passed': [],
+        'failed': [],
+        'waiting': [],
+    }
+    return plain | fields
+
+
+def job(**fields: Any) -> dict[str, Any]:
+    counts = dict.fromkeys(('packed', 'rejected', 'missing', 'nonconforming'), 0)
+    plain = {'id': 'WO-1', 'script': 'test', 'state': 'Running', 'quantity': 4}
+    return plain | counts | {'initialization': [], 'passed': []} | fields
+
+
+def hold(**fields: Any) -> dict[str, Any]:
+    plain = {'id': '1', 'job': 'WO-1', 'section': 0, 'item': '', 'task': ''}
+    return plain | {'reason': 'timeout', 'message': '', 'answers': ['retry', 'skip']} | fields
+
+
+def status(*sections: dict[str, Any], **fields: Any) -> dict[str, Any]:
+    plain = {
+        'cell': 'test_line',
+        'state': 'Execute',
+        'seq': 17,
+        'belt_moving': False,
+        'belt_waiting': ['waiting for section 2'],
+        'initialization_waiting': [],
+        'sections': [{s['section']: s for s in sections}.get(n, section(n)) for n in (1, 2, 3)],
+        'components': [],
+        'jobs': [job()],
+        'flags': [{'name': 'seen', 'count': 1, 'capacity': 1}],
+        'holds': [],
+    }
+    return plain | fields
+
+
+def drawn(state: dict[str, Any], text: str = SCRIPT) -> DotText:
+    line = Line()
+    script = line.script(text)
+    # By way of JSON, as a file of `status --json` comes.
+    found = line_state(json.loads(json.dumps(state)), script, line.cell)
+    return DotText(draw(script, line.cell, state=found).dot)
+
+
+def running(task: str, attempt: int = 1) -> dict[str, Any]:
+    return {'id': task, 'attempt': attempt}
+
+
+AT_2: dict[str, Any] = {'job': 'WO-1', 'item': 'WO-1/1', 'slot': 'WO-1/1'}
+
+
+# --- tasks ------------------------------------------------------------------------------------
+
+
+def marks(picture: DotText) -> dict[str, str]:
+    """Return the first line of every card."""
+    return {
+        name.removeprefix('task.'): picture.words(name)[0]
+        for name in picture.nodes
+        if name.startswith('task.')
+    }
+
+
+def passed(task: str, end: str = 'done', reason: str = '') -> dict[str, Any]:
+    return {'id': task, 'end': end, 'reason': reason}
+
+
+def test_every_task_says_how_it_stands() -> None:
+    at_work = section(
+        2,
+        **AT_2,
+        done=['look'],
+        passed=[passed('look')],
+        running=[running('turn', 2)],
+        waiting=['for lamp'],
+    )
+    assert marks(drawn(status(at_work))) == {
+        'prepare': '\u2713 done',
+        'index': '\u2026 waits',
+        'feed': 'not begun',
+        'look': '\u2713 done',
+        'turn': '\u25b6 running (attempt 2)',
+        'weld': 'not begun',
+        'watch': '\u2026 waits',
+        'pack': 'not begun',
+    }
+
+
+def test_what_failed_is_told_apart() -> None:
+    look = passed('look', 'continued', 'aborted')
+    failed = section(2, **AT_2, done=['look'], passed=[look], failed=['look', 'turn', 'watch'])
+    held = hold(section=2, item='WO-1/1', task='watch')
+    found = marks(drawn(status(failed, holds=[held])))
+    assert found['look'] == '\u2717 failed, continued'
+    assert found['turn'] == '\u21bb failed, is tried again'
+    assert found['watch'] == '! HELD (hold 1)'
+
+
+@pytest.mark.parametrize(
+    ('end', 'words'),
+    [
+        ('done', '\u2713 done'),
+        ('marked_done', '\u2713 marked done'),
+        ('skipped', '\u21b7 skipped'),
+        ('continued', '\u2717 failed, continued'),
+        ('rejected', '\u2717 failed, item rejected'),
+        ('aborted', '\u2717 failed, job aborted'),
+    ],
+)
+def test_a_task_that_was_passed_says_how_it_ended(end: str, words: str) -> None:
+    look = passed('look', end, 'this is why')
+    prepared = job(passed=[passed('prepare', end)])
+    picture = drawn(status(section(2, **AT_2, done=['look'], passed=[look]), jobs=[prepared]))
+    assert picture.words('task.look')[:2] == [words, 'this is why']
+    assert marks(picture)['prepare'] == words
+
+
+def test_the_words_of_the_ends_are_those_of_the_state() -> None:
+    for end in End:
+        look = section(2, **AT_2, done=['look'], passed=[passed('look', end.value)])
+        assert ('failed' in marks(drawn(status(look)))['look']) is end.is_failure
+
+
+def test_no_two_marks_are_told_by_colour_alone() -> None:
+    texts = [(mark.sign, mark.word) for mark in Mark]
+    assert len(set(texts)) == len(texts)
+
+
+def test_a_reason_stands_on_the_card_and_whole_in_its_tooltip() -> None:
+    reason = 'waiting for a component with a long name, busy with another task of WO-17/12'
+    picture = drawn(status(section(2, **AT_2, waiting=[reason])))
+    assert picture.words('task.look')[1].startswith('waiting for a component')
+    assert picture.words('task.look')[2].endswith('\u2026')
+    assert picture.nodes['task.look']['tooltip'].startswith(f'now: \u2026 waits\n{reason}\n')
+
+
+def test_a_hold_says_what_may_be_answered() -> None:
+    held = hold(section=2, item='WO-1/1', task='look', message='too late')
+    picture = drawn(status(section(2, **AT_2), holds=[held]))
+    hint = picture.nodes['task.look']['tooltip']
+    assert 'timeout (too late); answer with retry | skip' in hint
+    assert 'BORDER="3"' in picture.nodes['task.look']['label']
+
+
+def test_a_hold_of_the_whole_cell_stands_at_the_top() -> None:
+    of_cell = hold(job='', reason='restarted', answers=['resume'])
+    found = line_state(status(holds=[of_cell]), Line().script(SCRIPT), Line().cell)
+    assert found.headline.endswith(
+        '1 hold, after event 17; hold 1 (restarted): bt-orchestrator resume --hold 1 --reason WHY'
+    )
+
+
+def test_cards_stay_where_they_are() -> None:
+    before = drawn(status())
+    long = ['a very long reason indeed ' * 8]
+    moved = drawn(status(section(2, **AT_2, waiting=long), jobs=[job(), job(), job(id='WO-3')]))
+    cards = [name for name, of_node in before.nodes.items() if 'pos' in of_node]
+    assert len(cards) > 10
+    assert [before.place(name) for name in cards] == [moved.place(name) for name in cards]
+
+
+# --- initialization and belt ------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ('fields', 'mark', 'reason'),
+    [
+        ({'initialization_waiting': ['earlier jobs']}, '\u2026 waits', 'earlier jobs'),
+        ({'components': [{'name': 'a1', 'task': 'prepare of WO-1'}]}, '\u25b6 running', ''),
+        ({'components': [{'name': 'a1', 'task': 'feed of WO-0/3'}]}, '\u2026 waits', ''),
+        ({'holds': [hold(task='prepare')]}, '! HELD (hold 1)', 'timeout; answer with'),
+    ],
+)
+def test_initialization(fields: dict[str, Any], mark: str, reason: str) -> None:
+    state = status(jobs=[job(initialization=['prepare'])], **fields)
+    words = drawn(state).words('task.prepare')
+    assert words[0] == mark
+    assert words[1].startswith(reason)
+
+
+def test_before_there_is_a_job_nothing_is_begun() -> None:
+    assert marks(drawn(status(jobs=[])))['prepare'] == 'not begun'
+
+
+def test_the_belt_while_it_moves() -> None:
+    line = Line()
+    belt = line.cell.conveyor.component.name
+    components = [{'name': belt, 'task': 'index'}]
+    rests, moves = drawn(status()), drawn(status(belt_moving=True, components=components))
+    assert moves.words('task.index')[0] == '\u25b6 running'
+    assert 'style' not in rests.edges['slot.1 -> slot.2']
+    assert moves.edges['slot.1 -> slot.2']['style'] == 'dashed'
+    assert 'Execute, the belt moves, after event 17' in moves.words('title')
+    held = drawn(status(holds=[hold(job='', task='index')]))
+    assert held.words('task.index')[0] == '! HELD (hold 1)'
+    assert 'Execute, the belt rests, 1 hold, after event 17' in held.words('title')
+
+
+# --- slots, flags, jobs -----------------------------------------------------------------------
+
+
+def test_slots_say_what_stands_there_and_what_is_done() -> None:
+    picture = drawn(
+        status(
+            section(1, waiting=['waiting for the belt to move', 'and more']),
+            section(2, **AT_2),
+            section(3, slot='WO-1/2', slot_empty_position=True),
+        )
+    )
+    first = picture.words('slot.1')
+    assert first == ['slot 1: empty', 'no cycle', 'waiting for the belt to move']
+    assert 'and more' in picture.nodes['slot.1']['tooltip']
+    assert picture.words('slot.2')[:2] == ['slot 2: WO-1/1', 'works on WO-1/1']
+    assert picture.words('slot.3')[:2] == ['slot 3: (WO-1/2)', 'empty position']
+
+
+def test_slots_say_what_is_wrong_with_their_items() -> None:
+    rejected = section(2, **AT_2, slot_rejected=True, slot_nonconforming=['look'])
+    picture = drawn(status(rejected))
+    wrong = '\u2717 REJECTED, nonconforming'
+    assert picture.words('slot.2')[:2] == ['slot 2: WO-1/1', wrong]
+    assert wrong in picture.nodes['slot.2']['tooltip']
+
+
+def test_a_section_that_works_for_another_script_says_so() -> None:
+    other = job(id='WO-2', script='other')
+    at_work = section(2, job='WO-2', item='WO-2/1', running=[running('look')])
+    picture = drawn(status(at_work, jobs=[job(), other]))
+    assert picture.words('slot.2')[1] == 'works on WO-2/1, script other'
+    assert marks(picture)['look'] == 'not begun'
+
+
+def test_flags_show_their_counts() -> None:
+    picture = drawn(status())
+    assert 'count 1 of 1' in picture.edges['task.look -> task.pack']['label']
+
+
+def test_jobs_stand_below_the_title_and_more_are_counted() -> None:
+    jobs = [job(id=f'WO-{n}', packed=n, rejected=n - 1) for n in range(1, 7)]
+    words = drawn(status(jobs=jobs)).words('title')
+    assert 'WO-1 (test): Running, 1 of 4 packed' in words
+    assert 'WO-2 (test): Running, 2 of 4 packed, 1 rejected' in words
+    assert words[-1] == 'and 3 more jobs'
+
+
+def test_the_legend_explains_what_is_new() -> None:
+    with_state = drawn(status()).words('legend')
+    assert {'\u25b6 running', '! HELD', 'the belt while it moves'} <= set(with_state)
+    line = Line()
+    plain = DotText(draw(line.script(THREE), line.cell).dot).words('legend')
+    assert 'the belt while it moves' not in plain
+
+
+# --- what is refused --------------------------------------------------------------------------
+
+
+def test_a_status_of_another_cell() -> None:
+    with pytest.raises(NotThisLine, match='of cell other, not of test_line'):
+        drawn(status(cell='other'))
+
+
+@pytest.mark.parametrize('broken', [{'cell': 'test_line'}, {}, status(sections=[{}])])
+def test_what_is_no_status(broken: dict[str, Any]) -> None:
+    with pytest.raises(NotThisLine, match='no status of a tree node'):
+        drawn(broken)

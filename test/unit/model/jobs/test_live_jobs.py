@@ -1,0 +1,139 @@
+"""The line and the queue: whatever is done to them, as a plain list would have it."""
+
+from __future__ import annotations
+
+import copy
+
+from fakes.line import THREE, Line, with_section
+from fakes.profiles import examples
+from hypothesis import given
+from hypothesis import strategies as st
+
+from bt_orchestrator.model.jobs.live_jobs import LiveJobs
+from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.state import JobState
+
+LINE = Line()
+FLAGS = 'lateral_dependencies:\n  - {flag: %s, upstream: place, downstream: work}\n'
+SCRIPTS = {
+    'plain': LINE.script(THREE),
+    'seen': LINE.script(THREE + FLAGS % 'seen'),
+    'both': LINE.script(with_section(2, '- {id: work, @b2}') + FLAGS % 'seen'),
+}
+
+
+def job(name: str, script: str, *, held: bool) -> JobState:
+    return JobState(Job(name, SCRIPTS[script], 1), script, held=held)
+
+
+class Plain:
+    """The same in lists, from the first to the last."""
+
+    def __init__(self) -> None:
+        self.line: list[JobState] = []
+        self.queue: list[JobState] = []
+
+    @property
+    def every(self) -> list[JobState]:
+        return [*self.line, *self.queue]
+
+    def read(self, jobs: LiveJobs) -> None:
+        """Take the jobs as they are now, in the order that they are to have."""
+        self.line = [jobs[one.job.id] for one in self.line]
+        self.queue = [jobs[one.job.id] for one in self.queue]
+
+    def check(self, jobs: LiveJobs) -> None:
+        names = [one.job.id for one in self.every]
+        assert list(jobs) == names
+        assert list(jobs.values()) == self.every
+        assert len(jobs) == len(names)
+        assert jobs.queue() == self.queue
+        assert jobs.queue(2, 3) == self.queue[1:4]
+        assert jobs.first(2) == [*self.line, *self.queue[:2]]
+        assert jobs.waiting == len(self.queue)
+        assert [jobs.place(one.job.id) for one in self.line] == [0] * len(self.line)
+        places = [jobs.place(one.job.id) for one in self.queue]
+        assert places == list(range(1, len(self.queue) + 1))
+        assert jobs.place('nobody') == 0
+        may = [one for one in self.queue if not one.held and not one.aborting]
+        assert jobs.next is (may[0] if may else None)
+        assert jobs.any_allowed is any(not one.held for one in self.every)
+        at_work = [one for one in self.queue if one.aborting or one is jobs.next]
+        assert jobs.at_work() == [*self.line, *at_work]
+        for number, one in enumerate(self.every):
+            before = [other for other in self.every[:number] if not other.held]
+            assert list(jobs.before(one.job.id)) == before
+        for digest in SCRIPTS:
+            assert jobs.users(digest) == sum(one.digest == digest for one in self.every)
+        flags = {d.flag for one in self.every for d in one.job.script.dependencies}
+        assert jobs.names_flag('seen') is ('seen' in flags)
+        assert LiveJobs(self.every) == jobs
+
+
+@examples(150, 2000)
+@given(st.data())
+def test_it_is_as_in_a_list(data: st.DataObject) -> None:
+    jobs, plain = LiveJobs(), Plain()
+    for number in range(data.draw(st.integers(1, 25))):
+        acts = ['add', 'add', 'insert']
+        lasting = [one for one in plain.queue if not one.aborting]
+        may_start = [one for one in lasting if not one.held]
+        acts += ['hold', 'release', 'move', 'change'] if lasting else []
+        acts += ['start'] if may_start else []
+        acts += ['remove', 'abort'] if plain.every else []
+        act = data.draw(st.sampled_from(acts))
+        if act in ('add', 'insert'):
+            script = data.draw(st.sampled_from(sorted(SCRIPTS)))
+            new = job(f'J{number}', script, held=data.draw(st.booleans()))
+            last = len(plain.queue) + 1
+            place = data.draw(st.integers(1, last)) if act == 'insert' else None
+            jobs.add(new, place)
+            plain.queue.insert((place or last) - 1, new)
+        else:
+            among = may_start if act == 'start' else lasting
+            among = plain.every if act in ('remove', 'abort') else among
+            one = data.draw(st.sampled_from(among))
+            is_queued, before = one in plain.queue, copy.deepcopy(one)
+            _act(act, one, jobs, plain, data)
+            assert not is_queued or one == before, 'a job in the queue was changed in place'
+            plain.read(jobs)
+        plain.check(jobs)
+
+
+def _act(act: str, one: JobState, jobs: LiveJobs, plain: Plain, data: st.DataObject) -> None:
+    name = one.job.id
+    if act == 'start':
+        jobs.start(name, 1.0)
+        assert jobs[name].started_at == 1.0
+        plain.queue.remove(one)
+        plain.line.append(one)
+    elif act in ('hold', 'release'):
+        jobs.hold(name, held=act == 'hold')
+        assert jobs[name].held is (act == 'hold')
+    elif act == 'move':
+        place = data.draw(st.integers(1, len(plain.queue)))
+        jobs.move(name, place)
+        plain.queue.remove(one)
+        plain.queue.insert(place - 1, one)
+    elif act == 'change':
+        digest = data.draw(st.sampled_from(sorted(SCRIPTS)))
+        with jobs.changing(name) as changed:
+            changed.job, changed.digest = Job(name, SCRIPTS[digest], 2), digest
+        assert jobs[name].digest == digest
+    elif act == 'abort':
+        jobs.abort(name, 'why')
+        assert jobs[name].aborting
+    else:
+        assert jobs.remove(name) is one
+        (plain.line if one in plain.line else plain.queue).remove(one)
+
+
+def test_there_is_always_room_between_two_jobs() -> None:
+    """A hundred times at one place: numbers between two others come to an end before that."""
+    jobs, plain = LiveJobs(), Plain()
+    for number in range(100):
+        new = job(f'J{number}', 'plain', held=False)
+        at = min(number, 1)
+        jobs.add(new, at + 1)
+        plain.queue.insert(at, new)
+    plain.check(jobs)

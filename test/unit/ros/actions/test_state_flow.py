@@ -1,0 +1,96 @@
+"""State topics that say too much: the journal stays small, and readiness is known (2.5)."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Any
+
+from bt_orchestrator.model.codec import json_of
+from bt_orchestrator.ros.actions.state_flow import StateFlow
+
+READY = 'READY'
+LONG = 'x' * 64_000
+
+
+class Topic:
+    """A topic that says something each millisecond, and what is told of it."""
+
+    def __init__(self) -> None:
+        self.flow = StateFlow((READY,))
+        self.now = 0.0
+        self.told: list[Any] = []
+
+    def say(self, *values: Any) -> None:
+        for value in values:
+            self.now += 0.001
+            self.told += self.flow.hear(value, self.now)
+
+    def wait(self, seconds: float) -> None:
+        for _ in range(round(seconds * 10)):
+            self.now += 0.1
+            self.told += self.flow.look(self.now)
+
+    @property
+    def bytes(self) -> int:
+        return sum(len(json_of(value)) + 200 for value in self.told)
+
+
+def test_each_change_of_an_ordinary_topic_is_told() -> None:
+    topic = Topic()
+    values = ['BUSY', READY] * 50
+    topic.say(*values)
+    assert topic.told == values
+
+
+def test_what_is_said_again_is_told_once() -> None:
+    topic = Topic()
+    topic.say(READY, READY, 1, True, True)
+    assert topic.told == [READY, 1, True]
+
+
+def test_long_values_a_thousand_times_a_second_are_told_now_and_then() -> None:
+    topic = Topic()
+    for number in range(60_000):
+        topic.say(f'{number} {LONG}')
+    assert topic.bytes < 128_000 + 60 * 2_000 + 1_000
+    assert len(topic.told) > 60
+
+
+def test_short_values_a_thousand_times_a_second_are_told_now_and_then() -> None:
+    topic = Topic()
+    topic.say(*range(60_000))
+    assert topic.bytes < 128_000 + 60 * 2_000 + 1_000
+
+
+def test_the_newest_value_is_told_when_it_may_be() -> None:
+    topic = Topic()
+    topic.say(*range(5_000), READY)
+    assert topic.told[-1] != READY
+    topic.wait(1.0)
+    assert topic.told[-1] == READY
+    assert not topic.flow.is_waiting
+
+
+def test_that_a_component_is_not_ready_any_more_is_told_at_once() -> None:
+    topic = Topic()
+    for _ in range(30):
+        topic.say(*itertools.chain.from_iterable((f'{n} {LONG}', READY) for n in range(100)))
+        topic.wait(1.0)
+        assert topic.told[-1] == READY
+        topic.say(LONG)
+        assert topic.told[-1] != READY
+    assert topic.bytes < 128_000 + 33 * 2_000 + 30 * 2_000
+
+
+def test_a_value_that_is_too_long_is_cut() -> None:
+    topic = Topic()
+    topic.say(READY, 'x' * 1_000_000, [1.5] * 100_000)
+    assert topic.told[1].endswith('x … (1000000 characters, the rest is cut)')
+    assert len(topic.told[1]) == 64_000
+    assert topic.told[2] == '… (800002 bytes, too long to be shown)'
+
+
+def test_a_topic_that_is_silent_is_told() -> None:
+    topic = Topic()
+    topic.say(READY, None, READY)
+    assert topic.told == [READY, None, READY]

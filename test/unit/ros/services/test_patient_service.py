@@ -1,0 +1,150 @@
+"""Answers that cannot be heard yet are sent again, and not for ever."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable
+
+import pytest
+
+from bt_orchestrator.model.limits import UNHEARD_S
+from bt_orchestrator.replies import Reply
+from bt_orchestrator.ros.services.patient_service import AGAIN_AFTER_S, MOST_HELD, PatientAnswers
+
+UNHEARD = (
+    'an answer of /ask was not heard: its client is gone, not discovered, or wants another QoS'
+)
+TIMEOUT_S = 0.1
+TIMEOUT = 'failed to send response (timeout): client will not receive response'
+
+
+class Bench:
+    """A client that hears nothing at first, and a clock that is advanced by hand."""
+
+    def __init__(self, deaf_times: int, words: str = TIMEOUT) -> None:
+        self._deaf_times = deaf_times
+        self._words = words
+        self.sent: list[tuple[str, str]] = []
+        self.delays: list[float] = []
+        self.log: list[str] = []
+        self.now = 0.0
+        self.kept_s = 0.0
+        """How long the thread was kept by answers that nobody heard."""
+        self._deaf: set[str] = set()
+        self._due: list[tuple[float, Callable[[], None]]] = []
+        self.answers = PatientAnswers('/ask', self._send, self._later, self, lambda: self.now)
+
+    def warning(self, message: str) -> None:
+        self.log.append(message)
+
+    def run(self) -> None:
+        """Let the time run until nothing is left to be done."""
+        self.run_until(math.inf)
+
+    def run_until(self, end: float) -> None:
+        """Let the time run."""
+        while self._due and min(self._due, key=_time)[0] <= end:
+            due = min(self._due, key=_time)
+            self._due.remove(due)
+            self.now = max(self.now, due[0])
+            due[1]()
+        self.now = max(self.now, end) if end < math.inf else self.now
+
+    def deafen(self, client: str) -> None:
+        """Let a client hear nothing any more."""
+        self._deaf.add(client)
+
+    def _send(self, response: str, header: str) -> None:
+        self.sent.append((response, header))
+        if len(self.sent) <= self._deaf_times or header in self._deaf:
+            self.now += TIMEOUT_S
+            self.kept_s += TIMEOUT_S
+            warnings.warn(self._words, RuntimeWarning, stacklevel=1)
+
+    def _later(self, delay_s: float, callback: Callable[[], None]) -> None:
+        self.delays.append(delay_s)
+        self._due.append((self.now + delay_s, callback))
+
+
+def _time(due: tuple[float, Callable[[], None]]) -> float:
+    return due[0]
+
+
+@pytest.mark.parametrize('deaf_times', [0, 1, len(AGAIN_AFTER_S)])
+def test_it_is_sent_until_it_is_heard(deaf_times: int) -> None:
+    bench = Bench(deaf_times)
+    bench.answers.send('yes', 'client 1')
+    bench.run()
+    assert bench.sent == [('yes', 'client 1')] * (deaf_times + 1)
+    assert bench.delays == list(AGAIN_AFTER_S[:deaf_times])
+    assert bench.log == []
+
+
+def test_a_client_that_is_gone_is_given_up() -> None:
+    bench = Bench(deaf_times=99)
+    bench.answers.send('yes', 'client 1')
+    bench.run()
+    assert len(bench.sent) == 1 + len(AGAIN_AFTER_S)
+    assert bench.log == [UNHEARD]
+
+
+def test_other_warnings_are_handed_on_and_nothing_is_sent_again() -> None:
+    bench = Bench(deaf_times=1, words='something else')
+    with pytest.warns(RuntimeWarning, match='something else'):
+        bench.answers.send('yes', 'client 1')
+    bench.run()
+    assert len(bench.sent) == 1
+
+
+def test_an_answer_that_is_not_there_yet_is_sent_when_it_is() -> None:
+    bench = Bench(deaf_times=1)
+    later, at_once = Reply[str](), Reply[str]()
+    at_once.give('no')
+    bench.answers.send(later, 'client 1')
+    bench.answers.send(at_once, 'client 2')
+    assert bench.sent == [('no', 'client 2')]
+    bench.run()
+    later.give('yes')
+    assert bench.sent == [('no', 'client 2')] * 2 + [('yes', 'client 1')]
+
+
+@pytest.mark.parametrize('every_s', [1.0, 0.1])
+def test_a_client_that_never_hears_keeps_the_thread_for_a_small_part_of_the_time(
+    every_s: float,
+) -> None:
+    bench, seconds = Bench(deaf_times=0), 100
+    bench.deafen('client 1')
+    for turn in range(round(seconds / every_s)):
+        bench.run_until(turn * every_s)
+        bench.answers.send(f'{turn}', 'client 1')
+    assert bench.kept_s <= UNHEARD_S.at_once + seconds * UNHEARD_S.per_s + TIMEOUT_S
+    assert UNHEARD in bench.log
+
+
+def test_others_are_answered_at_once_beside_a_client_that_never_hears() -> None:
+    bench = Bench(deaf_times=0)
+    bench.deafen('client 1')
+    for turn in range(100):
+        bench.run_until(2.0 * turn)
+        bench.answers.send(f'{turn}', 'client 1')
+        bench.answers.send(f'{turn}', 'client 2')
+        assert bench.sent[-1] == (f'{turn}', 'client 2')
+    bench.run()
+    assert len([1 for _, client in bench.sent if client == 'client 2']) == 100
+
+
+def test_answers_that_wait_are_sent_in_their_order_and_no_more_than_so_many_are_kept() -> None:
+    bench = Bench(deaf_times=0)
+    bench.deafen('client 1')
+    for turn in range(round(2 * UNHEARD_S.at_once / TIMEOUT_S)):
+        bench.answers.send(f'{turn}', 'client 1')
+    bench.answers.send('first', 'client 2')
+    bench.answers.send('second', 'client 2')
+    assert bench.sent[-1][1] == 'client 1'
+    bench.run()
+    assert [answer for answer, client in bench.sent if client == 'client 2'] == ['first', 'second']
+
+    for turn in range(2 * MOST_HELD):
+        bench.answers.send(f'{turn}', 'client 1')
+    assert any('was dropped: too many wait' in line for line in bench.log)
