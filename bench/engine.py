@@ -28,7 +28,7 @@ from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.script.script_file import read_script
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryStore
-from bt_orchestrator.store.sqlite import SqliteStore
+from bt_orchestrator.store.sqlite.store import SqliteStore
 
 PACKAGE = 'bt_orchestrator'
 

@@ -23,7 +23,7 @@ from bench.process import cpu_s, memory_mb
 from bench.rows import percentile
 from bench.stand import until
 from bt_orchestrator.ros.link.client import NodeClient
-from bt_orchestrator.store.reader import JournalReader, Wanted
+from bt_orchestrator.store.sqlite.reader import JournalReader, Wanted
 
 ORDER = 'WO-1'
 

@@ -30,7 +30,7 @@ from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.gateway import VirtualGateway
 from bt_orchestrator.sim.simulation import Outcome, Simulation
 from bt_orchestrator.store.memory import MemoryStore
-from bt_orchestrator.store.sqlite import SqliteStore
+from bt_orchestrator.store.sqlite.store import SqliteStore
 
 ROOT = Path(__file__).parents[1]
 QUEUED = (20, 800)

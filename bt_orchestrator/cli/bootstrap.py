@@ -23,7 +23,7 @@ from bt_orchestrator.script.script_file import read_script
 from bt_orchestrator.script.source_text import read_text
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryStore
-from bt_orchestrator.store.sqlite import SqliteStore
+from bt_orchestrator.store.sqlite.store import SqliteStore
 
 _T = TypeVar('_T')
 

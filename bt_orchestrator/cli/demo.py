@@ -36,7 +36,7 @@ from bt_orchestrator.screen.words import hold_text
 from bt_orchestrator.script.order_file import read_order
 from bt_orchestrator.sim.controllers.selection import WrongSelection, select
 from bt_orchestrator.stop_signals import StopSignals
-from bt_orchestrator.store.reader import JournalReader, Wanted
+from bt_orchestrator.store.sqlite.reader import JournalReader, Wanted
 
 DESCRIPTION = """\
 Show the whole path on this machine: simulated controllers in two processes, the tree node in a

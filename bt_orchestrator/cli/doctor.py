@@ -22,7 +22,7 @@ from bt_orchestrator.diagnosis.security import security
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.screen.advice import DEFAULT_NODE
-from bt_orchestrator.store.keeping import readable_by_others
+from bt_orchestrator.store.sqlite.keeping import readable_by_others
 
 DESCRIPTION = """\
 Look at this machine, and with --cell at everything a cell needs on the ROS graph. Each line says

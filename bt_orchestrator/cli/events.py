@@ -20,7 +20,7 @@ from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.numbers import whole
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.stop_signals import StopSignals
-from bt_orchestrator.store.reader import JournalReader, Wanted
+from bt_orchestrator.store.sqlite.reader import JournalReader, Wanted
 
 POLL_S = 0.2
 """Time between two looks into a journal that is followed."""

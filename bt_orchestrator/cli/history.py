@@ -16,7 +16,7 @@ from bt_orchestrator.cli.tables import table
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.jobs.job_record import JobRecord, job_to_plain
 from bt_orchestrator.report.history import FOLLOWED, History
-from bt_orchestrator.store.reader import JournalReader, Wanted
+from bt_orchestrator.store.sqlite.reader import JournalReader, Wanted
 
 DESCRIPTION = """\
 Print the jobs of a journal, oldest first: when they ran, how they ended, how many items became

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from bt_orchestrator.store.restoring import bring_back
+from bt_orchestrator.store.sqlite.restoring import bring_back
 
 DESCRIPTION = """\
 Bring a backup back: `journal restore COPY FILE` makes FILE of a copy that SQLite's .backup made,

@@ -1,1 +1,1 @@
-"""Journals: where events become durable."""
+"""Journals: where events become durable; `sqlite` keeps them in a file."""

@@ -26,7 +26,7 @@ from bt_orchestrator.ros.services.outputs import EventsTopic
 from bt_orchestrator.runtime.flights import Flights
 from bt_orchestrator.runtime.ledger import Ledger
 from bt_orchestrator.runtime.orchestrator import Orchestrator
-from bt_orchestrator.store.sqlite import SqliteStore
+from bt_orchestrator.store.sqlite.store import SqliteStore
 
 CRASHES = 'crashes.jsonl'
 CLOCKS = 'clocks.jsonl'

@@ -22,8 +22,8 @@ from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.runtime.recovery import restore
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.gateway import VirtualGateway
-from bt_orchestrator.store.reader import JournalReader, Wanted
-from bt_orchestrator.store.sqlite import SqliteStore
+from bt_orchestrator.store.sqlite.reader import JournalReader, Wanted
+from bt_orchestrator.store.sqlite.store import SqliteStore
 
 CELL = Line().cell
 MOST_STEPS = 2000

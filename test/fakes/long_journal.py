@@ -15,7 +15,7 @@ from bt_orchestrator.runtime.housekeeping import Housekeeping
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.gateway import VirtualGateway
-from bt_orchestrator.store.sqlite import SqliteStore
+from bt_orchestrator.store.sqlite.store import SqliteStore
 
 TYPES = FakeActionTypes()
 

@@ -14,8 +14,8 @@ from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.sim.clock import VirtualClock
-from bt_orchestrator.store.restoring import bring_back
-from bt_orchestrator.store.sqlite import SqliteStore
+from bt_orchestrator.store.sqlite.restoring import bring_back
+from bt_orchestrator.store.sqlite.store import SqliteStore
 
 TYPES = FakeActionTypes()
 

@@ -14,8 +14,8 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from fakes.other_python import back_up
 from program_process import ProgramProcess
 
-from bt_orchestrator.store.reader import JournalReader, Wanted
-from bt_orchestrator.store.sqlite import SqliteStore
+from bt_orchestrator.store.sqlite.reader import JournalReader, Wanted
+from bt_orchestrator.store.sqlite.store import SqliteStore
 
 
 def start(start_cell: StartCell, path: Path) -> CellProcesses:

@@ -14,7 +14,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from py_trees_ros_interfaces.srv import OpenSnapshotStream
 from rcl_interfaces.srv import GetParameters
 
-from bt_orchestrator.store.reader import JournalReader, Wanted
+from bt_orchestrator.store.sqlite.reader import JournalReader, Wanted
 
 
 @contextmanager

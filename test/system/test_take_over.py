@@ -11,7 +11,7 @@ from cell_processes import CellProcesses, StartCell
 from program_process import ProgramProcess
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.store.sqlite import SqliteStore
+from bt_orchestrator.store.sqlite.store import SqliteStore
 
 ITEMS = 6
 KILLS = 4

@@ -13,7 +13,7 @@ import pytest
 
 from bt_orchestrator.cli.main import main
 from bt_orchestrator.model.events import JobStarted
-from bt_orchestrator.store.sqlite import SqliteStore
+from bt_orchestrator.store.sqlite.store import SqliteStore
 
 SCHEMA_1 = Path(__file__).parents[2] / 'data' / 'journal_schema_1.sqlite3'
 """Two jobs that ended: J1 with an attempt that failed, J2."""

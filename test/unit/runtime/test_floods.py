@@ -32,7 +32,7 @@ from bt_orchestrator.model.limits import COMMANDS_OF_ONE
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.gateway import VirtualGateway
-from bt_orchestrator.store.sqlite import SqliteStore
+from bt_orchestrator.store.sqlite.store import SqliteStore
 
 TYPES = FakeActionTypes()
 

@@ -32,7 +32,7 @@ from bt_orchestrator.model.state import CellState, Reading
 from bt_orchestrator.ports import Snapshot
 from bt_orchestrator.runtime import housekeeping, recovery
 from bt_orchestrator.runtime.recovery import restore
-from bt_orchestrator.store.sqlite import SqliteStore
+from bt_orchestrator.store.sqlite.store import SqliteStore
 
 LINE = Line()
 AT_REST = housekeeping.AT_REST
@@ -267,7 +267,7 @@ def is_queued(run: LongRun, name: str) -> bool:
 
 
 def test_many_events_go_in_small_pieces(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr('bt_orchestrator.store.retention.BATCH', 10)
+    monkeypatch.setattr('bt_orchestrator.store.sqlite.retention.BATCH', 10)
     run = LongRun(path, keep_jobs=0)
     run.job('J1')
     end = run.orchestrator.state.seq

@@ -24,7 +24,7 @@ from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.store.memory import MemoryStore
-from bt_orchestrator.store.sqlite import SqliteStore
+from bt_orchestrator.store.sqlite.store import SqliteStore
 
 TYPES = FakeActionTypes()
 FLAGS = (

@@ -8,11 +8,11 @@ from contextlib import closing, suppress
 from pathlib import Path
 from typing import NamedTuple
 
-from bt_orchestrator.store.database import JournalUnusable, unchanging, unusable_otherwise
-from bt_orchestrator.store.keeping import aside_of, copy_file, make_private, sync
-from bt_orchestrator.store.mark import Reached, write_mark
-from bt_orchestrator.store.opening import refuse_in_use, take_lock
-from bt_orchestrator.store.schema import (
+from bt_orchestrator.store.sqlite.database import JournalUnusable, unchanging, unusable_otherwise
+from bt_orchestrator.store.sqlite.keeping import aside_of, copy_file, make_private, sync
+from bt_orchestrator.store.sqlite.mark import Reached, write_mark
+from bt_orchestrator.store.sqlite.opening import refuse_in_use, take_lock
+from bt_orchestrator.store.sqlite.schema import (
     begin_restored,
     bring_up_to_date,
     history_of,

@@ -12,10 +12,10 @@ import pytest
 
 from bt_orchestrator.errors import JournalFailed
 from bt_orchestrator.model.events import Event, JobStarted
-from bt_orchestrator.store.checks import check_of_event
-from bt_orchestrator.store.database import JournalUnusable
-from bt_orchestrator.store.schema import APPLICATION_ID, SCHEMA
-from bt_orchestrator.store.sqlite import SqliteStore
+from bt_orchestrator.store.sqlite.checks import check_of_event
+from bt_orchestrator.store.sqlite.database import JournalUnusable
+from bt_orchestrator.store.sqlite.schema import APPLICATION_ID, SCHEMA
+from bt_orchestrator.store.sqlite.store import SqliteStore
 
 
 def events(first: int, last: int) -> list[Event]:

@@ -25,10 +25,10 @@ from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.script.script_file import read_script
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.gateway import VirtualGateway
-from bt_orchestrator.store.reader import JournalReader, Wanted
-from bt_orchestrator.store.sqlite import SqliteStore
+from bt_orchestrator.store.sqlite.reader import JournalReader, Wanted
+from bt_orchestrator.store.sqlite.store import SqliteStore
 
-FOLDER = Path(__file__).parents[2] / 'data' / 'journals_schema_2'
+FOLDER = Path(__file__).parents[3] / 'data' / 'journals_schema_2'
 TYPES = FakeActionTypes()
 CELL = read_cell(FOLDER / 'cell.yaml', TYPES)
 QUICK = read_script(FOLDER / 'quick.yaml', CELL, TYPES)

@@ -13,13 +13,13 @@ from fakes.long_journal import LongRun
 
 from bt_orchestrator.model.events import JobStarted, OrchestratorStarted
 from bt_orchestrator.runtime.recovery import restore
-from bt_orchestrator.store import schema
-from bt_orchestrator.store.database import JournalUnusable
 from bt_orchestrator.store.memory import MemoryStore
-from bt_orchestrator.store.schema import SCHEMA
-from bt_orchestrator.store.sqlite import SqliteStore
+from bt_orchestrator.store.sqlite import schema
+from bt_orchestrator.store.sqlite.database import JournalUnusable
+from bt_orchestrator.store.sqlite.schema import SCHEMA
+from bt_orchestrator.store.sqlite.store import SqliteStore
 
-SCHEMA_1 = Path(__file__).parents[2] / 'data' / 'journal_schema_1.sqlite3'
+SCHEMA_1 = Path(__file__).parents[3] / 'data' / 'journal_schema_1.sqlite3'
 """Two jobs that ended, written by the program that knew schema 1."""
 
 

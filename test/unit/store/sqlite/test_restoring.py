@@ -12,15 +12,15 @@ import pytest
 
 from bt_orchestrator.cli.main import main
 from bt_orchestrator.model.events import Event, JobStarted
-from bt_orchestrator.store import restoring
-from bt_orchestrator.store.database import JournalUnusable
-from bt_orchestrator.store.keeping import sync
-from bt_orchestrator.store.reader import JournalReader, Wanted
-from bt_orchestrator.store.restoring import bring_back
-from bt_orchestrator.store.schema import SCHEMA
-from bt_orchestrator.store.sqlite import SqliteStore
+from bt_orchestrator.store.sqlite import restoring
+from bt_orchestrator.store.sqlite.database import JournalUnusable
+from bt_orchestrator.store.sqlite.keeping import sync
+from bt_orchestrator.store.sqlite.reader import JournalReader, Wanted
+from bt_orchestrator.store.sqlite.restoring import bring_back
+from bt_orchestrator.store.sqlite.schema import SCHEMA
+from bt_orchestrator.store.sqlite.store import SqliteStore
 
-DATA = Path(__file__).parents[2] / 'data'
+DATA = Path(__file__).parents[3] / 'data'
 
 
 def events(last: int) -> list[Event]:

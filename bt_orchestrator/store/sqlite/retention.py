@@ -5,7 +5,7 @@ from __future__ import annotations
 import sqlite3
 from collections.abc import Collection
 
-from bt_orchestrator.store.schema import keep_from
+from bt_orchestrator.store.sqlite.schema import keep_from
 
 BATCH = 2000
 """Most events that one transaction removes."""

@@ -15,9 +15,9 @@ from fakes.long_journal import LongRun
 from bt_orchestrator.cli.main import main
 from bt_orchestrator.errors import DamagedRecord, JournalFailed
 from bt_orchestrator.model.events import Event, JobStarted
-from bt_orchestrator.store.database import JournalUnusable
-from bt_orchestrator.store.reader import JournalReader, Wanted
-from bt_orchestrator.store.sqlite import SqliteStore
+from bt_orchestrator.store.sqlite.database import JournalUnusable
+from bt_orchestrator.store.sqlite.reader import JournalReader, Wanted
+from bt_orchestrator.store.sqlite.store import SqliteStore
 
 
 def events(first: int, last: int) -> list[Event]:

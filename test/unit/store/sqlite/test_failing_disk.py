@@ -18,14 +18,14 @@ from fakes.other_python import run_python
 
 from bt_orchestrator.model.commands import AnswerHold
 from bt_orchestrator.runtime.recovery import restore
-from bt_orchestrator.store.sqlite import SqliteStore
+from bt_orchestrator.store.sqlite.store import SqliteStore
 
 NOBODY = 65534
 
 OPEN = """
 import os, sys
 from pathlib import Path
-from bt_orchestrator.store.sqlite import SqliteStore
+from bt_orchestrator.store.sqlite.store import SqliteStore
 from bt_orchestrator.errors import OrchestratorError
 os.setuid(int(sys.argv[2]))
 try:

@@ -18,9 +18,9 @@ from fakes.other_python import back_up, run_python
 from bt_orchestrator.errors import JournalFailed
 from bt_orchestrator.model.events import Event, JobStarted
 from bt_orchestrator.ports import Snapshot
-from bt_orchestrator.store import opening
-from bt_orchestrator.store.database import unchanging
-from bt_orchestrator.store.sqlite import SqliteStore
+from bt_orchestrator.store.sqlite import opening
+from bt_orchestrator.store.sqlite.database import unchanging
+from bt_orchestrator.store.sqlite.store import SqliteStore
 
 LAST = """
 import sqlite3, sys

@@ -14,12 +14,12 @@ from fakes.long_journal import LongRun
 
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.runtime.recovery import restore
-from bt_orchestrator.store.checks import check_of_event
-from bt_orchestrator.store.reader import JournalReader
-from bt_orchestrator.store.schema import SCHEMA
-from bt_orchestrator.store.sqlite import SqliteStore
+from bt_orchestrator.store.sqlite.checks import check_of_event
+from bt_orchestrator.store.sqlite.reader import JournalReader
+from bt_orchestrator.store.sqlite.schema import SCHEMA
+from bt_orchestrator.store.sqlite.store import SqliteStore
 
-SCHEMA_1 = Path(__file__).parents[2] / 'data' / 'journal_schema_1.sqlite3'
+SCHEMA_1 = Path(__file__).parents[3] / 'data' / 'journal_schema_1.sqlite3'
 PAGE = 4096
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from datetime import datetime, timezone
 
-from bt_orchestrator.store.mark import Mark
+from bt_orchestrator.store.sqlite.mark import Mark
 
 
 def shortfall(mark: Mark, history: str, last_row: int, read: int) -> str:

@@ -18,8 +18,8 @@ from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.report.csv_export import CsvExport
 from bt_orchestrator.report.xes_export import XesExport
 from bt_orchestrator.store.memory import MemoryStore
-from bt_orchestrator.store.reader import JournalReader, Wanted
-from bt_orchestrator.store.sqlite import SqliteStore
+from bt_orchestrator.store.sqlite.reader import JournalReader, Wanted
+from bt_orchestrator.store.sqlite.store import SqliteStore
 
 VALUES: dict[str, Any] = {
     'nan': math.nan,

@@ -13,7 +13,7 @@ import zlib
 from pathlib import Path
 from typing import NamedTuple
 
-from bt_orchestrator.store.keeping import PRIVATE
+from bt_orchestrator.store.sqlite.keeping import PRIVATE
 
 log = logging.getLogger(__name__)
 

@@ -13,10 +13,10 @@ import pytest
 from bt_orchestrator.errors import JournalFailed
 from bt_orchestrator.model.events import Event, JobStarted
 from bt_orchestrator.ports import Snapshot
-from bt_orchestrator.store.database import JournalUnusable
-from bt_orchestrator.store.mark import Reached, mark_of, read_mark, write_mark
-from bt_orchestrator.store.restoring import bring_back
-from bt_orchestrator.store.sqlite import SqliteStore
+from bt_orchestrator.store.sqlite.database import JournalUnusable
+from bt_orchestrator.store.sqlite.mark import Reached, mark_of, read_mark, write_mark
+from bt_orchestrator.store.sqlite.restoring import bring_back
+from bt_orchestrator.store.sqlite.store import SqliteStore
 
 
 def events(first: int, last: int) -> list[Event]:
@@ -188,7 +188,7 @@ def test_a_copy_has_none_and_a_restored_journal_its_own(path: Path) -> None:
 
 
 def test_a_journal_of_an_older_program_gets_one(path: Path) -> None:
-    shutil.copy(Path(__file__).parents[2] / 'data' / 'journal_schema_1.sqlite3', path)
+    shutil.copy(Path(__file__).parents[3] / 'data' / 'journal_schema_1.sqlite3', path)
     store = SqliteStore(path)
     assert store.missing(156) == ''
     store.append(events(157, 157))

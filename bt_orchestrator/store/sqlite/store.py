@@ -14,9 +14,9 @@ from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.job_record import JobRecord, job_to_plain
 from bt_orchestrator.ports import Snapshot
-from bt_orchestrator.store import opening, retention, rows, snapshots
-from bt_orchestrator.store.checks import check_of
-from bt_orchestrator.store.database import (
+from bt_orchestrator.store.sqlite import opening, retention, rows, snapshots
+from bt_orchestrator.store.sqlite.checks import check_of
+from bt_orchestrator.store.sqlite.database import (
     JournalUnusable,
     has_log,
     log_size,
@@ -24,11 +24,11 @@ from bt_orchestrator.store.database import (
     unchanging,
     unusable_otherwise,
 )
-from bt_orchestrator.store.files_in_use import FilesInUse
-from bt_orchestrator.store.keeping import aside_of, keep_aside, readable_by_others
-from bt_orchestrator.store.mark import Mark, Reached
-from bt_orchestrator.store.schema import History, begin_history, history_of, kept_from
-from bt_orchestrator.store.shortfall import shortfall
+from bt_orchestrator.store.sqlite.files_in_use import FilesInUse
+from bt_orchestrator.store.sqlite.keeping import aside_of, keep_aside, readable_by_others
+from bt_orchestrator.store.sqlite.mark import Mark, Reached
+from bt_orchestrator.store.sqlite.schema import History, begin_history, history_of, kept_from
+from bt_orchestrator.store.sqlite.shortfall import shortfall
 
 log = logging.getLogger(__name__)
 

@@ -13,8 +13,8 @@ from bt_orchestrator.errors import DamagedRecord
 from bt_orchestrator.model.codec import from_record, to_text
 from bt_orchestrator.model.events import Event, JobQueued
 from bt_orchestrator.model.limits import fitting
-from bt_orchestrator.store.checks import check_of_event
-from bt_orchestrator.store.database import transaction
+from bt_orchestrator.store.sqlite.checks import check_of_event
+from bt_orchestrator.store.sqlite.database import transaction
 
 _AT_ONCE = 50
 """Most events that are written with one statement; a settle has a few."""
