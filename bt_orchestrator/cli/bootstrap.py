@@ -17,7 +17,12 @@ from bt_orchestrator.ports import ActionTypes, EventSink, EventStore, Foresight,
 from bt_orchestrator.script.admission import admitted
 from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.script.lookup import find_script
-from bt_orchestrator.script.order_file import OrderFile, OrderPlaces, bind_order, draft_order
+from bt_orchestrator.script.orders.order_file import (
+    OrderFile,
+    OrderPlaces,
+    bind_order,
+    draft_order,
+)
 from bt_orchestrator.script.parameter_uses import action_types
 from bt_orchestrator.script.script_file import read_script
 from bt_orchestrator.script.source_text import read_text

@@ -33,7 +33,7 @@ from bt_orchestrator.screen.keys import Keys
 from bt_orchestrator.screen.keys import keyboard as person_at_keyboard
 from bt_orchestrator.screen.plain import EventLines
 from bt_orchestrator.screen.words import hold_text
-from bt_orchestrator.script.order_file import read_order
+from bt_orchestrator.script.orders.order_file import read_order
 from bt_orchestrator.sim.controllers.selection import WrongSelection, select
 from bt_orchestrator.stop_signals import StopSignals
 from bt_orchestrator.store.sqlite.reader import JournalReader, Wanted

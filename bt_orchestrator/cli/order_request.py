@@ -11,7 +11,7 @@ from typing import Any
 from bt_orchestrator.errors import Finding, Refused
 from bt_orchestrator.model.jobs.order import WorkOrder
 from bt_orchestrator.script.lookup import is_path
-from bt_orchestrator.script.order_file import read_order
+from bt_orchestrator.script.orders.order_file import read_order
 
 
 def add_request(files: Sequence[Path]) -> Any:

@@ -12,7 +12,7 @@ from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.script.cell_file import parse_cell, read_cell
-from bt_orchestrator.script.order_file import bind_order, parse_order
+from bt_orchestrator.script.orders.order_file import bind_order, parse_order
 from bt_orchestrator.script.script_file import parse_script, read_script
 
 SCRIPTS = (

@@ -12,7 +12,7 @@ from bt_orchestrator.model.codec import to_record
 from bt_orchestrator.model.jobs.order import WorkOrder
 from bt_orchestrator.ros.types.action_types import InstalledActionTypes
 from bt_orchestrator.script.cell_file import read_cell
-from bt_orchestrator.script.order_file import bind_order
+from bt_orchestrator.script.orders.order_file import bind_order
 from bt_orchestrator.script.script_file import read_script
 from bt_orchestrator.sim.simulation import Outcome, Simulation
 from bt_orchestrator.store.memory import MemoryStore

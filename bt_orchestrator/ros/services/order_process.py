@@ -9,8 +9,8 @@ from pathlib import Path
 from bt_orchestrator.child_process import ChildProcess, be_modest, serve
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.script.desk_pickles import pickled
-from bt_orchestrator.script.order_desk import OrderDesk, Question
+from bt_orchestrator.script.orders.desk import OrderDesk, Question
+from bt_orchestrator.script.orders.desk_pickles import pickled
 
 NICE = 10
 """Behind the line, and before the forecasts, which nobody waits for."""

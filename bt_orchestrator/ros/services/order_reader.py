@@ -25,8 +25,8 @@ from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.replies import Reply
 from bt_orchestrator.ros.services.order_process import NotRead
-from bt_orchestrator.script.desk_pickles import unpickled
-from bt_orchestrator.script.order_desk import ChangedJob, Question, Reading, Wanted
+from bt_orchestrator.script.orders.desk import ChangedJob, Question, Reading, Wanted
+from bt_orchestrator.script.orders.desk_pickles import unpickled
 
 log = logging.getLogger(__name__)
 

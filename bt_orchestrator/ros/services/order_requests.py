@@ -13,7 +13,7 @@ from bt_orchestrator.model.limits import FINDINGS, ORDERS, REQUEST_BYTES
 from bt_orchestrator.ros.services.order_process import NotRead
 from bt_orchestrator.runtime.command_record import ADD
 from bt_orchestrator.runtime.orders import FITS
-from bt_orchestrator.script.order_desk import AskedOrder, Orders, WrittenOrder
+from bt_orchestrator.script.orders.desk import AskedOrder, Orders, WrittenOrder
 
 ALL = 'bt-orchestrator check --json, where the files are, lists all'
 

@@ -45,7 +45,7 @@ from bt_orchestrator.runtime.command_record import ADD, UPDATE
 from bt_orchestrator.runtime.job_queue import standing
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.runtime.orders import FITS
-from bt_orchestrator.script.order_desk import AskedOrder, ChangedJob, Reading
+from bt_orchestrator.script.orders.desk import AskedOrder, ChangedJob, Reading
 
 NEXT = 'next'
 """The one command to a job that is about its place, and not about its state."""

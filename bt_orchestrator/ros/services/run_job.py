@@ -44,7 +44,7 @@ from bt_orchestrator.ros.spare_log import SpareLog
 from bt_orchestrator.ros.stamps import to_time
 from bt_orchestrator.runtime.command_record import ADD
 from bt_orchestrator.runtime.orchestrator import Orchestrator
-from bt_orchestrator.script.order_desk import Reading
+from bt_orchestrator.script.orders.desk import Reading
 
 RESULT_TIMEOUT_S = 900
 """How long a result is kept for a client that comes back for it."""

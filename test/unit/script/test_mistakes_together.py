@@ -16,7 +16,7 @@ from fakes.profiles import PROFILE
 from fakes.script_texts import LINE, line, mistakes, script
 
 from bt_orchestrator.script.cell_file import parse_cell
-from bt_orchestrator.script.order_file import bind_order, parse_draft
+from bt_orchestrator.script.orders.order_file import bind_order, parse_draft
 
 PAIRS = 1_000_000 if PROFILE == 'nightly' else 500
 """Of each kind of file; there are about 22,000 in scripts."""

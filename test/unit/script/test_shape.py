@@ -11,7 +11,7 @@ from fakes.script_texts import mistakes, script
 
 from bt_orchestrator.script.cell_file import parse_cell
 from bt_orchestrator.script.file_kind import file_kind
-from bt_orchestrator.script.order_file import parse_order
+from bt_orchestrator.script.orders.order_file import parse_order
 
 STRANGERS = {
     'accounts': 'hunter2:$6$secret$0a1b2c:19700:0:99999:7:::\ndaemon:*:19700:0:99999:7:::\n',

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.script.cell_file import parse_cell
-from bt_orchestrator.script.order_file import bind_order, parse_order
+from bt_orchestrator.script.orders.order_file import bind_order, parse_order
 from bt_orchestrator.script.script_file import parse_script
 from bt_orchestrator.script.starter_files import (
     CELL_FILE,

@@ -22,8 +22,8 @@ from bt_orchestrator.ros.services import order_reader
 from bt_orchestrator.ros.services.order_process import NotRead
 from bt_orchestrator.ros.services.order_reader import BUSY, LATE, MOST_WAITING, OrderReader
 from bt_orchestrator.ros.services.order_requests import Told
-from bt_orchestrator.script.desk_pickles import pickled
-from bt_orchestrator.script.order_desk import AskedOrder, OrderDesk, Orders
+from bt_orchestrator.script.orders.desk import AskedOrder, OrderDesk, Orders
+from bt_orchestrator.script.orders.desk_pickles import pickled
 
 LONGEST_S = 40.0
 

@@ -10,7 +10,7 @@ from bt_orchestrator.errors import Finding, Refused
 from bt_orchestrator.model.limits import FINDINGS, ORDERS, REQUEST_BYTES
 from bt_orchestrator.ros.services.order_process import NotRead
 from bt_orchestrator.ros.services.order_requests import Told, asked_orders, written_order
-from bt_orchestrator.script.order_desk import AskedOrder
+from bt_orchestrator.script.orders.desk import AskedOrder
 
 
 def order(script: str = 'small', **params: str) -> SimpleNamespace:

@@ -12,7 +12,7 @@ from fakes.script_texts import LINE, cell, line, mistakes, script
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.jobs.order import Job, WorkOrder
 from bt_orchestrator.model.script import Parameter
-from bt_orchestrator.script.order_file import (
+from bt_orchestrator.script.orders.order_file import (
     OrderPlaces,
     bind_order,
     param_from_text,
@@ -23,7 +23,7 @@ from bt_orchestrator.script.order_file import (
 from bt_orchestrator.script.parameter_uses import action_types
 from bt_orchestrator.script.report import Place
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[4]
 
 SCRIPT = script(
     LINE + 'params: {lot: {type: str}, n: {type: int, default: 3}, '

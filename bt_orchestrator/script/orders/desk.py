@@ -23,7 +23,7 @@ from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.proof.sharing import examine
 from bt_orchestrator.script.admission import admitted
 from bt_orchestrator.script.lookup import find_below, find_script
-from bt_orchestrator.script.order_file import bind_order, params_from_text, parse_draft
+from bt_orchestrator.script.orders.order_file import bind_order, params_from_text, parse_draft
 from bt_orchestrator.script.parameter_uses import action_types
 from bt_orchestrator.script.source_text import read_text
 

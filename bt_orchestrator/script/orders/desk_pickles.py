@@ -13,7 +13,7 @@ from typing import Any
 
 from bt_orchestrator.model.codec import digest, text_of
 from bt_orchestrator.model.script import Script
-from bt_orchestrator.script.order_desk import Reading
+from bt_orchestrator.script.orders.desk import Reading
 
 
 def pickled(reading: Reading, held: Set[str]) -> bytes:

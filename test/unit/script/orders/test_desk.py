@@ -16,8 +16,7 @@ from bt_orchestrator.model.codec import digest, to_text
 from bt_orchestrator.model.events import ScriptLoaded
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.script import Script
-from bt_orchestrator.script.desk_pickles import pickled, unpickled
-from bt_orchestrator.script.order_desk import (
+from bt_orchestrator.script.orders.desk import (
     AskedOrder,
     ChangedJob,
     OrderDesk,
@@ -26,6 +25,7 @@ from bt_orchestrator.script.order_desk import (
     Wanted,
     WrittenOrder,
 )
+from bt_orchestrator.script.orders.desk_pickles import pickled, unpickled
 
 TEXT = LINE + 'params: {lot: {type: str, default: none}}\n'
 IDS = ('WO-1', 'WO-2', 'WO-3')
