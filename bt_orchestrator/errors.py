@@ -120,3 +120,11 @@ class MissingResult(OrchestratorError):
     def __init__(self, reference: str) -> None:
         self.reference = reference
         super().__init__(f'${{{reference}}} has no value: that task gave no result for this item')
+
+
+class NodeUnreachable(OrchestratorError):
+    """No tree node answers under the name given, or it cannot tell what was asked."""
+
+
+class NotKept(OrchestratorError):
+    """A past moment cannot be had: its events are not in the journal any more, or not yet."""

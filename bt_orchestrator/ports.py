@@ -9,9 +9,12 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple, Protocol, TypeVar
 
 from bt_orchestrator.model.action_type import ActionType
+from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.goal import GoalEnd, GoalRequest, SeenContest, StateReading
 from bt_orchestrator.model.jobs.job_record import JobRecord
+from bt_orchestrator.model.requests import Asked
+from bt_orchestrator.model.status import CellDescription, CellStatus, JobStatus
 from bt_orchestrator.model.uptime import Uptime
 
 _Result = TypeVar('_Result')
@@ -282,3 +285,148 @@ class Foresight(Protocol):
 
     def close(self) -> None:
         """Stop working."""
+
+
+# --- the door: people and machines outside ------------------------------------------------------
+
+
+class EventPage(NamedTuple):
+    """Events of one history that follow each other."""
+
+    history: str
+    events: Sequence[Event]
+    """Oldest first; empty: there are no more, for now."""
+    first_seq: int
+    """The oldest that can be had; those before it were removed, or are damaged."""
+    last_seq: int
+    """The newest that the node has kept."""
+
+
+class QueuePage(NamedTuple):
+    """Jobs of the queue that follow each other."""
+
+    jobs: Sequence[JobStatus]
+    queued: int
+    """How many there are in the whole queue."""
+
+
+class Listener(Protocol):
+    """Is told what happens in a cell: called from within `CellLink.turn`, in one thread."""
+
+    def on_status(self, status: CellStatus) -> None:
+        """Take in how the cell stands: the latest, not each one that there was."""
+
+    def on_event(self, event: Event) -> None:
+        """Take in what happened: every event, in the order of their numbers, each once."""
+
+    def on_gap(self, first: int, last: int) -> None:
+        """Learn that events are lost for good: they were removed, or are damaged."""
+
+    def on_history(self, history: str) -> None:
+        """Learn that the cell has another journal: numbers begin anew, what was known is void."""
+
+
+class CellLink(Protocol):
+    """The door to one running cell: all that people and machines outside see of it and ask of it.
+
+    All calls come from one thread. Whatever happens between them is kept for the next `turn`.
+    """
+
+    @property
+    def name(self) -> str:
+        """Name of the cell's tree node, for instance /bt_orchestrator."""
+
+    def status(self) -> CellStatus:
+        """Return how the cell stands.
+
+        :raises NodeUnreachable: nothing is heard of it
+        """
+
+    def description(self) -> CellDescription:
+        """Return what exists in the cell.
+
+        :raises NodeUnreachable: nothing is heard of it
+        """
+
+    def follow(self, listener: Listener, after_seq: int | None = None, history: str = '') -> None:
+        """Tell a listener everything from an event on, without gaps, across restarts of the node.
+
+        :param after_seq: last event that the listener knows; None: only what happens from now on
+        :param history: that `after_seq` counts in; empty: that of now. If the cell has another
+            one, `on_history` comes first and everything from its first event
+        :raises NodeUnreachable: nothing is heard of the node
+        """
+
+    def turn(self, within_s: float) -> None:
+        """Handle what comes within a time: here listeners are called.
+
+        Nothing is raised while the node is away: then `silent_s` grows.
+        """
+
+    @property
+    def silent_s(self) -> float:
+        """For how long nothing was heard of the node, seconds.
+
+        It says something once a second, whether anything happens or not. So a small number means
+        that there are no news, and a number of some seconds that the node is away.
+        """
+
+    def events_after(self, seq: int, most: int = 0) -> EventPage:
+        """Return events from the journal of the cell, as many as it gives at once.
+
+        :param most: not more than so many; 0: as many as it gives
+        :raises NodeUnreachable: it does not answer, or cannot read its journal
+        """
+
+    def queue(self, after: str = '', most: int = 0) -> QueuePage:
+        """Return jobs of the queue in their order.
+
+        :param after: the last job that is known; empty: from the first
+        :raises NodeUnreachable: it does not answer
+        """
+
+    def ask(self, asked: Asked) -> Answer:
+        """Ask something of the cell and wait for its answer, which is on record by then.
+
+        :raises NodeUnreachable: it does not answer; then nobody knows whether it was done
+        """
+
+    def close(self) -> None:
+        """Leave; the cell does not notice."""
+
+
+class Past(Protocol):
+    """Any past moment of a cell, from its journal."""
+
+    def status_at(self, seq: int) -> CellStatus:
+        """Return how the cell stood after an event, with the reasons why it waited.
+
+        :raises NotKept: that event is not in the journal, or what came before it
+        """
+
+
+class ExpectedJob(NamedTuple):
+    """When a job is expected to end."""
+
+    job: str
+    ends_s: float | None
+    """Seconds from the moment that was asked about; None: not at all, as things stand."""
+
+
+class Consequence(NamedTuple):
+    """What some requests would do."""
+
+    before: Sequence[ExpectedJob]
+    after: Sequence[ExpectedJob]
+    refusals: Sequence[str]
+    """Of requests that would be refused, in their order; empty: none."""
+
+
+class WhatIf(Protocol):
+    """What would become of jobs after some requests, by the engine that runs the cell."""
+
+    def ask(self, requests: Sequence[Asked]) -> Consequence:
+        """Work out when jobs end as things are, and when after these requests.
+
+        :raises NotKept: the state to start from cannot be had
+        """

@@ -22,6 +22,9 @@ ABORT_JOB = 'abort_job'
 """Cancel cause after which a task counts as failed and continued, unless its slot is in doubt
 (semantics 2.6, 4.3)."""
 
+RETRY, MARK_DONE, SKIP, REJECT = 'retry', 'mark_done', 'skip', 'reject'
+"""Answers to holds about tasks; the fifth is ABORT_JOB (semantics 7.1)."""
+
 _NEVER_BEGUN = (Reason.GOAL_REJECTED, Reason.SERVER_UNAVAILABLE, Reason.MISSING_RESULT)
 """Ends of attempts of which no robot heard."""
 
@@ -90,7 +93,7 @@ def answers(state: CellState, key: e.TaskKey, task: Task) -> tuple[str, ...]:
     """Return what an operator may answer about a held task now (semantics 3.5, 4.3, 7.1)."""
     if key.job is None:
         aborts = any(not job.aborting for job in _jobs_on_the_belt(state))
-        return ('retry', 'mark_done', *(['abort_job'] if aborts else []))
+        return (RETRY, MARK_DONE, *([ABORT_JOB] if aborts else []))
     failed = state.tasks[key]
     is_open = _is_open(failed, task)
     again = effects.why_skipped(state, key, task) is None
@@ -98,12 +101,12 @@ def answers(state: CellState, key: e.TaskKey, task: Task) -> tuple[str, ...]:
         again = False
     offered = {
         # What lacks a result would lack it again.
-        'retry': again and failed.reason is not Reason.MISSING_RESULT,
-        'mark_done': True,
+        RETRY: again and failed.reason is not Reason.MISSING_RESULT,
+        MARK_DONE: True,
         # An item that needs this task to leave the belt would not leave it.
-        'skip': task.qty_change != -1 or not again,
-        'reject': not is_open and _may_be_rejected(state, key),
-        'abort_job': not is_open and not state.jobs[key.job].aborting,
+        SKIP: task.qty_change != -1 or not again,
+        REJECT: not is_open and _may_be_rejected(state, key),
+        ABORT_JOB: not is_open and not state.jobs[key.job].aborting,
     }
     return tuple(answer for answer, sensible in offered.items() if sensible)
 
@@ -120,7 +123,7 @@ def _may_be_rejected(state: CellState, key: e.TaskKey) -> bool:
 def _question(key: e.TaskKey, task: Task, offered: tuple[str, ...]) -> str:
     """Ask what nobody but a person can see: whether the slot holds the item."""
     done = 'placed in' if task.qty_change == 1 else 'taken out of'
-    otherwise = ' or '.join(answer for answer in offered if answer != 'mark_done')
+    otherwise = ' or '.join(answer for answer in offered if answer != MARK_DONE)
     return f'was {key.item} {done} section {key.section}? mark_done if it was, else {otherwise}'
 
 

@@ -9,14 +9,19 @@ from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.commands import AnswerHold, RemoveItem
-from bt_orchestrator.model.failures import abort_all_on_the_belt, pass_over
+from bt_orchestrator.model.failures import (
+    ABORT_JOB,
+    MARK_DONE,
+    REJECT,
+    RETRY,
+    SKIP,
+    abort_all_on_the_belt,
+    pass_over,
+)
 from bt_orchestrator.model.limits import listed
 from bt_orchestrator.model.pauses import release_command
 from bt_orchestrator.model.state import CellState, Hold
 from bt_orchestrator.runtime.command_record import decided
-
-MARK_DONE = 'mark_done'
-"""The one answer that may carry results."""
 
 
 def answer(state: CellState, command: AnswerHold, now: float) -> Iterator[e.Event]:
@@ -112,9 +117,9 @@ def _abort_job(
 
 
 _ANSWERS = {
-    'retry': _retry,
+    RETRY: _retry,
     MARK_DONE: _mark_done,
-    'skip': _skip,
-    'reject': _reject,
-    'abort_job': _abort_job,
+    SKIP: _skip,
+    REJECT: _reject,
+    ABORT_JOB: _abort_job,
 }

@@ -10,11 +10,12 @@ from typing import Any
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.commands import AnswerHold, RemoveItem
 from bt_orchestrator.model.events import TaskKey
+from bt_orchestrator.model.failures import ABORT_JOB, MARK_DONE, REJECT, RETRY, SKIP
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.sim.simulation import Simulation
 
 REMOVE_ITEM = 'remove_item'
-POSSIBLE = ('retry', 'mark_done', 'skip', 'reject', 'abort_job', REMOVE_ITEM)
+POSSIBLE = (RETRY, MARK_DONE, SKIP, REJECT, ABORT_JOB, REMOVE_ITEM)
 
 MOST_RETRIES = 10
 """How often one task of one item is tried again; what fails that often would fail for ever."""
@@ -73,7 +74,7 @@ class StandingAnswers:
                 f'hold {hold.id} does not offer {" or ".join(self._answers)}, '
                 f'but {", ".join(hold.answers)}'
             )
-        elif answer == 'retry' and self._is_in_vain(hold):
+        elif answer == RETRY and self._is_in_vain(hold):
             self._complaints.append(
                 f'{hold.key} was tried again {MOST_RETRIES} times and failed each time '
                 f'({hold.reason}); hold {hold.id} is left without an answer'
@@ -98,7 +99,7 @@ class StandingAnswers:
         if answer == REMOVE_ITEM:
             command = RemoveItem(hold.item or '', self._by)
         else:
-            marked = answer == 'mark_done' and hold.item is not None
+            marked = answer == MARK_DONE and hold.item is not None
             results = self._results.get(hold.task or '', {}) if marked else {}
             command = AnswerHold(hold.id, answer, self._by, results)
         given = self._simulation.orchestrator.ask(command)

@@ -7,6 +7,7 @@ from py_trees.common import Status
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.contest import Contest
+from bt_orchestrator.model.failures import RETRY
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.reference import resolve
 from bt_orchestrator.model.state import Phase, TaskState
@@ -180,5 +181,5 @@ class ActionLeaf(TaskWaiter, Ticked):
             action=self.subject.task.action,
             reason='slot_occupied',
             message=f'{there} stands where {self.subject.key.item} would be placed',
-            answers=('retry',),  # the others would leave a second position in the slot
+            answers=(RETRY,),  # the others would leave a second position in the slot
         )

@@ -14,16 +14,12 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.errors import NodeUnreachable
 from bt_orchestrator.ros.identity import LOOK_S, TOPIC, Listener, twins_in_words
 from bt_orchestrator.ros.qos import EVENTS, LATCHED, create_client
 
 STEP_S = 0.1
 """Longest time between two looks at whether to stop waiting."""
-
-
-class NodeUnreachable(OrchestratorError):
-    """No tree node answers under the name given."""
 
 
 class NodeClient:

@@ -1,0 +1,237 @@
+"""How a cell stands, as facts: what every surface shows, whatever carries it there.
+
+No field is a sentence made for one reader, but for the words that a rule, a server or a person has
+said. Times are seconds since the epoch by the node's clock; durations are seconds. An empty text
+means that there is none, and None that something is not known or not there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from bt_orchestrator.model.jobs.isa95 import JobWord
+from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.state import End, Hold
+from bt_orchestrator.model.stop_reason import StopReason
+from bt_orchestrator.model.wait import PartWait
+from bt_orchestrator.model.wish import Wish
+
+
+@dataclass(frozen=True)
+class TaskStatus:
+    """A task that has a goal in flight."""
+
+    id: str
+    """Its id in the script, or `index` for the move of the belt."""
+    name: str
+    """Task constant."""
+    component: str
+    action: str
+    """ROS 2 action name."""
+    attempt: int
+    """Counts from 1."""
+    goal: str
+    """UUID of the goal."""
+    started: float
+    expected_s: float | None = None
+    """How long it took lately, or else its nominal duration."""
+    feedback: str = ''
+    """Last feedback message as one JSON object."""
+
+
+@dataclass(frozen=True)
+class PassedTask:
+    """A task that the cell has passed, and how it ended."""
+
+    id: str
+    end: End
+    reason: str = ''
+    """Why it was skipped, or failed."""
+
+
+@dataclass(frozen=True)
+class ItemStatus:
+    """An item, or the empty position where one should be."""
+
+    id: str
+    is_present: bool = True
+    """False: an empty position (semantics 3.2)."""
+    is_rejected: bool = False
+    nonconforming: tuple[str, ...] = ()
+    """Ids of the tasks that failed for it and were continued (semantics 2.7)."""
+
+
+@dataclass(frozen=True)
+class SectionStatus:
+    """One position of the belt and its station."""
+
+    number: int
+    """Counts from 1 in the direction of travel."""
+    slot: ItemStatus | None = None
+    """What stands on the belt here."""
+    job: str = ''
+    """Of the cycle in hand; this and the next four: empty or None where there is no cycle."""
+    item: ItemStatus | None = None
+    """Of the cycle in hand; it need not be the one in the slot."""
+    running: tuple[TaskStatus, ...] = ()
+    passed: tuple[PassedTask, ...] = ()
+    failed: tuple[str, ...] = ()
+    """Ids of tasks that failed: passed all the same, or not yet."""
+    waits: tuple[PartWait, ...] = ()
+    """Why the section does not go on."""
+
+
+@dataclass(frozen=True)
+class BeltStatus:
+    """The conveyor between the sections."""
+
+    is_moving: bool = False
+    running: tuple[TaskStatus, ...] = ()
+    """The index move, while its goal is in flight."""
+    waits: tuple[PartWait, ...] = ()
+    """Why it does not move."""
+
+
+@dataclass(frozen=True)
+class ComponentStatus:
+    """One device controller."""
+
+    name: str
+    action: str
+    """ROS 2 action name."""
+    is_available: bool
+    """Its action server is there."""
+    is_ready: bool
+    """A goal may be sent: its state topic allows it, and nobody else has a part in it."""
+    contested: str = ''
+    """Who else has a part in it, in words; nothing is sent then (semantics 2.5)."""
+    state: str = ''
+    """Last value of its state topic."""
+    task: str = ''
+    """Task that it is reserved for."""
+    feedback: str = ''
+    """Last feedback message as one JSON object."""
+
+
+@dataclass(frozen=True)
+class JobStatus:
+    """One work order, queued, on the line, or ended."""
+
+    id: str
+    script: str
+    state: JobWord
+    digest: str = ''
+    """Of the script."""
+    position: int = 0
+    """Place in the queue, from 1; 0: it has started, or ended."""
+    ending: str = ''
+    """stopping or aborting: it ends when its last item has left."""
+    expected_end_s: float | None = None
+    """Seconds from the time of the status."""
+    quantity: int = 0
+    started: int = 0
+    """Source cycles begun; this and the following count items (semantics 6.2)."""
+    placed: int = 0
+    processed: int = 0
+    packed: int = 0
+    rejected: int = 0
+    nonconforming: int = 0
+    missing: int = 0
+    initialization: tuple[str, ...] = ()
+    """Ids of initialization tasks that have not succeeded yet."""
+    passed: tuple[PassedTask, ...] = ()
+    """Initialization tasks that have ended; none once the job has ended."""
+
+    @property
+    def left(self) -> int:
+        """Count the items that have left the line, good or bad."""
+        return self.packed + self.rejected + self.missing
+
+    @property
+    def on_line(self) -> int:
+        """Count the items that are on their way."""
+        return max(self.started - self.left, 0)
+
+
+@dataclass(frozen=True)
+class FlagStatus:
+    """The counter of a lateral dependency (semantics 4.1)."""
+
+    name: str
+    count: int
+    capacity: int
+
+
+@dataclass(frozen=True)
+class CellStatus:
+    """How one cell stands after an event: the only view of it that surfaces are given."""
+
+    cell: str
+    stamp: float
+    seq: int
+    """Last event contained; 0: none yet."""
+    history: str
+    """Journal that `seq` counts in; another one: everything begins anew."""
+    state: PackmlState
+    state_since: float
+    """When it was entered, or the node started in it."""
+    state_times: Mapping[PackmlState, float] = field(default_factory=dict)
+    """Seconds in every state that the cell has been in, the present stay included."""
+    stop_reason: StopReason | None = None
+    stop_message: str = ''
+    """The stop reason in words."""
+    stop_after: str = ''
+    """item or job: the line runs empty and stops."""
+    wish: Wish | None = None
+    """Who wants the cell to stand; then it waits for an operator's start (semantics 7.2)."""
+    waits_for: str = ''
+    """Commands that let it work again, in words."""
+    commands: tuple[str, ...] = ()
+    """Words of the requests to the cell that are possible now (`model.requests`)."""
+    journal_failure: str = ''
+    """Why nothing is done any more, but for `abort`."""
+    disk_wait: str = ''
+    """What the disk has not taken yet; meanwhile nothing is sent, and commands wait."""
+    belt: BeltStatus = BeltStatus()
+    initialization: tuple[PartWait, ...] = ()
+    """Why initialization does not go on."""
+    sections: tuple[SectionStatus, ...] = ()
+    """In the direction of travel."""
+    components: tuple[ComponentStatus, ...] = ()
+    """The conveyor first."""
+    jobs: tuple[JobStatus, ...] = ()
+    """On the line, the first of the queue in order, the last that ended (`model.limits`)."""
+    queued: int = 0
+    """How many jobs are in the queue, listed or not."""
+    flags: tuple[FlagStatus, ...] = ()
+    holds: tuple[Hold, ...] = ()
+
+
+@dataclass(frozen=True)
+class ComponentDescription:
+    """What a cell file says of one device controller."""
+
+    name: str
+    action: str
+    """ROS 2 action name."""
+    type: str
+    """ROS 2 action type."""
+    sections: tuple[int, ...] = ()
+    """Sections that it belongs to; empty: none, as the conveyor."""
+    durations_s: Mapping[str, float] = field(default_factory=dict)
+    """Nominal seconds by task constant."""
+    default_duration_s: float = 0.0
+    """Nominal seconds of a task that is not named there."""
+
+
+@dataclass(frozen=True)
+class CellDescription:
+    """What exists: it changes only when the node is started with another cell file."""
+
+    cell: str
+    sections: int
+    """How many positions the belt has."""
+    conveyor: str
+    """Name of the component that moves the belt."""
+    components: tuple[ComponentDescription, ...] = ()

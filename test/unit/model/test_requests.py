@@ -1,0 +1,84 @@
+"""The table of requests says who may ask what, and what is possible where."""
+
+from __future__ import annotations
+
+import pytest
+
+from bt_orchestrator.model.by import By
+from bt_orchestrator.model.jobs.isa95 import JobWord
+from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.requests import (
+    REQUESTS,
+    TABLE,
+    BadArguments,
+    Why,
+    ask,
+    of_cell,
+    of_hold,
+    of_job,
+)
+from bt_orchestrator.model.roles import Role
+
+ANN = By('Ann', 'test', 'because')
+
+
+def words(role: Role) -> set[str]:
+    return {request.name for request in TABLE if role in request.roles}
+
+
+def test_names_are_unique() -> None:
+    assert len(REQUESTS) == len(TABLE)
+
+
+def test_who_may_ask_what() -> None:
+    assert words(Role.VIEW) == set()
+    assert words(Role.ENGINEER) == set(REQUESTS)
+    queue = {'queue.add'} | {f'job.{word}' for word in ('hold', 'release', 'pause', 'resume')}
+    assert words(Role.MES) == queue | {'job.update', 'job.stop', 'job.cancel', 'job.clear'}
+    answers = {f'hold.{word}' for word in ('retry', 'mark_done', 'skip', 'reject')}
+    cell = {f'cell.{word}' for word in ('reset', 'start', 'pause', 'resume', 'stop', 'abort')}
+    after = {f'cell.stop_after_{word}' for word in ('item', 'job', 'never')}
+    places = {'job.move', 'job.next', 'job.stop', 'job.clear'}
+    assert words(Role.OPERATE) == queue | answers | cell | after | places
+
+
+def test_danger_does_not_wait_for_a_reason() -> None:
+    at_once = {request.name for request in TABLE if request.why is Why.AFTERWARDS}
+    assert at_once == {'cell.abort', 'cell.pause', 'cell.stop'}
+    twice = {request.name for request in TABLE if request.is_confirmed}
+    assert twice == {
+        'cell.clear',
+        'hold.reject',
+        'hold.abort_job',
+        'item.remove_item',
+        'job.cancel',
+        'job.abort',
+    }
+
+
+def test_what_is_possible_where() -> None:
+    assert [r.word for r in of_cell(PackmlState.ABORTED)][:3] == ['pause', 'resume', 'clear']
+    queued = [r.word for r in of_job(JobWord.ALLOWED_TO_START)]
+    assert queued == ['move', 'next', 'hold', 'update', 'abort', 'cancel']
+    assert [r.word for r in of_job(JobWord.RUNNING, 'stopping')] == ['abort']
+    assert [r.word for r in of_job(JobWord.ENDED)] == ['clear']
+    assert [r.name for r in of_hold(('retry', 'remove_item', 'resume'))] == [
+        'hold.retry',
+        'item.remove_item',
+        'cell.resume',
+    ]
+
+
+def test_arguments_are_checked() -> None:
+    asked = ask('hold.mark_done', ANN, hold='3', results={'x': 1.5})
+    assert asked.arguments == {'hold': '3', 'results': {'x': 1.5}}
+    assert ask('cell.resume', ANN, hold=None).arguments == {}
+    for name, arguments, said in (
+        ('hold.retry', {}, 'hold.retry needs hold: id of the hold'),
+        ('job.move', {'job': 'A', 'position': True}, 'position of job.move is whole number'),
+        ('job.hold', {'job': 'A', 'place': 1}, 'job.hold takes job; found place'),
+        ('cell.reset', {'x': 1}, 'cell.reset takes nothing; found x'),
+        ('cell.fly', {}, "there is no request 'cell.fly'; one of cell.reset"),
+    ):
+        with pytest.raises(BadArguments, match=said):
+            ask(name, ANN, **arguments)
