@@ -76,6 +76,10 @@ class UnknownActionType(OrchestratorError):
         super().__init__(f'{what}; {hint}')
 
 
+class JournalUnusable(OrchestratorError):
+    """The journal cannot be opened, or cannot be read as a whole; nothing in it was changed."""
+
+
 class JournalFailed(OrchestratorError):
     """Events could not be made durable; what they would have done is not done."""
 

@@ -177,7 +177,10 @@ class EventStore(Protocol):
         """Tell whether this history goes on from a copy of another one (semantics 9.2)."""
 
     def missing(self, after: int) -> str:
-        """Tell, in words, what was written after an event and is not to be had; empty: nothing."""
+        """Tell, in words, what was written after an event and is not to be had; empty: nothing.
+
+        :raises JournalUnusable: it cannot be read
+        """
 
     def go_on_after(self, seq: int) -> None:
         """Let another history begin after an event, with the next `append`.
@@ -188,24 +191,34 @@ class EventStore(Protocol):
     def append(self, events: Sequence[Event]) -> None:
         """Make the events durable, all or none.
 
-        :raises JournalFailed: they are not
+        :param events: one or more, with the numbers that come next
+        :raises JournalFailed: none of them is
         """
 
     def read(self, after: int = 0, most: int = -1) -> Iterable[Event]:
         """Return the events with a seq greater than `after`, oldest first.
 
+        Errors come when it is read so far.
+
         :param most: so many at most; -1: all
         :raises DamagedRecord: the next one cannot be read; those before it are as they were
+        :raises JournalUnusable: nothing can be read any more
         """
 
     def first_seq(self) -> int:
-        """Return the seq of the first event that is kept, or that is to come."""
+        """Return the seq of the first event that is kept, or that is to come.
+
+        :raises JournalUnusable: it cannot be read
+        """
 
     def snapshots(self) -> Iterable[Snapshot]:
         """Return states to start from, newest first. Each is a cache and may be ignored."""
 
     def beginning(self) -> Snapshot | None:
-        """Return the state that replay begins with; None: with the first event of all."""
+        """Return the state that replay begins with; None: with the first event of all.
+
+        :raises JournalUnusable: it is damaged, or cannot be read
+        """
 
 
 class Journal(EventStore, Protocol):
@@ -221,6 +234,8 @@ class Journal(EventStore, Protocol):
         """Return the seq of the first event of any live job, or of the last `keep_jobs` others.
 
         0: there are not more jobs than that.
+
+        :raises JournalFailed: it cannot be read
         """
 
     def begin_with(self, snapshot: Snapshot) -> None:

@@ -8,11 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from bt_orchestrator.errors import OrchestratorError
-
-
-class JournalUnusable(OrchestratorError):
-    """The journal cannot be opened or read; nothing in it was changed."""
+from bt_orchestrator.errors import JournalUnusable
 
 
 @contextmanager

@@ -6,12 +6,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from bt_orchestrator.store.sqlite.database import (
-    JournalUnusable,
-    is_written,
-    log_of,
-    no_longer_written,
-)
+from bt_orchestrator.errors import JournalUnusable
+from bt_orchestrator.store.sqlite.database import is_written, log_of, no_longer_written
 
 
 class _Seen(NamedTuple):

@@ -7,7 +7,8 @@ import shutil
 from datetime import datetime, timezone
 from pathlib import Path
 
-from bt_orchestrator.store.sqlite.database import JournalUnusable, log_of
+from bt_orchestrator.errors import JournalUnusable
+from bt_orchestrator.store.sqlite.database import log_of
 
 PRIVATE = 0o600
 """What a file of a journal may: its owner reads and writes it. SQLite gives its log the same."""

@@ -9,7 +9,8 @@ import sqlite3
 from pathlib import Path
 from typing import IO
 
-from bt_orchestrator.store.sqlite.database import JournalUnusable, has_log, log_of, unchanging
+from bt_orchestrator.errors import JournalUnusable
+from bt_orchestrator.store.sqlite.database import has_log, log_of, unchanging
 from bt_orchestrator.store.sqlite.keeping import make_folder, make_private
 from bt_orchestrator.store.sqlite.mark import Reached, mark_of
 from bt_orchestrator.store.sqlite.schema import SCHEMA, bring_up_to_date, schema_of

@@ -11,15 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from bt_orchestrator.errors import DamagedRecord
+from bt_orchestrator.errors import DamagedRecord, JournalUnusable
 from bt_orchestrator.model.jobs.job_record import JobRecord, job_from_plain
 from bt_orchestrator.store.sqlite.checks import check_of, check_of_event
-from bt_orchestrator.store.sqlite.database import (
-    JournalUnusable,
-    has_log,
-    unchanging,
-    unusable_otherwise,
-)
+from bt_orchestrator.store.sqlite.database import has_log, unchanging, unusable_otherwise
 from bt_orchestrator.store.sqlite.mark import mark_of, read_mark
 from bt_orchestrator.store.sqlite.schema import history_of, kept_from, schema_of
 

@@ -8,7 +8,8 @@ from contextlib import closing, suppress
 from pathlib import Path
 from typing import NamedTuple
 
-from bt_orchestrator.store.sqlite.database import JournalUnusable, unchanging, unusable_otherwise
+from bt_orchestrator.errors import JournalUnusable
+from bt_orchestrator.store.sqlite.database import unchanging, unusable_otherwise
 from bt_orchestrator.store.sqlite.keeping import aside_of, copy_file, make_private, sync
 from bt_orchestrator.store.sqlite.mark import Reached, write_mark
 from bt_orchestrator.store.sqlite.opening import refuse_in_use, take_lock

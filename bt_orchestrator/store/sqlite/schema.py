@@ -14,8 +14,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from bt_orchestrator.errors import JournalUnusable
 from bt_orchestrator.store.sqlite.checks import check_of
-from bt_orchestrator.store.sqlite.database import JournalUnusable, pragma, transaction
+from bt_orchestrator.store.sqlite.database import pragma, transaction
 
 SCHEMA = 4
 """Version of the tables, kept in SQLite's user_version."""

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from uuid import uuid4
 
-from bt_orchestrator.errors import JournalFailed
+from bt_orchestrator.errors import JournalFailed, JournalUnusable
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.job_record import JobRecord, job_to_plain
@@ -17,7 +17,6 @@ from bt_orchestrator.ports import Snapshot
 from bt_orchestrator.store.sqlite import opening, retention, rows, snapshots
 from bt_orchestrator.store.sqlite.checks import check_of
 from bt_orchestrator.store.sqlite.database import (
-    JournalUnusable,
     has_log,
     log_size,
     transaction,

@@ -13,9 +13,8 @@ import pytest
 from fakes.long_journal import LongRun
 
 from bt_orchestrator.cli.main import main
-from bt_orchestrator.errors import DamagedRecord, JournalFailed
+from bt_orchestrator.errors import DamagedRecord, JournalFailed, JournalUnusable
 from bt_orchestrator.model.events import Event, JobStarted
-from bt_orchestrator.store.sqlite.database import JournalUnusable
 from bt_orchestrator.store.sqlite.reader import JournalReader, Wanted
 from bt_orchestrator.store.sqlite.store import SqliteStore
 

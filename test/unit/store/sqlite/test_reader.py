@@ -12,11 +12,11 @@ import pytest
 from fakes.line import Line
 from fakes.long_journal import LongRun
 
+from bt_orchestrator.errors import JournalUnusable
 from bt_orchestrator.model.events import JobStarted
 from bt_orchestrator.report.history import History
 from bt_orchestrator.runtime.housekeeping import AT_REST
 from bt_orchestrator.store.sqlite import reader as reading
-from bt_orchestrator.store.sqlite.database import JournalUnusable
 from bt_orchestrator.store.sqlite.reader import JournalReader, Wanted
 
 SCHEMA_1 = Path(__file__).parents[3] / 'data' / 'journal_schema_1.sqlite3'

@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 
 from bt_orchestrator.cli.main import main
+from bt_orchestrator.errors import JournalUnusable
 from bt_orchestrator.model.events import Event, JobStarted
 from bt_orchestrator.store.sqlite import restoring
-from bt_orchestrator.store.sqlite.database import JournalUnusable
 from bt_orchestrator.store.sqlite.keeping import sync
 from bt_orchestrator.store.sqlite.reader import JournalReader, Wanted
 from bt_orchestrator.store.sqlite.restoring import bring_back

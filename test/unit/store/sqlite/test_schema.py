@@ -11,11 +11,11 @@ import pytest
 from fakes.line import Line
 from fakes.long_journal import LongRun
 
+from bt_orchestrator.errors import JournalUnusable
 from bt_orchestrator.model.events import JobStarted, OrchestratorStarted
 from bt_orchestrator.runtime.recovery import restore
 from bt_orchestrator.store.memory import MemoryStore
 from bt_orchestrator.store.sqlite import schema
-from bt_orchestrator.store.sqlite.database import JournalUnusable
 from bt_orchestrator.store.sqlite.schema import SCHEMA
 from bt_orchestrator.store.sqlite.store import SqliteStore
 
