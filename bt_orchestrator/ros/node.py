@@ -40,6 +40,7 @@ from bt_orchestrator.ros.services.outputs import Diagnostics, EventsTopic, Statu
 from bt_orchestrator.ros.services.queue_services import QueueServices
 from bt_orchestrator.ros.services.run_job import RunJobServer
 from bt_orchestrator.ros.services.services import Services
+from bt_orchestrator.ros.services.state_service import StateService
 from bt_orchestrator.ros.spare_log import SpareLog
 from bt_orchestrator.ros.types.action_types import InstalledActionTypes
 from bt_orchestrator.runtime.housekeeping import Housekeeping
@@ -206,6 +207,7 @@ class TreeNode:
         Services(self.node, self.orchestrator, types)
         QueueServices(self.node, self.orchestrator, self._orders)
         EventsService(self.node, self.orchestrator, store)
+        StateService(self.node, self.orchestrator, self._durations)
         run_job = RunJobServer(self.node, self.orchestrator, self._orders, self._expected)
         self.orchestrator.add_sink(run_job)
         return run_job

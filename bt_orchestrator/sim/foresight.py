@@ -1,33 +1,19 @@
 """When the jobs of a running cell will end: the real engine, run on from the state of now.
 
-Tasks take as long as they took here before, else their nominal durations, and goals in flight what
-is left of that; what comes after goes as in any virtual run. A cell that waits for an answer, or
-that somebody stopped, gets no forecast: nobody knows how long that takes.
+A cell that waits for an answer, or that somebody stopped, gets no forecast: nobody knows how long
+that takes.
 """
 
 from __future__ import annotations
 
-import json
 import time
-from collections import defaultdict
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping
+from contextlib import closing
 from typing import Any
 
-from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.codec import digest
-from bt_orchestrator.model.goal import GoalRequest
-from bt_orchestrator.model.state import CellState
-from bt_orchestrator.ports import ActionTypes, Snapshot
-from bt_orchestrator.runtime.observed_durations import as_observed
-from bt_orchestrator.runtime.orchestrator import Orchestrator
-from bt_orchestrator.sim.clock import VirtualClock
-from bt_orchestrator.sim.gateway import VirtualGateway
-from bt_orchestrator.sim.virtual_goal import VirtualGoal
-
-CYCLES_RUN = 40
-"""So many cycles of each job are run; their pace in the middle goes for those left out."""
+from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.sim.run_on import RunOn
 
 LONGEST_S = 10.0
 """Real seconds after which jobs that have not ended yet stay without a forecast."""
@@ -46,142 +32,5 @@ def expected_ends(
     :param observed_s: seconds that tasks took, by component and task constant
     """
     until = time.monotonic() + LONGEST_S
-    run = _Run(as_observed(_without_faults(cell), observed_s), types, plain_state, now_s)
-    try:
-        left_out = run.shorten()
-        run.go(until)
-        return _stretched(run.log, left_out)
-    finally:
-        run.orchestrator.close()
-
-
-def _without_faults(cell: Cell) -> Cell:
-    components = {name: replace(one, faults=()) for name, one in cell.components.items()}
-    conveyor = replace(cell.conveyor, component=components[cell.conveyor.component.name])
-    return replace(cell, conveyor=conveyor, components=components)
-
-
-class _Log:
-    """When items were packed and jobs ended. Implements `ports.EventSink`."""
-
-    def __init__(self) -> None:
-        self.packed_s: dict[str, list[float]] = defaultdict(list)
-        self.ended_s: dict[str, float] = {}
-
-    def publish(self, events: Sequence[e.Event]) -> None:
-        """Note what matters."""
-        for event in events:
-            if isinstance(event, e.ItemRemoved):
-                self.packed_s[event.job].append(event.time)
-            elif isinstance(event, e.JobCompleted | e.JobAborted):
-                self.ended_s[event.job] = event.time
-
-    def pace_s(self, job: str) -> float:
-        """Return the seconds between two items, where the line neither fills nor drains."""
-        times = self.packed_s[job]
-        edge = len(times) // 4
-        middle = times[edge : len(times) - edge]
-        return (middle[-1] - middle[0]) / (len(middle) - 1) if len(middle) > 1 else 0.0
-
-
-def _stretched(log: _Log, left_out: Mapping[str, int]) -> dict[str, float]:
-    """Put back the time of the cycles that were left out, of a job and of those in front."""
-    late_s, ends = 0.0, {}
-    for job, end_s in log.ended_s.items():
-        late_s += left_out.get(job, 0) * log.pace_s(job)
-        ends[job] = end_s + late_s
-    return ends
-
-
-class _Run:
-    def __init__(
-        self, cell: Cell, types: ActionTypes, plain_state: Mapping[str, Any], now_s: float
-    ) -> None:
-        self.log = _Log()
-        self._clock = VirtualClock(now_s)
-        state = {**plain_state['state'], 'cell_digest': digest(cell)}
-        gateway = _RunningRobots(cell, types, self._clock)
-        store = _From(json.dumps({**plain_state, 'state': state}))
-        self.orchestrator = Orchestrator(
-            cell, gateway, self._clock, store, [self.log], auto_resume=True
-        )
-        gateway.started_s = {
-            task.goal: task.started for task in self._state.running.values() if task.goal
-        }
-
-    @property
-    def _state(self) -> CellState:
-        return self.orchestrator.state
-
-    def shorten(self) -> dict[str, int]:
-        """Leave out cycles of long jobs; returns how many of each."""
-        left_out = {}
-        for name, job in self._state.jobs.items():
-            more = job.cycles_left - CYCLES_RUN
-            if more > 0:
-                left_out[name] = more
-                job.job = replace(job.job, quantity=job.job.quantity - more)
-        return left_out
-
-    def go(self, until: float) -> None:
-        self.orchestrator.settle()
-        while self._state.jobs and not self._state.holds and time.monotonic() < until:
-            if not self._clock.advance():
-                return
-            self.orchestrator.settle()
-
-
-class _RunningRobots(VirtualGateway):
-    """Robots that are in the middle of the goals they are asked about."""
-
-    def __init__(self, cell: Cell, types: ActionTypes, clock: VirtualClock) -> None:
-        self.started_s: dict[str, float] = {}
-        self._now = clock.now
-        super().__init__(cell, types, clock, duration=self._left_s)
-
-    def adopt(self, request: GoalRequest) -> VirtualGoal:
-        """Go on with a goal, as if it were known."""
-        return self.send(request)
-
-    def _left_s(self, request: GoalRequest) -> float:
-        whole_s = self._nominal_s(request)
-        started_s = self.started_s.pop(request.id, None)
-        if started_s is None:
-            return whole_s
-        return min(max(0.0, started_s + whole_s - self._now()), whole_s)  # a clock may be set
-
-
-class _From:
-    """A journal that begins with a state, and keeps nothing. Implements `ports.EventStore`."""
-
-    def __init__(self, state: str) -> None:
-        self._state = state
-
-    history = ''
-    is_restored = False
-
-    def missing(self, after: int) -> str:  # noqa: ARG002 - the port's
-        """Return nothing: the state is whole."""
-        return ''
-
-    def go_on_after(self, seq: int) -> None:
-        """Do nothing: nothing is missing."""
-
-    def append(self, events: Sequence[e.Event]) -> None:
-        """Keep nothing: nobody will go on from here."""
-
-    def read(self, after: int = 0, most: int = -1) -> Sequence[e.Event]:  # noqa: ARG002 - the port's
-        """Return nothing: the state is all that there was."""
-        return ()
-
-    def first_seq(self) -> int:
-        """Return 1; nobody reads them."""
-        return 1
-
-    def snapshots(self) -> Sequence[Snapshot]:
-        """Return no shorter way: there is no long one."""
-        return ()
-
-    def beginning(self) -> Snapshot:
-        """Return that state."""
-        return Snapshot(0, '', self._state)
+    with closing(RunOn(cell, types, plain_state, observed_s, now_s)) as run:
+        return run.ends_s(until)

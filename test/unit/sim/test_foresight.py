@@ -17,7 +17,7 @@ from bt_orchestrator.model.goal import GoalRequest
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.snapshot import state_to_plain
 from bt_orchestrator.runtime.observed_durations import ObservedDurations
-from bt_orchestrator.sim import foresight
+from bt_orchestrator.sim import foresight, run_on
 from bt_orchestrator.sim.foresight import expected_ends
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryStore
@@ -74,7 +74,7 @@ def test_from_any_moment_on_the_forecast_is_what_happens(until_s: float) -> None
 
 
 def test_long_jobs_are_shortened_and_come_out_right(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(foresight, 'CYCLES_RUN', 12)
+    monkeypatch.setattr(run_on, 'CYCLES_RUN', 12)
     with running(60, 30, until_s=40.0) as (simulation, _):
         found = expected(simulation)
 

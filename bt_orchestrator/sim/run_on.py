@@ -1,0 +1,205 @@
+"""The engine of a cell, run on in virtual time from the state of some moment.
+
+Tasks take as long as they took here before, else their nominal durations, and goals in flight what
+is left of that; what comes after goes as in any virtual run.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.codec import digest
+from bt_orchestrator.model.commands import Answer, Command
+from bt_orchestrator.model.goal import GoalRequest
+from bt_orchestrator.model.pauses import RESTARTED
+from bt_orchestrator.model.state import CellState
+from bt_orchestrator.ports import ActionTypes, Snapshot
+from bt_orchestrator.runtime.observed_durations import as_observed
+from bt_orchestrator.runtime.orchestrator import Orchestrator
+from bt_orchestrator.sim.clock import VirtualClock
+from bt_orchestrator.sim.gateway import VirtualGateway
+from bt_orchestrator.sim.virtual_goal import VirtualGoal
+
+CYCLES_RUN = 40
+"""So many cycles of each job are run; their pace in the middle goes for those left out."""
+
+
+class RunOn:
+    """A virtual run that begins in the middle of a real one, and disturbs nobody."""
+
+    def __init__(
+        self,
+        cell: Cell,
+        types: ActionTypes,
+        plain_state: Mapping[str, Any],
+        observed_s: Mapping[str, Mapping[str, float]],
+        now_s: float,
+    ) -> None:
+        """Take a cell over, as it stood.
+
+        :param plain_state: of `model.snapshot`
+        :param observed_s: seconds that tasks took, by component and task constant
+        :param now_s: the moment on the clock of the state
+        """
+        self._log = _Log()
+        self._clock = VirtualClock(now_s)
+        cell = as_observed(_without_faults(cell), observed_s)
+        state = {**plain_state['state'], 'cell_digest': digest(cell)}
+        gateway = _RunningRobots(cell, types, self._clock)
+        store = _From(json.dumps({**plain_state, 'state': state}))
+        self._orchestrator = Orchestrator(
+            cell,
+            gateway,
+            self._clock,
+            store,
+            [self._log],
+            auto_resume=not _has_to_be_resumed(plain_state),
+        )
+        gateway.started_s = {
+            task.goal: task.started for task in self.state.running.values() if task.goal
+        }
+
+    @property
+    def state(self) -> CellState:
+        """The state now."""
+        return self._orchestrator.state
+
+    def ask(self, commands: Iterable[Command]) -> list[Answer]:
+        """Carry out commands, one after the other, before any time passes."""
+        return [self._orchestrator.ask(command) for command in commands]
+
+    def ends_s(self, until: float) -> dict[str, float]:
+        """Run on until every job has ended; return when each did, those unknown are left out.
+
+        A cell that waits for a person gets no further: nobody knows how long that takes.
+
+        :param until: real time on the monotonic clock, at which it is given up
+        """
+        left_out = self._shorten()
+        self._orchestrator.settle()
+        while self.state.jobs and not self.state.holds and time.monotonic() < until:
+            if not self._clock.advance():
+                break
+            self._orchestrator.settle()
+        return _stretched(self._log, left_out)
+
+    def close(self) -> None:
+        """Give the engine up."""
+        self._orchestrator.close()
+
+    def _shorten(self) -> dict[str, int]:
+        """Leave out cycles of long jobs; returns how many of each."""
+        left_out = {}
+        for name, job in self.state.jobs.items():
+            more = job.cycles_left - CYCLES_RUN
+            if more > 0:
+                left_out[name] = more
+                job.job = replace(job.job, quantity=job.job.quantity - more)
+        return left_out
+
+
+def _has_to_be_resumed(plain_state: Mapping[str, Any]) -> bool:
+    """Tell whether somebody has to look at the line first, after a restart."""
+    holds = plain_state['state'].get('holds', {})
+    return any(hold.get('reason') == RESTARTED for hold in holds.values())
+
+
+def _without_faults(cell: Cell) -> Cell:
+    components = {name: replace(one, faults=()) for name, one in cell.components.items()}
+    conveyor = replace(cell.conveyor, component=components[cell.conveyor.component.name])
+    return replace(cell, conveyor=conveyor, components=components)
+
+
+class _Log:
+    """When items were packed and jobs ended. Implements `ports.EventSink`."""
+
+    def __init__(self) -> None:
+        self.packed_s: dict[str, list[float]] = defaultdict(list)
+        self.ended_s: dict[str, float] = {}
+
+    def publish(self, events: Sequence[e.Event]) -> None:
+        """Note what matters."""
+        for event in events:
+            if isinstance(event, e.ItemRemoved):
+                self.packed_s[event.job].append(event.time)
+            elif isinstance(event, e.JobCompleted | e.JobAborted):
+                self.ended_s[event.job] = event.time
+
+    def pace_s(self, job: str) -> float:
+        """Return the seconds between two items, where the line neither fills nor drains."""
+        times = self.packed_s[job]
+        edge = len(times) // 4
+        middle = times[edge : len(times) - edge]
+        return (middle[-1] - middle[0]) / (len(middle) - 1) if len(middle) > 1 else 0.0
+
+
+def _stretched(log: _Log, left_out: Mapping[str, int]) -> dict[str, float]:
+    """Put back the time of the cycles that were left out, of a job and of those in front."""
+    late_s, ends = 0.0, {}
+    for job, end_s in log.ended_s.items():
+        late_s += left_out.get(job, 0) * log.pace_s(job)
+        ends[job] = end_s + late_s
+    return ends
+
+
+class _RunningRobots(VirtualGateway):
+    """Robots that are in the middle of the goals they are asked about."""
+
+    def __init__(self, cell: Cell, types: ActionTypes, clock: VirtualClock) -> None:
+        self.started_s: dict[str, float] = {}
+        self._now = clock.now
+        super().__init__(cell, types, clock, duration=self._left_s)
+
+    def adopt(self, request: GoalRequest) -> VirtualGoal:
+        """Go on with a goal, as if it were known."""
+        return self.send(request)
+
+    def _left_s(self, request: GoalRequest) -> float:
+        whole_s = self._nominal_s(request)
+        started_s = self.started_s.pop(request.id, None)
+        if started_s is None:
+            return whole_s
+        return min(max(0.0, started_s + whole_s - self._now()), whole_s)  # a clock may be set
+
+
+class _From:
+    """A journal that begins with a state, and keeps nothing. Implements `ports.EventStore`."""
+
+    def __init__(self, state: str) -> None:
+        self._state = state
+
+    history = ''
+    is_restored = False
+
+    def missing(self, after: int) -> str:  # noqa: ARG002 - the port's
+        """Return nothing: the state is whole."""
+        return ''
+
+    def go_on_after(self, seq: int) -> None:
+        """Do nothing: nothing is missing."""
+
+    def append(self, events: Sequence[e.Event]) -> None:
+        """Keep nothing: nobody will go on from here."""
+
+    def read(self, after: int = 0, most: int = -1) -> Sequence[e.Event]:  # noqa: ARG002 - the port's
+        """Return nothing: the state is all that there was."""
+        return ()
+
+    def first_seq(self) -> int:
+        """Return 1; nobody reads them."""
+        return 1
+
+    def snapshots(self) -> Sequence[Snapshot]:
+        """Return no shorter way: there is no long one."""
+        return ()
+
+    def beginning(self) -> Snapshot:
+        """Return that state."""
+        return Snapshot(0, '', self._state)
