@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
+from functools import partial
 from typing import Any
 
 from bt_orchestrator.errors import OrchestratorError
@@ -39,7 +40,7 @@ class EngineWhatIf:
         :param command_of: makes a command of a request, reads orders, and raises an
             `OrchestratorError` with what is wrong with it
         """
-        self._begin = lambda: RunOn(cell, types, plain_state, observed_s, now_s)
+        self._begin = partial(RunOn, cell, types, plain_state, observed_s, now_s)
         self._now_s = now_s
         self._command_of = command_of
 

@@ -39,5 +39,7 @@ def remove_batch(database: sqlite3.Connection, before: int) -> bool:
     now = min(end, first + BATCH)
     for table in ('events', 'queued'):
         database.execute(f'DELETE FROM {table} WHERE seq < ?', (now,))
+    # The state at the event before stays: with it the moments that are left can be had.
+    database.execute('DELETE FROM snapshots WHERE seq < ?', (now - 1,))
     keep_from(database, now)
     return bool(first + BATCH < end)

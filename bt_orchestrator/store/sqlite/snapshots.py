@@ -1,4 +1,8 @@
-"""States to start from, in the file of the journal."""
+"""States of past moments, in the file of the journal: to start from, and to look back from.
+
+The newest are for the next start. Of the older ones some stay as keyframes: whoever wants a past
+moment replays from the nearest one and not from the beginning.
+"""
 
 from __future__ import annotations
 
@@ -11,17 +15,24 @@ from bt_orchestrator.ports import Snapshot
 
 log = logging.getLogger(__name__)
 
-KEPT = 2
-"""So many of the newest snapshots stay: should one be damaged, there is another."""
+NEWEST = 2
+"""So many of the newest snapshots are for a start: should one be damaged, there is another."""
+
+KEYFRAME_EVERY = 1000
+"""Fewest events from one keyframe to the next."""
+
+KEYFRAME_BYTES = 20
+"""Most bytes of keyframes for each event: some percent of what the event itself takes."""
 
 _ROW = 'seq, stamp, checksum, CAST(state AS BLOB)'
 """As bytes: damaged ones need not be a text."""
 
 
 def kept(database: sqlite3.Connection) -> Sequence[int]:
-    """Return the events of which there are snapshots, newest first."""
+    """Return the events of which there are snapshots to start from, newest first."""
     try:
-        rows = database.execute('SELECT seq FROM snapshots ORDER BY seq DESC').fetchall()
+        query = 'SELECT seq FROM snapshots ORDER BY seq DESC LIMIT ?'
+        rows = database.execute(query, (NEWEST,)).fetchall()
     except sqlite3.Error as error:
         log.warning('the snapshots of the journal cannot be read (%s) and are ignored', error)
         return []
@@ -53,14 +64,32 @@ def beginning(database: sqlite3.Connection) -> Snapshot | None:
 
 
 def keep_snapshot(database: sqlite3.Connection, snapshot: Snapshot) -> None:
-    """Add a snapshot and drop the oldest."""
+    """Add a snapshot; of those before it the newest stays, and those that are keyframes."""
     row = (snapshot.seq, snapshot.stamp, _checksum(snapshot), snapshot.state)
     database.execute('INSERT OR REPLACE INTO snapshots VALUES (?, ?, ?, ?)', row)
-    database.execute(
-        'DELETE FROM snapshots WHERE seq NOT IN '
-        '(SELECT seq FROM snapshots ORDER BY seq DESC LIMIT ?)',
-        (KEPT,),
-    )
+    query = 'SELECT seq, length(state) FROM snapshots ORDER BY seq DESC LIMIT ?'
+    newest = database.execute(query, (NEWEST + 2,)).fetchall()
+    if len(newest) == NEWEST + 2:
+        (seq, size), (before, _) = newest[NEWEST:]
+        if not _is_keyframe(seq, size, before):
+            database.execute('DELETE FROM snapshots WHERE seq = ?', (seq,))
+
+
+def _is_keyframe(seq: int, size: int, before: int) -> bool:
+    """Tell whether a state is worth its room, so far behind the keyframe before it."""
+    behind = seq - before
+    return behind >= KEYFRAME_EVERY and size <= KEYFRAME_BYTES * behind
+
+
+def state_before(database: sqlite3.Connection, seq: int) -> Snapshot | None:
+    """Return the newest sound state at an event or before it; None: there is none."""
+    query = 'SELECT seq FROM snapshots WHERE seq <= ? ORDER BY seq DESC'
+    for (found,) in database.execute(query, (seq,)).fetchall():
+        snapshot = sound_snapshot(database, found)
+        if snapshot is not None:
+            return snapshot
+    start = beginning(database)
+    return start if start is not None and start.seq <= seq else None
 
 
 def begin_with(database: sqlite3.Connection, snapshot: Snapshot) -> None:

@@ -71,7 +71,7 @@ def test_a_job_that_comes_first_ends_earlier_and_the_others_later() -> None:
         assert found.refusals == ()
         # Nothing of it happens: the run itself comes to what was expected of it.
         now_s = simulation.clock.now()
-        ends = {}
+        ends: dict[str, float] = {}
         while simulation.state.jobs:
             simulation.clock.advance()
             simulation.orchestrator.settle()
