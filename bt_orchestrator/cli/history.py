@@ -13,9 +13,9 @@ from pathlib import Path
 from bt_orchestrator.cli.journal_output import say_damage, shown
 from bt_orchestrator.cli.moments import add_period_options
 from bt_orchestrator.cli.tables import table
-from bt_orchestrator.model.codec import json_of
+from bt_orchestrator.model.codec import json_of, known_event
 from bt_orchestrator.model.jobs.job_record import JobRecord, job_to_plain
-from bt_orchestrator.report.history import FOLLOWED, History
+from bt_orchestrator.report.jobs import FOLLOWED, JobFold
 from bt_orchestrator.store.sqlite.reader import JournalReader, Wanted
 
 DESCRIPTION = """\
@@ -39,11 +39,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns 1 if a job is not there, or a record is damaged."""
     with JournalReader(args.journal, say_damage) as reader:
-        history = History(reader.summaries())
+        fold = JobFold(reader.summaries())
         for _, text in reader.records(Wanted(job=args.job, events=FOLLOWED)):
-            history.follow(json.loads(text))
+            event = known_event(json.loads(text))
+            if event is not None:
+                fold.follow(event)
         damaged = reader.damaged
-    jobs = [job for job in history.jobs.values() if _is_wanted(job, args)]
+    jobs = [job for job in fold.jobs.values() if _is_wanted(job, args)]
     if args.job is not None and not jobs:
         print(f'the journal {args.journal} knows no job {args.job}', file=sys.stderr)
         return 1

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.hold_words import hold_words
+from bt_orchestrator.report.task_spans import TaskSpans
 from bt_orchestrator.report.wait_log import Waits, WaitSpan
 
 
@@ -95,7 +96,7 @@ class GanttFold:
 
     def __init__(self) -> None:
         self._jobs: list[str] = []
-        self._open_tasks: dict[e.TaskKey, e.TaskStarted] = {}
+        self._spans = TaskSpans()
         self._open_cycles: dict[int, e.CycleStarted] = {}
         self._open_holds: dict[str, e.HoldRaised] = {}
         self._tasks: dict[int | str, list[TaskBar]] = defaultdict(list)
@@ -108,14 +109,13 @@ class GanttFold:
             self._follow(event)
 
     def _follow(self, event: e.Event) -> None:
-        if isinstance(event, e.JobQueued):
+        span = self._spans.follow(event)
+        if span is not None:
+            ended = span.ended
+            outcome = ended.reason if isinstance(ended, e.TaskFailed) else 'succeeded'
+            self._add_task(span.started, ended.time, outcome)
+        elif isinstance(event, e.JobQueued):
             self._jobs.append(event.job)
-        elif isinstance(event, e.TaskStarted):
-            self._open_tasks[event.key] = event
-        elif isinstance(event, e.TaskSucceeded):
-            self._end_task(event.key, event.time, 'succeeded')
-        elif isinstance(event, e.TaskFailed):
-            self._end_task(event.key, event.time, event.reason)
         elif isinstance(event, e.CycleStarted):
             self._open_cycles[event.section] = event
         elif isinstance(event, e.CycleCompleted):
@@ -125,14 +125,12 @@ class GanttFold:
         elif isinstance(event, e.HoldReleased):
             self._end_hold(event.hold, event.time)
 
-    def _end_task(self, key: e.TaskKey, end_s: float, outcome: str) -> None:
-        begun = self._open_tasks.pop(key, None)
-        if begun is not None:  # a task may fail without having been sent
-            self._tasks[_row(key.job, key.section)].append(
-                TaskBar(
-                    key, begun.name, begun.component, begun.attempt, begun.time, end_s, outcome
-                )
+    def _add_task(self, begun: e.TaskStarted, end_s: float, outcome: str) -> None:
+        self._tasks[_row(begun.job, begun.section)].append(
+            TaskBar(
+                begun.key, begun.name, begun.component, begun.attempt, begun.time, end_s, outcome
             )
+        )
 
     def _end_cycle(self, section: int, end_s: float) -> None:
         begun = self._open_cycles.pop(section)
@@ -145,8 +143,9 @@ class GanttFold:
 
     def chart(self, cell: str, sections: int, waits: Waits, total_s: float) -> Gantt:
         """Return everything up to now; what has not ended goes on to the end of the chart."""
-        for key in list(self._open_tasks):
-            self._end_task(key, total_s, 'runs')
+        for begun in self._spans.open():
+            self._add_task(begun, total_s, 'runs')
+        self._spans.forget()
         for section in list(self._open_cycles):
             self._end_cycle(section, total_s)
         for hold in list(self._open_holds):

@@ -96,6 +96,22 @@ def from_record(record: Mapping[str, Any]) -> e.Event:
     return from_plain(event_types()[record['event']], fields)
 
 
+def known_event(record: Mapping[str, Any]) -> e.Event | None:
+    """Return the event that a record of an older or newer program describes, for a reader.
+
+    Fields that this program does not know are left out. None: it does not know the event, or a
+    field is not there, or not as it has to be.
+    """
+    kind = event_types().get(record['event'])
+    if kind is None:
+        return None
+    names = {field.name for field in dataclasses.fields(kind)}
+    try:
+        return from_plain(kind, {key: record[key] for key in record.keys() & names})
+    except (AttributeError, KeyError, TypeError, ValueError):
+        return None
+
+
 @lru_cache(maxsize=1)
 def event_types() -> Mapping[str, type[e.Event]]:
     """Return every event class by its name in the record."""

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.cell import Cell, OnFailure
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.jobs.job_record import ABORTED, PACKED, REMOVED, JobRecord
 from bt_orchestrator.report.causes import Cause
 from bt_orchestrator.report.forecast import (
     Bottleneck,
@@ -25,6 +25,8 @@ from bt_orchestrator.report.forecast import (
     steady_interval_s,
 )
 from bt_orchestrator.report.intervals import Span, covered_s
+from bt_orchestrator.report.jobs import JobFold
+from bt_orchestrator.report.task_spans import TaskSpans
 from bt_orchestrator.report.turns import TurnFold
 from bt_orchestrator.report.wait_log import NO_WAITS, Waits, WaitSpan
 
@@ -36,36 +38,8 @@ def forecast(events: Iterable[e.Event], cell: Cell) -> Forecast:
     return fold.forecast(cell)
 
 
-@dataclass
-class _Job:
-    queued: e.JobQueued
-    started_s: float | None = None
-    finished_s: float | None = None
-    aborted: bool = False
-    packed_s: list[float] = field(default_factory=list)
-    rejected: int = 0
-    missing: int = 0
-    nonconforming: set[str] = field(default_factory=set)
-
-    def forecast(self, bottleneck: Bottleneck | None) -> JobForecast:
-        return JobForecast(
-            job=self.queued.job,
-            script=self.queued.script,
-            quantity=self.queued.quantity,
-            packed=len(self.packed_s),
-            rejected=self.rejected,
-            missing=self.missing,
-            nonconforming=len(self.nonconforming),
-            started_s=self.started_s,
-            finished_s=self.finished_s,
-            aborted=self.aborted,
-            per_item_s=at_best(steady_interval_s(self.packed_s), bottleneck),
-            bottleneck=bottleneck,
-        )
-
-
 class _Attempt(NamedTuple):
-    start_s: float
+    span: Span
     component: str
     section: int | None
     job: str | None
@@ -85,13 +59,11 @@ class ForecastFold:
         self._first_s: float | None = None
         self._now_s = 0.0
         """Seconds since the first event; so are all times here."""
-        self._jobs: dict[str, _Job] = {}
-        self._packed_s: list[float] = []
+        self._jobs = JobFold()
         self._cycles: dict[tuple[int, str], int] = defaultdict(int)
         """By section and job."""
-        self._open: dict[e.TaskKey, _Attempt] = {}
-        self._ended: list[tuple[_Attempt, float]] = []
-        """Attempts with their ends."""
+        self._tasks = TaskSpans()
+        self._ended: list[_Attempt] = []
         self._turns = TurnFold()
 
     def publish(self, events: Sequence[e.Event]) -> None:
@@ -105,54 +77,19 @@ class ForecastFold:
             self._first_s = event.time
         self._now_s = event.time - self._first_s
         self._turns.follow(event, self._now_s)
-        if isinstance(event, e.TaskEvent):
-            self._follow_task(event)
+        self._jobs.follow(event)
+        task = self._tasks.follow(event)
+        if task is not None:
+            self._ended.append(self._attempt(task.started, self._now_s))
         elif isinstance(event, e.CycleStarted):
             self._cycles[event.section, event.job] += 1
-        elif isinstance(event, e.ItemEvent):
-            self._follow_item(event)
-        else:
-            self._follow_job(event)
 
-    def _follow_task(self, event: e.TaskEvent) -> None:
-        if isinstance(event, e.TaskStarted):
-            self._open[event.key] = _Attempt(
-                self._now_s, event.component, event.section, event.job
-            )
-        elif isinstance(event, (e.TaskSucceeded, e.TaskFailed)):
-            attempt = self._open.pop(event.key, None)
-            if attempt is not None:  # a task may fail without having been sent
-                self._ended.append((attempt, self._now_s))
-        elif isinstance(event, e.TaskContinued):
-            self._follow_continued(event)
+    def _attempt(self, started: e.TaskStarted, end_s: float) -> _Attempt:
+        span = Span(self._since_first(started.time), end_s)
+        return _Attempt(span, started.component, started.section, started.job)
 
-    def _follow_continued(self, event: e.TaskContinued) -> None:
-        if event.job is None or event.item is None:
-            return
-        if event.policy == OnFailure.CONTINUE.value:
-            self._jobs[event.job].nonconforming.add(event.item)
-
-    def _follow_item(self, event: e.ItemEvent) -> None:
-        job = self._jobs[event.job]
-        if isinstance(event, e.ItemMissing):
-            job.missing += 1
-        elif isinstance(event, e.ItemRemoved):
-            if event.how == 'packed':
-                job.packed_s.append(self._now_s)
-                self._packed_s.append(self._now_s)
-            elif event.how == 'rejected':
-                job.rejected += 1
-            else:
-                job.missing += 1
-
-    def _follow_job(self, event: e.Event) -> None:
-        if isinstance(event, e.JobQueued):
-            self._jobs[event.job] = _Job(event)
-        elif isinstance(event, e.JobStarted):
-            self._jobs[event.job].started_s = self._now_s
-        elif isinstance(event, (e.JobCompleted, e.JobAborted)):
-            self._jobs[event.job].finished_s = self._now_s
-            self._jobs[event.job].aborted = isinstance(event, e.JobAborted)
+    def _since_first(self, time: float) -> float:
+        return time - (self._first_s or 0.0)
 
     def forecast(self, cell: Cell, waits: Waits = NO_WAITS) -> Forecast:
         """Say what follows from the events so far; a task that still runs counts until now.
@@ -161,17 +98,18 @@ class ForecastFold:
         """
         by_list: _SpansByList = defaultdict(list)
         by_component: dict[str, list[Span]] = defaultdict(list)
-        for attempt, end_s in (*self._ended, *((one, self._now_s) for one in self._open.values())):
-            span = Span(attempt.start_s, end_s)
-            by_component[attempt.component].append(span)
+        runs = [self._attempt(started, self._now_s) for started in self._tasks.open()]
+        for attempt in (*self._ended, *runs):
+            by_component[attempt.component].append(attempt.span)
             if attempt.section is not None and attempt.job is not None:
-                by_list[attempt.section, attempt.job].append(span)
+                by_list[attempt.section, attempt.job].append(attempt.span)
         sections = tuple(
             self._section(n, by_list, waits.of_section(n))
             for n in sorted({section for section, _ in self._cycles})
         )
         jobs = tuple(
-            job.forecast(self._bottleneck_of(name, by_list)) for name, job in self._jobs.items()
+            self._job(job, self._bottleneck_of(job.job, by_list))
+            for job in self._jobs.jobs.values()
         )
         return Forecast(
             total_s=self._now_s,
@@ -184,8 +122,37 @@ class ForecastFold:
             ),
         )
 
+    def _job(self, job: JobRecord, bottleneck: Bottleneck | None) -> JobForecast:
+        counts = job.counts
+        finished = None if job.status == REMOVED else job.ended
+        return JobForecast(
+            job=job.job,
+            script=job.script,
+            quantity=job.quantity,
+            packed=counts.packed,
+            rejected=counts.rejected,
+            missing=counts.missing,
+            nonconforming=counts.nonconforming,
+            started_s=None if job.started is None else self._since_first(job.started),
+            finished_s=None if finished is None else self._since_first(finished),
+            aborted=job.status == ABORTED,
+            per_item_s=at_best(steady_interval_s(self._packed_s([job])), bottleneck),
+            bottleneck=bottleneck,
+        )
+
+    def _packed_s(self, jobs: Iterable[JobRecord]) -> Sequence[float]:
+        """Return when items of some jobs were packed, in order."""
+        items = (item for job in jobs for item in job.items.values())
+        return sorted(
+            self._since_first(item.ended)
+            for item in items
+            if item.how == PACKED and item.ended is not None
+        )
+
     def _per_item_s(self, jobs: Sequence[JobForecast]) -> float | None:
-        return mean_per_item_s(jobs) if are_mix(jobs) else steady_interval_s(self._packed_s)
+        if are_mix(jobs):
+            return mean_per_item_s(jobs)
+        return steady_interval_s(self._packed_s(self._jobs.jobs.values()))
 
     def _section(
         self, number: int, by_list: _SpansByList, waits: Sequence[WaitSpan]

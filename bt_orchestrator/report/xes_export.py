@@ -13,8 +13,10 @@ from collections.abc import Mapping
 from typing import IO, Any
 from xml.sax.saxutils import quoteattr
 
-from bt_orchestrator.model.codec import json_of
+from bt_orchestrator.model.codec import json_of, known_event
+from bt_orchestrator.model.events import TaskEvent
 from bt_orchestrator.report.csv_export import iso_time
+from bt_orchestrator.report.task_spans import TaskSpans
 
 _HEAD = """\
 <?xml version="1.0" encoding="UTF-8"?>
@@ -62,8 +64,7 @@ class XesExport:
         self._traces: dict[str, list[str]] = {}
         self._attributes: dict[str, dict[str, Any]] = {}
         self._scripts: dict[str, str] = {}
-        self._components: dict[str, str] = {}
-        """Of the goals."""
+        self._spans = TaskSpans()
 
     def write(self, text: str) -> None:
         """Take in one record."""
@@ -104,9 +105,9 @@ class XesExport:
         goal = record.get('goal')
         if goal is not None:
             attributes['concept:instance'] = goal
-            component = self._component(record, goal)
-            if component is not None:
-                attributes['org:resource'] = component
+        component = self._component(record)
+        if goal is not None and component is not None:
+            attributes['org:resource'] = component
         attributes['lifecycle:transition'] = _transition(record)
         attributes |= {name: record[name] for name in _KEPT if name in record}
         if record.get('results'):
@@ -115,10 +116,14 @@ class XesExport:
         lines = ''.join(_attribute(key, value, 6) for key, value in attributes.items())
         return f'    <event>\n{lines}{date}    </event>\n'
 
-    def _component(self, record: Mapping[str, Any], goal: str) -> str | None:
-        if 'component' in record:
-            self._components[goal] = record['component']
-        return self._components.get(goal)
+    def _component(self, record: Mapping[str, Any]) -> str | None:
+        """Return the component that works at a task: the start of an attempt names it."""
+        event = known_event(record)
+        if not isinstance(event, TaskEvent):
+            return None
+        ended = self._spans.follow(event)
+        started = self._spans.start_of(event) if ended is None else ended.started
+        return None if started is None else started.component
 
 
 def _transition(record: Mapping[str, Any]) -> str:

@@ -12,6 +12,7 @@ from bt_orchestrator.errors import DamagedRecord
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.ports import EventStore
+from bt_orchestrator.report.task_spans import TaskSpan, TaskSpans
 
 log = logging.getLogger(__name__)
 
@@ -40,21 +41,18 @@ class ObservedDurations:
     """Remembers how long successful attempts took. Implements `ports.EventSink`."""
 
     def __init__(self) -> None:
-        self._started: dict[e.TaskKey, e.TaskStarted] = {}
+        self._spans = TaskSpans()
         self._took_s: dict[tuple[str, str], deque[float]] = defaultdict(lambda: deque(maxlen=KEPT))
 
     def publish(self, events: Sequence[e.Event]) -> None:
         """Take in the next events."""
         for event in events:
-            if isinstance(event, e.TaskStarted):
-                self._started[event.key] = event
-            elif isinstance(event, e.TaskSucceeded):
-                self._succeeded(event)
-            elif isinstance(event, e.TaskFailed):
-                self._started.pop(event.key, None)
+            span = self._spans.follow(event)
+            if span is not None:
+                self._learn(span)
             elif isinstance(event, (e.OrchestratorStarted, e.ClockStepped)):
                 # Nobody knows when within the pause it ended, or the clock is another one.
-                self._started.clear()
+                self._spans.forget()
 
     @property
     def kinds(self) -> int:
@@ -68,10 +66,10 @@ class ObservedDurations:
             found[component][name] = statistics.median(took_s)
         return found
 
-    def _succeeded(self, event: e.TaskSucceeded) -> None:
-        begun = self._started.pop(event.key, None)
-        if begun is not None and event.time >= begun.time:  # or the wall clock was set back
-            self._took_s[begun.component, begun.name].append(event.time - begun.time)
+    def _learn(self, span: TaskSpan) -> None:
+        is_sound = span.seconds >= 0.0  # or the wall clock was set back
+        if is_sound and isinstance(span.ended, e.TaskSucceeded):
+            self._took_s[span.started.component, span.started.name].append(span.seconds)
 
 
 def as_observed(cell: Cell, observed_s: Mapping[str, Mapping[str, float]]) -> Cell:

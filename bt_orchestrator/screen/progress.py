@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.hold_words import hold_words
+from bt_orchestrator.report.task_spans import TaskSpan, TaskSpans
 
 
 class Progress:
@@ -15,7 +16,7 @@ class Progress:
         self.held = False
         """An operator must answer, and nothing goes on."""
         self._start: float | None = None
-        self._started: dict[e.TaskKey, e.TaskStarted] = {}
+        self._spans = TaskSpans()
 
     def follow(self, event: e.Event) -> Iterator[str]:
         """Yield the lines that an event deserves, usually none or one."""
@@ -25,10 +26,9 @@ class Progress:
             yield f'{event.time - self._start:7.2f} s  {line}'
 
     def _lines(self, event: e.Event) -> Iterator[str]:
-        if isinstance(event, e.TaskStarted):
-            self._started[event.key] = event
-        elif isinstance(event, e.TaskSucceeded):
-            yield from self._succeeded(event)
+        span = self._spans.follow(event)
+        if span is not None and isinstance(event, e.TaskSucceeded):
+            yield _succeeded(span)
         elif isinstance(event, e.TaskFailed):
             message = f' ({event.message})' if event.message else ''
             yield f'{_place(event)}{event.task} failed: {event.reason}{message}'
@@ -49,11 +49,10 @@ class Progress:
         elif isinstance(event, e.JobQueued | e.JobCompleted | e.JobAborted):
             yield f'{event.job} {event.event.split(".")[1]}'
 
-    def _succeeded(self, event: e.TaskSucceeded) -> Iterator[str]:
-        started = self._started.pop(event.key, None)
-        if started is not None:
-            took = f'{event.time - started.time:.2f} s'
-            yield f'{_place(event)}{started.name} at {started.action}, {took}'
+
+def _succeeded(span: TaskSpan) -> str:
+    started = span.started
+    return f'{_place(started)}{started.name} at {started.action}, {span.seconds:.2f} s'
 
 
 def _place(event: e.TaskEvent) -> str:

@@ -1,4 +1,4 @@
-"""The record of a job and its items, and what is kept of it when its events are gone."""
+"""The record of a job and its items (ISA-95: job response), which outlives its events."""
 
 from __future__ import annotations
 
@@ -10,8 +10,14 @@ from typing import Any
 from bt_orchestrator.model.codec import from_plain, to_plain
 from bt_orchestrator.model.state import JobState
 
-QUEUED, RUNNING, COMPLETED, ABORTED = 'queued', 'running', 'completed', 'aborted'
-"""How a job stands or ended."""
+QUEUED, RUNNING = 'queued', 'running'
+"""Status of a job that waits, and that works."""
+
+ABORTED, REMOVED = 'aborted', 'removed'
+"""Two of the ways to end: its items were rejected; it left the queue without having started."""
+
+MISSING, BY_HAND, PACKED = 'missing', 'by_hand', 'packed'
+"""How an item ended: never placed, taken off the belt by an operator, out at the sink."""
 
 
 @dataclass(frozen=True)
@@ -64,6 +70,9 @@ class JobRecord:
     started: float | None = None
     ended: float | None = None
     status: str = QUEUED
+    """queued, running, or how it ended: completed, stopped, aborted, removed."""
+    reason: str = ''
+    """Why it was stopped or aborted."""
     counts: Counts = Counts()
     items: dict[str, ItemRecord] = field(default_factory=dict)
     failures: list[FailureRecord] = field(default_factory=list)
@@ -82,7 +91,8 @@ def record_of(job: JobState) -> JobRecord:
         params=job.job.params,
         started=job.started_at,
         ended=job.ended_at,
-        status=ABORTED if job.aborting else COMPLETED,
+        status=job.exit_status,
+        reason=job.end_reason,
         counts=Counts(**{name: getattr(job.progress, name) for name in names}),
         complete=False,
     )

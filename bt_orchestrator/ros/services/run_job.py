@@ -12,8 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from bt_orchestrator_interfaces.action import RunJob
-from bt_orchestrator_interfaces.msg import FailureReport, JobStatus
-from bt_orchestrator_interfaces.msg import ItemReport as ItemMessage
+from bt_orchestrator_interfaces.msg import FailureReport, ItemReport, JobStatus
 from rclpy.action.server import ActionServer, CancelResponse, GoalResponse
 from rclpy.node import Node
 
@@ -23,11 +22,12 @@ from bt_orchestrator.model.allowance import Allowance
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.commands import Answer, RefusedRequest
-from bt_orchestrator.model.events import Event, TaskFailed
+from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.job_commands import AddJobs, ControlJob
+from bt_orchestrator.model.jobs.job_record import FailureRecord, ItemRecord, JobRecord
 from bt_orchestrator.model.limits import QUEUE_SHOWN, REFUSED_GOALS
 from bt_orchestrator.replies import begin
-from bt_orchestrator.report.job_report import ItemReport, JobReport
+from bt_orchestrator.report.jobs import JobFold
 from bt_orchestrator.ros.qos import SERVICES
 from bt_orchestrator.ros.services.expected_ends import ExpectedEnds
 from bt_orchestrator.ros.services.job_message import job_messages
@@ -49,13 +49,15 @@ from bt_orchestrator.script.orders.desk import Reading
 RESULT_TIMEOUT_S = 900
 """How long a result is kept for a client that comes back for it."""
 
+ON_THE_LINE = 'on_the_line'
+"""Outcome of an item that has not ended."""
+
 
 @dataclass
 class _Served:
     """A goal and its job."""
 
     handle: Any
-    report: JobReport
     by: By
     status: JobStatus
     """The last one sent as feedback."""
@@ -80,6 +82,9 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
         self._orders = orders
         self._expected = expected
         self._served: dict[str, _Served] = {}
+        """By job."""
+        self._fold = JobFold()
+        """The records of these jobs."""
         self._being_read: list[Any] = []
         self._log = SpareLog(node.get_logger())
         self._refused = Allowance(REFUSED_GOALS)
@@ -108,18 +113,26 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
         """
         if not self._served:
             return
-        named = {getattr(event, 'job', None) for event in events}
+        named = self._follow(events)
         near = {job.job.id for job in self._orchestrator.state.jobs.first(QUEUE_SHOWN)}
         ends = self._ends()
         for name in [name for name in self._served if name in named or name in near]:
-            served = self._served[name]
-            for event in events:
-                served.report.follow(event)
-            if served.report.exit_status:
-                del self._served[name]
-                self._end(served)
+            record = self._fold.jobs.get(name)
+            if record is not None and record.ended is not None:
+                del self._fold.jobs[name]
+                self._end(self._served.pop(name), record)
             else:
-                self._feed_back(served, ends)
+                self._feed_back(name, ends)
+
+    def _follow(self, events: Sequence[Event]) -> set[str]:
+        """Bring the records up to date; returns the jobs that the events name."""
+        named: set[str] = set()
+        for event in events:
+            name = getattr(event, 'job', None)
+            if name in self._served:
+                self._fold.follow(event)
+                named.add(name)
+        return named
 
     # --- requests ---------------------------------------------------------------------------
 
@@ -170,7 +183,7 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
         # order that was given before is refused there, and the events are not those of a goal.
         is_known = read.id in self._served or read.id in self._orchestrator.state.jobs
         if not is_known:
-            self._served[read.id] = _Served(handle, JobReport(read.id), who, JobStatus())
+            self._served[read.id] = _Served(handle, who, JobStatus())
         command = AddJobs((read,), who, goal.position or None, sharing=reading.sharing)
         answer = await self._orchestrator.carry_out(command)
         if not answer.accepted:
@@ -186,11 +199,12 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
         """Abort the job of a goal; the goal ends when the last item has left the line."""
         if any(one is handle for one in self._being_read):
             return CancelResponse.ACCEPT  # it will not be queued
-        served = next((s for s in self._served.values() if s.handle is handle), None)
+        found = ((name, one) for name, one in self._served.items() if one.handle is handle)
+        job, served = next(found, ('', None))
         if served is None:
             return CancelResponse.REJECT
         who = By(served.by.who, served.by.origin, 'the goal was cancelled')
-        command = ControlJob('abort', served.report.job, who)
+        command = ControlJob('abort', job, who)
         # rclpy asks its own coroutines again and again; this one goes on in its turn.
         answer = await begin(self._orchestrator.carry_out(command))
         if not answer.accepted:
@@ -199,8 +213,8 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
 
     # --- answers ----------------------------------------------------------------------------
 
-    def _feed_back(self, served: _Served, ends: Mapping[str, float]) -> None:
-        status = self._status(served.report.job, ends)
+    def _feed_back(self, job: str, ends: Mapping[str, float]) -> None:
+        served, status = self._served[job], self._status(job, ends)
         if status is not None and status != served.status:
             served.status = status
             served.handle.publish_feedback(RunJob.Feedback(status=status))
@@ -216,15 +230,14 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
             return None
         return job_messages(state, [found], ends)[0]
 
-    def _end(self, served: _Served) -> None:
-        report = served.report
+    def _end(self, served: _Served, record: JobRecord) -> None:
         result = RunJob.Result(
-            job=report.job,
-            exit_status=report.exit_status,
-            message=report.reason,
-            status=self._status(report.job, self._ends()) or served.status,
-            items=[_item(item) for item in report.items.values()],
-            failures=[_failure(failure) for failure in report.failures],
+            job=record.job,
+            exit_status=record.status,
+            message=record.reason,
+            status=self._status(record.job, self._ends()) or served.status,
+            items=[_item(item) for item in record.items.values()],
+            failures=[_failure(failure) for failure in record.failures],
         )
         self._conclude(served.handle, result)
 
@@ -248,16 +261,16 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
         super().notify_execute(handle, conclude)
 
 
-def _item(item: ItemReport) -> ItemMessage:
-    return ItemMessage(
-        id=item.id,
-        outcome=item.outcome,
+def _item(item: ItemRecord) -> ItemReport:
+    return ItemReport(
+        id=item.item,
+        outcome=item.how or ON_THE_LINE,
         nonconforming=item.nonconforming,
         results=json_of(item.results),
     )
 
 
-def _failure(failure: TaskFailed) -> FailureReport:
+def _failure(failure: FailureRecord) -> FailureReport:
     return FailureReport(
         stamp=to_time(failure.time),
         item=failure.item or '',

@@ -66,6 +66,17 @@ def test_nothing_says_nothing(cell: Cell) -> None:
     assert {load.utilisation for load in empty.components} == {0.0}
 
 
+def test_an_order_that_was_changed_in_the_queue_is_told_as_it_is_now(cell: Cell) -> None:
+    changed = e.JobUpdated(job='A', script='t', digest='d', quantity=5, time=1.0)
+    (job,) = of(cell, queued('A'), changed).jobs
+    assert (job.script, job.quantity) == ('t', 5)
+
+
+def test_a_job_that_left_the_queue_has_not_finished(cell: Cell) -> None:
+    (job,) = of(cell, queued('A'), e.JobRemoved(job='A', time=1.0)).jobs
+    assert (job.finished_s, job.aborted) == (None, False)
+
+
 def test_items_are_counted_by_how_they_leave(cell: Cell) -> None:
     job = of(
         cell,

@@ -13,8 +13,9 @@ from fakes.line import Line
 from fakes.long_journal import LongRun
 
 from bt_orchestrator.errors import JournalUnusable
+from bt_orchestrator.model.codec import from_record
 from bt_orchestrator.model.events import JobStarted
-from bt_orchestrator.report.history import History
+from bt_orchestrator.report.jobs import JobFold
 from bt_orchestrator.runtime.housekeeping import AT_REST
 from bt_orchestrator.store.sqlite import reader as reading
 from bt_orchestrator.store.sqlite.reader import JournalReader, Wanted
@@ -99,10 +100,10 @@ def test_what_is_left_of_jobs_whose_events_are_gone(run: LongRun, reader: Journa
         run.job(name, 2, _STATION_B)
         run.rest(AT_REST + 3)
     assert reader.first_seq() > 1
-    history = History(reader.summaries())
+    fold = JobFold(reader.summaries())
     for _, text in reader.records(Wanted()):
-        history.follow(json.loads(text))
-    jobs = list(history.jobs.values())
+        fold.follow(from_record(json.loads(text)))
+    jobs = list(fold.jobs.values())
     assert [(j.job, j.status, j.counts.packed, j.complete) for j in jobs] == [
         ('J1', 'completed', 1, False),
         ('J2', 'completed', 2, False),

@@ -1,6 +1,9 @@
-"""What became of jobs, as their records tell: the same counts as the state, and more."""
+"""The records of jobs and items: the same counts as the state, and more."""
 
 from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
 
 from fakes.drawn.lines import lines
 from fakes.drawn.plan import Plan
@@ -9,6 +12,8 @@ from fakes.plan_runs import ProductBench, operate
 from fakes.profiles import examples
 from hypothesis import given
 
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.codec import known_event
 from bt_orchestrator.model.jobs.job_record import (
     Counts,
     JobRecord,
@@ -16,14 +21,16 @@ from bt_orchestrator.model.jobs.job_record import (
     job_to_plain,
     record_of,
 )
-from bt_orchestrator.report.history import FOLLOWED, History
+from bt_orchestrator.report.jobs import FOLLOWED, JobFold
 
 
-def history_of(records: list[dict[str, object]]) -> History:
-    history = History()
+def jobs_of(records: Iterable[Mapping[str, Any]], *known: JobRecord) -> Mapping[str, JobRecord]:
+    fold = JobFold(known)
     for record in records:
-        history.follow(record)
-    return history
+        event = known_event(record)
+        if event is not None:
+            fold.follow(event)
+    return fold.jobs
 
 
 @examples(12, 100)
@@ -32,7 +39,7 @@ def test_it_counts_what_the_state_counts_and_needs_some_records_only(plan: Plan)
     bench = ProductBench(plan)
     operate(bench, plan.moments)
     state, records = bench.run.state, bench.run.records
-    jobs = history_of(records).jobs
+    jobs = jobs_of(records)
     assert jobs.keys() == state.ended.keys() | state.jobs.keys()
     for name, ended in state.ended.items():
         kept, job = record_of(ended), jobs[name]
@@ -40,14 +47,14 @@ def test_it_counts_what_the_state_counts_and_needs_some_records_only(plan: Plan)
         assert (job.queued, job.started, job.ended) == (kept.queued, kept.started, kept.ended)
         assert (job.status, job.script, job.quantity) == (kept.status, kept.script, kept.quantity)
     some = [record for record in records if record['event'] in FOLLOWED]
-    assert history_of(some).jobs == jobs
+    assert jobs_of(some) == jobs
 
 
 def test_items_results_and_failures() -> None:
     line = Line(faults={'a2': '#2=abort'}, results={'a2': {'measurement': 2.5}})
     text = with_section(2, '- {id: work, @a2, continue_if_fail: true}')
     run = line.run(text, 2)
-    job = history_of(run.records).jobs['J']
+    job = jobs_of(run.records)['J']
     good, bad = job.items.values()
     assert good.results['work']['measurement'] == 2.5
     assert 'work' not in bad.results
@@ -60,7 +67,7 @@ def test_items_results_and_failures() -> None:
 def test_a_job_on_the_line() -> None:
     run = Line().begin(THREE, 2)
     run.go(until=1.5)
-    job = history_of(run.records).jobs['J']
+    job = jobs_of(run.records)['J']
     assert (job.status, job.ended, job.items['J/1'].how) == ('running', None, '')
 
 
@@ -68,8 +75,33 @@ def test_a_summary_comes_back_and_stands_for_a_job_without_its_beginning() -> No
     (ended,) = Line().run(THREE, 2).state.ended.values()
     kept = record_of(ended)
     assert job_from_plain(job_to_plain(kept)) == kept
-    history = History([record_of(ended)])
-    history.follow({'event': 'item.placed', 'job': 'J', 'item': 'J/2', 'time': 1.0})
-    assert history.jobs['J'] == kept
-    history.follow({'event': 'job.queued', 'job': 'J', 'script': 's', 'quantity': 1, 'time': 9.0})
-    assert history.jobs['J'] == JobRecord('J', 's', 1, 9.0)
+    fold = JobFold([record_of(ended)])
+    fold.follow(e.ItemPlaced(job='J', item='J/2', section=1, time=1.0))
+    assert fold.jobs['J'] == kept
+    fold.follow(e.JobQueued(job='J', script='s', digest='0', quantity=1, time=9.0))
+    assert fold.jobs['J'] == JobRecord('J', 's', 1, 9.0)
+
+
+def test_a_job_that_was_stopped_is_kept_as_stopped_and_why() -> None:
+    run = Line().begin(THREE, 3)
+    run.go(until=1.5)
+    run.control('stop', 'J')
+    run.go()
+    job = jobs_of(run.records)['J']
+    assert job.status == 'stopped'
+    assert job.reason == run.job().end_reason != ''
+    kept = record_of(run.state.ended['J'])
+    assert (kept.status, kept.reason) == (job.status, job.reason)
+
+
+def test_records_of_an_older_and_a_newer_program() -> None:
+    order = {'script': 's', 'digest': '0', 'quantity': 2}
+    records: list[dict[str, Any]] = [
+        {'event': 'job.queued', 'job': 'J', **order, 'time': 1.0},
+        {'event': 'job.started', 'job': 'J', 'time': 2.0, 'of a newer program': {'a': 1}},
+        {'event': 'job.praised', 'job': 'J', 'time': 2.5},
+        {'event': 'task.failed', 'job': 'J', 'task': 'work', 'time': 3.0},
+        {'event': 'job.completed', 'job': 'J', 'time': 4.0},
+    ]
+    (job,) = jobs_of(records).values()
+    assert (job.started, job.ended, job.status, job.failures) == (2.0, 4.0, 'completed', [])

@@ -1,0 +1,145 @@
+"""The fold from events to the records of jobs and items (ISA-95: job responses).
+
+The state of the cell forgets what left the line. This fold keeps it: which items a job had, what
+became of each, and which attempts failed.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.cell import OnFailure
+from bt_orchestrator.model.jobs.job_record import (
+    BY_HAND,
+    MISSING,
+    REMOVED,
+    RUNNING,
+    FailureRecord,
+    ItemRecord,
+    JobRecord,
+)
+
+
+class JobFold:
+    """Takes in one event after another, from the `job.queued` of a job on."""
+
+    def __init__(self, known: Iterable[JobRecord] = ()) -> None:
+        """Begin.
+
+        :param known: what is kept of jobs; events that tell all of one take its place
+        """
+        self.jobs: dict[str, JobRecord] = {job.job: job for job in known}
+        """By id, in the order in which they were queued."""
+
+    def follow(self, event: e.Event) -> None:
+        """Take in the next event; one of a job whose beginning was not seen changes nothing."""
+        if isinstance(event, e.JobQueued):
+            self._begin(event)
+            return
+        fold = _FOLDS.get(type(event))
+        job = self.jobs.get(getattr(event, 'job', None) or '')
+        if fold is not None and job is not None and job.complete:
+            fold(job, event)
+
+    def _begin(self, event: e.JobQueued) -> None:
+        self.jobs.pop(event.job, None)
+        self.jobs[event.job] = JobRecord(
+            job=event.job,
+            script=event.script,
+            quantity=event.quantity,
+            queued=event.time,
+            params=event.params,
+        )
+
+
+def _count(job: JobRecord, name: str) -> None:
+    job.counts = dataclasses.replace(job.counts, **{name: getattr(job.counts, name) + 1})
+
+
+def _started(job: JobRecord, event: e.JobStarted) -> None:
+    job.started, job.status = event.time, RUNNING
+
+
+def _updated(job: JobRecord, event: e.JobUpdated) -> None:
+    job.script, job.quantity, job.params = event.script, event.quantity, event.params
+
+
+def _ended(job: JobRecord, event: e.JobCompleted | e.JobAborted) -> None:
+    job.ended, job.reason = event.time, event.reason
+    job.status = event.exit_status or event.event.partition('.')[2]
+
+
+def _removed(job: JobRecord, event: e.JobRemoved) -> None:
+    job.ended, job.status = event.time, REMOVED
+
+
+def _cycle_started(job: JobRecord, event: e.CycleStarted) -> None:
+    if event.item not in job.items:
+        job.items[event.item] = ItemRecord(event.item, event.time)
+        _count(job, 'started')
+
+
+def _item_placed(job: JobRecord, _: e.ItemPlaced) -> None:
+    _count(job, 'placed')
+
+
+def _item_missing(job: JobRecord, event: e.ItemMissing) -> None:
+    _count(job, 'missing')
+    _end_item(job, event, MISSING)
+
+
+def _item_removed(job: JobRecord, event: e.ItemRemoved) -> None:
+    _count(job, MISSING if event.how == BY_HAND else event.how)
+    _end_item(job, event, event.how)
+
+
+def _end_item(job: JobRecord, event: e.ItemEvent, how: str) -> None:
+    item = _item_of(job, event.item, event.time)
+    item.ended, item.how = event.time, how
+
+
+def _item_of(job: JobRecord, name: str, time: float) -> ItemRecord:
+    """Return the record of an item, also if the event that began it cannot be read."""
+    return job.items.setdefault(name, ItemRecord(name, time))
+
+
+def _task_done(job: JobRecord, event: e.TaskSucceeded | e.TaskMarkedDone) -> None:
+    if event.item is not None and event.results:
+        _item_of(job, event.item, event.time).results[event.task] = event.results
+
+
+def _task_failed(job: JobRecord, event: e.TaskFailed) -> None:
+    names = [one.name for one in dataclasses.fields(FailureRecord)]
+    job.failures.append(FailureRecord(**{name: getattr(event, name) for name in names}))
+
+
+def _task_continued(job: JobRecord, event: e.TaskContinued) -> None:
+    if event.item is None or event.policy != OnFailure.CONTINUE.value:
+        return
+    item = _item_of(job, event.item, event.time)
+    if not item.nonconforming:
+        _count(job, 'nonconforming')
+    item.nonconforming.append(event.task)
+
+
+_FOLDS: Mapping[type[e.Event], Callable[[JobRecord, Any], None]] = {
+    e.JobStarted: _started,
+    e.JobUpdated: _updated,
+    e.JobCompleted: _ended,
+    e.JobAborted: _ended,
+    e.JobRemoved: _removed,
+    e.CycleStarted: _cycle_started,
+    e.ItemPlaced: _item_placed,
+    e.ItemMissing: _item_missing,
+    e.ItemRemoved: _item_removed,
+    e.TaskSucceeded: _task_done,
+    e.TaskMarkedDone: _task_done,
+    e.TaskFailed: _task_failed,
+    e.TaskContinued: _task_continued,
+}
+
+FOLLOWED = (e.JobQueued.event, *(kind.event for kind in _FOLDS))
+"""Names of the events that change a record; others need not be read."""
