@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Iterator
+from functools import partial
 from typing import Any
 
 import pytest
 from bt_orchestrator_interfaces.action import Component as Action
 from contract.gateway_bench import component, goal_request
+from rclpy.action.server import ActionServer
 from ros_bench import RosBench
 from thread_servers import ThreadServers
 
 from bt_orchestrator.model.contest import Contest
-from bt_orchestrator.model.goal import GoalStatus, SeenContest
+from bt_orchestrator.model.goal import RESULT_CHECK_S, GoalStatus, SeenContest
 from bt_orchestrator.ros.actions.goal import RosGoal
 
 
@@ -33,8 +35,13 @@ def second() -> Iterator[ThreadServers]:
     servers.close()
 
 
-def serve(servers: ThreadServers, until: threading.Event | None = None) -> list[bytes]:
-    """Serve the arm; goals end at once, or when told. Return the goals, as they are executed."""
+def serve(
+    servers: ThreadServers, until: threading.Event | None = None, remembered_s: int = 900
+) -> list[bytes]:
+    """Serve the arm; goals end at once, or when told. Return the goals, as they are executed.
+
+    :param remembered_s: for how long after its end the server knows a goal
+    """
     executed: list[bytes] = []
 
     def execute(handle: Any) -> Any:
@@ -44,7 +51,8 @@ def serve(servers: ThreadServers, until: threading.Event | None = None) -> list[
         handle.succeed()
         return Action.Result(task_result=True)
 
-    servers.serve('/arm/task', Action, execute)
+    kind = partial(ActionServer, result_timeout=remembered_s)
+    servers.serve('/arm/task', Action, execute, kind=kind)
     return executed
 
 
@@ -107,6 +115,22 @@ def test_9_3_a_second_server_that_does_not_know_a_goal_loses_it_not(
     assert end_of(bench, goal) is GoalStatus.SUCCEEDED
     assert end_of(bench, adopted) is GoalStatus.SUCCEEDED
     assert len(executed) == 1
+
+
+def test_9_3_a_no_of_the_second_server_hides_not_the_end_that_the_first_one_tells(
+    bench: RosBench, servers: ThreadServers, second: ThreadServers
+) -> None:
+    ends = threading.Event()
+    serve(servers, until=ends, remembered_s=0)  # it tells the end once, to all that have asked
+    goal = bench.gateway.send(goal_request('arm'))
+    bench.run_until(lambda: goal.accepted, 'the acceptance')
+    serve(second)
+    bench.run_until(lambda: bench.gateway.rivals('arm'), 'two servers')
+    adopted = bench.make_gateway().adopt(goal.request)
+    # Both have been asked, and the second one has answered, if it ever does.
+    bench.run_for(2 * RESULT_CHECK_S)
+    ends.set()
+    assert end_of(bench, adopted) is GoalStatus.SUCCEEDED
 
 
 def end_of(bench: RosBench, goal: RosGoal) -> GoalStatus:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from action_msgs.msg import GoalInfo
+from action_msgs.msg import GoalInfo, GoalStatus
 from action_msgs.srv import CancelGoal
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
@@ -42,7 +42,8 @@ class GoalClient(PartedWaitable):
         self._goal_request = wire.SendGoalService.Request
         self._result_request = wire.GetResultService.Request
         self._goals = Questions(node, wire.SendGoalService, f'{name}/_action/send_goal')
-        self._results = Questions(node, wire.GetResultService, f'{name}/_action/get_result')
+        results = f'{name}/_action/get_result'
+        self._results = Questions(node, wire.GetResultService, results, _knows_the_goal)
         self._cancels = Questions(node, CancelGoal, f'{name}/_action/cancel_goal')
         self._feedback = LastMessage(
             node, wire.FeedbackMessage, f'{name}/_action/feedback', QoSProfile(depth=1)
@@ -107,7 +108,8 @@ class GoalClient(PartedWaitable):
     def ask_result(self, goal_id: UUID, answered: Answered) -> None:
         """Ask for the result of a goal of any client; an unknown goal is answered at once.
 
-        :param answered: called with the answer, which has `status` and `result`
+        :param answered: called with each answer, which has `status` and `result`: that a goal is
+            unknown leaves the question open, for another server of the name may know it
         """
         question = self._results.ask(self._result_request(goal_id=goal_id), answered)
         self._asked.setdefault(bytes(goal_id.uuid), []).append(question)
@@ -128,3 +130,7 @@ class GoalClient(PartedWaitable):
             service.handle.destroy_when_not_in_use()
         self._feedback.destroy()
         self.status.destroy()
+
+
+def _knows_the_goal(response: Any) -> bool:
+    return bool(response.status != GoalStatus.STATUS_UNKNOWN)

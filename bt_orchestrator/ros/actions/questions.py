@@ -40,9 +40,20 @@ class Questions:
     rclpy's own client keeps a future for each, and lets the executor make a turn of its callback.
     """
 
-    def __init__(self, node: Node, service_class: Any, name: str) -> None:
-        """Make the client; its name is remapped as any other."""
+    def __init__(
+        self,
+        node: Node,
+        service_class: Any,
+        name: str,
+        is_last: Callable[[Any], bool] = lambda _: True,
+    ) -> None:
+        """Make the client; its name is remapped as any other.
+
+        :param is_last: whether a response ends a question; of several servers with one name each
+            gives its own, and the first one need not be that of the one that knows
+        """
         self._response = service_class.Response
+        self._is_last = is_last
         self._open: dict[int, Answered] = {}
         self.handle = service_client(node, service_class, name)
 
@@ -52,7 +63,7 @@ class Questions:
     def ask(self, request: Any, answered: Answered) -> Question:
         """Send a request.
 
-        :param answered: called once, with the response
+        :param answered: called with each response up to the last one
         """
         sequence = self.tell(request)
         self._open[sequence] = answered
@@ -72,7 +83,11 @@ class Questions:
         """Take all answers that have come, each with what is to be called."""
         with self.handle:
             taken = list(iter(partial(self.handle.take_response, self._response), (None, None)))
-        found = (
-            (self._open.pop(header.request_id.sequence_number, None), r) for header, r in taken
-        )
+        found = ((self._asked(header.request_id.sequence_number, r), r) for header, r in taken)
         return [(answered, response) for answered, response in found if answered is not None]
+
+    def _asked(self, sequence: int, response: Any) -> Answered | None:
+        """Return what is to be called with a response; the last one closes the question."""
+        if self._is_last(response):
+            return self._open.pop(sequence, None)
+        return self._open.get(sequence)
