@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from bt_orchestrator.cli.order_terms import given_terms
 from bt_orchestrator.errors import Finding, Refused
 from bt_orchestrator.model.jobs.order import WorkOrder
 from bt_orchestrator.script.lookup import is_path
@@ -42,6 +43,7 @@ def order_message(order: WorkOrder) -> Any:
         script=script_name(order.script),
         quantity=order.quantity or 0,
         params=key_values(order.params),
+        **given_terms(order.terms),
     )
 
 

@@ -12,8 +12,10 @@ from typing import Any, Protocol
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options, origin
 from bt_orchestrator.cli.numbers import whole_32
 from bt_orchestrator.cli.order_request import add_request, key_values, script_name, show_orders
+from bt_orchestrator.cli.order_terms import add_term_options, changed_terms
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.jobs.isa95 import OVER
+from bt_orchestrator.screen.words import job_terms
 
 CONTROLS = (
     'hold',
@@ -36,7 +38,8 @@ queue in order.
   queue add ORDER...         queue work orders, all or none; --at N, --held
   queue move JOB N           put a queued job at place N, counted from 1
   queue next JOB             put it in front of all others, and release it
-  queue update JOB           change it: --quantity, --param NAME=VALUE, --script
+  queue update JOB           change it: --quantity, --param NAME=VALUE, --script, --priority,
+                             --start, --due, --details
   queue hold|release JOB     keep a queued job from starting, or let it start in its turn
   queue remove|cancel JOB    take a queued job out
   queue pause|resume JOB     let a running job begin no more items, or go on
@@ -70,6 +73,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--script', default='', metavar='SCRIPT', help='update: script, read anew by the node'
     )
+    add_term_options(parser)
     parser.add_argument('--json', action='store_true', help='print JSON')
     add_who_options(parser, required=False)
     add_node_options(parser)
@@ -139,7 +143,7 @@ def lines(status: Any) -> Iterator[str]:
 def _job(job: Any) -> str:
     state = '/'.join(word for word in (job.state, job.substate, job.ending) if word)
     ends = f', ends in about {_duration(job.expected_end_s)}' if job.expected_end_s >= 0 else ''
-    return f'{job.id} ({job.script}, {job.quantity} items): {state}{ends}'
+    return f'{job.id} ({job.script}, {job.quantity} items): {state}{job_terms(job)}{ends}'
 
 
 def _done(job: Any) -> str:
@@ -183,14 +187,19 @@ def _move(args: argparse.Namespace) -> int:
 def _update(args: argparse.Namespace) -> int:
     (job,) = _expect(args, 1, 'one job')
     params = dict(_pair(text) for text in args.param)
-    if not (params or args.quantity or args.script):
-        raise WrongUse('queue update: say what to change: --quantity, --param or --script')
+    terms = changed_terms(args)
+    if not (params or args.quantity or args.script or terms):
+        raise WrongUse(
+            'queue update: say what to change: --quantity, --param, --script, --priority, '
+            '--start, --due or --details'
+        )
     from bt_orchestrator_interfaces.srv import QueueUpdate
 
     changes = {
         'quantity': args.quantity,
         'script': script_name(args.script),
         'params': key_values(params),
+        **terms,
     }
     return _ask(args, QueueUpdate, 'update', job=job, **changes)
 

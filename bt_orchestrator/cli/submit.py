@@ -42,11 +42,6 @@ def submit(client: Any, order: WorkOrder) -> Any:
     from bt_orchestrator_interfaces.srv import SubmitOrder
 
     message = order_message(order)
-    request = SubmitOrder.Request(
-        order=message.order,
-        script=message.script,
-        quantity=message.quantity,
-        params=message.params,
-        origin=origin(),
-    )
+    fields = {name: getattr(message, name) for name in message.get_fields_and_field_types()}
+    request = SubmitOrder.Request(**fields, origin=origin())
     return client.call(SubmitOrder, 'submit_order', request)

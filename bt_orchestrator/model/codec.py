@@ -187,6 +187,8 @@ def _default(field: dataclasses.Field[Any]) -> Any:
 
 
 def _read(kind: Any, value: Any) -> Any:
+    if kind is object:
+        return value  # opaque JSON: what looks like a template in it is none
     if kind is Any or value is None:
         return _read_free(value)
     if isinstance(kind, type) and dataclasses.is_dataclass(kind):

@@ -24,6 +24,12 @@ INITIALIZATION = 500
 """Most initialization tasks of a script: they wait side by side, and each is looked at again and
 again."""
 
+DETAILS_BYTES = 8_000
+"""Longest details of a work order, as JSON."""
+
+DETAILS_DEPTH = 16
+"""Most lists and mappings within each other in them."""
+
 FINDINGS = 100
 """Most mistakes that are listed in the answer to a request."""
 

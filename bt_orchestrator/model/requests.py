@@ -214,6 +214,10 @@ _UPDATE = _of_method(
     Parameter('quantity', Kind.WHOLE, 'items to make'),
     Parameter('params', Kind.VALUES, 'parameters of the script'),
     Parameter('script', Kind.TEXT, 'name of a script; the node reads it anew'),
+    Parameter('priority', Kind.WHOLE, 'the higher the more urgent'),
+    Parameter('start', Kind.TEXT, 'when it should begin, with time zone; none: take it away'),
+    Parameter('due', Kind.TEXT, 'when it should have ended, with time zone; none: take it away'),
+    Parameter('details', Kind.VALUES, 'JSON of the customer; empty: take it away'),
 )
 
 _JOB: tuple[tuple[Method, Request], ...] = (

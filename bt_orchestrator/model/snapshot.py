@@ -208,7 +208,7 @@ def _how_class(kind: type) -> Callable[[Writer, Any], Any]:
         ]
     if issubclass(kind, Enum):
         return lambda _, value: value.value
-    if kind in SCALARS:
+    if kind in SCALARS or kind is object:  # opaque JSON
         return lambda _, value: value
     raise TypeError(f'no way to keep a {kind.__name__}')
 

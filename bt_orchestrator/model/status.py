@@ -130,6 +130,12 @@ class JobStatus:
     expected_end_s: float | None = None
     """Seconds from the time of the status."""
     quantity: int = 0
+    priority: int = 0
+    """The higher the more urgent."""
+    start: float | None = None
+    """When it should begin."""
+    due: float | None = None
+    """When it should have ended."""
     started: int = 0
     """Source cycles begun; this and the following count items (semantics 6.2)."""
     placed: int = 0

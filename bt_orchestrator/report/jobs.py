@@ -12,6 +12,7 @@ from typing import Any
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import OnFailure
+from bt_orchestrator.model.jobs.job_folds import terms_of
 from bt_orchestrator.model.jobs.job_record import (
     BY_HAND,
     MISSING,
@@ -52,6 +53,7 @@ class JobFold:
             quantity=event.quantity,
             queued=event.time,
             params=event.params,
+            terms=terms_of(event),
         )
 
 
@@ -65,6 +67,7 @@ def _started(job: JobRecord, event: e.JobStarted) -> None:
 
 def _updated(job: JobRecord, event: e.JobUpdated) -> None:
     job.script, job.quantity, job.params = event.script, event.quantity, event.params
+    job.terms = terms_of(event)
 
 
 def _ended(job: JobRecord, event: e.JobCompleted | e.JobAborted) -> None:

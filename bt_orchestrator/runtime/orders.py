@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model import events as e
@@ -55,26 +56,24 @@ def change(state: CellState, job: Job, sharing: Sharing | None = None) -> list[e
     why = contradiction(job.script, others, sharing)
     if why is not None:
         raise CommandRefused(why)
-    updated = e.JobUpdated(
-        job=job.id,
-        script=job.script.name,
-        digest=digest(job.script),
-        quantity=job.quantity,
-        params=job.params,
-    )
+    updated = e.JobUpdated(**_ordered(job))
     return [*_loaded(job.script, set(state.scripts)), updated]
 
 
 def _queued(job: Job, position: int | None, *, held: bool) -> e.JobQueued:
-    return e.JobQueued(
-        job=job.id,
-        script=job.script.name,
-        digest=digest(job.script),
-        quantity=job.quantity,
-        params=job.params,
-        position=position,
-        held=held,
-    )
+    return e.JobQueued(**_ordered(job), position=position, held=held)
+
+
+def _ordered(job: Job) -> dict[str, Any]:
+    """Return all that an event says of an order."""
+    return {
+        'job': job.id,
+        'script': job.script.name,
+        'digest': digest(job.script),
+        'quantity': job.quantity,
+        'params': job.params,
+        **vars(job.terms),
+    }
 
 
 def _loaded(script: Script, known: set[str]) -> Iterator[e.ScriptLoaded]:

@@ -35,7 +35,8 @@ def status_lines(status: Any, shell: Shell) -> Iterator[str]:
     if status.stop_reason:
         yield f'  stands still: {status.stop_reason}, {one_line(status.stop_message)}'
     for job in status.jobs:
-        yield f'  {job_name(job)}: {job.state}, {job_counts(job)}{expected_finish(job, status)}'
+        told = f'{job.state}, {job_counts(job)}{job_terms(job)}{expected_finish(job, status)}'
+        yield f'  {job_name(job)}: {told}'
     if unlisted(status):
         yield f'  {unlisted(status)} more jobs in the queue: {shell.command("queue")}'
     for reason in status.initialization_waiting:
@@ -95,6 +96,16 @@ def job_counts(job: Any) -> str:
     """Return how far a job is, good and bad."""
     bad = [f'{getattr(job, name)} {name}' for name in BAD_COUNTS if getattr(job, name)]
     return ', '.join([f'{job.packed} of {job.quantity} packed', *bad])
+
+
+def job_terms(job: Any) -> str:
+    """Say how urgent a job is and when it is wanted, in the reader's time zone, if that is set."""
+    told = [f', priority {job.priority}'] if job.priority else []
+    for name in ('start', 'due'):
+        seconds = getattr(job, name).sec
+        if seconds:
+            told.append(f', {name} {datetime.fromtimestamp(seconds):%Y-%m-%d %H:%M}')
+    return ''.join(told)
 
 
 def expected_finish(job: Any, status: Any) -> str:

@@ -54,6 +54,11 @@ class Fields:
         """Note that a key's value turned out to be wrong, so that nothing is built on it."""
         self._unsure.add(key)
 
+    def refuse(self, key: str, what: str, hint: str) -> None:
+        """Report a mistake in a key's value, and build nothing on it."""
+        self.doubt(key)
+        self.report.add(self.place(key), what, hint)
+
     def unread_words(self, key: str) -> Iterator[str]:
         """Yield the words in what was written for a key, and perhaps for a misspelt one."""
         entry = self._entries.get(key)
@@ -76,7 +81,7 @@ class Fields:
         if isinstance(entry.value, Scalar) and entry.value.value is None:
             wanted = self._table.by_name[key]
             hint = wanted.hint if wanted.required else f'{wanted.hint}, or remove it'
-            self._refuse(key, f'`{key}` has no value', hint)
+            self.refuse(key, f'`{key}` has no value', hint)
             return None
         return entry.value
 
@@ -89,7 +94,7 @@ class Fields:
             self._wrong_kind(key, node)
             return None
         if not node.text:
-            self._refuse(key, f'`{key}` is empty', self._table.by_name[key].hint)
+            self.refuse(key, f'`{key}` is empty', self._table.by_name[key].hint)
             return None
         return node.text
 
@@ -130,7 +135,7 @@ class Fields:
         if text is None or text in choices:
             return cast('str | None', self._default(key)) if text is None else text
         hint = did_you_mean(text, choices, f'write one of {listing(choices)}')
-        self._refuse(key, f'`{key}` cannot be {quoted(text)}', hint)
+        self.refuse(key, f'`{key}` cannot be {quoted(text)}', hint)
         return cast('str | None', self._default(key))
 
     def items(self, key: str) -> tuple[Node, ...]:
@@ -247,17 +252,13 @@ class Fields:
         if limit is None:
             return True
         what = f'`{key}` must be {limit}, not {found(self._entries[key].value)}'
-        self._refuse(key, what, self._table.by_name[key].hint)
+        self.refuse(key, what, self._table.by_name[key].hint)
         return False
 
     def _wrong_kind(self, key: str, node: Node) -> None:
         wanted = self._table.by_name[key]
         kind = f'one of {listing(wanted.choices)}' if wanted.choices else wanted.kind.in_words
-        self._refuse(key, f'`{key}` must be {kind}, not {found(node)}', wanted.hint)
-
-    def _refuse(self, key: str, what: str, hint: str) -> None:
-        self.doubt(key)
-        self.report.add(self.place(key), what, hint)
+        self.refuse(key, f'`{key}` must be {kind}, not {found(node)}', wanted.hint)
 
 
 def fields_of(node: Node, table: Table, report: Report) -> Fields | None:

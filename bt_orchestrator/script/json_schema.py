@@ -173,6 +173,7 @@ _VALUES: Mapping[Kind, Callable[[Key], Schema]] = {
     Kind.CHOICE: lambda key: {'enum': list(key.choices)},
     Kind.SECTIONS: _sections,
     Kind.VALUE: lambda _: {'type': _SCALARS},
+    Kind.INSTANT: _text,
     Kind.REFERENCE: _reference,
     Kind.CONDITION: _condition,
     Kind.TABLE: lambda key: _ref(key.of[0]),
@@ -185,6 +186,7 @@ _MEMBERS: Mapping[Kind | None, Callable[[Key], Schema]] = {
     Kind.TEXT: lambda _: {'type': _TEXTS, 'minLength': 1},
     Kind.VALUE: lambda _: {'type': _SCALARS},
     Kind.SECONDS: _seconds,
+    Kind.JSON: lambda _: {},
     Kind.MAPPING: lambda _: {'type': 'object'},
     Kind.LIST: lambda _: {'type': 'array', 'items': {'type': _TEXTS}, 'minItems': 2},
 }

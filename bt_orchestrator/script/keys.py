@@ -35,11 +35,15 @@ class Kind(Enum):
     SECTIONS = 'a section number or a list of them'
     VALUE = 'a value'
     """One plain value, of a type that something else declares."""
+    INSTANT = 'a date and time with its time zone'
+    """A text; the zone must be written."""
     REFERENCE = 'a reference'
     CONDITION = 'a reference or {value: ..., equals: ...}'
     TABLE = 'a mapping'
     MAPPING = 'a mapping of names'
     LIST = 'a list'
+    JSON = 'anything'
+    """As a member: whatever JSON can say."""
 
     @property
     def in_words(self) -> str:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from bt_orchestrator.model.limits import INITIALIZATION
+from bt_orchestrator.model.limits import DETAILS_BYTES, INITIALIZATION
 from bt_orchestrator.model.script import Release
+from bt_orchestrator.script.instants import INSTANT_FORM
 from bt_orchestrator.script.keys import Key, Kind, Table, whole, words
 from bt_orchestrator.script.names import ID_FORM, NAME_WITHOUT_DOTS
 from bt_orchestrator.script.task_keys import INITIALIZATION_TASK, TASK
@@ -176,6 +177,11 @@ SCRIPT = Table(
     ),
 )
 
+
+def _instant(name: str, meaning: str, example: str) -> Key:
+    return Key(name, Kind.INSTANT, meaning, example, form=INSTANT_FORM, rule='6.6')
+
+
 ORDER = Table(
     'a work order',
     (
@@ -196,6 +202,26 @@ ORDER = Table(
             '{lot: A7}',
             members=Kind.VALUE,
             rule='8.1',
+        ),
+        Key(
+            'priority',
+            Kind.WHOLE,
+            'the higher the more urgent, as Priority in ISA-95 Job Control',
+            '10',
+            default=0,
+            minimum=-(2**15),
+            maximum=2**15 - 1,
+            rule='6.6',
+        ),
+        _instant('start', 'when it should begin', '2026-05-18T06:00:00+02:00'),
+        _instant('due', 'when it should have ended, not before `start`', '2026-05-18T12:00:00Z'),
+        Key(
+            'details',
+            Kind.MAPPING,
+            f'anything that JSON can say, {DETAILS_BYTES} bytes at most; kept and told',
+            '{customer: ACME, numbers: [4711, 4712]}',
+            members=Kind.JSON,
+            rule='6.6',
         ),
     ),
 )

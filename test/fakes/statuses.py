@@ -64,6 +64,9 @@ def job(
         quantity=quantity,
         position=position,
         expected_end_s=expected_end_s,
+        priority=0,
+        start=stamp(0.0),
+        due=stamp(0.0),
         **{**zeros, **counts},
     )
 

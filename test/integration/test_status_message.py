@@ -2,22 +2,29 @@
 
 from __future__ import annotations
 
+import argparse
 import json
+from datetime import datetime
+from pathlib import Path
 from typing import Any
 
 import pytest
 from bt_orchestrator_interfaces.srv import QueueList
 from fakes.dot_text import DotText
 from fakes.line import THREE, Line
-from fakes.virtual_run import VirtualRun
+from fakes.virtual_run import BY, VirtualRun
 
+from bt_orchestrator.cli.order_terms import add_term_options, changed_terms
 from bt_orchestrator.cli.queue import others
 from bt_orchestrator.drawing.status_marks import line_state
+from bt_orchestrator.model.jobs.job_commands import AddJobs
+from bt_orchestrator.model.jobs.order import Job, Terms
 from bt_orchestrator.model.snapshot import state_from_plain, state_to_plain
 from bt_orchestrator.report.pace import expected_ends_s
 from bt_orchestrator.ros.services.expected_ends import nearest
 from bt_orchestrator.ros.services.job_message import list_queue
 from bt_orchestrator.ros.services.status_message import status_message
+from bt_orchestrator.ros.stamps import to_time
 from bt_orchestrator.ros.types.messages import to_plain
 from bt_orchestrator.screen import words
 from bt_orchestrator.screen.advice import Shell
@@ -193,6 +200,67 @@ def test_a_page_begins_behind_a_job_and_has_an_end() -> None:
     response = QueueList.Response()
     list_queue(run.state, QueueList.Request(after='J'), response)
     assert (response.accepted, response.message) == (False, 'J is not in the queue')
+
+
+def test_a_job_tells_its_priority_and_times_and_the_queue_its_details() -> None:
+    line = Line()
+    run, script = line.begin(quantity=2).go(until=1.5), line.script(THREE)
+    terms = Terms(7, 1779084000.0, 1779090000.5, {'customer': 'ACME'})
+    jobs = (Job('A', script, 1, terms=terms), Job('B', script, 1))
+    assert run.ask(AddJobs(jobs, BY)).accepted
+    message = status(run)
+    a, b = message.jobs[1:]
+    assert (a.priority, a.start.sec, a.due.sec, a.due.nanosec) == (
+        *(7, 1779084000),
+        *(1779090000, 500_000_000),
+    )
+    assert (b.priority, b.start.sec, b.due.sec) == (0, 0, 0)
+    assert 'ACME' not in str(message)
+    times = [datetime.fromtimestamp(time) for time in (terms.start, terms.due) if time]
+    told = ', priority 7, start {:%Y-%m-%d %H:%M}, due {:%Y-%m-%d %H:%M}'.format(*times)
+    assert [words.job_terms(job) for job in (a, b)] == [told, '']
+    assert any(told in text for text in words.status_lines(message, Shell()))
+
+    response = QueueList.Response()
+    list_queue(run.state, QueueList.Request(), response)
+    assert [json.loads(text or '{}') for text in response.details] == [terms.details, {}]
+
+
+def test_a_page_of_the_queue_is_shorter_where_details_are_long() -> None:
+    line = Line()
+    run, script = line.begin(quantity=2).go(until=1.5), line.script(THREE)
+    terms = Terms(details={'a': 'x' * 7_900})
+    jobs = tuple(Job(f'Q-{n}', script, 1, terms=terms) for n in range(200))
+    assert run.ask(AddJobs(jobs, BY)).accepted
+    seen: list[str] = []
+    for _ in range(2):
+        response = QueueList.Response()
+        list_queue(run.state, QueueList.Request(after=seen[-1] if seen else ''), response)
+        assert len(response.jobs) == len(response.details)
+        assert 50 < len(response.jobs) < 150
+        seen += [job.id for job in response.jobs]
+    assert seen == [job.id for job in jobs]
+
+
+def test_what_is_changed_of_priority_times_and_details(tmp_path: Path) -> None:
+    (tmp_path / 'details.json').write_text('{"lot": 7}')
+    parser = argparse.ArgumentParser()
+    add_term_options(parser)
+
+    def changed(*words: str) -> dict[str, Any]:
+        return changed_terms(parser.parse_args(words))
+
+    assert changed() == {}
+    assert changed('--priority', '-5', '--details', ' {"a": 1}') == {
+        'priority': [-5],
+        'details': '{"a": 1}',
+    }
+    assert changed('--details', str(tmp_path / 'details.json')) == {'details': '{"lot": 7}'}
+    assert changed('--details', 'none', '--start', 'none', '--due', '2026-05-18T06:00Z') == {
+        'details': '{}',
+        'start': [to_time(0.0)],
+        'due': [to_time(1779084000.0)],
+    }
 
 
 def test_a_forecast_is_asked_about_the_first_jobs() -> None:

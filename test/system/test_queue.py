@@ -52,6 +52,14 @@ def test_the_queue_is_changed_while_a_job_runs(small_cell: CellProcesses) -> Non
         status, _, errors = small_cell.verb('queue', *words, *WHY)
         assert status == 0, errors
     assert queue(small_cell) == ['c AllowedToStart', 'a NotAllowedToStart', 'b AllowedToStart']
+    change = ['--priority', '7', '--due', '2036-05-18T06:00Z', '--details', '{"lot": 7}']
+    status, _, errors = small_cell.verb('queue', 'update', 'a', *change, *WHY)
+    assert status == 0, errors
+    assert 'NotAllowedToStart, priority 7, due 2036-05-18' in small_cell.verb('queue')[1]
+    answer = watch.call(srv.QueueList, 'queue/list', srv.QueueList.Request())
+    assert list(answer.details) == ['', '{"lot": 7}', '']
+    updated = watch.until('job.updated', job='a')
+    assert (updated['priority'], updated['due']) == (7, 2094703200.0)
     moved = watch.until('operator.decided', answer='move')
     assert (moved['job'], moved['who'], moved['reason']) == ('c', 'Ada', 'rush')
     assert 'bt-orchestrator at ' in moved['origin']

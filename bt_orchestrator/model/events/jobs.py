@@ -34,6 +34,14 @@ class JobQueued(Event):
     """Place in the queue, from 1; None: the end."""
     held: bool = False
     """It may not start before it is released."""
+    priority: int = 0
+    """The higher the more urgent."""
+    start: float | None = None
+    """When it should begin, seconds since the epoch; None: not said."""
+    due: float | None = None
+    """When it should have ended, seconds since the epoch; None: not said."""
+    details: Mapping[str, object] = field(default_factory=dict)
+    """JSON of the customer's own, as it was given."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,6 +64,14 @@ class JobUpdated(Event):
     digest: str
     quantity: int
     params: Mapping[str, Any] = field(default_factory=dict)
+    priority: int = 0
+    """The higher the more urgent."""
+    start: float | None = None
+    """When it should begin, seconds since the epoch; None: not said."""
+    due: float | None = None
+    """When it should have ended, seconds since the epoch; None: not said."""
+    details: Mapping[str, object] = field(default_factory=dict)
+    """JSON of the customer's own, as it was given."""
 
 
 @dataclass(frozen=True, kw_only=True)

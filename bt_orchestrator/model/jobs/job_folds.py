@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.initialization import Preparation
-from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.jobs.order import Job, Terms
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState, FlagState, JobState, Phase
 from bt_orchestrator.model.wish import STOP_AFTER, Wish
@@ -27,7 +27,7 @@ def script_loaded(event: e.ScriptLoaded, state: CellState) -> None:
 def job_queued(event: e.JobQueued, state: CellState) -> None:
     """Put a new job into the queue."""
     script = state.scripts[event.digest]
-    job = Job(event.job, script, event.quantity, event.params)
+    job = _job_of(event, script)
     _begin_flags(state, script)
     queued = JobState(job, event.digest, queued_at=event.time, held=event.held)
     state.jobs.add(queued, event.position)
@@ -48,7 +48,7 @@ def job_updated(event: e.JobUpdated, state: CellState) -> None:
     _forget_initialization(state, live)
     with state.jobs.changing(event.job) as changed:
         _begin_flags(state, script)
-        changed.job = Job(event.job, script, event.quantity, event.params)
+        changed.job = _job_of(event, script)
         changed.digest = event.digest
     _forget_unused(state, before)
 
@@ -135,6 +135,15 @@ def job_ended(event: e.JobCompleted | e.JobAborted, state: CellState) -> None:
 def job_cleared(event: e.JobCleared, state: CellState) -> None:
     """List the ended job no more; its id stays used."""
     del state.ended[event.job]
+
+
+def terms_of(event: e.JobQueued | e.JobUpdated) -> Terms:
+    """Return what an event says of an order beside what is to be made."""
+    return Terms(event.priority, event.start, event.due, event.details)
+
+
+def _job_of(event: e.JobQueued | e.JobUpdated, script: Script) -> Job:
+    return Job(event.job, script, event.quantity, event.params, terms_of(event))
 
 
 def _begin_flags(state: CellState, script: Script) -> None:

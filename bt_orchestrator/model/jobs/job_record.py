@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from bt_orchestrator.model.codec import from_plain, to_plain
+from bt_orchestrator.model.jobs.order import NO_TERMS, Terms
 from bt_orchestrator.model.state import JobState
 
 QUEUED, RUNNING = 'queued', 'running'
@@ -67,6 +68,7 @@ class JobRecord:
     quantity: int
     queued: float
     params: Mapping[str, Any] = field(default_factory=dict)
+    terms: Terms = NO_TERMS
     started: float | None = None
     ended: float | None = None
     status: str = QUEUED
@@ -89,6 +91,7 @@ def record_of(job: JobState) -> JobRecord:
         quantity=job.job.quantity,
         queued=job.queued_at,
         params=job.job.params,
+        terms=job.job.terms,
         started=job.started_at,
         ended=job.ended_at,
         status=job.exit_status,

@@ -10,6 +10,27 @@ from bt_orchestrator.model.script import Script
 
 
 @dataclass(frozen=True)
+class Terms:
+    """What an order says beside what is to be made. It is kept and told; no rule reads it.
+
+    Priority, start and due are Priority, StartTime and EndTime of ISA-95 Job Control (OPC 10031-4
+    v2.00, table 64).
+    """
+
+    priority: int = 0
+    """An Int16, the higher the more urgent, as the standard has it; customers choose the range."""
+    start: float | None = None
+    """When it should begin, seconds since the epoch; None: not said."""
+    due: float | None = None
+    """When it should have ended, seconds since the epoch; None: not said."""
+    details: Mapping[str, object] = field(default_factory=dict)
+    """JSON of the customer's own, never interpreted."""
+
+
+NO_TERMS = Terms()
+
+
+@dataclass(frozen=True)
 class WorkOrder:
     """What a customer of the line asks for, as written."""
 
@@ -19,6 +40,7 @@ class WorkOrder:
     quantity: int | None = None
     """None: the script's default."""
     params: Mapping[str, Any] = field(default_factory=dict)
+    terms: Terms = NO_TERMS
 
 
 @dataclass(frozen=True)
@@ -31,6 +53,7 @@ class Job:
     """Number of source cycles, at least 1 (semantics 6.2)."""
     params: Mapping[str, Any] = field(default_factory=dict)
     """Every parameter of the script, defaults filled in."""
+    terms: Terms = NO_TERMS
 
     def item(self, number: int) -> str:
         """Return the id of an item; numbers count from 1."""

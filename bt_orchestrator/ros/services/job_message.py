@@ -7,12 +7,17 @@ from typing import Any
 
 from bt_orchestrator_interfaces.msg import JobStatus, PassedTask
 
+from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.events import TaskKey
 from bt_orchestrator.model.jobs.isa95 import job_word
-from bt_orchestrator.model.limits import QUEUE_PAGE
+from bt_orchestrator.model.limits import QUEUE_PAGE, fitting
 from bt_orchestrator.model.state import CellState, End, JobState, Phase, TaskState
+from bt_orchestrator.ros.stamps import to_moment
 
 UNKNOWN_S = -1.0
+
+DETAILS_TOLD_BYTES = 1_000_000
+"""Most details of jobs in one answer; where they are longer it has fewer jobs."""
 
 
 def job_messages(
@@ -36,11 +41,20 @@ def list_queue(state: CellState, request: Any, response: Any) -> None:
         return
     most = min(request.most or QUEUE_PAGE, QUEUE_PAGE)
     response.accepted, response.queued = True, state.jobs.waiting
-    response.jobs = job_messages(state, state.jobs.queue(place + 1, most), {})
+    told = [(job, _details(job)) for job in state.jobs.queue(place + 1, most)]
+    told = list(fitting(told, DETAILS_TOLD_BYTES, lambda one: len(one[1])))
+    response.jobs = job_messages(state, [job for job, _ in told], {})
+    response.details = [details for _, details in told]
+
+
+def _details(job: JobState) -> str:
+    details = job.job.terms.details
+    return json_of(details) if details else ''
 
 
 def _message(state: CellState, job: JobState, position: int, end_s: float) -> JobStatus:
     progress, word, live = job.progress, job_word(state, job), job.ended_at is None
+    terms = job.job.terms
     return JobStatus(
         id=job.job.id,
         script=job.job.script.name,
@@ -50,6 +64,9 @@ def _message(state: CellState, job: JobState, position: int, end_s: float) -> Jo
         ending=job.ending if live else '',
         expected_end_s=end_s if live else UNKNOWN_S,  # a forecast may outlive its job
         quantity=job.job.quantity,
+        priority=terms.priority,
+        start=to_moment(terms.start),
+        due=to_moment(terms.due),
         started=progress.started,
         placed=progress.placed,
         processed=progress.processed,

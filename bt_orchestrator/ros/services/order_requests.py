@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from bt_orchestrator.deadlines import NS_PER_S
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.commands import RefusedRequest
@@ -14,6 +15,7 @@ from bt_orchestrator.ros.services.order_process import NotRead
 from bt_orchestrator.runtime.command_record import ADD
 from bt_orchestrator.runtime.orders import FITS
 from bt_orchestrator.script.orders.desk import AskedOrder, Orders, WrittenOrder
+from bt_orchestrator.script.orders.terms import AskedTerms
 
 ALL = 'bt-orchestrator check --json, where the files are, lists all'
 
@@ -28,7 +30,30 @@ def asked_orders(orders: Sequence[Any]) -> Orders:
             f'{len(orders)} orders are too many for one request, which is carried out as a whole; '
             f'nothing was queued; give {ORDERS} or fewer at a time'
         )
-    asked = tuple(map(asked_order, orders))
+    return _not_too_large(_asked(order, order.order, _terms(order)) for order in orders)
+
+
+def asked_change(request: Any) -> AskedOrder:
+    """Return what a queued job is to be (bt_orchestrator_interfaces/srv/QueueUpdate).
+
+    :raises NotRead: it is too large
+    """
+    terms = AskedTerms(
+        next(iter(request.priority), None),
+        next(map(_seconds, request.start), None),
+        next(map(_seconds, request.due), None),
+        request.details,
+    )
+    (asked,) = _not_too_large([_asked(request, '', terms)]).orders
+    return asked
+
+
+def _seconds(time: Any) -> float:
+    return float(time.sec + time.nanosec / NS_PER_S)
+
+
+def _not_too_large(orders: Iterable[AskedOrder]) -> Orders:
+    asked = tuple(orders)
     size = sum(map(_size, asked))
     if size > REQUEST_BYTES:
         raise NotRead(
@@ -38,14 +63,14 @@ def asked_orders(orders: Sequence[Any]) -> Orders:
     return Orders(asked)
 
 
-def asked_order(order: Any) -> AskedOrder:
-    """Return one order, or what a queued job is to be."""
-    return AskedOrder(
-        order.script,
-        getattr(order, 'order', ''),
-        order.quantity,
-        {param.key: param.value for param in order.params},
-    )
+def _asked(order: Any, name: str, terms: AskedTerms) -> AskedOrder:
+    params = {param.key: param.value for param in order.params}
+    return AskedOrder(order.script, name, order.quantity, params, terms)
+
+
+def _terms(order: Any) -> AskedTerms:
+    start, due = _seconds(order.start), _seconds(order.due)
+    return AskedTerms(order.priority, start, due, order.details)
 
 
 def written_order(text: str) -> WrittenOrder:
@@ -98,7 +123,8 @@ class Told:
 
 def _size(order: AskedOrder) -> int:
     params: Mapping[str, str] = order.params
-    return sum(map(_bytes, (order.script, order.order, *params, *params.values())))
+    texts = (order.script, order.order, order.terms.details, *params, *params.values())
+    return sum(map(_bytes, texts))
 
 
 def _bytes(text: str) -> int:

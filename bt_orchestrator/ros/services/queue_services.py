@@ -35,6 +35,7 @@ from bt_orchestrator.ros.services.order_process import NotRead
 from bt_orchestrator.ros.services.order_reader import OrderReader
 from bt_orchestrator.ros.services.order_requests import (
     Told,
+    asked_change,
     asked_orders,
     name_of,
     refused_orders,
@@ -123,8 +124,8 @@ class QueueServices:
         tell(response, await self._orchestrator.carry_out(command))
 
     async def _update(self, request: Any, response: Any) -> None:
-        (wish,) = asked_orders([request]).orders
         try:
+            wish = asked_change(request)
             async with self._orders.read(lambda: self._change(request.job, wish)) as reading:
                 await self._update_read(request, response, reading)
         except NotRead as why:
@@ -146,7 +147,8 @@ class QueueServices:
         if now is None:
             there = listed(state.jobs.queued_names, 'nothing')
             raise NotRead(f'{name} is not there; in the queue: {there}')
-        return ChangedJob(name, now.digest, now.job.quantity, now.job.params, wish)
+        job = now.job
+        return ChangedJob(name, now.digest, job.quantity, job.params, wish, job.terms)
 
     async def _refuse(self, verb: str, request: Any, message: str, *jobs: str) -> Answer:
         """Put a request on record that cannot be made a command."""

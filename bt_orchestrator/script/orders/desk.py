@@ -9,7 +9,7 @@ import hashlib
 import pickle
 from collections import OrderedDict
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
@@ -17,13 +17,19 @@ from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.jobs.job_commands import Sharing
-from bt_orchestrator.model.jobs.order import Job, WorkOrder
+from bt_orchestrator.model.jobs.order import NO_TERMS, Job, Terms, WorkOrder
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.proof.sharing import examine
 from bt_orchestrator.script.admission import admitted
 from bt_orchestrator.script.lookup import find_below, find_script
-from bt_orchestrator.script.orders.order_file import bind_order, params_from_text, parse_draft
+from bt_orchestrator.script.orders.order_file import (
+    bind_order,
+    named_places,
+    params_from_text,
+    parse_draft,
+)
+from bt_orchestrator.script.orders.terms import NOTHING_SAID, AskedTerms, Wrong
 from bt_orchestrator.script.parameter_uses import action_types
 from bt_orchestrator.script.source_text import read_text
 
@@ -43,6 +49,7 @@ class AskedOrder:
     quantity: int = 0
     params: Mapping[str, str] = field(default_factory=dict)
     """Written as in YAML."""
+    terms: AskedTerms = NOTHING_SAID
 
 
 @dataclass(frozen=True)
@@ -82,6 +89,7 @@ class ChangedJob:
     quantity: int
     params: Mapping[str, object]
     wish: AskedOrder
+    terms: Terms = NO_TERMS
 
     @property
     def named(self) -> Iterator[str]:
@@ -166,7 +174,7 @@ class OrderDesk:
             return script
         params = params_from_text(order.params, script)
         wanted = WorkOrder(order.script, order.order or None, order.quantity or None, params)
-        return self._bound(wanted, script, name)
+        return self._bound(wanted, script, name, order.terms.over(NO_TERMS))
 
     def _written(self, text: str, ids: Iterator[str]) -> Job | Refused:
         try:
@@ -194,11 +202,18 @@ class OrderDesk:
         given = params_from_text(wish.params, script)
         quantity = wish.quantity or wanted.quantity
         order = WorkOrder(script.name, wanted.job, quantity, {**kept, **given})
-        return self._bound(order, script, wanted.job)
+        return self._bound(order, script, wanted.job, wish.terms.over(wanted.terms))
 
-    def _bound(self, order: WorkOrder, script: Script, name: str) -> Job | Refused:
+    def _bound(
+        self, order: WorkOrder, script: Script, name: str, terms: Terms | Wrong
+    ) -> Job | Refused:
+        places = named_places(name)
+        if isinstance(terms, Wrong):
+            places = replace(places, findings=(places.finding(terms),))
+        else:
+            order = replace(order, terms=terms)
         try:
-            return bind_order(order, script, name, types=self._types_by_component)
+            return bind_order(order, script, name, places, self._types_by_component)
         except Refused as refused:
             return refused
 

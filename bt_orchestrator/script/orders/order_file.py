@@ -15,6 +15,7 @@ from bt_orchestrator.script.field_types import PARAMETER_TYPES, misfit
 from bt_orchestrator.script.fields import Fields, file_fields
 from bt_orchestrator.script.keys import LARGEST_WHOLE
 from bt_orchestrator.script.names import check_order_id
+from bt_orchestrator.script.orders.terms import Wrong, read_terms, wrong_terms
 from bt_orchestrator.script.parameter_uses import misfitting_uses
 from bt_orchestrator.script.report import START, Place, Report, did_you_mean, listing, nearest
 from bt_orchestrator.script.script_keys import ORDER
@@ -40,6 +41,11 @@ class OrderPlaces:
         while path and path not in self.places:
             path = path[:-1]
         return self.places.get(path, START)
+
+    def finding(self, wrong: Wrong) -> Finding:
+        """Return a mistake in one of the keys."""
+        place = self.place(wrong.key)
+        return Finding(self.file, place.line, place.column, wrong.what, wrong.hint)
 
     def is_sure(self, *path: str) -> bool:
         """Tell whether a key, and all around it, has been read as it was meant."""
@@ -91,9 +97,8 @@ def parse_draft(text: str, file: str) -> OrderFile:
     order_id = fields.text('order')
     if order_id is not None:
         check_order_id(order_id, fields.place('order'), report)
-    order = WorkOrder(
-        fields.text('script') or '', order_id, fields.optional_whole('quantity'), params
-    )
+    script, quantity = fields.text('script') or '', fields.optional_whole('quantity')
+    order = WorkOrder(script, order_id, quantity, params, read_terms(fields))
     doubted |= {(key,) for key in ORDER.by_name if not fields.is_sure(key)}
     if params:
         doubted.discard(('params',))
@@ -121,7 +126,7 @@ def bind_order(
 
     :raises Refused: with every mistake in the order
     """
-    places = places or OrderPlaces(f'order {quoted(order.order or job_id)[1:-1]}')
+    places = places or named_places(order.order or job_id)
     report = Report(places.file)
     report.take(places.findings)
     if order.order is not None:
@@ -133,11 +138,19 @@ def bind_order(
         for name, parameter in script.params.items()
         if name not in misspelt
     }
+    for wrong in wrong_terms(order.terms):
+        if places.is_sure(wrong.key):
+            report.add(places.place(wrong.key), wrong.what, wrong.hint)
     if types is not None:
         for use in misfitting_uses(script, order.order or job_id, quantity, params, types):
             report.add(places.place(*use.path), use.what, use.hint)
     report.refuse()
-    return Job(job_id, script, quantity, params)
+    return Job(job_id, script, quantity, params, order.terms)
+
+
+def named_places(name: str) -> OrderPlaces:
+    """Return the places of an order that came without a file: findings name the order."""
+    return OrderPlaces(f'order {quoted(name)[1:-1]}')
 
 
 def param_from_text(text: str, parameter: Parameter) -> Any:

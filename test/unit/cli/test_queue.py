@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from datetime import datetime
 from types import SimpleNamespace
 
 import pytest
@@ -9,6 +10,7 @@ import pytest
 from bt_orchestrator.cli.main import main
 from bt_orchestrator.cli.queue import lines
 
+DUE = 1779084000
 WHY = ['--reason', 'rush']
 
 
@@ -26,6 +28,9 @@ WHY = ['--reason', 'rush']
         ),
         (['update', 'a', *WHY], 'say what to change'),
         (['update', 'a', '--param', 'lot', *WHY], "--param is NAME=VALUE; found 'lot'"),
+        (['update', 'a', '--details', '{"a": NaN}', *WHY], '`details` must have finite numbers'),
+        (['update', 'a', '--details', '{"a"', *WHY], '`details` must be JSON'),
+        (['update', 'a', '--details', '/no/such/file', *WHY], 'No such file'),
         (['stop-after', 'lunch', *WHY], "one of item, job, never; found 'lunch'"),
     ],
 )
@@ -36,9 +41,30 @@ def test_wrong_use_is_told(
     assert told in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ('option', 'told'),
+    [
+        ('--priority=32768', "expected a whole number from -32768 to 32767, found '32768'"),
+        ('--priority=1.5', "expected a whole number from -32768 to 32767, found '1.5'"),
+        ('--start=2026-05-18T06:00', 'write 2026-05-18T06:00Z for UTC, or the offset'),
+        ('--due=2039-01-01T00:00Z', 'expected between 1970 and 2038, found'),
+    ],
+)
+def test_a_wrong_value_is_told(option: str, told: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match='2'):
+        main(['queue', 'update', 'a', option, *WHY])
+    assert told in capsys.readouterr().err
+
+
+def at(seconds: int) -> SimpleNamespace:
+    return SimpleNamespace(sec=seconds, nanosec=0)
+
+
 def job(name: str, position: int, state: str, **fields: object) -> SimpleNamespace:
     """Return what a JobStatus says."""
-    plain = {'substate': '', 'ending': '', 'expected_end_s': -1.0, 'packed': 0, **fields}
+    plain = {'substate': '', 'ending': '', 'expected_end_s': -1.0, 'packed': 0}
+    terms = {'priority': 0, 'start': at(0), 'due': at(0)}
+    plain |= {**terms, **fields}
     return SimpleNamespace(
         id=name, script='boxes', quantity=4, position=position, state=state, **plain
     )
@@ -49,17 +75,18 @@ def test_running_jobs_stand_apart_from_the_queue() -> None:
         stop_after='job',
         jobs=[
             job('A', 0, 'Running', packed=2, ending='stopping', expected_end_s=61.4),
-            job('B', 1, 'NotAllowedToStart'),
+            job('B', 1, 'NotAllowedToStart', priority=7, due=at(DUE)),
             job('C', 2, 'AllowedToStart', expected_end_s=7265.0),
             job('D', 0, 'Ended'),
         ],
     )
+    due = f'{datetime.fromtimestamp(DUE):%Y-%m-%d %H:%M}'
     assert list(lines(status)) == [
         'the cell stops after the current job',
         'on the line:',
         '     A (boxes, 4 items): Running/stopping, ends in about 1 min 01 s, 2 packed',
         'queue:',
-        '   1 B (boxes, 4 items): NotAllowedToStart',
+        f'   1 B (boxes, 4 items): NotAllowedToStart, priority 7, due {due}',
         '   2 C (boxes, 4 items): AllowedToStart, ends in about 2 h 01 min',
     ]
 

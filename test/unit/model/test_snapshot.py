@@ -50,6 +50,8 @@ def sample(kind: Any, number: int) -> Any:
     """Return a value of an annotation that is no default."""
     if kind is Any:
         return {'x': [1.5, 'a'], 'y': {'z': True}}
+    if kind is object:
+        return {'$': ['opaque'], 'x': [None, {'$float': 'nan'}]}
     if kind is Script:
         return SCRIPT
     if kind is LiveJobs:

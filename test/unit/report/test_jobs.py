@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
 from fakes.drawn.lines import lines
@@ -10,10 +12,12 @@ from fakes.drawn.plan import Plan
 from fakes.line import THREE, Line, with_section
 from fakes.plan_runs import ProductBench, operate
 from fakes.profiles import examples
+from fakes.virtual_run import BY
 from hypothesis import given
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.codec import known_event
+from bt_orchestrator.model.codec import json_of, known_event
+from bt_orchestrator.model.jobs.job_commands import AddJobs, UpdateJob
 from bt_orchestrator.model.jobs.job_record import (
     Counts,
     JobRecord,
@@ -21,6 +25,7 @@ from bt_orchestrator.model.jobs.job_record import (
     job_to_plain,
     record_of,
 )
+from bt_orchestrator.model.jobs.order import Job, Terms
 from bt_orchestrator.report.jobs import FOLLOWED, JobFold
 
 
@@ -62,6 +67,24 @@ def test_items_results_and_failures() -> None:
     (failure,) = job.failures
     assert (failure.item, failure.task, failure.reason) == ('J/2', 'work', 'aborted')
     assert job.counts == Counts(started=2, placed=2, packed=2, nonconforming=1)
+
+
+def test_priority_times_and_details_stay_with_a_job() -> None:
+    line = Line()
+    run, script = line.begin(quantity=1), line.script(THREE)
+    terms = Terms(7, 1779084000.0, None, {'customer': {'$': ['ACME']}})
+    run.ask(AddJobs((Job('K', script, 1, terms=terms), Job('L', script, 1)), BY))
+    run.ask(UpdateJob(Job('L', script, 1, terms=replace(terms, due=1779090000.0)), BY))
+    run.go()
+    jobs = jobs_of(run.records)
+    assert [jobs[name].terms for name in 'JKL'] == [
+        Terms(),
+        terms,
+        replace(terms, due=1779090000.0),
+    ]
+    summary = record_of(run.state.ended['K'])
+    assert summary.terms == terms
+    assert job_from_plain(json.loads(json_of(job_to_plain(summary)))) == summary
 
 
 def test_a_job_on_the_line() -> None:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 STRUCTURAL = re.compile(
     r'.* (has no key|needs the key `(?!task`)|has no value;|cannot be `\w*`; write one of'
     r'|must be (a mapping|a list|a number|one of|at least|at most|greater|true or false'
-    r'|a (whole|section) number))'
+    r'|a date|a (whole|section) number))'
     r'|.*`\w+` is empty'
 )
 """Findings that one file alone is enough for."""

@@ -29,6 +29,7 @@ READERS = {
     Kind.LIST: Fields.items,
     Kind.MAPPING: Fields.mapping,
     Kind.TABLE: Fields.mapping,
+    Kind.INSTANT: Fields.text,
     Kind.SECTIONS: Fields.value,
     Kind.VALUE: Fields.value,
     Kind.REFERENCE: Fields.value,

@@ -9,13 +9,21 @@ import pytest
 from bt_orchestrator.errors import Finding, Refused
 from bt_orchestrator.model.limits import FINDINGS, ORDERS, REQUEST_BYTES
 from bt_orchestrator.ros.services.order_process import NotRead
-from bt_orchestrator.ros.services.order_requests import Told, asked_orders, written_order
+from bt_orchestrator.ros.services.order_requests import (
+    Told,
+    asked_change,
+    asked_orders,
+    written_order,
+)
 from bt_orchestrator.script.orders.desk import AskedOrder
+from bt_orchestrator.script.orders.terms import AskedTerms
 
 
 def order(script: str = 'small', **params: str) -> SimpleNamespace:
     pairs = [SimpleNamespace(key=key, value=value) for key, value in params.items()]
-    return SimpleNamespace(order='', script=script, quantity=2, params=pairs)
+    zero = SimpleNamespace(sec=0, nanosec=0)
+    terms = SimpleNamespace(priority=0, start=zero, due=zero, details='')
+    return SimpleNamespace(order='', script=script, quantity=2, params=pairs, **vars(terms))
 
 
 def refused(mistakes: int) -> Refused:
@@ -23,7 +31,18 @@ def refused(mistakes: int) -> Refused:
 
 
 def test_orders_are_taken_as_texts() -> None:
-    assert asked_orders([order(lot='A7')]).orders == (AskedOrder('small', '', 2, {'lot': 'A7'}),)
+    terms = AskedTerms(0, 0.0, 0.0)
+    asked = AskedOrder('small', '', 2, {'lot': 'A7'}, terms)
+    assert asked_orders([order(lot='A7')]).orders == (asked,)
+
+
+def test_a_change_says_what_it_says_and_leaves_the_rest() -> None:
+    nothing = {'priority': [], 'start': [], 'due': [], 'details': ''}
+    change = SimpleNamespace(script='', quantity=0, params=[], **nothing)
+    assert asked_change(change) == AskedOrder('')
+    change.priority, change.start = [7], [SimpleNamespace(sec=0, nanosec=0)]
+    change.due = [SimpleNamespace(sec=1779084000, nanosec=500_000_000)]
+    assert asked_change(change).terms == AskedTerms(7, 0.0, 1779084000.5)
 
 
 def test_a_request_has_so_many_orders() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import pickle
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 
@@ -14,7 +15,7 @@ from fakes.script_texts import LINE, cell
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.codec import digest, to_text
 from bt_orchestrator.model.events import ScriptLoaded
-from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.jobs.order import Job, Terms
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.script.orders.desk import (
     AskedOrder,
@@ -26,6 +27,7 @@ from bt_orchestrator.script.orders.desk import (
     WrittenOrder,
 )
 from bt_orchestrator.script.orders.desk_pickles import pickled, unpickled
+from bt_orchestrator.script.orders.terms import AskedTerms
 
 TEXT = LINE + 'params: {lot: {type: str, default: none}}\n'
 IDS = ('WO-1', 'WO-2', 'WO-3')
@@ -99,6 +101,80 @@ def test_a_job_is_changed_as_it_was_read(desk: OrderDesk, tmp_path: Path) -> Non
     change = ChangedJob('WO-1', name, 5, {'lot': 'A'}, AskedOrder('', quantity=6))
     changed = job(desk, change, scripts={name: pickle.dumps(queued.script)})
     assert (changed.id, changed.quantity, changed.params) == ('WO-1', 6, {'lot': 'A'})
+
+
+TERMS = Terms(5, 1779084000.0, 1779090000.5, {'customer': {'$': ['ACME']}})
+
+
+def asked(terms: Terms) -> AskedTerms:
+    """Return what a client says that wants all of it."""
+    return AskedTerms(
+        terms.priority, terms.start or 0.0, terms.due or 0.0, json.dumps(terms.details)
+    )
+
+
+def test_priority_times_and_details_go_into_the_job(desk: OrderDesk) -> None:
+    assert job(desk, order(quantity=1, terms=asked(TERMS))).terms == TERMS
+    assert job(desk, order(quantity=1)).terms == Terms()
+    text = (
+        'script: test\nquantity: 1\npriority: 5\nstart: 2026-05-18T06:00:00Z\n'
+        'due: 2026-05-18T09:40:00.5+02:00\ndetails: {customer: {$: [ACME]}}\n'
+    )
+    assert job(desk, WrittenOrder(text)).terms == TERMS
+
+
+@pytest.mark.parametrize(
+    ('wish', 'expected'),
+    [
+        (AskedTerms(), TERMS),
+        (AskedTerms(priority=0), replace(TERMS, priority=0)),
+        (AskedTerms(start=0.0), replace(TERMS, start=None)),
+        (AskedTerms(due=0.0), replace(TERMS, due=None)),
+        (AskedTerms(due=1779084000.0), replace(TERMS, due=1779084000.0)),
+        (AskedTerms(details='{}'), replace(TERMS, details={})),
+        (AskedTerms(details='{"a": 1}'), replace(TERMS, details={'a': 1})),
+    ],
+)
+def test_a_change_keeps_what_it_does_not_say(
+    desk: OrderDesk, wish: AskedTerms, expected: Terms
+) -> None:
+    queued = job(desk, order(quantity=1, terms=asked(TERMS)))
+    name = digest(queued.script)
+    change = ChangedJob('WO-1', name, 1, {}, AskedOrder('', terms=wish), queued.terms)
+    assert job(desk, change, scripts={name: pickle.dumps(queued.script)}).terms == expected
+
+
+@pytest.mark.parametrize(
+    ('terms', 'told'),
+    [
+        (AskedTerms(priority=2**15), '`priority` must be at most 32767, not the number 32768'),
+        (AskedTerms(start=-1.0), '`start` must be between 1970 and 2038'),
+        (AskedTerms(due=2.0**31), '`due` must be between 1970 and 2038'),
+        (AskedTerms(start=20.0, due=10.0), '`due` lies before `start`'),
+        (AskedTerms(details='{'), '`details` must be JSON: Expecting property name'),
+        (AskedTerms(details='[1]'), '`details` must be a JSON object, not a list'),
+        (AskedTerms(details='[' * 100_000), '`details` must be JSON: it is nested too deep'),
+        (AskedTerms(details='{"a": [' + '9' * 5000 + ']}'), '`details` must '),
+        (AskedTerms(details='{"a": NaN}'), '`details` must have finite numbers'),
+        (AskedTerms(details='{"a": 1e999}'), '`details` must have finite numbers'),
+        (AskedTerms(details=json.dumps({'a': 'ü' * 4000})), 'at most 8000 bytes as JSON, and not'),
+    ],
+)
+def test_what_cannot_be_kept_is_a_finding_beside_the_others(
+    desk: OrderDesk, terms: AskedTerms, told: str
+) -> None:
+    (refused,) = jobs(desk, order(order='A', terms=terms))
+    assert isinstance(refused, Refused)
+    first, second = sorted(map(str, refused.findings), key=lambda text: told not in text)
+    assert first.startswith('order A:1:1: `')
+    assert told in first
+    assert 'the order names no quantity' in second
+
+
+def test_details_of_the_largest_size_are_kept(desk: OrderDesk) -> None:
+    details = {'a': 'x' * (8_000 - len('{"a": ""}'))}
+    terms = AskedTerms(details=json.dumps(details))
+    assert job(desk, order(quantity=1, terms=terms)).terms.details == details
 
 
 def test_a_script_that_is_there_already_is_not_sent_and_stays_one_object(desk: OrderDesk) -> None:

@@ -1,0 +1,64 @@
+"""Moments as users write them: a date and a time with its time zone (ISO 8601, RFC 3339)."""
+
+from __future__ import annotations
+
+import re
+from datetime import datetime, timedelta, timezone
+
+from bt_orchestrator.script.field_types import Misfit
+
+INSTANT_FORM = (
+    r'([0-9]{4})-([0-9]{2})-([0-9]{2})[Tt ]([0-9]{2}):([0-9]{2})(?::([0-9]{2})(?:[.]([0-9]+))?)?'
+    r' ?([Zz]|([+-])([0-9]{2}):?([0-9]{2})?)'
+)
+
+END_S = 2.0**31
+"""In January 2038: messages of ROS 2 carry seconds as 32 bit numbers."""
+
+_NEEDED = 'a date and time with its time zone'
+_WITHOUT_TIME = '[0-9]{4}-[0-9]{2}-[0-9]{2}'
+_ZONE = 'Z'
+
+
+def instant(text: str) -> float | Misfit:
+    """Return the seconds since the epoch that a text means, or why it is no moment."""
+    found = re.fullmatch(INSTANT_FORM, text)
+    if found is None:
+        return Misfit(_NEEDED, _hint(text))
+    try:
+        seconds = _moment(found).timestamp()
+    except (OverflowError, ValueError):
+        return Misfit('a day and a time that exist', 'look at its numbers')
+    return out_of_range(seconds) or seconds
+
+
+def out_of_range(seconds: float) -> Misfit | None:
+    """Say why a time cannot be that of an order; None: it can."""
+    if 0.0 < seconds < END_S:
+        return None
+    return Misfit('between 1970 and 2038', 'messages of ROS 2 carry no other times')
+
+
+def _moment(found: re.Match[str]) -> datetime:
+    year, month, day, hour, minute = (int(found[number]) for number in range(1, 6))
+    second, fraction = int(found[6] or 0), (found[7] or '')[:6].ljust(6, '0')
+    return datetime(year, month, day, hour, minute, second, int(fraction), _zone(found))
+
+
+def _zone(found: re.Match[str]) -> timezone:
+    if found[9] is None:
+        return timezone.utc
+    minutes = int(found[11] or 0)
+    if minutes > 59:
+        raise ValueError('an hour has 60 minutes')
+    offset = timedelta(hours=int(found[10]), minutes=minutes)
+    return timezone(-offset if found[9] == '-' else offset)
+
+
+def _hint(text: str) -> str:
+    """Say what is missing, with the text that was written where that is possible."""
+    if re.fullmatch(INSTANT_FORM, text + _ZONE):
+        return f'write {text}Z for UTC, or the offset: {text}+01:00'
+    if re.fullmatch(_WITHOUT_TIME, text):
+        return f'write for instance {text}T06:00:00+01:00'
+    return 'write for instance 2026-05-18T06:00:00+02:00, or 2026-05-18T04:00:00Z'

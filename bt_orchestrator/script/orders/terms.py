@@ -1,0 +1,143 @@
+"""Priority, start, due and details of an order: read, and checked alike at every door."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from bt_orchestrator.model.codec import json_of
+from bt_orchestrator.model.jobs.order import Terms
+from bt_orchestrator.model.limits import DETAILS_BYTES, DETAILS_DEPTH
+from bt_orchestrator.script.field_types import Misfit
+from bt_orchestrator.script.fields import Fields, broken_limit
+from bt_orchestrator.script.instants import instant, out_of_range
+from bt_orchestrator.script.script_keys import ORDER
+from bt_orchestrator.script.yaml_nodes import as_data, found_value, quoted
+
+LARGEST_NUMBER = 2**63 - 1
+"""Whole numbers in details; other programs read no larger ones."""
+
+
+class Wrong(NamedTuple):
+    """What is wrong with one of the keys."""
+
+    key: str
+    what: str
+    hint: str
+
+
+@dataclass(frozen=True)
+class AskedTerms:
+    """What a client says of priority, times and details; None and an empty text: nothing."""
+
+    priority: int | None = None
+    start: float | None = None
+    """0.0: none is wanted."""
+    due: float | None = None
+    """0.0: none is wanted."""
+    details: str = ''
+    """JSON."""
+
+    def over(self, terms: Terms) -> Terms | Wrong:
+        """Return what a job then has; of what is not said, what it has."""
+        details = details_of(self.details) if self.details else terms.details
+        if isinstance(details, Wrong):
+            return details
+        return Terms(
+            terms.priority if self.priority is None else self.priority,
+            terms.start if self.start is None else self.start or None,
+            terms.due if self.due is None else self.due or None,
+            details,
+        )
+
+
+NOTHING_SAID = AskedTerms()
+
+
+def read_terms(fields: Fields) -> Terms:
+    """Read the keys of an order file, and report every mistake in them."""
+    details = fields.mapping('details')
+    terms = Terms(
+        fields.whole('priority'),
+        _moment(fields, 'start'),
+        _moment(fields, 'due'),
+        as_data(details) if details else {},  # type: ignore[arg-type]  # it is a mapping
+    )
+    for wrong in wrong_terms(terms):
+        if fields.is_sure(wrong.key):
+            fields.refuse(*wrong)
+    return terms
+
+
+def details_of(text: str) -> Mapping[str, object] | Wrong:
+    """Return details that came as JSON; an empty text: none."""
+    try:
+        value = json.loads(text or '{}')
+    except (RecursionError, ValueError) as error:
+        why = 'it is nested too deep' if isinstance(error, RecursionError) else str(error)
+        return Wrong('details', f'`details` must be JSON: {why}', 'write for instance {"lot": 7}')
+    if not isinstance(value, dict):
+        what = f'`details` must be a JSON object, not {found_value(value)}'
+        return Wrong('details', what, 'write for instance {"lot": 7}')
+    return value
+
+
+def wrong_terms(terms: Terms) -> Iterator[Wrong]:
+    """Yield what is wrong, whichever way the order came."""
+    limit = broken_limit(ORDER.by_name['priority'], terms.priority)
+    if limit is not None:
+        what = f'`priority` must be {limit}, not {found_value(terms.priority)}'
+        yield Wrong('priority', what, 'the higher the more urgent; 0 is for ordinary orders')
+    moments = {'start': terms.start, 'due': terms.due}
+    given = {key: time for key, time in moments.items() if time is not None}
+    misfits = {key: misfit for key, time in given.items() if (misfit := out_of_range(time))}
+    for key, misfit in misfits.items():
+        yield Wrong(key, f'`{key}` must be {misfit.needed}', misfit.hint)
+    if len(given) == 2 and not misfits and given['due'] < given['start']:
+        yield Wrong('due', '`due` lies before `start`', 'is one of them of another time zone?')
+    unfit = _unfit(terms.details)
+    if unfit is not None:
+        yield Wrong('details', f'`details` must have {unfit.needed}', unfit.hint)
+
+
+def _moment(fields: Fields, key: str) -> float | None:
+    text = fields.text(key)
+    if text is None:
+        return None
+    time = instant(text)
+    if isinstance(time, Misfit):
+        fields.refuse(key, f'`{key}` must be {time.needed}, not {quoted(text)}', time.hint)
+        return None
+    return time
+
+
+def _unfit(details: Mapping[str, object]) -> Misfit | None:
+    """Say why details cannot be kept; None: they can."""
+    for value, depth in _values(details, 1):
+        if depth > DETAILS_DEPTH:
+            needed = f'at most {DETAILS_DEPTH} lists and mappings within each other'
+            return Misfit(needed, 'say it more plainly')
+        if isinstance(value, float) and not math.isfinite(value):
+            return Misfit('finite numbers', 'JSON has no others; write a text, or null')
+        if isinstance(value, int) and abs(value) > LARGEST_NUMBER:
+            return Misfit('whole numbers of at most 64 bits', 'write a longer one as a text')
+    size = len(json_of(details).encode())
+    if size > DETAILS_BYTES:
+        needed = f'at most {DETAILS_BYTES} bytes as JSON, and not {size}'
+        return Misfit(needed, 'keep the rest where the order comes from')
+    return None
+
+
+def _values(value: Any, depth: int) -> Iterator[tuple[Any, int]]:
+    """Yield a value and all in it, with their depths; none below one that is too deep."""
+    yield value, depth
+    if depth > DETAILS_DEPTH:
+        return
+    if isinstance(value, Mapping):
+        value = list(value.values())
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        for member in value:
+            yield from _values(member, depth + 1)
