@@ -11,7 +11,7 @@ from typing import Any
 from action_msgs.msg import GoalStatus
 from bt_orchestrator_interfaces.action import RunJob
 from bt_orchestrator_interfaces.msg import WorkOrder
-from bt_orchestrator_interfaces.srv import GetEvents, QueueAdd, SubmitOrder
+from bt_orchestrator_interfaces.srv import GetEvents, QueueAdd, QueueUpdate, SubmitOrder
 from cell_processes import CellProcesses, small_script
 
 from bt_orchestrator.model.limits import FINDINGS, ORDERS, REQUEST_BYTES
@@ -138,6 +138,17 @@ def test_a_request_that_is_too_large_is_refused_at_once(small_cell: CellProcesse
         told = small_cell.watch.call(QueueAdd, 'queue/add', QueueAdd.Request(orders=orders))
         assert not told.accepted
         assert words in told.message
+    words = 'of text, and a request may have 1000000'
+    change = QueueUpdate.Request(job='A', details='x' * (REQUEST_BYTES + 1))
+    told = small_cell.watch.call(QueueUpdate, 'queue/update', change)
+    assert told.message.startswith('the orders of this request have 1000001 bytes'), told.message
+    assert words in told.message
+    handle = small_cell.watch.ros.start(
+        f'{small_cell.watch.name}/run_job', RunJob, RunJob.Goal(order=large)
+    )
+    result = small_cell.watch.ros.result(handle).result
+    assert result.exit_status == 'refused'
+    assert result.message.startswith('the orders of this request have'), result.message
     assert not small_cell.watch.seen('job.queued')
     os.kill(reading_process(small_cell), signal.SIGCONT)
     small_cell.stop()

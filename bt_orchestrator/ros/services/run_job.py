@@ -160,8 +160,8 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
 
     async def _queue_or_refuse(self, handle: Any) -> None:
         goal, who = handle.request, by(handle.request, 'run_job')
-        wanted = written_order(goal.text) if goal.text else asked_orders([goal.order])
         try:
+            wanted = written_order(goal.text) if goal.text else asked_orders([goal.order])
             async with self._orders.read(wanted) as reading:
                 self._being_read.remove(handle)
                 await self._queue_read(handle, reading, who)
