@@ -17,7 +17,7 @@ from fakes.virtual_run import BY, VirtualRun
 from bt_orchestrator.cli.order_terms import add_term_options, changed_terms
 from bt_orchestrator.cli.queue import others
 from bt_orchestrator.drawing.status_marks import line_state
-from bt_orchestrator.model.jobs.job_commands import AddJobs
+from bt_orchestrator.model.jobs.job_commands import AddJobs, UpdateJob
 from bt_orchestrator.model.jobs.order import Job, Terms
 from bt_orchestrator.model.snapshot import state_from_plain, state_to_plain
 from bt_orchestrator.report.pace import expected_ends_s
@@ -224,6 +224,20 @@ def test_a_job_tells_its_priority_and_times_and_the_queue_its_details() -> None:
     response = QueueList.Response()
     list_queue(run.state, QueueList.Request(), response)
     assert [json.loads(text or '{}') for text in response.details] == [terms.details, {}]
+
+
+def test_a_job_tells_the_digest_of_its_script_queued_on_the_line_and_ended() -> None:
+    line = Line()
+    run = line.begin(quantity=2).go(until=1.5)
+    other = line.script(THREE.replace('id: pack', 'id: out'), 'other')
+    run.submit('A', other)
+    digests = {record['script']: record['digest'] for record in run.all('script.loaded')}
+    expected = [('J', digests['test']), ('A', digests['other'])]
+    assert [(job.id, job.digest) for job in status(run).jobs] == expected
+    run.ask(UpdateJob(Job('A', run.state.script('J'), 1), BY))
+    assert status(run).jobs[1].digest == digests['test']
+    run.go()
+    assert [job.digest for job in status(run).jobs] == [digests['test']] * 2
 
 
 def test_a_page_of_the_queue_is_shorter_where_details_are_long() -> None:

@@ -58,6 +58,7 @@ def _message(state: CellState, job: JobState, position: int, end_s: float) -> Jo
     return JobStatus(
         id=job.job.id,
         script=job.job.script.name,
+        digest=job.digest,
         state=word.state,
         substate=word.substate,
         position=position,
