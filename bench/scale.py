@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from bt_orchestrator_interfaces.srv import SubmitOrder
+from fakes.journal_reading import journal_reading
 from program_process import ProgramProcess
 from ros_domain import OwnDomain
 
@@ -22,8 +23,8 @@ from bench.line_files import cell_text, script_text
 from bench.process import cpu_s, memory_mb
 from bench.rows import percentile
 from bench.stand import until
+from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.ros.link.client import NodeClient
-from bt_orchestrator.store.sqlite.reader import JournalReader, Wanted
 
 ORDER = 'WO-1'
 
@@ -131,10 +132,10 @@ class LargeLine:
 
         def is_over() -> bool:
             nonlocal seen, heard
-            with JournalReader(self._journal) as journal:
-                last = journal.last_seq()
+            with journal_reading(self._journal) as journal:
+                last = journal.records.extent().last_seq
                 wanted = Wanted(after_seq=seen, events=(*_BAD, 'job.completed'))
-                found = [json.loads(record) for _, record in journal.records(wanted)]
+                found = [json.loads(record) for _, record in journal.each(wanted)]
             if last > seen:
                 seen, heard = last, time.monotonic()
             elif time.monotonic() - heard > STUCK_S:
@@ -146,8 +147,8 @@ class LargeLine:
         until(is_over, 'the end of the job', float('inf'))
 
     def _last_seq(self) -> int:
-        with JournalReader(self._journal) as journal:
-            return journal.last_seq()
+        with journal_reading(self._journal) as journal:
+            return journal.records.extent().last_seq
 
 
 def _wait_ready(process: ProgramProcess) -> None:

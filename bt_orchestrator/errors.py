@@ -92,6 +92,7 @@ class DamagedRecord(OrchestratorError):
 
         :param what: how they are, in a word or two
         """
+        self.first = first
         self.last = last
         which = f'the record of event {first} is'
         if last > first:

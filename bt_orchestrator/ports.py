@@ -13,6 +13,7 @@ from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.goal import GoalEnd, GoalRequest, SeenContest, StateReading
 from bt_orchestrator.model.jobs.job_record import JobRecord
+from bt_orchestrator.model.records import Extent, JobPlace, Page, Summaries, Wanted
 from bt_orchestrator.model.requests import Asked
 from bt_orchestrator.model.status import CellDescription, CellStatus, JobStatus
 from bt_orchestrator.model.uptime import Uptime
@@ -253,6 +254,42 @@ class Journal(EventStore, Protocol):
 
     def close(self) -> None:
         """Let others have it."""
+
+
+class Records(Protocol):
+    """A journal as its readers see it, while it is written or when nobody has it.
+
+    Nothing in it changes by reading. Each answer is of one moment and takes short, so that nobody
+    who writes has to wait. What is damaged or missing is in the answer, never left out silently.
+    Items are a fold of the records of their job (`report.reading`). One thread at a time.
+    """
+
+    def extent(self) -> Extent:
+        """Tell how far it reaches.
+
+        :raises JournalUnusable: it cannot be read
+        """
+
+    def page(self, wanted: Wanted, most: int = 1000) -> Page:
+        """Return the next of the records that are wanted; go on with `Page.rest`.
+
+        There may be fewer than `most`, or none, on a page that is not the last: a page ends as
+        well when much was looked at.
+
+        :raises JournalUnusable: it cannot be read
+        """
+
+    def summaries(
+        self, after: JobPlace | None = None, most: int = 1000, *, newest_first: bool = False
+    ) -> Summaries:
+        """Return what is kept of jobs that ended, their events or not, as they were queued.
+
+        :param after: where to go on (`Summaries.rest`); None: with the first of them
+        :raises JournalUnusable: it cannot be read
+        """
+
+    def close(self) -> None:
+        """Let go of it."""
 
 
 class Writing(Protocol[_Result_co]):

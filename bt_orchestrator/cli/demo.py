@@ -9,7 +9,7 @@ import random
 import shlex
 import sys
 from collections.abc import Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import Any
 
@@ -21,13 +21,16 @@ from bt_orchestrator.cli.demo_programs import READY_S, DemoPrograms
 from bt_orchestrator.cli.demo_show import DemoShow, Interrupted
 from bt_orchestrator.cli.folders import add_trees_option, shipped
 from bt_orchestrator.cli.forecast_text import forecast_lines
+from bt_orchestrator.cli.journal_file import open_records
 from bt_orchestrator.cli.numbers import factor
 from bt_orchestrator.cli.watch import live_or, say
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import from_record
+from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.report.forecast_fold import forecast
+from bt_orchestrator.report.reading import Reading
 from bt_orchestrator.screen.advice import DEFAULT_NODE, Shell
 from bt_orchestrator.screen.keys import Keys
 from bt_orchestrator.screen.keys import keyboard as person_at_keyboard
@@ -36,7 +39,6 @@ from bt_orchestrator.screen.words import hold_text
 from bt_orchestrator.script.orders.order_file import read_order
 from bt_orchestrator.sim.controllers.selection import WrongSelection, select
 from bt_orchestrator.stop_signals import StopSignals
-from bt_orchestrator.store.sqlite.reader import JournalReader, Wanted
 
 DESCRIPTION = """\
 Show the whole path on this machine: simulated controllers in two processes, the tree node in a
@@ -179,8 +181,8 @@ def _show(
 
 
 def _sum_up(folder: DemoFolder, cell: Cell, job: str) -> int:
-    with JournalReader(folder.journal) as journal:
-        records = [json.loads(text) for _, text in journal.records(Wanted())]
+    with closing(open_records(folder.journal)) as journal:
+        records = [json.loads(record.text) for record in Reading(journal).each(Wanted())]
     result = forecast([from_record(record) for record in records], cell)
     print()
     for line in forecast_lines(result):

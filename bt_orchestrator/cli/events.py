@@ -7,20 +7,21 @@ import itertools
 import sys
 import threading
 import time
-from collections import deque
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import IO
 
+from bt_orchestrator.cli.journal_file import open_records
 from bt_orchestrator.cli.journal_output import OUTPUTS, say_damage
 from bt_orchestrator.cli.moments import add_period_options
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.numbers import whole
 from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.report.reading import Reading, removed
 from bt_orchestrator.stop_signals import StopSignals
-from bt_orchestrator.store.sqlite.reader import JournalReader, Wanted
 
 POLL_S = 0.2
 """Time between two looks into a journal that is followed."""
@@ -127,45 +128,42 @@ def _say_anew(history: str) -> None:
 
 
 def _say_removed(first: int, last: int) -> None:
-    what = f'events {first} to {last} are not in the journal any more'
-    print(what, file=sys.stderr)
+    print(removed(first, last), file=sys.stderr)
 
 
 # --- a journal --------------------------------------------------------------------------------
 
 
 def _of_journal(args: argparse.Namespace, stop: StopSignals) -> int:
-    wanted = Wanted(args.since_seq or 0, args.job, tuple(args.event or ()), args.since, args.until)
-    with JournalReader(args.journal, say_damage) as reader, _opened(args.output) as file:
-        first = reader.first_seq()
-        if args.since_seq is not None and first > args.since_seq + 1:
-            _say_removed(args.since_seq + 1, first - 1)
+    with closing(open_records(args.journal)) as records, _opened(args.output) as file:
+        reading = Reading(records, say_damage)
         output = OUTPUTS[args.format or 'jsonl'](file)
-        for text in itertools.islice(_records(reader, wanted, args, stop), args.count):
+        for text in itertools.islice(_records(reading, args, stop), args.count):
             output.write(text)
             if args.follow:
                 file.flush()
         output.close()
-        return 1 if reader.damaged else 0
+        return 1 if reading.lost else 0
 
 
-def _records(
-    reader: JournalReader, wanted: Wanted, args: argparse.Namespace, stop: StopSignals
-) -> Iterator[str]:
+def _records(reading: Reading, args: argparse.Namespace, stop: StopSignals) -> Iterator[str]:
     """Yield the records that are there, and with --follow those that come."""
     stopped = threading.Event()
     stop.notify(stopped.set)
-    if args.last is not None:
-        tail: deque[str] = deque(maxlen=args.last)
-        for seq, text in reader.records(wanted):
-            wanted = replace(wanted, after_seq=seq)
-            tail.append(text)
-        yield from tail
-    while args.last is None or args.follow:
-        for seq, text in reader.records(wanted):
-            wanted = replace(wanted, after_seq=seq)
-            yield text
-        if not args.follow or stopped.wait(POLL_S):
+    wanted = Wanted(args.since_seq or 0, args.job, tuple(args.event or ()), args.since, args.until)
+    if args.last is None:
+        is_continued = args.since_seq is not None
+    else:
+        end = reading.records.extent().last_seq
+        newest = replace(wanted, before_seq=end + 1, newest_first=True)
+        last = list(reading.each(newest, args.last))
+        yield from (record.text for record in reversed(last))
+        if not args.follow:
+            return
+        wanted, is_continued = wanted.past(end), True
+    for page in reading.pages(wanted, is_continued=is_continued):
+        yield from (record.text for record in page.records)
+        if page.is_last and (not args.follow or stopped.wait(POLL_S)):
             return
 
 

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from contextlib import closing
 from datetime import datetime
 from pathlib import Path
 
+from bt_orchestrator.cli.journal_file import open_records
 from bt_orchestrator.cli.journal_output import say_damage, shown
 from bt_orchestrator.cli.moments import add_period_options
 from bt_orchestrator.cli.tables import table
-from bt_orchestrator.model.codec import json_of, known_event
+from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.jobs.job_record import JobRecord, job_to_plain
-from bt_orchestrator.report.jobs import FOLLOWED, JobFold
-from bt_orchestrator.store.sqlite.reader import JournalReader, Wanted
+from bt_orchestrator.report.reading import Reading
 
 DESCRIPTION = """\
 Print the jobs of a journal, oldest first: when they ran, how they ended, how many items became
@@ -38,20 +38,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns 1 if a job is not there, or a record is damaged."""
-    with JournalReader(args.journal, say_damage) as reader:
-        fold = JobFold(reader.summaries())
-        for _, text in reader.records(Wanted(job=args.job, events=FOLLOWED)):
-            event = known_event(json.loads(text))
-            if event is not None:
-                fold.follow(event)
-        damaged = reader.damaged
+    with closing(open_records(args.journal)) as records:
+        reading = Reading(records, say_damage)
+        fold = reading.jobs(args.job)
     jobs = [job for job in fold.jobs.values() if _is_wanted(job, args)]
     if args.job is not None and not jobs:
         print(f'the journal {args.journal} knows no job {args.job}', file=sys.stderr)
         return 1
     for line in _json(jobs, args) if args.json else _text(jobs, args):
         print(line)
-    return 1 if damaged else 0
+    return 1 if reading.lost else 0
 
 
 def _is_wanted(job: JobRecord, args: argparse.Namespace) -> bool:

@@ -5,8 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from uuid import uuid4
 
+from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.records import Extent, JobPlace, Page, Record, Summaries, Wanted
 from bt_orchestrator.ports import Snapshot
+
+MOST = 1000
+"""Most records of a page."""
 
 
 class MemoryStore:
@@ -50,8 +55,47 @@ class MemoryStore:
         return 1
 
     def snapshots(self) -> Sequence[Snapshot]:
-        """Return no state: nobody starts from here again who had to hurry."""
+        """Return no state: a journal in memory is never started from."""
         return ()
 
     def beginning(self) -> None:
         """Return no state: replay begins with the first event of all."""
+
+
+class MemoryRecords:
+    """Reads a journal in memory. Implements `ports.Records`."""
+
+    def __init__(self, store: MemoryStore) -> None:
+        self._store = store
+
+    def extent(self) -> Extent:
+        """Tell how far it reaches."""
+        return Extent(self._store.history, self._store.first_seq(), len(self._store.read()))
+
+    def page(self, wanted: Wanted, most: int = MOST) -> Page:
+        """Return the next of the records that are wanted."""
+        history, first, last = self.extent()
+        before = last + 1 if wanted.before_seq is None else wanted.before_seq
+        seqs = range(wanted.after_seq + 1, min(before, last + 1))
+        found: list[Record] = []
+        for seq in reversed(seqs) if wanted.newest_first else seqs:
+            (event,) = self._store.read(seq - 1, 1)
+            if wanted.takes(event.event, getattr(event, 'job', None), event.time):
+                found.append(Record(seq, to_text(event)))
+                if len(found) == most:
+                    return Page(history, first, found, (), wanted.past(seq), is_last=False)
+        end = seqs.start if wanted.newest_first else seqs.stop - 1
+        return Page(history, first, found, (), wanted.past(end), is_last=True)
+
+    def summaries(
+        self,
+        after: JobPlace | None = None,  # noqa: ARG002 - the port's
+        most: int = MOST,  # noqa: ARG002
+        *,
+        newest_first: bool = False,  # noqa: ARG002
+    ) -> Summaries:
+        """Return nothing: no event is ever removed, and no job has to be summed up."""
+        return Summaries((), (), None)
+
+    def close(self) -> None:
+        """Do nothing: the journal goes with its process."""

@@ -11,6 +11,7 @@ from typing import NamedTuple
 from damage.kinds import Case, damage
 from damage.scene import NAME, frozen
 from fakes.action_types import FakeActionTypes
+from fakes.journal_reading import journal_reading
 from fakes.line import Line
 from fakes.operator import ann
 
@@ -18,11 +19,11 @@ from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.cell_commands import Resume
 from bt_orchestrator.model.codec import from_record
 from bt_orchestrator.model.commands import AnswerHold
+from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.runtime.recovery import restore
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.gateway import VirtualGateway
-from bt_orchestrator.store.sqlite.reader import JournalReader, Wanted
 from bt_orchestrator.store.sqlite.store import SqliteStore
 
 CELL = Line().cell
@@ -121,9 +122,9 @@ def _misread(case: Case, path: Path) -> str:
     told: list[str] = []
     true = {event.seq: event for event in case.scene.events}
     try:
-        with JournalReader(path, told.append) as reader:
-            reader.summaries()
-            read = dict(reader.records(Wanted()))
+        with journal_reading(path, told.append) as reader:
+            list(reader.summaries())
+            read = dict(reader.each(Wanted()))
     except OrchestratorError:
         return ''
     wrong = [seq for seq, text in read.items() if from_record(json.loads(text)) != true.get(seq)]

@@ -11,10 +11,11 @@ from typing import Any
 from bt_orchestrator_interfaces.srv import Command, GetEvents
 from cell_processes import CellProcesses, StartCell, run_verb
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from fakes.journal_reading import journal_reading
 from fakes.other_python import back_up
 from program_process import ProgramProcess
 
-from bt_orchestrator.store.sqlite.reader import JournalReader, Wanted
+from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.store.sqlite.store import SqliteStore
 
 
@@ -180,8 +181,8 @@ def test_a_backup_takes_nothing_away_and_comes_back_with_a_hold(
     cell.watch.until_ended('WO-1')
     heard = cell.watch.until_state('Complete').seq
     cell.node.kill()
-    with JournalReader(path) as reader:
-        seqs = [seq for seq, _ in reader.records(Wanted())]
+    with journal_reading(path) as reader:
+        seqs = [seq for seq, _ in reader.each(Wanted())]
     assert seqs == list(range(1, len(seqs) + 1))
     assert len(seqs) >= heard
 

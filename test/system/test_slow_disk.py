@@ -11,10 +11,11 @@ from typing import Any
 from bt_orchestrator_interfaces.srv import Command, GetEvents
 from cell_processes import CellProcesses, StartCell
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from fakes.journal_reading import journal_reading
 from py_trees_ros_interfaces.srv import OpenSnapshotStream
 from rcl_interfaces.srv import GetParameters
 
-from bt_orchestrator.store.sqlite.reader import JournalReader, Wanted
+from bt_orchestrator.model.records import Wanted
 
 
 @contextmanager
@@ -35,8 +36,8 @@ def begin(cell: CellProcesses, command: str) -> Any:
 
 
 def on_disk(journal: Path, event: str) -> int:
-    with JournalReader(journal) as reader:
-        return len(list(reader.records(Wanted(events=(event,)))))
+    with journal_reading(journal) as reader:
+        return len(list(reader.each(Wanted(events=(event,)))))
 
 
 def start(start_cell: StartCell, journal: Path, *options: str) -> CellProcesses:

@@ -12,13 +12,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fakes.journal_reading import journal_reading
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import to_text
+from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.report.csv_export import CsvExport
 from bt_orchestrator.report.xes_export import XesExport
 from bt_orchestrator.store.memory import MemoryStore
-from bt_orchestrator.store.sqlite.reader import JournalReader, Wanted
 from bt_orchestrator.store.sqlite.store import SqliteStore
 
 VALUES: dict[str, Any] = {
@@ -110,8 +111,8 @@ def test_it_can_be_exported(tmp_path: Path, name: str) -> None:
     store.close()
     table, log = io.TextIOWrapper(io.BytesIO(), 'utf-8'), io.TextIOWrapper(io.BytesIO(), 'utf-8')
     exports = (CsvExport(table), XesExport(log))
-    with JournalReader(tmp_path / 'journal.sqlite3') as journal:
-        for _, text in journal.records(Wanted(job='WO-1')):
+    with journal_reading(tmp_path / 'journal.sqlite3') as journal:
+        for _, text in journal.each(Wanted(job='WO-1')):
             for export in exports:
                 export.write(text)
     for export in exports:

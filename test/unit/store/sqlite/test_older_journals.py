@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from fakes.action_types import FakeActionTypes
+from fakes.journal_reading import journal_reading
 from fakes.operator import ann
 
 from bt_orchestrator.model.cell_commands import Resume
@@ -17,6 +18,7 @@ from bt_orchestrator.model.commands import AnswerHold
 from bt_orchestrator.model.jobs.job_commands import AddJobs, ControlJob
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.model.state import CellState, Phase
 from bt_orchestrator.runtime.housekeeping import Housekeeping
 from bt_orchestrator.runtime.orchestrator import Orchestrator
@@ -25,7 +27,6 @@ from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.script.script_file import read_script
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.gateway import VirtualGateway
-from bt_orchestrator.store.sqlite.reader import JournalReader, Wanted
 from bt_orchestrator.store.sqlite.store import SqliteStore
 
 FOLDER = Path(__file__).parents[3] / 'data' / 'journals_schema_2'
@@ -121,9 +122,9 @@ def test_a_killed_node_is_followed_by_one_of_today(killed: Path) -> None:
     assert packed(node.state) == {'WO-1': 2, 'WO-2': 1, 'WO-3': 4, 'WO-4': 2, 'WO-5': 1}
     assert node.state.packml is PackmlState.COMPLETE
     node.close()
-    with JournalReader(killed) as reader:
+    with journal_reading(killed) as reader:
         done = {job.job: job.counts.packed for job in reader.summaries()}
-        assert [seq for seq, _ in reader.records(Wanted())] == list(range(1, node.state.seq + 1))
+        assert [seq for seq, _ in reader.each(Wanted())] == list(range(1, node.state.seq + 1))
     assert done == packed(node.state)
 
 
@@ -131,8 +132,8 @@ def test_what_came_before_retention_is_known_by_its_result(retention: Path) -> N
     state = restored(retention)
     assert (state.seq, state.packml) == (216, PackmlState.STOPPED)
     assert packed(state) == {'A-1': 2, 'A-2': 2, 'A-3': 2}
-    with JournalReader(retention) as reader:
-        assert reader.first_seq() == 146
+    with journal_reading(retention) as reader:
+        assert reader.records.extent().first_seq == 146
         summaries = [(job.job, job.status, job.counts.packed) for job in reader.summaries()]
     assert summaries == [(name, 'completed', 2) for name in ('A-1', 'A-2', 'A-3')]
 

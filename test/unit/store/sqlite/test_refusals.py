@@ -9,13 +9,13 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from fakes.journal_reading import journal_reading
 from fakes.line import Line
 from fakes.long_journal import LongRun
 
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.runtime.recovery import restore
 from bt_orchestrator.store.sqlite.checks import check_of_event
-from bt_orchestrator.store.sqlite.reader import JournalReader
 from bt_orchestrator.store.sqlite.schema import SCHEMA
 from bt_orchestrator.store.sqlite.store import SqliteStore
 
@@ -43,7 +43,8 @@ def start(path: Path) -> None:
 
 def read(path: Path) -> None:
     """Open a journal as the verbs that only read do."""
-    JournalReader(path).__exit__()
+    with journal_reading(path):
+        pass
 
 
 @contextmanager

@@ -9,13 +9,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fakes.journal_reading import journal_reading
 
 from bt_orchestrator.cli.main import main
 from bt_orchestrator.errors import JournalUnusable
 from bt_orchestrator.model.events import Event, JobStarted
+from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.store.sqlite import restoring
 from bt_orchestrator.store.sqlite.keeping import sync
-from bt_orchestrator.store.sqlite.reader import JournalReader, Wanted
 from bt_orchestrator.store.sqlite.restoring import bring_back
 from bt_orchestrator.store.sqlite.schema import SCHEMA
 from bt_orchestrator.store.sqlite.store import SqliteStore
@@ -114,8 +115,8 @@ def test_a_copy_of_an_older_program(tmp_path: Path, path: Path, name: str, last:
     database = sqlite3.connect(path)
     assert database.execute('PRAGMA user_version').fetchone() == (SCHEMA,)
     database.close()
-    with JournalReader(path) as reader:
-        assert [seq for seq, _ in reader.records(Wanted())] == list(range(1, last + 1))
+    with journal_reading(path) as reader:
+        assert [seq for seq, _ in reader.each(Wanted())] == list(range(1, last + 1))
 
 
 def test_a_journal_that_is_there_is_kept_under_another_name(copy: Path, there: Path) -> None:

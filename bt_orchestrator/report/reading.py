@@ -1,0 +1,104 @@
+"""Reading a journal page by page, to its end, with every damage told once."""
+
+from __future__ import annotations
+
+import json
+import logging
+import math
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
+
+from bt_orchestrator.model.codec import known_event
+from bt_orchestrator.model.jobs.job_record import JobRecord
+from bt_orchestrator.model.records import Damage, Page, Record, Wanted
+from bt_orchestrator.ports import Records
+from bt_orchestrator.report.jobs import FOLLOWED, JobFold
+
+log = logging.getLogger(__name__)
+
+MOST = 1000
+"""Records that are asked for at a time."""
+
+
+def removed(first: int, last: int) -> str:
+    """Return the sentence that says which events nobody can have any more."""
+    return f'events {first} to {last} are not in the journal any more'
+
+
+class Reading:
+    """Goes through a journal, whatever keeps it."""
+
+    def __init__(self, records: Records, tell: Callable[[str], None] = log.warning) -> None:
+        """Begin.
+
+        :param tell: called with a sentence for everything that cannot be shown
+        """
+        self.records = records
+        self.lost = 0
+        """Records that are damaged or missing, as far as was looked."""
+        self._tell = tell
+        self._told: set[str] = set()
+
+    def page(self, wanted: Wanted, most: int = MOST) -> Page:
+        """Return the next page, with its damage told."""
+        page = self.records.page(wanted, most)
+        self._tell_new(page.damage)
+        return page
+
+    def pages(self, wanted: Wanted, *, is_continued: bool = False) -> Iterator[Page]:
+        """Yield page after page, oldest first, without end: the last one again as it grows.
+
+        What cannot be on them is told: events that were removed before they were read, and that
+        the journal goes on as another history, which is read from its beginning.
+
+        :param is_continued: somebody has the events before
+        """
+        begin, history = replace(wanted, after_seq=0), None
+        while True:
+            page = self.page(wanted)
+            if history is not None and page.history != history:
+                self._tell(f'the journal goes on as history {page.history}; from its beginning:')
+                wanted, is_continued = begin, False
+            else:
+                if is_continued and page.first_seq > wanted.after_seq + 1:
+                    self._tell(removed(wanted.after_seq + 1, page.first_seq - 1))
+                yield page
+                wanted, is_continued = page.rest, True
+            history = page.history
+
+    def each(self, wanted: Wanted, most: float = math.inf) -> Iterator[Record]:
+        """Yield the records that are wanted and there at this moment, so many at most."""
+        is_last = False
+        while most > 0 and not is_last:
+            page = self.page(wanted, int(min(most, MOST)))
+            yield from page.records
+            wanted, is_last = page.rest, page.is_last
+            most -= len(page.records)
+
+    def summaries(self) -> Iterator[JobRecord]:
+        """Yield what is kept of jobs that ended, as they were queued."""
+        after, is_first = None, True
+        while is_first or after is not None:
+            found = self.records.summaries(after)
+            self._tell_new(found.damage)
+            yield from found.jobs
+            after, is_first = found.rest, False
+
+    def jobs(self, job: str | None = None) -> JobFold:
+        """Return what became of jobs and their items.
+
+        :param job: this one alone; None: all of them
+        """
+        fold = JobFold(self.summaries())
+        for record in self.each(Wanted(job=job, events=FOLLOWED)):
+            event = known_event(json.loads(record.text))
+            if event is not None:
+                fold.follow(event)
+        return fold
+
+    def _tell_new(self, damage: Iterable[Damage]) -> None:
+        for one in damage:
+            if one.what not in self._told:
+                self._told.add(one.what)
+                self.lost += one.number
+                self._tell(one.what)

@@ -1,0 +1,235 @@
+"""Reading a journal while its orchestrator writes it, or when there is none (formats: events)."""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from pathlib import Path
+from typing import NamedTuple
+
+from bt_orchestrator.errors import DamagedRecord, JournalUnusable
+from bt_orchestrator.model.jobs.job_record import JobRecord, job_from_plain
+from bt_orchestrator.model.records import (
+    Damage,
+    Extent,
+    JobPlace,
+    Page,
+    Summaries,
+    Wanted,
+)
+from bt_orchestrator.store.sqlite import looking
+from bt_orchestrator.store.sqlite.checks import check_of, check_of_event
+from bt_orchestrator.store.sqlite.database import has_log, unchanging, unusable_otherwise
+from bt_orchestrator.store.sqlite.mark import mark_of, read_mark
+from bt_orchestrator.store.sqlite.schema import history_of, kept_from, schema_of
+
+_CHECKED = 4
+"""The schema from which on rows have a check."""
+
+
+class SqliteRecords:
+    """A journal in a file, only read: no lock, no node. Implements `ports.Records`."""
+
+    def __init__(self, path: Path) -> None:
+        """Open a journal.
+
+        :raises JournalUnusable: it is not there, not ours, newer, or damaged as a whole
+        """
+        self._path = path
+        if not path.is_file():
+            raise JournalUnusable(f'there is no journal {path}')
+        with unusable_otherwise(path):
+            if not has_log(path):
+                with closing(unchanging(path)) as database:
+                    schema_of(database, path)
+            self._database = _opened(path)
+            try:
+                self._schema = schema_of(self._database, path)
+                self._database.create_function(
+                    'check_of_event', 3, check_of_event, deterministic=True
+                )
+            except BaseException:
+                self._database.close()
+                raise
+
+    def close(self) -> None:
+        """Close the file."""
+        self._database.close()
+
+    def extent(self) -> Extent:
+        """Tell how far it reaches.
+
+        :raises JournalUnusable: it is damaged as a whole
+        """
+        with self._one_moment():
+            return Extent(self._history().id, self._first_seq(), self._last_seq())
+
+    def page(self, wanted: Wanted, most: int = looking.MOST) -> Page:
+        """Return the next of the records that are wanted.
+
+        :raises JournalUnusable: the file is damaged as a whole
+        """
+        with self._one_moment():
+            history, first, last = self._history(), self._first_seq(), self._last_seq()
+            low = max(wanted.after_seq + 1, first)
+            high = last if wanted.before_seq is None else min(wanted.before_seq - 1, last)
+            look = looking.Look(wanted, low, high, most)
+            look.through(self._database, _sound(self._schema, history.checked_from))
+        damage = [*history.damage, *map(self._left_out, look.damaged)]
+        if high >= last if wanted.newest_first else look.is_last:
+            damage += self._gone(history.id)
+        return Page(history.id, first, look.found, damage, look.rest, look.is_last)
+
+    def summaries(
+        self,
+        after: JobPlace | None = None,
+        most: int = looking.MOST,
+        *,
+        newest_first: bool = False,
+    ) -> Summaries:
+        """Return what is kept of jobs that ended.
+
+        :raises JournalUnusable: the file is damaged as a whole
+        """
+        if self._schema < _HAS_SUMMARIES:
+            return Summaries((), (), None)
+        query, values = _summaries_query(self._schema, after, newest_first=newest_first)
+        most = max(1, min(most, looking.MOST))
+        with unusable_otherwise(self._path):
+            rows = self._database.execute(query, (*values, most + 1)).fetchall()
+            jobs: list[JobRecord] = []
+            damage: list[Damage] = []
+            for _, name, text, check in rows[:most]:
+                if check is None or check == check_of(0, text):
+                    jobs.append(job_from_plain(json.loads(text)))
+                else:
+                    damage.append(self._bad_summary(name))
+        rest = JobPlace(rows[most - 1][0], _text_of(rows[most - 1][1])) if rows[most:] else None
+        return Summaries(jobs, damage, rest)
+
+    # --- what it says of itself -------------------------------------------------------------
+
+    def _history(self) -> _Known:
+        if self._schema < _CHECKED:
+            return _Known('', 0, [])
+        try:
+            found = history_of(self._database)
+        except ValueError as error:
+            what = f'{error} in the journal {self._path}: no node will start with it'
+            return _Known('', 0, [Damage(what)])
+        return _Known(found.id, found.checked_from, [])
+
+    def _first_seq(self) -> int:
+        if self._schema >= _CHECKED:
+            return kept_from(self._database)
+        return self._number('SELECT coalesce(min(seq), 1) FROM events')
+
+    def _last_seq(self) -> int:
+        return self._number('SELECT coalesce(max(seq), 0) FROM events')
+
+    def _number(self, query: str) -> int:
+        return int(self._database.execute(query).fetchone()[0])
+
+    # --- what it lacks ----------------------------------------------------------------------
+
+    def _left_out(self, damaged: DamagedRecord) -> Damage:
+        return Damage(
+            f'{damaged} in the journal {self._path}, and left out here; a backup may have what it '
+            'was',
+            damaged.last + 1 - damaged.first,
+        )
+
+    def _bad_summary(self, name: bytes) -> Damage:
+        job = name.decode(errors='replace')
+        return Damage(f'the summary of job {job!r} is damaged in the journal {self._path}')
+
+    def _gone(self, history: str) -> Iterator[Damage]:
+        """Compare the end with the mark, which is written later and never ahead."""
+        reached = read_mark(mark_of(self._path))
+        if reached is None or reached.history != history:
+            return
+        with self._one_moment():
+            replayed = 'SELECT coalesce(max(seq), 0) FROM beginning'
+            last = max(self._last_seq(), self._number(replayed))
+        if reached.seq > last:
+            yield Damage(
+                f'the journal {self._path} ends with event {last}, and event {reached.seq} had '
+                'been written: what is between is not in it any more',
+                reached.seq - last,
+            )
+
+    @contextmanager
+    def _one_moment(self) -> Iterator[None]:
+        """See the journal as it is now, whatever is written meanwhile."""
+        with unusable_otherwise(self._path):
+            self._database.execute('BEGIN')
+            try:
+                yield
+            finally:
+                self._database.rollback()
+
+
+class _Known(NamedTuple):
+    """What the row with the history says."""
+
+    id: str
+    checked_from: int
+    """All events from here on have a check."""
+    damage: list[Damage]
+
+
+_HAS_SUMMARIES = 2
+"""The schema from which on something is kept of jobs that ended."""
+
+
+def _summaries_query(
+    schema: int, after: JobPlace | None, *, newest_first: bool
+) -> tuple[str, tuple[object, ...]]:
+    """Return the query, which ends with a limit, and the values before that."""
+    check = 'checksum' if schema >= _CHECKED else 'NULL'
+    compare, order = ('<', 'DESC') if newest_first else ('>', 'ASC')
+    name = 'CAST(job AS BLOB)'  # a damaged one need not be a text
+    where = '' if after is None else f'WHERE (queued, {name}) {compare} (?, ?)'
+    values = () if after is None else (after.queued, after.job.encode(errors=_AS_IT_IS))
+    query = (
+        f'SELECT queued, {name}, CAST(summary AS BLOB), {check} FROM jobs {where} '
+        f'ORDER BY queued {order}, {name} {order} LIMIT ?'
+    )
+    return query, values
+
+
+_AS_IT_IS = 'surrogateescape'
+
+
+def _text_of(name: bytes) -> str:
+    return name.decode(errors=_AS_IT_IS)
+
+
+def _sound(schema: int, checked_from: int) -> str:
+    """Return the condition, in SQL, under which a record is what was written."""
+    if schema < _CHECKED:
+        return 'json_valid(record)'
+    return (
+        f'CASE WHEN checksum IS NULL THEN seq < {checked_from} AND json_valid(record) '
+        'ELSE checksum = check_of_event(seq, CAST(record AS BLOB), coalesce(ends, 0)) END'
+    )
+
+
+def _opened(path: Path) -> sqlite3.Connection:
+    """Open a file for reading.
+
+    SQLite wants to make files beside a journal even to read it. Where it may not, and no writer
+    has left any, the file cannot change, and is opened as such.
+    """
+    uri = f'{path.resolve().as_uri()}?mode=ro'
+    database = sqlite3.connect(uri, uri=True, timeout=10.0, isolation_level=None)
+    try:
+        database.execute('SELECT 1 FROM sqlite_schema').fetchone()
+    except sqlite3.OperationalError:
+        database.close()
+        if path.with_name(path.name + '-wal').exists():
+            raise
+        return sqlite3.connect(f'{uri}&immutable=1', uri=True, isolation_level=None)
+    return database
