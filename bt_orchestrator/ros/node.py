@@ -32,6 +32,7 @@ from bt_orchestrator.ros.inspection.start import start_inspection
 from bt_orchestrator.ros.inspection.tick_statistics import TickStatistics
 from bt_orchestrator.ros.parameters import declare
 from bt_orchestrator.ros.pulse import Pulse
+from bt_orchestrator.ros.receive_buffers import widen
 from bt_orchestrator.ros.services.events_service import EventsService
 from bt_orchestrator.ros.services.expected_ends import ExpectedEnds
 from bt_orchestrator.ros.services.order_process import order_process
@@ -117,6 +118,7 @@ class TreeNode:
         self._inspected = start_inspection(
             node, self.orchestrator, self._ticks, self.parameters.inspection
         )
+        widen()
         self.executor.add_node(node)
         presence.announce(
             cell, store.history, lambda words: begin(self.orchestrator.carry_out(FoundTwin(words)))

@@ -1,0 +1,39 @@
+"""A busy process loses no datagrams for want of room."""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from bt_orchestrator.ros import receive_buffers
+
+
+@pytest.fixture
+def listening() -> Iterator[socket.socket]:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
+        one.bind(('127.0.0.1', 0))
+        yield one
+
+
+def test_a_burst_that_the_default_would_lose_is_received(listening: socket.socket) -> None:
+    largest = int(Path('/proc/sys/net/core/rmem_max').read_text())
+    receive_buffers.widen()
+    given = listening.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
+    assert given >= min(receive_buffers.WANTED, largest)
+    sent = min(receive_buffers.WANTED, largest) // 4 // 1000
+    for number in range(sent):
+        listening.sendto(number.to_bytes(4, 'big') * 250, listening.getsockname())
+    listening.settimeout(5.0)
+    assert [int.from_bytes(listening.recv(2000)[:4], 'big') for _ in range(sent)] == list(
+        range(sent)
+    )
+
+
+def test_a_wider_buffer_stays(listening: socket.socket, monkeypatch: pytest.MonkeyPatch) -> None:
+    before = listening.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
+    monkeypatch.setattr(receive_buffers, 'WANTED', before // 2)
+    receive_buffers.widen()
+    assert listening.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF) == before
