@@ -288,6 +288,14 @@ class Records(Protocol):
         :raises JournalUnusable: it cannot be read
         """
 
+    def state_before(self, seq: int) -> Snapshot | None:
+        """Return a state from which the moment after an event can be had by few events.
+
+        None: there is none; then replay begins with the first event of all, if that is kept.
+
+        :raises JournalUnusable: it cannot be read
+        """
+
     def close(self) -> None:
         """Let go of it."""
 

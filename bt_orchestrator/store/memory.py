@@ -97,5 +97,8 @@ class MemoryRecords:
         """Return nothing: no event is ever removed, and no job has to be summed up."""
         return Summaries((), (), None)
 
+    def state_before(self, seq: int) -> None:
+        """Return no state: every event is there."""
+
     def close(self) -> None:
         """Do nothing: the journal goes with its process."""

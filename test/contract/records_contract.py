@@ -228,6 +228,19 @@ class KeptRecordsContract(RecordsContract):
         assert "the summary of job 'J1' is damaged" in damage.what
         assert damage.number == 1
 
+    def test_a_past_moment_begins_with_a_state_before_it(self, written: Kept) -> None:
+        assert written.records.state_before(LAST) is None
+        written.save([])
+        written.append(events(LAST + 1, LAST + 5))
+        for seq, expected in ((LAST - 1, None), (LAST, LAST), (LAST + 5, LAST)):
+            found = written.records.state_before(seq)
+            assert (found and found.seq) == expected
+        written.remove(before=LAST + 4)
+        kept = written.records.state_before(LAST + 5)
+        assert kept is not None
+        assert kept.seq == LAST + 3
+        assert written.records.state_before(LAST - 1) is None
+
     # --- what is damaged --------------------------------------------------------------------
 
     @pytest.mark.parametrize(

@@ -19,7 +19,8 @@ from bt_orchestrator.model.records import (
     Summaries,
     Wanted,
 )
-from bt_orchestrator.store.sqlite import looking
+from bt_orchestrator.ports import Snapshot
+from bt_orchestrator.store.sqlite import looking, snapshots
 from bt_orchestrator.store.sqlite.checks import check_of, check_of_event
 from bt_orchestrator.store.sqlite.database import has_log, unchanging, unusable_otherwise
 from bt_orchestrator.store.sqlite.mark import mark_of, read_mark
@@ -109,6 +110,16 @@ class SqliteRecords:
         rest = JobPlace(rows[most - 1][0], _text_of(rows[most - 1][1])) if rows[most:] else None
         return Summaries(jobs, damage, rest)
 
+    def state_before(self, seq: int) -> Snapshot | None:
+        """Return the newest sound state at an event or before it; None: there is none.
+
+        :raises JournalUnusable: the file is damaged as a whole
+        """
+        if self._schema < _HAS_SUMMARIES:
+            return None
+        with unusable_otherwise(self._path):
+            return snapshots.state_before(self._database, seq)
+
     # --- what it says of itself -------------------------------------------------------------
 
     def _history(self) -> _Known:
@@ -181,7 +192,7 @@ class _Known(NamedTuple):
 
 
 _HAS_SUMMARIES = 2
-"""The schema from which on something is kept of jobs that ended."""
+"""The schema from which on states are kept, and something of jobs that ended."""
 
 
 def _summaries_query(
