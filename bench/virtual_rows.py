@@ -21,7 +21,7 @@ from bt_orchestrator.model.events import TaskSucceeded
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.proof.deadlock import deadlock
-from bt_orchestrator.ros.services.status_message import status_message
+from bt_orchestrator.ros.types.status_messages import StatusWriter
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.runtime.recovery import stamp
 from bt_orchestrator.script.cell_file import parse_cell, read_cell
@@ -106,7 +106,7 @@ def _order_s(waiting: int, orders: int) -> float:
     script = read_script(ROOT / 'trees' / 'reference_process.yaml', cell, types)
     simulation = Simulation(cell, types, MemoryStore())
     engine = simulation.orchestrator
-    numbers = itertools.count()
+    writer, numbers = StatusWriter(), itertools.count()
 
     def give(number: int) -> None:
         jobs = [Job(f'WO-{next(numbers)}', script, 1, {'label': 'A7'}) for _ in range(number)]
@@ -118,7 +118,7 @@ def _order_s(waiting: int, orders: int) -> float:
         while len(engine.state.queue) == before:
             assert simulation.clock.advance()
             engine.settle()
-        status_message(engine, simulation.clock.now(), {})
+        writer.message(simulation.status())
 
     give(waiting)
     for _ in range(5):

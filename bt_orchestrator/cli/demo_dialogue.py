@@ -7,8 +7,8 @@ import subprocess
 import sys
 from collections.abc import Iterator, Sequence
 from types import TracebackType
-from typing import Any
 
+from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.screen.advice import Choice, Shell, hold_choices, next_choices
 from bt_orchestrator.screen.keys import Keys
 
@@ -45,7 +45,7 @@ class Dialogue:
         if self._running is not None:
             self._running.wait()
 
-    def look(self, status: Any) -> None:
+    def look(self, status: CellStatus) -> None:
         """Take note of what is asked now, press what was pressed, and hear what came of it."""
         self._hear()
         self._offer(choices(status))
@@ -88,7 +88,7 @@ class Dialogue:
         self._running = None
 
 
-def choices(status: Any) -> tuple[Choice, ...]:
+def choices(status: CellStatus) -> tuple[Choice, ...]:
     """Return what a key can do: an answer to the first hold, or the next step of the cell."""
     offered: Sequence[Choice] = next_choices(status)
     if status.holds:

@@ -13,6 +13,8 @@ from bt_orchestrator.cli.watch import follow_events
 from bt_orchestrator.model.events import Event, JobAborted, JobCompleted
 from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.jobs.order import WorkOrder
+from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.status import CellStatus, JobStatus
 from bt_orchestrator.screen.plain import EventLines
 from bt_orchestrator.stop_signals import StopSignals
 
@@ -39,7 +41,7 @@ class DemoShow:
         self._viewer = viewer
         self._dialogue = dialogue
         self._stop = stop
-        self._status: Any = None
+        self._heard: CellStatus | None = None
         self._job = ''
         self._ended: set[str] = set()
 
@@ -73,9 +75,9 @@ class DemoShow:
             client.spin()
         return self._job, self._status.holds
 
-    def _on_status(self, status: Any) -> None:
+    def _on_status(self, status: CellStatus) -> None:
         """Show a status that knows the order: what a cell without one waits for is no news."""
-        self._status = status
+        self._heard = status
         if self._job and self._of_job() is not None:
             self._viewer.on_status(status)
 
@@ -84,7 +86,7 @@ class DemoShow:
             self._ended.add(event.job)
 
     def _all_are_there(self) -> bool:
-        return self._status is not None and all(c.available for c in self._status.components)
+        return self._heard is not None and all(c.available for c in self._heard.components)
 
     def _ordered(self, client: NodeClient, order: WorkOrder) -> str:
         """Return the id of the order's job, which a resumed demo has already."""
@@ -99,8 +101,18 @@ class DemoShow:
         """Tell whether the job has ended, or nothing goes on and nobody is asked."""
         job = self._of_job()
         ended = job is not None and job.state in OVER
-        return ended or self._job in self._ended or (not asks and self._status.state == 'Held')
+        return (
+            ended
+            or self._job in self._ended
+            or (not asks and self._status.state is PackmlState.HELD)
+        )
 
-    def _of_job(self) -> Any:
+    @property
+    def _status(self) -> CellStatus:
+        """How the cell stands; asked for when the node has said so."""
+        assert self._heard is not None
+        return self._heard
+
+    def _of_job(self) -> JobStatus | None:
         """Return how the job stands; None: the node has not said so yet."""
         return next((one for one in self._status.jobs if one.id == self._job), None)

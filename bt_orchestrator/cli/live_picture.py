@@ -4,26 +4,24 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.model.codec import from_plain
 from bt_orchestrator.model.jobs.isa95 import OVER
+from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.stop_signals import StopSignals
-
-Status = Mapping[str, Any]
-"""The status of a node as plain values."""
 
 
 class CannotRead(OrchestratorError):
     """The file of a status cannot be read."""
 
 
-def saved_status(path: Path) -> Status:
+def saved_status(path: Path) -> CellStatus:
     """Read what `status --json` printed.
 
-    :raises CannotRead: there is no such file, or it is no JSON object
+    :raises CannotRead: there is no such file, or it holds something else
     """
     try:
         found = json.loads(path.read_text(encoding='utf-8'))
@@ -33,25 +31,27 @@ def saved_status(path: Path) -> Status:
         raise CannotRead(
             f'{path} is no JSON: {error}; expected what status --json prints'
         ) from error
-    if not isinstance(found, dict):
-        raise CannotRead(f'{path} holds no JSON object; expected what status --json prints')
-    return found
+    try:
+        return from_plain(CellStatus, found)
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise CannotRead(
+            f'{path} holds no status of a cell ({error!r}); expected what status --json prints'
+        ) from error
 
 
-def node_status(node: str, timeout_s: float) -> Status:
+def node_status(node: str, timeout_s: float) -> CellStatus:
     """Ask a node.
 
     :raises NodeUnreachable: it does not answer
     """
     from bt_orchestrator.ros.link.client import NodeClient
-    from bt_orchestrator.ros.types.messages import to_plain
 
     with NodeClient(node, timeout_s) as client:
-        return to_plain(client.status())
+        return client.status()
 
 
 def follow(
-    node: str, timeout_s: float, script: str, every_s: float, draw: Callable[[Status], None]
+    node: str, timeout_s: float, script: str, every_s: float, draw: Callable[[CellStatus], None]
 ) -> None:
     """Draw every change, until a job of the script has ended and no other one is left, or Ctrl-C.
 
@@ -59,12 +59,11 @@ def follow(
     :raises NodeUnreachable: it does not answer
     """
     from bt_orchestrator.ros.link.client import NodeClient
-    from bt_orchestrator.ros.types.messages import to_plain
 
-    received: list[Status] = []
+    received: list[CellStatus] = []
     course = Course(script)
     with StopSignals() as stop, NodeClient(node, timeout_s) as client:
-        client.on_status(lambda message: received.append(to_plain(message)))
+        client.on_status(received.append)
         client.wait_until(lambda: bool(received), f'the status of {node}')
         drawn_at = -every_s
         while not stop.requested and not course.is_over:
@@ -85,9 +84,9 @@ class Course:
         self._was_live = False
         self.is_over = False
 
-    def look(self, status: Status) -> None:
+    def look(self, status: CellStatus) -> None:
         """Take note of a status."""
-        states = [job['state'] for job in status['jobs'] if job['script'] == self._script]
+        states = [job.state for job in status.jobs if job.script == self._script]
         is_live = any(state not in OVER for state in states)
         self.is_over = self._was_live and not is_live
         self._was_live |= is_live

@@ -14,7 +14,10 @@ from bt_orchestrator.cli.numbers import whole_32
 from bt_orchestrator.cli.order_request import add_request, key_values, script_name, show_orders
 from bt_orchestrator.cli.order_terms import add_term_options, changed_terms
 from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.model.codec import to_plain
+from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.jobs.isa95 import OVER
+from bt_orchestrator.model.status import CellStatus, JobStatus
 from bt_orchestrator.screen.words import job_terms
 
 CONTROLS = (
@@ -92,13 +95,12 @@ def run(args: argparse.Namespace) -> int:
 
 def _list(args: argparse.Namespace) -> int:
     from bt_orchestrator.ros.link.client import NodeClient
-    from bt_orchestrator.ros.types.messages import to_plain
 
     with NodeClient(args.node, args.timeout) as client:
         status = client.status()
-        status.jobs = [*status.jobs, *others(client, status)]
+        status = changed(status, jobs=(*status.jobs, *others(client, status)))
     if args.json:
-        jobs = [to_plain(job) for job in status.jobs]
+        jobs = [to_plain(job, whole=True) for job in status.jobs]
         print(json.dumps({'stop_after': status.stop_after, 'jobs': jobs}))
     else:
         print('\n'.join(lines(status)))
@@ -109,26 +111,28 @@ class _Client(Protocol):
     def call(self, kind: Any, service: str, request: Any) -> Any: ...
 
 
-def others(client: _Client, status: Any) -> list[Any]:
+def others(client: _Client, status: CellStatus) -> list[JobStatus]:
     """Return the jobs of the queue that a status does not list."""
     from bt_orchestrator_interfaces.srv import QueueList
+
+    from bt_orchestrator.ros.types.job_messages import job_status
 
     listed = [job.id for job in status.jobs if job.position]
     if status.queued <= len(listed):
         return []
     known, after = set(listed), listed[-1]
-    found: list[Any] = []
+    found: list[JobStatus] = []
     while True:
         answer = client.call(QueueList, 'queue/list', QueueList.Request(after=after))
         if answer.accepted and not answer.jobs:
             return found
         # What began behind a job that has left the queue meanwhile, begins with the first one.
         after = answer.jobs[-1].id if answer.accepted else ''
-        found += [job for job in answer.jobs if job.id not in known]
+        found += [job_status(job) for job in answer.jobs if job.id not in known]
         known.update(job.id for job in answer.jobs)
 
 
-def lines(status: Any) -> Iterator[str]:
+def lines(status: CellStatus) -> Iterator[str]:
     """Yield the queue as text."""
     waiting = [job for job in status.jobs if job.position]
     running = [job for job in status.jobs if not job.position and not _has_ended(job)]
@@ -140,13 +144,14 @@ def lines(status: Any) -> Iterator[str]:
     yield from (f'{job.position:4} {_job(job)}' for job in waiting)
 
 
-def _job(job: Any) -> str:
-    state = '/'.join(word for word in (job.state, job.substate, job.ending) if word)
-    ends = f', ends in about {_duration(job.expected_end_s)}' if job.expected_end_s >= 0 else ''
+def _job(job: JobStatus) -> str:
+    state = '/'.join(word for word in (job.state.value, job.ending) if word)
+    end_s = job.expected_end_s
+    ends = '' if end_s is None else f', ends in about {_duration(end_s)}'
     return f'{job.id} ({job.script}, {job.quantity} items): {state}{job_terms(job)}{ends}'
 
 
-def _done(job: Any) -> str:
+def _done(job: JobStatus) -> str:
     return f', {job.packed} packed'
 
 
@@ -156,7 +161,7 @@ def _duration(seconds: float) -> str:
     return f'{hours} h {minutes:02} min' if hours else f'{minutes} min {rest:02} s'
 
 
-def _has_ended(job: Any) -> bool:
+def _has_ended(job: JobStatus) -> bool:
     return job.state in OVER
 
 

@@ -8,12 +8,13 @@ from pathlib import Path
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.check import add_cell_options
 from bt_orchestrator.cli.folders import script_folders
-from bt_orchestrator.cli.live_picture import Status, follow, node_status, saved_status
+from bt_orchestrator.cli.live_picture import follow, node_status, saved_status
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.numbers import seconds
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.drawing.status_marks import line_state
 from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.tree.draw import FORMATS, VIEWS, Drawing, draw
 
@@ -96,7 +97,7 @@ def render(args: argparse.Namespace, types: ActionTypes) -> int:
     folders = script_folders(args.trees)
     cell, script = bootstrap.load_script(args.script, args.cell, folders, types)
 
-    def picture(status: Status | None) -> None:
+    def picture(status: CellStatus | None) -> None:
         state = None if status is None else line_state(status, script, cell)
         _write(args.output, _content(draw(script, cell, args.view, state), kind))
 

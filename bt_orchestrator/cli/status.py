@@ -6,6 +6,7 @@ import argparse
 import json
 
 from bt_orchestrator.cli.node_options import add_node_options
+from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.screen.advice import Shell
 from bt_orchestrator.screen.words import status_lines
 
@@ -20,12 +21,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns the exit status."""
     from bt_orchestrator.ros.link.client import NodeClient
-    from bt_orchestrator.ros.types.messages import to_plain
 
     with NodeClient(args.node, args.timeout) as client:
         status = client.status()
     if args.json:
-        print(json.dumps(to_plain(status)))
+        print(json.dumps(to_plain(status, whole=True)))
     else:
         print('\n'.join(status_lines(status, Shell(args.node))))
     return 0

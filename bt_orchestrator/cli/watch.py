@@ -104,13 +104,12 @@ def live_or(other: Callable[[], Lines], shell: Shell) -> Iterator[LiveView | Lin
 @contextmanager
 def _viewer(args: argparse.Namespace, node: str) -> Iterator[Viewer]:
     """Open the view that was asked for."""
-    from bt_orchestrator.ros.types.messages import to_plain
     from bt_orchestrator.screen.machine import JsonView
     from bt_orchestrator.screen.plain import PlainView
 
     shell = Shell(node)
     if args.json:
-        yield JsonView(node, say, to_plain)
+        yield JsonView(node, say)
     elif args.plain:
         yield PlainView(shell, say)
     else:

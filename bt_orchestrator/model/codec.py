@@ -141,29 +141,36 @@ def digest(definition: Script | Cell) -> str:
     return str(known[_DIGEST])
 
 
-def to_plain(value: Any) -> Any:
-    """Return a value as dicts, lists and scalars."""
+def to_plain(value: Any, *, whole: bool = False) -> Any:
+    """Return a value as dicts, lists and scalars.
+
+    :param whole: with the fields that equal their default as well, for readers that do not know it
+    """
     kind = type(value)
     if kind in _SCALARS:
         return value
     if kind is float:
         return value if math.isfinite(value) else {_NOT_FINITE: repr(value)}
     if isinstance(value, Template):
-        parts = [p if isinstance(p, str) else to_plain(p) for p in value.parts]
+        parts = [p if isinstance(p, str) else to_plain(p, whole=whole) for p in value.parts]
         return {_TEMPLATE: parts}
     if dataclasses.is_dataclass(value):
         return {
-            field.name: to_plain(getattr(value, field.name))
+            field.name: to_plain(getattr(value, field.name), whole=whole)
             for field in dataclasses.fields(value)
-            if not _is_default(field, getattr(value, field.name))
+            if whole or not _is_default(field, getattr(value, field.name))
         }
     if isinstance(value, Enum):
         return value.value
     if isinstance(value, Mapping):
-        return {str(key): to_plain(member) for key, member in value.items()}
+        return {_key(key): to_plain(member, whole=whole) for key, member in value.items()}
     if isinstance(value, (list, tuple)):
-        return [to_plain(member) for member in value]
+        return [to_plain(member, whole=whole) for member in value]
     return value
+
+
+def _key(key: Any) -> str:
+    return str(key.value if isinstance(key, Enum) else key)
 
 
 def from_plain(kind: type[_T], value: Any) -> _T:

@@ -14,7 +14,7 @@ from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.state import End, Hold
 from bt_orchestrator.model.stop_reason import StopReason
-from bt_orchestrator.model.wait import PartWait
+from bt_orchestrator.model.wait import Wait
 from bt_orchestrator.model.wish import Wish
 
 
@@ -55,9 +55,9 @@ class ItemStatus:
     """An item, or the empty position where one should be."""
 
     id: str
-    is_present: bool = True
+    present: bool = True
     """False: an empty position (semantics 3.2)."""
-    is_rejected: bool = False
+    rejected: bool = False
     nonconforming: tuple[str, ...] = ()
     """Ids of the tasks that failed for it and were continued (semantics 2.7)."""
 
@@ -78,7 +78,7 @@ class SectionStatus:
     passed: tuple[PassedTask, ...] = ()
     failed: tuple[str, ...] = ()
     """Ids of tasks that failed: passed all the same, or not yet."""
-    waits: tuple[PartWait, ...] = ()
+    waits: tuple[Wait, ...] = ()
     """Why the section does not go on."""
 
 
@@ -86,10 +86,10 @@ class SectionStatus:
 class BeltStatus:
     """The conveyor between the sections."""
 
-    is_moving: bool = False
+    moving: bool = False
     running: tuple[TaskStatus, ...] = ()
     """The index move, while its goal is in flight."""
-    waits: tuple[PartWait, ...] = ()
+    waits: tuple[Wait, ...] = ()
     """Why it does not move."""
 
 
@@ -100,9 +100,9 @@ class ComponentStatus:
     name: str
     action: str
     """ROS 2 action name."""
-    is_available: bool
+    available: bool
     """Its action server is there."""
-    is_ready: bool
+    ready: bool
     """A goal may be sent: its state topic allows it, and nobody else has a part in it."""
     contested: str = ''
     """Who else has a part in it, in words; nothing is sent then (semantics 2.5)."""
@@ -146,6 +146,8 @@ class JobStatus:
     missing: int = 0
     initialization: tuple[str, ...] = ()
     """Ids of initialization tasks that have not succeeded yet."""
+    running: tuple[TaskStatus, ...] = ()
+    """Those of them that have a goal in flight."""
     passed: tuple[PassedTask, ...] = ()
     """Initialization tasks that have ended; none once the job has ended."""
 
@@ -194,13 +196,13 @@ class CellStatus:
     waits_for: str = ''
     """Commands that let it work again, in words."""
     commands: tuple[str, ...] = ()
-    """Words of the requests to the cell that are possible now (`model.requests`)."""
+    """PackML commands that its state allows, as verbs; those of `stop_after` always are."""
     journal_failure: str = ''
     """Why nothing is done any more, but for `abort`."""
     disk_wait: str = ''
     """What the disk has not taken yet; meanwhile nothing is sent, and commands wait."""
     belt: BeltStatus = BeltStatus()
-    initialization: tuple[PartWait, ...] = ()
+    initialization: tuple[Wait, ...] = ()
     """Why initialization does not go on."""
     sections: tuple[SectionStatus, ...] = ()
     """In the direction of travel."""

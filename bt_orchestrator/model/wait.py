@@ -45,6 +45,8 @@ class Wait:
     """Sections that have to do something first."""
     task: str = ''
     """The task that has to do something first."""
+    components: tuple[str, ...] = ()
+    """Those that would work otherwise; known once all of the tree was asked."""
 
     def __str__(self) -> str:
         return self.reason
@@ -63,8 +65,6 @@ class PartWait:
     wait: Wait
     section: int | None = None
     """The section, if it is one."""
-    components: tuple[str, ...] = ()
-    """Those that would work otherwise."""
 
     @property
     def reason(self) -> str:

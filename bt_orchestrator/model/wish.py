@@ -27,8 +27,16 @@ class Wish:
     """Seconds, when it was said; 0: not known."""
 
     def __str__(self) -> str:
+        return self.words()
+
+    def words(self, clock: str = '') -> str:
+        """Say who wants what, and why.
+
+        :param clock: when it was said, by the reader's clock
+        """
+        at = f' at {clock}' if clock else ''
         why = f': {self.reason}' if self.reason else ''
-        return f'{self.who or "an operator"} said {self.command.replace("_", " ")}{why}'
+        return f'{self.who or "an operator"} said {self.command.replace("_", " ")}{at}{why}'
 
 
 def way_to_work(mode: PackmlState) -> str:

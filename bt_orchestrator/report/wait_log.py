@@ -109,5 +109,5 @@ def _part(key: TaskKey) -> str:
 
 def _rows(wait: PartWait) -> Iterable[_Row]:
     yield _PART, wait.part
-    for component in wait.components:
+    for component in wait.wait.components:
         yield _COMPONENT, component

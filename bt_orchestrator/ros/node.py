@@ -37,7 +37,12 @@ from bt_orchestrator.ros.services.events_service import EventsService
 from bt_orchestrator.ros.services.expected_ends import ExpectedEnds
 from bt_orchestrator.ros.services.order_process import order_process
 from bt_orchestrator.ros.services.order_reader import OrderReader
-from bt_orchestrator.ros.services.outputs import Diagnostics, EventsTopic, StatusTopic
+from bt_orchestrator.ros.services.outputs import (
+    DescriptionTopic,
+    Diagnostics,
+    EventsTopic,
+    StatusTopic,
+)
 from bt_orchestrator.ros.services.queue_services import QueueServices
 from bt_orchestrator.ros.services.run_job import RunJobServer
 from bt_orchestrator.ros.services.services import Services
@@ -47,6 +52,7 @@ from bt_orchestrator.ros.types.action_types import InstalledActionTypes
 from bt_orchestrator.runtime.housekeeping import Housekeeping
 from bt_orchestrator.runtime.observed_durations import ObservedDurations, last_events
 from bt_orchestrator.runtime.orchestrator import Orchestrator
+from bt_orchestrator.runtime.overview import Overview
 from bt_orchestrator.runtime.writers import WriterThread
 from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.stop_signals import StopSignals
@@ -108,6 +114,7 @@ class TreeNode:
         self._writer = WriterThread(self.heart.wake) if self._journal is not None else None
         store = self._journal or parts.make_memory_store()
         self.orchestrator = self._engine(cell, store)
+        self._overview = Overview(self.orchestrator, self._durations)
         self._housekeeping = self._keep_house()
         pulse = Pulse(node)
         self._expected = self._look_ahead(parts, pulse, store)
@@ -207,10 +214,12 @@ class TreeNode:
     def _take_requests(self, types: InstalledActionTypes, store: EventStore) -> RunJobServer:
         """Offer the services and the action, which has to be destroyed."""
         Services(self.node, self.orchestrator, types)
-        QueueServices(self.node, self.orchestrator, self._orders)
+        QueueServices(self.node, self.orchestrator, self._overview, self._orders)
         EventsService(self.node, self.orchestrator, store)
         StateService(self.node, self.orchestrator, self._durations)
-        run_job = RunJobServer(self.node, self.orchestrator, self._orders, self._expected)
+        run_job = RunJobServer(
+            self.node, self.orchestrator, self._overview, self._orders, self._expected
+        )
         self.orchestrator.add_sink(run_job)
         return run_job
 
@@ -222,9 +231,10 @@ class TreeNode:
         return ExpectedEnds(self.node, self.orchestrator, self._durations, foresight, pulse)
 
     def _show(self, pulse: Pulse) -> StatusTopic:
-        status = StatusTopic(self.node, self.orchestrator, self._expected, pulse)
+        DescriptionTopic(self.node, self.orchestrator.state.cell)
+        status = StatusTopic(self.node, self.orchestrator, self._overview, self._expected, pulse)
         self.orchestrator.add_sink(status)
-        Diagnostics(self.node, self.orchestrator, self.heart, pulse)
+        Diagnostics(self.node, self.orchestrator, self._overview, self.heart, pulse)
         return status
 
     def _beat(self, settle: Callable[[], bool]) -> None:

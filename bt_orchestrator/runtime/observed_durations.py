@@ -43,6 +43,8 @@ class ObservedDurations:
     def __init__(self) -> None:
         self._spans = TaskSpans()
         self._took_s: dict[tuple[str, str], deque[float]] = defaultdict(lambda: deque(maxlen=KEPT))
+        self._usual_s: dict[tuple[str, str], float] = {}
+        """Of `_took_s`, once somebody has asked."""
 
     def publish(self, events: Sequence[e.Event]) -> None:
         """Take in the next events."""
@@ -66,10 +68,19 @@ class ObservedDurations:
             found[component][name] = statistics.median(took_s)
         return found
 
+    def usual_s(self, component: str, name: str) -> float | None:
+        """Return the usual seconds of a task; None: it was not seen."""
+        kind = component, name
+        if kind not in self._usual_s and kind in self._took_s:
+            self._usual_s[kind] = statistics.median(self._took_s[kind])
+        return self._usual_s.get(kind)
+
     def _learn(self, span: TaskSpan) -> None:
         is_sound = span.seconds >= 0.0  # or the wall clock was set back
         if is_sound and isinstance(span.ended, e.TaskSucceeded):
-            self._took_s[span.started.component, span.started.name].append(span.seconds)
+            kind = span.started.component, span.started.name
+            self._took_s[kind].append(span.seconds)
+            self._usual_s.pop(kind, None)
 
 
 def as_observed(cell: Cell, observed_s: Mapping[str, Mapping[str, float]]) -> Cell:

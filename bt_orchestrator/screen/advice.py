@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple, Protocol
 
 from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.status import CellStatus
 
 PROGRAM = 'bt-orchestrator'
 
@@ -19,11 +20,23 @@ OTHER_VERBS = {'remove_item': 'remove-item {item}', 'resume': 'resume --hold {ho
 WHY = '--reason "WHY"'
 
 
-_WAITING_FOR_ORDERS = (
-    PackmlState.STOPPED.value,
-    PackmlState.IDLE.value,
-    PackmlState.COMPLETE.value,
-)
+_WAITING_FOR_ORDERS = (PackmlState.STOPPED, PackmlState.IDLE, PackmlState.COMPLETE)
+
+
+class Question(Protocol):
+    """What is asked about a hold, in a status or as an event."""
+
+    @property
+    def id(self) -> str:
+        """What names the hold in an answer."""
+
+    @property
+    def item(self) -> str | None:
+        """Id of the item."""
+
+    @property
+    def answers(self) -> tuple[str, ...]:
+        """What makes sense now."""
 
 
 class Shell(NamedTuple):
@@ -60,7 +73,7 @@ class Choice(NamedTuple):
         return f'{self.words} {WHY}' if self.needs_reason else self.words
 
 
-def hold_advice(hold: Any, shell: Shell) -> list[str]:
+def hold_advice(hold: Question, shell: Shell) -> list[str]:
     """Return what an operator can type about a hold, and what instead."""
     commands = [shell.command(choice.text()) for choice in hold_choices(hold)]
     others: Sequence[str] = hold.answers[1:]
@@ -69,14 +82,14 @@ def hold_advice(hold: Any, shell: Shell) -> list[str]:
     return commands
 
 
-def hold_choices(hold: Any) -> tuple[Choice, ...]:
+def hold_choices(hold: Question) -> tuple[Choice, ...]:
     """Return the answers that a hold offers."""
-    about = {'hold': hold.id, 'item': shlex.quote(hold.item)}
+    about = {'hold': hold.id, 'item': shlex.quote(hold.item or '')}
     verbs = ((word, OTHER_VERBS.get(word, f'answer {{hold}} {word}')) for word in hold.answers)
     return tuple(Choice(word, verb.format(**about)) for word, verb in verbs)
 
 
-def next_choices(status: Any) -> tuple[Choice, ...]:
+def next_choices(status: CellStatus) -> tuple[Choice, ...]:
     """Return what can be done where the cell stands and nothing goes on without a person.
 
     Nothing for a cell that works, and for one that is held: a hold says what it offers.
@@ -84,23 +97,23 @@ def next_choices(status: Any) -> tuple[Choice, ...]:
     return () if status.holds else tuple(_next_choices(status))
 
 
-def _next_choices(status: Any) -> Iterator[Choice]:
+def _next_choices(status: CellStatus) -> Iterator[Choice]:
     waits = any(job.state not in OVER for job in status.jobs)
-    if status.state == PackmlState.ABORTED.value:
+    if status.state is PackmlState.ABORTED:
         shown = f'clear --as-shown {status.seq}'
         yield Choice('clear', shown, 'if the belt is as shown here')
         each = 'clear --belt 1=ITEM,2=empty'
         yield Choice('clear', each, 'else: every slot as it really is', is_complete=False)
-    elif status.state == PackmlState.IDLE.value and waits:
+    elif status.state is PackmlState.IDLE and waits:
         yield Choice('start', 'start', 'lets the cell begin to work')
     elif status.state in _WAITING_FOR_ORDERS:
         if not waits and not status.waits_for:
             order, effect = 'submit ORDER.yaml', 'gives it a work order'
             yield Choice('submit', order, effect, needs_reason=False, is_complete=False)
-        if status.state == PackmlState.STOPPED.value or waits:
+        if status.state is PackmlState.STOPPED or waits:
             yield Choice('reset', 'reset', 'gets the cell ready to start')
 
 
-def next_lines(status: Any, shell: Shell) -> list[str]:
+def next_lines(status: CellStatus, shell: Shell) -> list[str]:
     """Return what can be typed next, with what it does."""
     return [f'{shell.command(one.text())}   {one.effect}' for one in next_choices(status)]

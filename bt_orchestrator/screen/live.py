@@ -5,13 +5,13 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from types import TracebackType
-from typing import Any
 
 from rich.console import Console, Group
 from rich.live import Live
 from rich.text import Text
 
 from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.screen import words
 from bt_orchestrator.screen.advice import Shell
 from bt_orchestrator.screen.picture import Picture
@@ -58,7 +58,7 @@ class LiveView:
     ) -> None:
         self._live.stop()
 
-    def on_status(self, status: Any) -> None:
+    def on_status(self, status: CellStatus) -> None:
         """Show how the cell stands."""
         self._view = cell_view(status, self._shell)
         self._hearing.heard(time.monotonic())

@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Mapping
-from typing import Any
 
+from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.frozen import changed
+from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.screen.tree_view import Branch
 from bt_orchestrator.screen.viewer import Hearing
 
@@ -15,30 +17,24 @@ from bt_orchestrator.screen.viewer import Hearing
 class JsonView:
     """Objects of the kinds `status`, `away`, `tree` and `blackboard`.
 
-    A status is the whole status as `status --json` prints it; it comes again when anything but its
-    stamp has changed, and when the node is back. Events are what the verb `events` prints.
+    A status is the whole status as `status --json` prints it; it comes again when something has
+    changed that is more than the time, and when the node is back. Events are what the verb
+    `events` prints.
     """
 
-    def __init__(
-        self,
-        node: str,
-        say: Callable[[str], object],
-        to_plain: Callable[[Any], dict[str, Any]],
-    ) -> None:
+    def __init__(self, node: str, say: Callable[[str], object]) -> None:
         self._node = node
         self._say = say
-        self._to_plain = to_plain
         self._hearing = Hearing(time.monotonic())
-        self._said: dict[str, Any] | None = None
+        self._said: CellStatus | None = None
 
-    def on_status(self, status: Any) -> None:
+    def on_status(self, status: CellStatus) -> None:
         """Print a status that says something new."""
         self._hearing.heard(time.monotonic())
-        plain = self._to_plain(status)
-        unstamped = {key: value for key, value in plain.items() if key != 'stamp'}
+        unstamped = _without_time(status)
         if unstamped != self._said:
             self._said = unstamped
-            self._print('status', status=plain)
+            self._print('status', status=to_plain(status, whole=True))
 
     def on_event(self, event: Event) -> None:
         """Print nothing: the status follows."""
@@ -58,11 +54,22 @@ class JsonView:
             self._said = None
             self._print('away', silent_s=round(silent_s, 1))
 
-    def _print(self, kind: str, **about: Any) -> None:
+    def _print(self, kind: str, **about: object) -> None:
         self._say(json.dumps({'kind': kind, 'node': self._node, **about}, ensure_ascii=False))
 
 
-def _plain_tree(branch: Branch) -> dict[str, Any]:
+def _without_time(status: CellStatus) -> CellStatus:
+    """Return a status that is equal to a later one in which only time has passed."""
+    jobs = (
+        job
+        if job.expected_end_s is None
+        else changed(job, expected_end_s=round(status.stamp + job.expected_end_s))
+        for job in status.jobs
+    )
+    return changed(status, stamp=0.0, state_times={}, jobs=tuple(jobs))
+
+
+def _plain_tree(branch: Branch) -> dict[str, object]:
     return {
         'name': branch.name,
         'status': branch.status.name,

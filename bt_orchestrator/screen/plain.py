@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from typing import Any
+from typing import NamedTuple
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.screen import words
 from bt_orchestrator.screen.advice import Shell, hold_advice, next_choices, next_lines
 from bt_orchestrator.screen.progress import Progress
@@ -25,7 +26,7 @@ class EventLines:
         self._next: list[str] = []
         self._notes: tuple[str, ...] = ()
 
-    def on_status(self, status: Any) -> None:
+    def on_status(self, status: CellStatus) -> None:
         """Say what can be typed where the cell has come to stand."""
         if self._is_first:
             self._say_all(self._held(status))
@@ -35,7 +36,7 @@ class EventLines:
             self._next = effects
             self._say_all(f'next: {text}' for text in next_lines(status, self._shell))
 
-    def _held(self, status: Any) -> Iterator[str]:
+    def _held(self, status: CellStatus) -> Iterator[str]:
         """Yield what was held before anybody listened."""
         for hold in status.holds:
             yield words.hold_text(hold)
@@ -45,7 +46,7 @@ class EventLines:
         """Say what happened."""
         self._say_all(self._progress.follow(event))
         if isinstance(event, e.HoldRaised):
-            self._say_all(f'  {text}' for text in hold_advice(_Raised(event), self._shell))
+            self._say_all(f'  {text}' for text in hold_advice(_raised(event), self._shell))
 
     def on_notes(self, notes: Sequence[str]) -> None:
         """Say notes that are new."""
@@ -78,7 +79,7 @@ class PlainView(EventLines):
         self._behaviours: dict[str, str] = {}
         self._variables: dict[str, str] = {}
 
-    def on_status(self, status: Any) -> None:
+    def on_status(self, status: CellStatus) -> None:
         """Say everything at first and when the node is back; after that, what is no event."""
         self._hearing.heard(time.monotonic())
         troubles = [text for text in (words.failure(status), *words.troubles(status)) if text]
@@ -123,10 +124,13 @@ class PlainView(EventLines):
         self._say_all(f'{what} {key}  is gone' for key in before if key not in now)
 
 
-class _Raised:
+class _Raised(NamedTuple):
     """A hold as the status will show it."""
 
-    def __init__(self, event: e.HoldRaised) -> None:
-        self.id = event.hold
-        self.item = event.item or ''
-        self.answers = event.answers
+    id: str
+    item: str | None
+    answers: tuple[str, ...]
+
+
+def _raised(event: e.HoldRaised) -> _Raised:
+    return _Raised(event.hold, event.item, event.answers)

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from bt_orchestrator.model.jobs.isa95 import OVER
+from bt_orchestrator.model.status import CellStatus, ItemStatus, JobStatus, SectionStatus
+from bt_orchestrator.model.status_words import job_count_words
 from bt_orchestrator.screen import words
 from bt_orchestrator.screen.advice import Shell, hold_advice, next_lines
 
@@ -99,22 +101,22 @@ class CellView:
         return bool(self.holds)
 
 
-def cell_view(status: Any, shell: Shell) -> CellView:
-    """Return the view of a status (bt_orchestrator_interfaces/msg/Status).
+def cell_view(status: CellStatus, shell: Shell) -> CellView:
+    """Return the view of a status.
 
     :param shell: for the command lines
     """
     return CellView(
         cell=words.one_line(status.cell),
-        state=status.state,
+        state=status.state.value,
         failure=words.failure(status),
         stopped=words.stopped(status),
         belt=words.belt(status),
-        belt_waiting=tuple(map(words.one_line, status.belt_waiting)),
-        made_at=_seconds(status.stamp),
-        slots=tuple(map(_slot, status.sections)),
+        belt_waiting=tuple(words.reasons(status.belt.waits)),
+        made_at=status.stamp,
+        slots=tuple(_slot(section.slot) for section in status.sections),
         rows=tuple(row for section in status.sections for row in _rows(section, status)),
-        initialization=tuple(map(words.one_line, status.initialization_waiting)),
+        initialization=tuple(words.reasons(status.initialization)),
         jobs=tuple(_job(job, status) for job in status.jobs),
         unlisted_jobs=words.unlisted(status),
         holds=tuple(
@@ -127,47 +129,43 @@ def cell_view(status: Any, shell: Shell) -> CellView:
     )
 
 
-def _slot(section: Any) -> Slot:
-    return Slot(words.slot(section), section.slot_rejected, len(section.slot_nonconforming) > 0)
+def _slot(item: ItemStatus | None) -> Slot:
+    if item is None:
+        return Slot('')
+    return Slot(words.slot(item), item.rejected, bool(item.nonconforming))
 
 
-def _rows(section: Any, status: Any) -> Iterator[Row]:
+def _rows(section: SectionStatus, status: CellStatus) -> Iterator[Row]:
     """Yield what a section does and what it waits for; at least one row.
 
     The first one says what is wrong with the item in the slot.
     """
-    number, slot = section.section, words.slot(section)
-    fate = words.fate(section)
+    number, slot = section.number, words.slot(section.slot)
+    fate = words.fate(section.slot)
     for task in section.running:
-        elapsed_s = max(_seconds(status.stamp) - _seconds(task.started), 0.0)
+        elapsed_s = max(status.stamp - task.started, 0.0)
         text = '; '.join(filter(None, [fate, words.task(task)]))
         yield Row(number, slot, text, Weight.WORKING, elapsed_s)
         fate = ''
     weight = Weight.WAITING_WITH_ITEM if slot or section.item else Weight.WAITING
     if any(hold.section == number for hold in status.holds):
         weight = Weight.HELD
-    if section.waiting or not section.running:
-        said = [fate, *map(words.one_line, section.waiting)]
+    if section.waits or not section.running:
+        said = [fate, *words.reasons(section.waits)]
         reasons = '; '.join(filter(None, said))
         yield Row(number, slot, reasons, weight, None)
 
 
-def _job(job: Any, status: Any) -> JobRow:
-    out = job.packed + job.rejected + job.missing
-    on_line = max(job.started - out, 0)
+def _job(job: JobStatus, status: CellStatus) -> JobRow:
     quantity = max(job.quantity, 1)
     ended = job.state in OVER
     weight = Weight.ENDED if ended else Weight.WORKING if job.started else Weight.WAITING
     return JobRow(
         id=words.one_line(job.id),
         script=words.one_line(job.script),
-        state=job.state,
-        counts=words.job_counts(job) + words.expected_finish(job, status),
-        packed=min(out / quantity, 1.0),
-        on_line=min(on_line / quantity, 1.0),
+        state=job.state.state,
+        counts=job_count_words(job) + words.expected_finish(job, status),
+        packed=min(job.left / quantity, 1.0),
+        on_line=min(job.on_line / quantity, 1.0),
         weight=weight,
     )
-
-
-def _seconds(time: Any) -> float:
-    return float(time.sec + time.nanosec / 1e9)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Protocol
+from typing import Protocol
 
 from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.screen.tree_view import Branch
 
 SILENT_S = 3.0
@@ -15,8 +16,8 @@ SILENT_S = 3.0
 class Viewer(Protocol):
     """Is told the news as they come; everything in one thread."""
 
-    def on_status(self, status: Any) -> None:
-        """Show how the cell stands (bt_orchestrator_interfaces/msg/Status)."""
+    def on_status(self, status: CellStatus) -> None:
+        """Show how the cell stands."""
 
     def on_event(self, event: Event) -> None:
         """Show what happened."""

@@ -1,20 +1,28 @@
 """How a cell stands, in words: what `status` prints, `watch` shows, and an operator types.
 
-Everything here reads a status (bt_orchestrator_interfaces/msg/Status) or a part of it, and returns
-text of one line without control characters, whatever a controller wrote into its messages.
+Everything here reads a status or a part of it, and returns text of one line without control
+characters, whatever a controller wrote into its messages.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from datetime import datetime
-from typing import Any
 
 from bt_orchestrator.model.hold_words import hold_words
+from bt_orchestrator.model.state import Hold
+from bt_orchestrator.model.status import (
+    CellStatus,
+    ComponentStatus,
+    FlagStatus,
+    ItemStatus,
+    JobStatus,
+    SectionStatus,
+    TaskStatus,
+)
+from bt_orchestrator.model.status_words import component_trouble, job_count_words, wait_words
+from bt_orchestrator.model.wait import Wait
 from bt_orchestrator.screen.advice import Shell, hold_advice, next_lines
-
-BAD_COUNTS = ('rejected', 'missing', 'nonconforming')
-"""Counts of a job that are shown only when there are any."""
 
 
 def one_line(text: str) -> str:
@@ -22,27 +30,27 @@ def one_line(text: str) -> str:
     return ''.join(c if c.isprintable() else '\ufffd' for c in ' '.join(text.split()))
 
 
-def status_lines(status: Any, shell: Shell) -> Iterator[str]:
+def status_lines(status: CellStatus, shell: Shell) -> Iterator[str]:
     """Yield a whole status as text."""
-    since = f'{status.state} for {duration(state_s(status))}'
+    since = f'{status.state.value} for {duration(state_s(status))}'
     yield f'cell {one_line(status.cell)}: {since}, belt {belt(status)}, seq {status.seq}'
     if failure(status):
         yield f'  {failure(status)}'
     if status.stop_after:
         yield f'  the cell stops after the current {status.stop_after}'
-    if status.stopped_with:
+    if status.wish:
         yield f'  {stopped(status)}'
     if status.stop_reason:
-        yield f'  stands still: {status.stop_reason}, {one_line(status.stop_message)}'
+        yield f'  stands still: {status.stop_reason.value}, {one_line(status.stop_message)}'
     for job in status.jobs:
-        told = f'{job.state}, {job_counts(job)}{job_terms(job)}{expected_finish(job, status)}'
-        yield f'  {job_name(job)}: {told}'
+        how_far = f'{job_count_words(job)}{job_terms(job)}{expected_finish(job, status)}'
+        yield f'  {job_name(job)}: {job.state.state}, {how_far}'
     if unlisted(status):
         yield f'  {unlisted(status)} more jobs in the queue: {shell.command("queue")}'
-    for reason in status.initialization_waiting:
-        yield f'  initialization  {one_line(reason)}'
+    for reason in reasons(status.initialization):
+        yield f'  initialization  {reason}'
     for section in status.sections:
-        yield f'  section {section.section:<3} {slot(section) or "-":<14} {_work(section)}'
+        yield f'  section {section.number:<3} {slot(section.slot) or "-":<14} {_work(section)}'
     yield from (f'  {text}' for text in troubles(status))
     for flag in status.flags:
         yield f'  flag {flag_count(flag)}'
@@ -52,67 +60,57 @@ def status_lines(status: Any, shell: Shell) -> Iterator[str]:
     yield from (f'  next: {text}' for text in next_lines(status, shell))
 
 
-def unlisted(status: Any) -> int:
+def unlisted(status: CellStatus) -> int:
     """Return how many jobs of the queue a status does not list."""
-    return int(status.queued) - sum(1 for job in status.jobs if job.position)
+    return status.queued - sum(1 for job in status.jobs if job.position)
 
 
-def stopped(status: Any) -> str:
+def stopped(status: CellStatus) -> str:
     """Say who wants the cell to stand, and what lets it work again; nothing if nobody does."""
-    if not status.stopped_with:
+    wish = status.wish
+    if wish is None:
         return ''
-    who, why = one_line(status.stopped_by) or 'an operator', one_line(status.stopped_why)
-    since = status.stopped_at.sec
-    at = f' at {datetime.fromtimestamp(since):%H:%M:%S}' if since else ''
-    said = f'{who} said {status.stopped_with.replace("_", " ")}{at}{f": {why}" if why else ""}'
+    at = f'{datetime.fromtimestamp(wish.time):%H:%M:%S}' if wish.time else ''
+    said = one_line(wish.words(at))
     return f'{said}; orders wait for {status.waits_for or "a start after that"}'
 
 
-def failure(status: Any) -> str:
+def failure(status: CellStatus) -> str:
     """Say that the cell does nothing, any more or for now, and why; nothing if all is well."""
     if status.journal_failure:
         return f'NOTHING IS DONE ANY MORE: {one_line(status.journal_failure)}'
     return f'WAITS FOR THE DISK: {one_line(status.disk_wait)}' if status.disk_wait else ''
 
 
-def state_s(status: Any) -> float:
+def state_s(status: CellStatus) -> float:
     """Return for how many seconds the cell has been in its state."""
-    since, now = status.state_since, status.stamp
-    passed: float = now.sec - since.sec + (now.nanosec - since.nanosec) * 1e-9
-    return max(0.0, passed)
+    return max(0.0, status.stamp - status.state_since)
 
 
-def belt(status: Any) -> str:
+def belt(status: CellStatus) -> str:
     """Say whether the belt moves."""
-    return 'moving' if status.belt_moving else 'at rest'
+    return 'moving' if status.belt.moving else 'at rest'
 
 
-def job_name(job: Any) -> str:
+def job_name(job: JobStatus) -> str:
     """Return a job with its script."""
     return f'{one_line(job.id)} ({one_line(job.script)})'
 
 
-def job_counts(job: Any) -> str:
-    """Return how far a job is, good and bad."""
-    bad = [f'{getattr(job, name)} {name}' for name in BAD_COUNTS if getattr(job, name)]
-    return ', '.join([f'{job.packed} of {job.quantity} packed', *bad])
-
-
-def job_terms(job: Any) -> str:
+def job_terms(job: JobStatus) -> str:
     """Say how urgent a job is and when it is wanted, in the reader's time zone, if that is set."""
     told = [f', priority {job.priority}'] if job.priority else []
-    for name in ('start', 'due'):
-        seconds = getattr(job, name).sec
-        if seconds:
+    for name, seconds in (('start', job.start), ('due', job.due)):
+        if seconds is not None:
             told.append(f', {name} {datetime.fromtimestamp(seconds):%Y-%m-%d %H:%M}')
     return ''.join(told)
 
 
-def expected_finish(job: Any, status: Any) -> str:
+def expected_finish(job: JobStatus, status: CellStatus) -> str:
     """Say when a job is expected to end, in the reader's time zone; nothing if it is not known."""
-    if job.expected_end_s < 0.0:
+    if job.expected_end_s is None:
         return ''
-    end = datetime.fromtimestamp(status.stamp.sec + job.expected_end_s)
+    end = datetime.fromtimestamp(status.stamp + job.expected_end_s)
     return f', expected finish {end:%H:%M:%S} ({_from_now(job.expected_end_s)})'
 
 
@@ -125,22 +123,26 @@ def _from_now(seconds: float) -> str:
     return f'in {minutes} min' if minutes < 100 else f'in {minutes / 60:.1f} h'
 
 
-def fate(section: Any) -> str:
+def fate(item: ItemStatus | None) -> str:
     """Say what is wrong with the item in a slot; nothing if it is good, or there is none."""
-    words = ['rejected'] if section.slot_rejected else []
-    if section.slot_nonconforming:
-        tasks = ', '.join(map(one_line, section.slot_nonconforming))
+    if item is None:
+        return ''
+    words = ['rejected'] if item.rejected else []
+    if item.nonconforming:
+        tasks = ', '.join(map(one_line, item.nonconforming))
         words.append(f'nonconforming ({tasks})')
     return ', '.join(words)
 
 
-def slot(section: Any) -> str:
+def slot(item: ItemStatus | None) -> str:
     """Return what the belt carries at a section; the place of an absent item in brackets."""
-    name = one_line(section.slot)
-    return f'({name})' if section.slot_empty_position else name
+    if item is None:
+        return ''
+    name = one_line(item.id)
+    return name if item.present else f'({name})'
 
 
-def task(running: Any) -> str:
+def task(running: TaskStatus) -> str:
     """Return a task that has a goal in flight."""
     again = f', attempt {running.attempt}' if running.attempt > 1 else ''
     named = one_line(running.id)
@@ -149,35 +151,32 @@ def task(running: Any) -> str:
     return f'{named}{again} at {one_line(running.action)}'
 
 
-def _work(section: Any) -> str:
-    reasons = [one_line(reason) for reason in section.waiting]
-    return '; '.join(filter(None, [fate(section), *map(task, section.running), *reasons]))
+def _work(section: SectionStatus) -> str:
+    said = [fate(section.slot), *map(task, section.running), *reasons(section.waits)]
+    return '; '.join(filter(None, said))
 
 
-def flag_count(flag: Any) -> str:
+def reasons(waits: Iterable[Wait]) -> list[str]:
+    """Return for what something waits, each sentence once."""
+    return list(map(one_line, wait_words(waits)))
+
+
+def flag_count(flag: FlagStatus) -> str:
     """Return where the counter of a flag stands."""
     return f'{one_line(flag.name)}: {flag.count} of {flag.capacity}'
 
 
-def troubles(status: Any) -> list[str]:
+def troubles(status: CellStatus) -> list[str]:
     """Return every component that can be sent nothing."""
     return [text for text in map(trouble, status.components) if text]
 
 
-def trouble(component: Any) -> str:
+def trouble(component: ComponentStatus) -> str:
     """Say why a component can be sent nothing; nothing if it can."""
-    name = one_line(component.name)
-    if not component.available:
-        return f'{name}: no action server at {one_line(component.action)}'
-    if component.contested:
-        return f'{name}: {one_line(component.contested)}'
-    if not component.ready:
-        state = f'its state is {one_line(component.state)}' if component.state else 'no state yet'
-        return f'{name}: not ready, {state}'
-    return ''
+    return one_line(component_trouble(component))
 
 
-def hold_text(hold: Any) -> str:
+def hold_text(hold: Hold) -> str:
     """Say what is held, where, and why."""
     return one_line(f'hold {hold.id}: {hold_words(hold)}')
 

@@ -12,10 +12,11 @@ from bt_orchestrator.model.goal import GoalRequest
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.state import CellState
+from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.model.wait import PartWait
 from bt_orchestrator.ports import ActionTypes, EventSink, EventStore
 from bt_orchestrator.runtime.orchestrator import Orchestrator
-from bt_orchestrator.runtime.waits import waits
+from bt_orchestrator.runtime.overview import Overview
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.gateway import VirtualGateway
 
@@ -62,6 +63,7 @@ class Simulation:
             # Counted, so that two runs of one line have the same trace.
             new_goal_id=lambda: f'00000000-0000-0000-0000-{next(numbers):012x}',
         )
+        self._overview = Overview(self.orchestrator)
 
     @property
     def state(self) -> CellState:
@@ -88,7 +90,11 @@ class Simulation:
 
     def waits(self) -> list[PartWait]:
         """Say who waits for what now."""
-        return waits(self.orchestrator)
+        return self._overview.waits()
+
+    def status(self) -> CellStatus:
+        """Return how the cell stands now, as a node would tell it."""
+        return self._overview.status(self.clock.now())
 
     def close(self) -> None:
         """Give the engine up."""

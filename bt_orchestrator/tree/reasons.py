@@ -7,22 +7,24 @@ from collections.abc import Iterator
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
+from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.wait import Wait
 from bt_orchestrator.tree.waiter import Waiter
 
 
-def waiting(behaviour: Behaviour) -> list[str]:
-    """Return what a subtree waits for in words; nothing when all its leaves have a goal."""
-    return list(dict.fromkeys(str(wait) for wait in waits_of(behaviour)))
+def waits_of(behaviour: Behaviour) -> tuple[Wait, ...]:
+    """Return what a subtree waits for, each once, with the components that would work otherwise.
 
-
-def waits_of(behaviour: Behaviour) -> dict[Wait, tuple[str, ...]]:
-    """Return what a subtree waits for, and which components would work otherwise."""
+    Nothing when all its leaves have a goal.
+    """
     found: dict[Wait, dict[str, None]] = {}
     for waiter in _waiters(behaviour):
         if waiter.wait is not None:
             found.setdefault(waiter.wait, {}).update(dict.fromkeys(waiter.components))
-    return {wait: tuple(components) for wait, components in found.items()}
+    return tuple(
+        changed(wait, components=tuple(components)) if components else wait
+        for wait, components in found.items()
+    )
 
 
 def _waiters(behaviour: Behaviour) -> Iterator[Waiter]:

@@ -255,7 +255,7 @@ class Siege:
     def _state_in_words(self) -> str:
         status = self._cell.watch.status
         holds = [f'{hold.id} {hold.reason} {hold.message[:100]}' for hold in status.holds]
-        waits = [wait for section in status.sections for wait in section.waiting]
+        waits = [wait.reason for section in status.sections for wait in section.waits]
         jobs = [f'{job.id} {job.state}' for job in status.jobs]
         failure = f', journal: {status.journal_failure}' if status.journal_failure else ''
         return f'{status.state}{failure}, holds {holds}, waits {waits}, jobs {jobs}'

@@ -28,9 +28,10 @@ _OF_THE_MOMENT = frozenset(
         'stop_reason',
         'stop_message',
         'commands',
-        'waiting',
-        'belt_waiting',
-        'initialization_waiting',
+        'waits',
+        'belt_waits',
+        'initialization_waits',
+        'expected_s',
     ]
 )
 """What a status says of the process that publishes it, and not of the line.

@@ -1,77 +1,89 @@
-"""Statuses as the tree node sends them, made of plain objects: no ROS 2 is needed."""
+"""Statuses of a small cell: facts as the overview tells them."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from types import SimpleNamespace
 from typing import Any
 
-NOW_S = 1000
+from bt_orchestrator.model.jobs.isa95 import JobWord
+from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.state import Hold
+from bt_orchestrator.model.status import (
+    BeltStatus,
+    CellStatus,
+    ComponentStatus,
+    FlagStatus,
+    ItemStatus,
+    JobStatus,
+    SectionStatus,
+    TaskStatus,
+)
+from bt_orchestrator.model.wait import Wait, WaitKind
+
+NOW_S = 1000.0
 
 
-def stamp(seconds: float) -> Any:
-    return SimpleNamespace(sec=int(seconds), nanosec=round(seconds % 1 * 1e9))
+def wait(reason: str) -> Wait:
+    return Wait(reason, WaitKind.TURN)
 
 
-def task(id: str, *, name: str = 'TASK_A', attempt: int = 1, since_s: float = 0.0) -> Any:  # noqa: A002 - as in the message
-    return SimpleNamespace(
+def task(id: str, *, name: str = 'TASK_A', attempt: int = 1, since_s: float = 0.0) -> TaskStatus:  # noqa: A002 - as in the status
+    return TaskStatus(
         id=id,
         name=name,
+        component=id,
         action=f'/{id}/task',
         attempt=attempt,
-        started=stamp(NOW_S - since_s),
+        goal='',
+        started=NOW_S - since_s,
     )
+
+
+def item(
+    id: str,  # noqa: A002 - as in the status
+    *,
+    empty_position: bool = False,
+    rejected: bool = False,
+    nonconforming: Sequence[str] = (),
+) -> ItemStatus:
+    return ItemStatus(id, not empty_position, rejected, tuple(nonconforming))
 
 
 def section(
     number: int,
     slot: str = '',
     *,
-    running: Sequence[Any] = (),
+    job: str = 'WO-1',
+    running: Sequence[TaskStatus] = (),
     waiting: Sequence[str] = (),
-    empty_position: bool = False,
-    rejected: bool = False,
-    nonconforming: Sequence[str] = (),
-) -> Any:
-    return SimpleNamespace(
-        section=number,
-        slot=slot,
-        slot_empty_position=empty_position,
-        slot_rejected=rejected,
-        slot_nonconforming=nonconforming,
-        job='',
-        item=slot,
-        running=running,
-        waiting=waiting,
+    **of_item: Any,
+) -> SectionStatus:
+    """Return a section that works on the item in its slot.
+
+    :param of_item: see `item`
+    """
+    found = item(slot, **of_item) if slot else None
+    return SectionStatus(
+        number=number,
+        slot=found,
+        job=job if found else '',
+        item=found,
+        running=tuple(running),
+        waits=tuple(map(wait, waiting)),
     )
 
 
 def job(
-    id: str = 'WO-1',  # noqa: A002 - as in the message
+    id: str = 'WO-1',  # noqa: A002 - as in the status
     *,
-    state: str = 'Running',
+    state: JobWord = JobWord.RUNNING,
     quantity: int = 10,
-    expected_end_s: float = -1.0,
-    position: int = 0,
-    **counts: int,
-) -> Any:
-    names = ('started', 'placed', 'packed', 'rejected', 'nonconforming', 'missing')
-    zeros = dict.fromkeys(names, 0)
-    return SimpleNamespace(
-        id=id,
-        script='small',
-        state=state,
-        quantity=quantity,
-        position=position,
-        expected_end_s=expected_end_s,
-        priority=0,
-        start=stamp(0.0),
-        due=stamp(0.0),
-        **{**zeros, **counts},
-    )
+    **about: Any,
+) -> JobStatus:
+    return JobStatus(id=id, script='small', state=state, quantity=quantity, **about)
 
 
-def hold(id: str = '1', **about: Any) -> Any:  # noqa: A002 - as in the message
+def hold(id: str = '1', **about: Any) -> Hold:  # noqa: A002 - as in the status
     usual = {
         'job': 'WO-1',
         'section': 2,
@@ -84,9 +96,10 @@ def hold(id: str = '1', **about: Any) -> Any:  # noqa: A002 - as in the message
         'attempts': 2,
         'reason': 'aborted',
         'message': '',
-        'answers': ['retry', 'skip'],
+        'answers': ('retry', 'skip'),
+        'since': NOW_S,
     }
-    return SimpleNamespace(id=id, **{**usual, **about})
+    return Hold(id=id, **{**usual, **about})
 
 
 def component(
@@ -96,8 +109,8 @@ def component(
     ready: bool = True,
     state: str = '',
     contested: str = '',
-) -> Any:
-    return SimpleNamespace(
+) -> ComponentStatus:
+    return ComponentStatus(
         name=name,
         action=f'/{name}/task',
         available=available,
@@ -107,50 +120,38 @@ def component(
     )
 
 
-def status(**about: Any) -> Any:
+def status(**about: Any) -> CellStatus:
     """Return the status of a cell of two sections, the second one at work."""
     usual = {
-        'stamp': stamp(NOW_S),
-        'seq': 7,
         'cell': 'small_cell',
-        'state': 'Execute',
-        'state_since': stamp(NOW_S - 12),
-        'stop_reason': '',
-        'stop_message': '',
-        'journal_failure': '',
-        'disk_wait': '',
-        'stop_after': '',
-        'stopped_by': '',
-        'stopped_with': '',
-        'stopped_why': '',
-        'stopped_at': stamp(0),
-        'waits_for': '',
-        'belt_moving': False,
-        'belt_waiting': [],
-        'initialization_waiting': [],
-        'sections': [
+        'stamp': NOW_S,
+        'seq': 7,
+        'history': 'a',
+        'state': PackmlState.EXECUTE,
+        'state_since': NOW_S - 12,
+        'belt': BeltStatus(),
+        'sections': (
             section(1, waiting=['waiting for the belt to move']),
             section(2, 'WO-1/1', running=[task('work', since_s=2.5)]),
-        ],
-        'components': [component('conveyor'), component('worker')],
-        'jobs': [job(started=1, placed=1)],
-        'queued': 0,
-        'flags': [SimpleNamespace(name='clear', count=0, capacity=1)],
-        'holds': [],
+        ),
+        'components': (component('conveyor'), component('worker')),
+        'jobs': (job(started=1, placed=1),),
+        'flags': (FlagStatus('clear', 0, 1),),
     }
-    return SimpleNamespace(**{**usual, **about})
+    lists = {key: tuple(value) for key, value in about.items() if isinstance(value, list)}
+    return CellStatus(**{**usual, **about, **lists})
 
 
-def long_line(count: int, held: int, working: int) -> Any:
+def long_line(count: int, held: int, working: int) -> CellStatus:
     """Return the status of a line of which one section is held and another works."""
     sections = []
     for number in range(1, count + 1):
-        item = f'WO-1/{count - number + 1}'
+        name = f'WO-1/{count - number + 1}'
         if number == working:
-            sections.append(section(number, item, running=[task('work', since_s=2.5)]))
+            sections.append(section(number, name, running=[task('work', since_s=2.5)]))
         elif number == held:
-            sections.append(section(number, item, waiting=['waiting for an answer to hold 1']))
+            sections.append(section(number, name, waiting=['waiting for an answer to hold 1']))
         else:
-            sections.append(section(number, item, waiting=['waiting for the belt to move']))
+            sections.append(section(number, name, waiting=['waiting for the belt to move']))
     of_held = hold(section=held, item=f'WO-1/{count + 1 - held}')
-    return status(state='Held', sections=sections, holds=[of_held])
+    return status(state=PackmlState.HELD, sections=sections, holds=[of_held])

@@ -258,7 +258,10 @@ def wait_for_ready(cell: CellProcesses, since_seq: int = 0) -> Any:
     """
     reason = 'waiting for worker/state = READY'
     return cell.watch.until_status(
-        lambda s: s.seq >= since_seq and any(reason in w for w in s.sections[1].waiting), reason
+        lambda s: (
+            s.seq >= since_seq and any(reason in wait.reason for wait in s.sections[1].waits)
+        ),
+        reason,
     )
 
 

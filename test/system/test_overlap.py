@@ -55,8 +55,8 @@ initialization_dependencies:
     watch.submit(small_cell.script(small_script('slow') + slow, 'slow'), order='WO-2')
     watch.until('task.started', job='WO-2', task='ready_worker')
 
-    status = watch.until_status(lambda s: s.sections[0].waiting, 'section 1 to wait')
-    assert any('initialization' in reason for reason in status.sections[0].waiting), status
+    status = watch.until_status(lambda s: s.sections[0].waits, 'section 1 to wait')
+    assert any('initialization' in wait.reason for wait in status.sections[0].waits), status
     assert watch.seen('job.completed', job='WO-1'), 'the line has drained'
     assert watch.until_ended('WO-2').packed == 1
     small_cell.stop()

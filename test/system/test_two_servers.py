@@ -52,10 +52,12 @@ def test_2_5_nothing_is_sent_while_two_servers_have_one_name(cell: CellProcesses
 
     cell.run_small()
     waits = cell.watch.until_status(
-        lambda s: any('2 servers' in w for w in s.sections[1].waiting), 'the wait that says so'
+        lambda s: any('2 servers' in wait.reason for wait in s.sections[1].waits),
+        'the wait that says so',
     )
-    [wait] = waits.sections[1].waiting
-    assert wait.startswith('waiting for worker to have one server; there are 2 servers of ')
+    [wait] = waits.sections[1].waits
+    assert (wait.kind, list(wait.components)) == ('readiness', ['worker'])
+    assert wait.reason.startswith('waiting for worker to have one server; there are 2 servers of ')
     # Names and topics of a server come one by one: they are told apart by their ids in the end.
     told = cell.watch.until_status(
         lambda s: worker(s).contested.count('/sim_cell (id ') == 2, 'two equal names'

@@ -44,9 +44,9 @@ def test_9_2_the_goal_of_a_journal_that_was_lost_holds_the_cell(
     assert len(cell.goals(event='started')) == 3, 'feed, the first move, and the goal that runs'
 
     assert cell.watch.command('resume', hold=hold.id).accepted
-    waits = cell.watch.until_status(lambda s: s.sections[1].waiting, 'section 2 to wait')
+    waits = cell.watch.until_status(lambda s: s.sections[1].waits, 'section 2 to wait')
     cell.watch.ros.spin_until(
-        lambda: goal in str(cell.watch.status.sections[1].waiting), f'a wait for {goal}: {waits}'
+        lambda: goal in str(cell.watch.status.sections[1].waits), f'a wait for {goal}: {waits}'
     )
     hmi.cancel_of_another('/worker/task', Component, goal)
     assert cell.watch.until_ended('WO-2').packed == 1
@@ -69,7 +69,9 @@ def test_2_5_a_goal_of_another_client_is_waited_for(
     assert not told.holds
     cell.run_small(order='WO-2')
     wait = f'waiting for worker; it runs goal {foreign}, which no task here waits for'
-    cell.watch.until_status(lambda s: wait in s.sections[1].waiting, 'the wait that names it')
+    cell.watch.until_status(
+        lambda s: wait in [one.reason for one in s.sections[1].waits], 'the wait that names it'
+    )
     hmi.wait(handle.cancel_goal_async(), 'the cancel')
     assert cell.watch.until_ended('WO-2').packed == 1
     cell.stop()

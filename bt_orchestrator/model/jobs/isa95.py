@@ -34,8 +34,8 @@ class JobWord(Enum):
         return self.value.partition('/')[2]
 
 
-OVER = (JobWord.ENDED.value, JobWord.ABORTED.value)
-"""What is written of a job that does not go on."""
+OVER = (JobWord.ENDED, JobWord.ABORTED)
+"""States of a job that does not go on."""
 
 _OF_INTERRUPTION = {
     Interruption.HELD: JobWord.HELD,

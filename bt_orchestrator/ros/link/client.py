@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 import rclpy
+from bt_orchestrator_interfaces.msg import CellDescription as CellDescription_
 from bt_orchestrator_interfaces.msg import Event, Status
 from bt_orchestrator_interfaces.srv import GetEvents
 from rclpy.executors import SingleThreadedExecutor
@@ -15,8 +16,11 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from bt_orchestrator.errors import NodeUnreachable
+from bt_orchestrator.model.status import CellDescription, CellStatus
 from bt_orchestrator.ros.identity import LOOK_S, TOPIC, Listener, twins_in_words
 from bt_orchestrator.ros.qos import EVENTS, LATCHED, create_client
+from bt_orchestrator.ros.types.description_messages import cell_description
+from bt_orchestrator.ros.types.status_messages import cell_status
 
 STEP_S = 0.1
 """Longest time between two looks at whether to stop waiting."""
@@ -37,6 +41,10 @@ class NodeClient:
         self._name = '/' + node.strip('/')
         self._timeout_s = timeout_s
         self._meanwhile = meanwhile
+        self._on_status: list[Callable[[CellStatus], object]] = []
+        self._newest: Status | None = None
+        """Came and was not handed on."""
+        self._told: CellStatus | None = None
 
     def __enter__(self) -> NodeClient:
         rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
@@ -90,18 +98,19 @@ class NodeClient:
         finally:
             self._node.destroy_client(client)
 
-    def status(self) -> Any:
-        """Return the node's latched status (bt_orchestrator_interfaces/msg/Status).
+    def status(self) -> CellStatus:
+        """Return how the cell stands, as the node has told last.
 
-        :raises NodeUnreachable: none came
+        :raises NodeUnreachable: nothing came
         """
-        received: list[Any] = []
-        subscription = self.on_status(received.append)
-        try:
-            self.wait_until(lambda: bool(received), f'the status of {self._name}')
-            return received[-1]
-        finally:
-            self._node.destroy_subscription(subscription)
+        return cell_status(self._latched(Status, 'status'))
+
+    def description(self) -> CellDescription:
+        """Return what exists in the cell.
+
+        :raises NodeUnreachable: nothing came
+        """
+        return cell_description(self._latched(CellDescription_, 'cell'))
 
     def events_after(self, seq: int) -> Any:
         """Return events from the journal of the node (srv/GetEvents): as many as it gives at once.
@@ -113,9 +122,24 @@ class NodeClient:
             raise NodeUnreachable(f'{self._name} cannot tell its events: {answer.message}')
         return answer
 
-    def on_status(self, callback: Callable[[Any], None]) -> Any:
-        """Call back with every status, the latched one first; return the subscription."""
-        return self._node.create_subscription(Status, f'{self._name}/status', callback, LATCHED)
+    def on_status(self, callback: Callable[[CellStatus], object]) -> None:
+        """Call back with the status of now, and with the newest one after each `spin`."""
+        if not self._on_status:
+            self._subscribe(Status, 'status', self._heard)
+        elif self._told is not None:
+            callback(self._told)
+        self._on_status.append(callback)
+
+    def _heard(self, message: Status) -> None:
+        self._newest = message
+
+    def _tell(self) -> None:
+        """Hand on the newest status: those before it are void, and are not even read."""
+        message, self._newest = self._newest, None
+        if message is not None:
+            self._told = cell_status(message)
+            for callback in self._on_status:
+                callback(self._told)
 
     def on_event(self, callback: Callable[[Any], None]) -> None:
         """Call back with every event from now on; returns when the node is connected.
@@ -132,7 +156,23 @@ class NodeClient:
         have nowhere to go. The node learns of what others made in their order, so once it sends
         the latched status to one more subscription, it knows what came before.
         """
-        self.status()
+        self._latched(Status, 'status')
+
+    def _latched(self, kind: Any, topic: str) -> Any:
+        """Return the last message of a latched topic.
+
+        :raises NodeUnreachable: none came
+        """
+        received: list[Any] = []
+        subscription = self._subscribe(kind, topic, received.append)
+        try:
+            self.wait_until(lambda: bool(received), f'the {topic} of {self._name}')
+            return received[-1]
+        finally:
+            self._node.destroy_subscription(subscription)
+
+    def _subscribe(self, kind: Any, topic: str, callback: Callable[[Any], None]) -> Any:
+        return self._node.create_subscription(kind, f'{self._name}/{topic}', callback, LATCHED)
 
     def wait_until(self, condition: Callable[[], bool], what: str) -> None:
         """Spin until a condition holds.
@@ -151,5 +191,6 @@ class NodeClient:
     def spin(self) -> None:
         """Handle what comes within STEP_S."""
         self._executor.spin_once(timeout_sec=STEP_S)
+        self._tell()
         if self._meanwhile is not None:
             self._meanwhile()

@@ -6,6 +6,8 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from typing import Any, Protocol
 
+from bt_orchestrator.model.status import CellStatus
+
 
 class EventSource(Protocol):
     """A tree node, as `ros.client.NodeClient` shows it."""
@@ -13,10 +15,10 @@ class EventSource(Protocol):
     def on_event(self, callback: Callable[[Any], None]) -> None:
         """Call back with every event from now on."""
 
-    def on_status(self, callback: Callable[[Any], None]) -> None:
-        """Call back with every status, the latched one first."""
+    def on_status(self, callback: Callable[[CellStatus], object]) -> None:
+        """Call back with the newest status, the latched one first."""
 
-    def status(self) -> Any:
+    def status(self) -> CellStatus:
         """Return the latched status."""
 
     def events_after(self, seq: int) -> Any:
@@ -49,7 +51,7 @@ class EventFollower:
         self._on_removed = on_removed
         self._on_anew = on_anew
         self._inbox: deque[Any] = deque()
-        self._told: Any = None
+        self._told: CellStatus | None = None
         """The last status."""
         client.on_event(self._receive)
         client.on_status(self._note)
@@ -76,7 +78,7 @@ class EventFollower:
     def _receive(self, message: Any) -> None:
         self._inbox.append(message)
 
-    def _note(self, status: Any) -> None:
+    def _note(self, status: CellStatus) -> None:
         self._told = status
 
     def _fetch(self, history: str, until: int) -> Iterator[Any]:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from bt_orchestrator_interfaces.msg import CellDescription, Status
 from bt_orchestrator_interfaces.msg import Event as EventMessage
-from bt_orchestrator_interfaces.msg import Status
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 
 from bt_orchestrator.deadlines import instant_ns
+from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.events import (
     BeatStarted,
     BeltIndexed,
@@ -29,9 +30,11 @@ from bt_orchestrator.ros.pulse import Pulse
 from bt_orchestrator.ros.qos import EVENTS, LATCHED, publisher
 from bt_orchestrator.ros.services.event_message import event_message
 from bt_orchestrator.ros.services.expected_ends import ExpectedEnds
-from bt_orchestrator.ros.services.status_message import contested_words, status_message
 from bt_orchestrator.ros.stamps import to_time
+from bt_orchestrator.ros.types.description_messages import description_message
+from bt_orchestrator.ros.types.status_messages import StatusWriter
 from bt_orchestrator.runtime.orchestrator import Orchestrator
+from bt_orchestrator.runtime.overview import Overview, description_of
 
 STATUS_PERIOD_S = 0.1
 """Shortest time between two status messages."""
@@ -67,13 +70,21 @@ class StatusTopic:
     """
 
     def __init__(
-        self, node: Node, orchestrator: Orchestrator, expected: ExpectedEnds, pulse: Pulse
+        self,
+        node: Node,
+        orchestrator: Orchestrator,
+        overview: Overview,
+        expected: ExpectedEnds,
+        pulse: Pulse,
     ) -> None:
         self._node = node
         self._orchestrator = orchestrator
+        self._overview = overview
         self._expected = expected
         self._publisher = publisher(node, Status, '~/status', LATCHED)
-        self._last = Status()
+        self._writer = StatusWriter()
+        self._last: Status | None = None
+        """None: there is nothing yet that the journal holds."""
         self._within_s = math.inf
         self._timer = steady_timer(node, UNWATCHED_S, self.publish_now)
         self._timer.cancel()
@@ -82,12 +93,14 @@ class StatusTopic:
     def publish_now(self) -> None:
         """Publish whatever is so now."""
         now = self._node.get_clock().now().nanoseconds / 1e9
-        if self._orchestrator.awaits_disk:
+        if not self._orchestrator.awaits_disk:
+            status = self._overview.status(now, self._expected.within_s(now))
+            self._last = self._writer.message(status)
+        elif self._last is not None:
             self._last.stamp = to_time(now)
-        else:
-            self._last = status_message(self._orchestrator, now, self._expected.within_s(now))
-        self._last.disk_wait = self._orchestrator.disk_wait
-        self._publisher.publish(self._last)
+            self._last.disk_wait = self._orchestrator.disk_wait
+        if self._last is not None:
+            self._publisher.publish(self._last)
         self._within_s = math.inf
         self._timer.cancel()
 
@@ -107,12 +120,28 @@ class StatusTopic:
             self.publish_now()
 
 
+class DescriptionTopic:
+    """`~/cell`, latched: what exists, told once."""
+
+    def __init__(self, node: Node, cell: Cell) -> None:
+        self._publisher = publisher(node, CellDescription, '~/cell', LATCHED)
+        self._publisher.publish(description_message(description_of(cell)))
+
+
 class Diagnostics:
     """`/diagnostics` at 1 Hz: the cell, and every component that is not as it should be."""
 
-    def __init__(self, node: Node, orchestrator: Orchestrator, heart: Heart, pulse: Pulse) -> None:
+    def __init__(
+        self,
+        node: Node,
+        orchestrator: Orchestrator,
+        overview: Overview,
+        heart: Heart,
+        pulse: Pulse,
+    ) -> None:
         self._node = node
         self._orchestrator = orchestrator
+        self._overview = overview
         self._heart = heart
         self._publisher = publisher(node, DiagnosticArray, '/diagnostics', 10)
         pulse.add(self._publish)
@@ -153,21 +182,17 @@ class Diagnostics:
         return values
 
     def _servers(self) -> DiagnosticStatus:
-        components = self._orchestrator.state.cell.components
-        contested = {
-            c.name: words
-            for c in components.values()
-            if (words := contested_words(self._orchestrator, c))
-        }
+        components = tuple(self._overview.components())
+        contested = {one.name: one.contested for one in components if one.contested}
         if contested:
             text = '; '.join(f'{name}: {words}' for name, words in contested.items())
             return self._status('action servers', DiagnosticStatus.ERROR, text, contested)
-        gone = [c for c in components.values() if not self._orchestrator.gateway.available(c.name)]
+        gone = [one for one in components if not one.available]
         if not gone:
             text = f'all {len(components)} action servers are there'
             return self._status('action servers', DiagnosticStatus.OK, text, {})
         text = f'{len(gone)} of {len(components)} action servers are not there'
-        missing = {c.name: c.action for c in gone}
+        missing = {one.name: one.action for one in gone}
         return self._status('action servers', DiagnosticStatus.WARN, text, missing)
 
     def _status(

@@ -19,6 +19,7 @@ from rclpy.node import Node
 
 from bt_orchestrator.errors import Refused, counted
 from bt_orchestrator.model.by import By
+from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.commands import Answer, RefusedRequest
 from bt_orchestrator.model.jobs.job_commands import (
     AddJobs,
@@ -29,8 +30,8 @@ from bt_orchestrator.model.jobs.job_commands import (
     UpdateJob,
 )
 from bt_orchestrator.model.jobs.order import Job
-from bt_orchestrator.model.limits import listed
-from bt_orchestrator.ros.services.job_message import list_queue
+from bt_orchestrator.model.limits import QUEUE_PAGE, fitting, listed
+from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.ros.services.order_process import NotRead
 from bt_orchestrator.ros.services.order_reader import OrderReader
 from bt_orchestrator.ros.services.order_requests import (
@@ -42,21 +43,30 @@ from bt_orchestrator.ros.services.order_requests import (
     total,
 )
 from bt_orchestrator.ros.services.serving import by, serve, tell
+from bt_orchestrator.ros.types.job_messages import job_message
 from bt_orchestrator.runtime.command_record import ADD, UPDATE
 from bt_orchestrator.runtime.job_queue import standing
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.runtime.orders import FITS
+from bt_orchestrator.runtime.overview import Overview
 from bt_orchestrator.script.orders.desk import AskedOrder, ChangedJob, Reading
 
 NEXT = 'next'
 """The one command to a job that is about its place, and not about its state."""
 
 
+DETAILS_TOLD_BYTES = 1_000_000
+"""Most details of jobs in one answer; where they are longer it has fewer jobs."""
+
+
 class QueueServices:
     """Requests become commands in the one inbox of the cell; nothing is decided here."""
 
-    def __init__(self, node: Node, orchestrator: Orchestrator, orders: OrderReader) -> None:
+    def __init__(
+        self, node: Node, orchestrator: Orchestrator, overview: Overview, orders: OrderReader
+    ) -> None:
         self._orchestrator = orchestrator
+        self._overview = overview
         self._orders = orders
         serve(node, SubmitOrder, 'submit_order', self._submit)
         serve(node, QueueAdd, 'queue/add', self._add)
@@ -166,7 +176,26 @@ class QueueServices:
         tell(response, await self._orchestrator.carry_out(StopAfter(request.after, by(request))))
 
     async def _list(self, request: Any, response: Any) -> None:
-        list_queue(self._orchestrator.state, request, response)
+        list_queue(self._orchestrator.state, self._overview, request, response)
+
+
+def list_queue(state: CellState, overview: Overview, request: Any, response: Any) -> None:
+    """Fill a response with jobs of the queue (bt_orchestrator_interfaces/srv/QueueList)."""
+    place = state.jobs.place(request.after)
+    if request.after and not place:
+        response.message = f'{request.after} is not in the queue'
+        return
+    most = min(request.most or QUEUE_PAGE, QUEUE_PAGE)
+    response.accepted, response.queued = True, state.jobs.waiting
+    told = [(job, _details(job)) for job in state.jobs.queue(place + 1, most)]
+    told = list(fitting(told, DETAILS_TOLD_BYTES, lambda one: len(one[1])))
+    response.jobs = [job_message(overview.job(job)) for job, _ in told]
+    response.details = [details for _, details in told]
+
+
+def _details(job: JobState) -> str:
+    details = job.job.terms.details
+    return json_of(details) if details else ''
 
 
 def _of_reading(order: Any, read: Job | Refused, told: Told) -> OrderAnswer:

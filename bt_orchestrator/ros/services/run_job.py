@@ -30,7 +30,6 @@ from bt_orchestrator.replies import begin
 from bt_orchestrator.report.jobs import JobFold
 from bt_orchestrator.ros.qos import SERVICES
 from bt_orchestrator.ros.services.expected_ends import ExpectedEnds
-from bt_orchestrator.ros.services.job_message import job_messages
 from bt_orchestrator.ros.services.order_process import NotRead
 from bt_orchestrator.ros.services.order_reader import OrderReader
 from bt_orchestrator.ros.services.order_requests import (
@@ -42,8 +41,10 @@ from bt_orchestrator.ros.services.order_requests import (
 from bt_orchestrator.ros.services.serving import by
 from bt_orchestrator.ros.spare_log import SpareLog
 from bt_orchestrator.ros.stamps import to_time
+from bt_orchestrator.ros.types.job_messages import job_message
 from bt_orchestrator.runtime.command_record import ADD
 from bt_orchestrator.runtime.orchestrator import Orchestrator
+from bt_orchestrator.runtime.overview import Overview
 from bt_orchestrator.script.orders.desk import Reading
 
 RESULT_TIMEOUT_S = 900
@@ -75,10 +76,12 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
         self,
         node: Node,
         orchestrator: Orchestrator,
+        overview: Overview,
         orders: OrderReader,
         expected: ExpectedEnds,
     ) -> None:
         self._orchestrator = orchestrator
+        self._overview = overview
         self._orders = orders
         self._expected = expected
         self._served: dict[str, _Served] = {}
@@ -228,7 +231,7 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
         found = state.jobs.get(job) or state.ended.get(job)
         if found is None:
             return None
-        return job_messages(state, [found], ends)[0]
+        return job_message(self._overview.job(found, ends))
 
     def _end(self, served: _Served, record: JobRecord) -> None:
         result = RunJob.Result(

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from datetime import datetime
-from types import SimpleNamespace
 
 import pytest
+from fakes import statuses
 
 from bt_orchestrator.cli.main import main
 from bt_orchestrator.cli.queue import lines
+from bt_orchestrator.model.jobs.isa95 import JobWord
 
-DUE = 1779084000
+DUE = 1779084000.0
 WHY = ['--reason', 'rush']
 
 
@@ -56,41 +57,28 @@ def test_a_wrong_value_is_told(option: str, told: str, capsys: pytest.CaptureFix
     assert told in capsys.readouterr().err
 
 
-def at(seconds: int) -> SimpleNamespace:
-    return SimpleNamespace(sec=seconds, nanosec=0)
-
-
-def job(name: str, position: int, state: str, **fields: object) -> SimpleNamespace:
-    """Return what a JobStatus says."""
-    plain = {'substate': '', 'ending': '', 'expected_end_s': -1.0, 'packed': 0}
-    terms = {'priority': 0, 'start': at(0), 'due': at(0)}
-    plain |= {**terms, **fields}
-    return SimpleNamespace(
-        id=name, script='boxes', quantity=4, position=position, state=state, **plain
-    )
-
-
 def test_running_jobs_stand_apart_from_the_queue() -> None:
-    status = SimpleNamespace(
+    held, waiting = JobWord.NOT_ALLOWED_TO_START, JobWord.ALLOWED_TO_START
+    status = statuses.status(
         stop_after='job',
         jobs=[
-            job('A', 0, 'Running', packed=2, ending='stopping', expected_end_s=61.4),
-            job('B', 1, 'NotAllowedToStart', priority=7, due=at(DUE)),
-            job('C', 2, 'AllowedToStart', expected_end_s=7265.0),
-            job('D', 0, 'Ended'),
+            statuses.job('A', packed=2, ending='stopping', expected_end_s=61.4),
+            statuses.job('B', position=1, state=held, priority=7, due=DUE),
+            statuses.job('C', position=2, state=waiting, expected_end_s=7265.0),
+            statuses.job('D', state=JobWord.ENDED),
         ],
     )
     due = f'{datetime.fromtimestamp(DUE):%Y-%m-%d %H:%M}'
     assert list(lines(status)) == [
         'the cell stops after the current job',
         'on the line:',
-        '     A (boxes, 4 items): Running/stopping, ends in about 1 min 01 s, 2 packed',
+        '     A (small, 10 items): Running/stopping, ends in about 1 min 01 s, 2 packed',
         'queue:',
-        f'   1 B (boxes, 4 items): NotAllowedToStart, priority 7, due {due}',
-        '   2 C (boxes, 4 items): AllowedToStart, ends in about 2 h 01 min',
+        f'   1 B (small, 10 items): NotAllowedToStart, priority 7, due {due}',
+        '   2 C (small, 10 items): AllowedToStart, ends in about 2 h 01 min',
     ]
 
 
 def test_an_empty_line_says_so() -> None:
-    status = SimpleNamespace(stop_after='', jobs=[])
+    status = statuses.status(jobs=[])
     assert list(lines(status)) == ['nothing is on the line', 'the queue is empty']

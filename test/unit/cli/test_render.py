@@ -13,6 +13,9 @@ from fakes.shipped import REFERENCE_CELL, STUCK, TREES
 from bt_orchestrator.cli.render import CannotWrite, add_arguments, render, run
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.errors import Refused
+from bt_orchestrator.model.codec import to_plain
+from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.status import CellStatus
 
 
 def rendered(*words: str | Path) -> int:
@@ -87,7 +90,7 @@ def test_options_that_mean_nothing_together(
 
 def test_a_saved_status_is_drawn_and_the_file_replaced_at_once(tmp_path: Path) -> None:
     saved, output = tmp_path / 'status.json', tmp_path / 'x.dot'
-    saved.write_text(json.dumps(EMPTY))
+    saved.write_text(json.dumps(to_plain(EMPTY, whole=True)))
     output.write_text('old')
     before = output.stat().st_ino
     assert rendered('reference_process', '--trees', TREES, '-o', output, '--status', saved) == 0
@@ -96,16 +99,4 @@ def test_a_saved_status_is_drawn_and_the_file_replaced_at_once(tmp_path: Path) -
     assert sorted(path.name for path in tmp_path.iterdir()) == ['status.json', 'x.dot']
 
 
-EMPTY = {
-    'cell': 'reference_cell',
-    'state': 'Stopped',
-    'seq': 0,
-    'belt_moving': False,
-    'belt_waiting': [],
-    'initialization_waiting': [],
-    'sections': [],
-    'components': [],
-    'jobs': [],
-    'flags': [],
-    'holds': [],
-}
+EMPTY = CellStatus('reference_cell', 0.0, 0, '', PackmlState.STOPPED, 0.0)

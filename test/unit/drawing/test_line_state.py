@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
 import pytest
+from fakes import statuses
 from fakes.dot_text import DotText
 from fakes.line import THREE, Line
 
 from bt_orchestrator.drawing.line_state import Mark
 from bt_orchestrator.drawing.status_marks import NotThisLine, line_state
-from bt_orchestrator.model.state import End
+from bt_orchestrator.model.frozen import changed
+from bt_orchestrator.model.state import End, Hold
+from bt_orchestrator.model.status import (
+    BeltStatus,
+    CellStatus,
+    FlagStatus,
+    JobStatus,
+    PassedTask,
+    SectionStatus,
+)
 from bt_orchestrator.tree.draw import draw
 
 SCRIPT = """
@@ -26,65 +35,38 @@ lateral_dependencies: [{flag: seen, upstream: look, downstream: pack}]
 """
 
 
-def section(number: int, **fields: Any) -> dict[str, Any]:
-    plain = {
-        'section': number,
-        'slot': '',
-        'slot_empty_position': False,
-        'slot_rejected': False,
-        'slot_nonconforming': [],
-        'job': '',
-        'item': '',
-        'running': [],
-        'done': [],
-        'passed': [],
-        'failed': [],
-        'waiting': [],
-    }
-    return plain | fields
+def job(id: str = 'WO-1', script: str = 'test', **about: Any) -> JobStatus:  # noqa: A002 - as in the status
+    return changed(statuses.job(id, quantity=4, **about), script=script)
 
 
-def job(**fields: Any) -> dict[str, Any]:
-    counts = dict.fromkeys(('packed', 'rejected', 'missing', 'nonconforming'), 0)
-    plain = {'id': 'WO-1', 'script': 'test', 'state': 'Running', 'quantity': 4}
-    return plain | counts | {'initialization': [], 'passed': []} | fields
+def hold(**about: Any) -> Hold:
+    nowhere = dict.fromkeys(('section', 'item', 'task'))
+    return statuses.hold(**{**nowhere, 'attempt': 0, 'reason': 'timeout', **about})
 
 
-def hold(**fields: Any) -> dict[str, Any]:
-    plain = {'id': '1', 'job': 'WO-1', 'section': 0, 'item': '', 'task': ''}
-    return plain | {'reason': 'timeout', 'message': '', 'answers': ['retry', 'skip']} | fields
-
-
-def status(*sections: dict[str, Any], **fields: Any) -> dict[str, Any]:
-    plain = {
+def status(*sections: SectionStatus, **about: Any) -> CellStatus:
+    known = {one.number: one for one in sections}
+    usual = {
         'cell': 'test_line',
-        'state': 'Execute',
         'seq': 17,
-        'belt_moving': False,
-        'belt_waiting': ['waiting for section 2'],
-        'initialization_waiting': [],
-        'sections': [{s['section']: s for s in sections}.get(n, section(n)) for n in (1, 2, 3)],
-        'components': [],
+        'belt': BeltStatus(waits=(statuses.wait('waiting for section 2'),)),
+        'sections': [known.get(n, statuses.section(n)) for n in (1, 2, 3)],
         'jobs': [job()],
-        'flags': [{'name': 'seen', 'count': 1, 'capacity': 1}],
-        'holds': [],
+        'flags': [FlagStatus('seen', 1, 1)],
     }
-    return plain | fields
+    return statuses.status(**{**usual, **about})
 
 
-def drawn(state: dict[str, Any], text: str = SCRIPT) -> DotText:
+def drawn(state: CellStatus, text: str = SCRIPT) -> DotText:
     line = Line()
     script = line.script(text)
-    # By way of JSON, as a file of `status --json` comes.
-    found = line_state(json.loads(json.dumps(state)), script, line.cell)
-    return DotText(draw(script, line.cell, state=found).dot)
+    return DotText(draw(script, line.cell, state=line_state(state, script, line.cell)).dot)
 
 
-def running(task: str, attempt: int = 1) -> dict[str, Any]:
-    return {'id': task, 'attempt': attempt}
-
-
-AT_2: dict[str, Any] = {'job': 'WO-1', 'item': 'WO-1/1', 'slot': 'WO-1/1'}
+def section_2(**about: Any) -> SectionStatus:
+    """Return a section at work on an item, which may be rejected, and so on."""
+    facts = {key: about.pop(key) for key in ('passed', 'failed') if key in about}
+    return changed(statuses.section(2, 'WO-1/1', **about), **facts)
 
 
 # --- tasks ------------------------------------------------------------------------------------
@@ -99,19 +81,12 @@ def marks(picture: DotText) -> dict[str, str]:
     }
 
 
-def passed(task: str, end: str = 'done', reason: str = '') -> dict[str, Any]:
-    return {'id': task, 'end': end, 'reason': reason}
+LOOKED = PassedTask('look', End.DONE)
 
 
 def test_every_task_says_how_it_stands() -> None:
-    at_work = section(
-        2,
-        **AT_2,
-        done=['look'],
-        passed=[passed('look')],
-        running=[running('turn', 2)],
-        waiting=['for lamp'],
-    )
+    turns = statuses.task('turn', attempt=2)
+    at_work = section_2(passed=(LOOKED,), running=[turns], waiting=['for lamp'])
     assert marks(drawn(status(at_work))) == {
         'prepare': '\u2713 done',
         'index': '\u2026 waits',
@@ -125,8 +100,8 @@ def test_every_task_says_how_it_stands() -> None:
 
 
 def test_what_failed_is_told_apart() -> None:
-    look = passed('look', 'continued', 'aborted')
-    failed = section(2, **AT_2, done=['look'], passed=[look], failed=['look', 'turn', 'watch'])
+    look = PassedTask('look', End.CONTINUED, 'aborted')
+    failed = section_2(passed=(look,), failed=('look', 'turn', 'watch'))
     held = hold(section=2, item='WO-1/1', task='watch')
     found = marks(drawn(status(failed, holds=[held])))
     assert found['look'] == '\u2717 failed, continued'
@@ -137,25 +112,25 @@ def test_what_failed_is_told_apart() -> None:
 @pytest.mark.parametrize(
     ('end', 'words'),
     [
-        ('done', '\u2713 done'),
-        ('marked_done', '\u2713 marked done'),
-        ('skipped', '\u21b7 skipped'),
-        ('continued', '\u2717 failed, continued'),
-        ('rejected', '\u2717 failed, item rejected'),
-        ('aborted', '\u2717 failed, job aborted'),
+        (End.DONE, '\u2713 done'),
+        (End.MARKED_DONE, '\u2713 marked done'),
+        (End.SKIPPED, '\u21b7 skipped'),
+        (End.CONTINUED, '\u2717 failed, continued'),
+        (End.REJECTED, '\u2717 failed, item rejected'),
+        (End.ABORTED, '\u2717 failed, job aborted'),
     ],
 )
-def test_a_task_that_was_passed_says_how_it_ended(end: str, words: str) -> None:
-    look = passed('look', end, 'this is why')
-    prepared = job(passed=[passed('prepare', end)])
-    picture = drawn(status(section(2, **AT_2, done=['look'], passed=[look]), jobs=[prepared]))
+def test_a_task_that_was_passed_says_how_it_ended(end: End, words: str) -> None:
+    look = PassedTask('look', end, 'this is why')
+    prepared = job(passed=(PassedTask('prepare', end),))
+    picture = drawn(status(section_2(passed=(look,)), jobs=[prepared]))
     assert picture.words('task.look')[:2] == [words, 'this is why']
     assert marks(picture)['prepare'] == words
 
 
 def test_the_words_of_the_ends_are_those_of_the_state() -> None:
     for end in End:
-        look = section(2, **AT_2, done=['look'], passed=[passed('look', end.value)])
+        look = section_2(passed=(PassedTask('look', end),))
         assert ('failed' in marks(drawn(status(look)))['look']) is end.is_failure
 
 
@@ -166,7 +141,7 @@ def test_no_two_marks_are_told_by_colour_alone() -> None:
 
 def test_a_reason_stands_on_the_card_and_whole_in_its_tooltip() -> None:
     reason = 'waiting for a component with a long name, busy with another task of WO-17/12'
-    picture = drawn(status(section(2, **AT_2, waiting=[reason])))
+    picture = drawn(status(section_2(waiting=[reason])))
     assert picture.words('task.look')[1].startswith('waiting for a component')
     assert picture.words('task.look')[2].endswith('\u2026')
     assert picture.nodes['task.look']['tooltip'].startswith(f'now: \u2026 waits\n{reason}\n')
@@ -174,14 +149,14 @@ def test_a_reason_stands_on_the_card_and_whole_in_its_tooltip() -> None:
 
 def test_a_hold_says_what_may_be_answered() -> None:
     held = hold(section=2, item='WO-1/1', task='look', message='too late')
-    picture = drawn(status(section(2, **AT_2), holds=[held]))
+    picture = drawn(status(section_2(), holds=[held]))
     hint = picture.nodes['task.look']['tooltip']
     assert 'timeout (too late); answer with retry | skip' in hint
     assert 'BORDER="3"' in picture.nodes['task.look']['label']
 
 
 def test_a_hold_of_the_whole_cell_stands_at_the_top() -> None:
-    of_cell = hold(job='', reason='restarted', answers=['resume'])
+    of_cell = hold(job=None, reason='restarted', answers=('resume',))
     found = line_state(status(holds=[of_cell]), Line().script(SCRIPT), Line().cell)
     assert found.headline.endswith(
         '1 hold, after event 17; hold 1 (restarted): bt-orchestrator resume --hold 1 --reason WHY'
@@ -191,7 +166,7 @@ def test_a_hold_of_the_whole_cell_stands_at_the_top() -> None:
 def test_cards_stay_where_they_are() -> None:
     before = drawn(status())
     long = ['a very long reason indeed ' * 8]
-    moved = drawn(status(section(2, **AT_2, waiting=long), jobs=[job(), job(), job(id='WO-3')]))
+    moved = drawn(status(section_2(waiting=long), jobs=[job(), job(), job('WO-3')]))
     cards = [name for name, of_node in before.nodes.items() if 'pos' in of_node]
     assert len(cards) > 10
     assert [before.place(name) for name in cards] == [moved.place(name) for name in cards]
@@ -203,15 +178,16 @@ def test_cards_stay_where_they_are() -> None:
 @pytest.mark.parametrize(
     ('fields', 'mark', 'reason'),
     [
-        ({'initialization_waiting': ['earlier jobs']}, '\u2026 waits', 'earlier jobs'),
-        ({'components': [{'name': 'a1', 'task': 'prepare of WO-1'}]}, '\u25b6 running', ''),
-        ({'components': [{'name': 'a1', 'task': 'feed of WO-0/3'}]}, '\u2026 waits', ''),
+        ({'initialization': [statuses.wait('earlier jobs')]}, '\u2026 waits', 'earlier jobs'),
+        ({'running': (statuses.task('prepare'),)}, '\u25b6 running', ''),
+        ({'running': (statuses.task('other'),)}, '\u2026 waits', ''),
         ({'holds': [hold(task='prepare')]}, '! HELD (hold 1)', 'timeout; answer with'),
     ],
 )
 def test_initialization(fields: dict[str, Any], mark: str, reason: str) -> None:
-    state = status(jobs=[job(initialization=['prepare'])], **fields)
-    words = drawn(state).words('task.prepare')
+    to_come = job(initialization=('prepare',), running=fields.get('running', ()))
+    rest = {key: value for key, value in fields.items() if key != 'running'}
+    words = drawn(status(jobs=[to_come], **rest)).words('task.prepare')
     assert words[0] == mark
     assert words[1].startswith(reason)
 
@@ -221,15 +197,13 @@ def test_before_there_is_a_job_nothing_is_begun() -> None:
 
 
 def test_the_belt_while_it_moves() -> None:
-    line = Line()
-    belt = line.cell.conveyor.component.name
-    components = [{'name': belt, 'task': 'index'}]
-    rests, moves = drawn(status()), drawn(status(belt_moving=True, components=components))
+    belt = BeltStatus(moving=True, running=(statuses.task('index'),))
+    rests, moves = drawn(status()), drawn(status(belt=belt))
     assert moves.words('task.index')[0] == '\u25b6 running'
     assert 'style' not in rests.edges['slot.1 -> slot.2']
     assert moves.edges['slot.1 -> slot.2']['style'] == 'dashed'
     assert 'Execute, the belt moves, after event 17' in moves.words('title')
-    held = drawn(status(holds=[hold(job='', task='index')]))
+    held = drawn(status(holds=[hold(job=None, task='index')]))
     assert held.words('task.index')[0] == '! HELD (hold 1)'
     assert 'Execute, the belt rests, 1 hold, after event 17' in held.words('title')
 
@@ -240,9 +214,9 @@ def test_the_belt_while_it_moves() -> None:
 def test_slots_say_what_stands_there_and_what_is_done() -> None:
     picture = drawn(
         status(
-            section(1, waiting=['waiting for the belt to move', 'and more']),
-            section(2, **AT_2),
-            section(3, slot='WO-1/2', slot_empty_position=True),
+            statuses.section(1, waiting=['waiting for the belt to move', 'and more']),
+            section_2(),
+            changed(statuses.section(3), slot=statuses.item('WO-1/2', empty_position=True)),
         )
     )
     first = picture.words('slot.1')
@@ -253,7 +227,7 @@ def test_slots_say_what_stands_there_and_what_is_done() -> None:
 
 
 def test_slots_say_what_is_wrong_with_their_items() -> None:
-    rejected = section(2, **AT_2, slot_rejected=True, slot_nonconforming=['look'])
+    rejected = section_2(rejected=True, nonconforming=['look'])
     picture = drawn(status(rejected))
     wrong = '\u2717 REJECTED, nonconforming'
     assert picture.words('slot.2')[:2] == ['slot 2: WO-1/1', wrong]
@@ -261,8 +235,9 @@ def test_slots_say_what_is_wrong_with_their_items() -> None:
 
 
 def test_a_section_that_works_for_another_script_says_so() -> None:
-    other = job(id='WO-2', script='other')
-    at_work = section(2, job='WO-2', item='WO-2/1', running=[running('look')])
+    other = job('WO-2', script='other')
+    running = [statuses.task('look')]
+    at_work = statuses.section(2, 'WO-2/1', job='WO-2', running=running)
     picture = drawn(status(at_work, jobs=[job(), other]))
     assert picture.words('slot.2')[1] == 'works on WO-2/1, script other'
     assert marks(picture)['look'] == 'not begun'
@@ -274,7 +249,7 @@ def test_flags_show_their_counts() -> None:
 
 
 def test_jobs_stand_below_the_title_and_more_are_counted() -> None:
-    jobs = [job(id=f'WO-{n}', packed=n, rejected=n - 1) for n in range(1, 7)]
+    jobs = [job(f'WO-{n}', packed=n, rejected=n - 1) for n in range(1, 7)]
     words = drawn(status(jobs=jobs)).words('title')
     assert 'WO-1 (test): Running, 1 of 4 packed' in words
     assert 'WO-2 (test): Running, 2 of 4 packed, 1 rejected' in words
@@ -295,9 +270,3 @@ def test_the_legend_explains_what_is_new() -> None:
 def test_a_status_of_another_cell() -> None:
     with pytest.raises(NotThisLine, match='of cell other, not of test_line'):
         drawn(status(cell='other'))
-
-
-@pytest.mark.parametrize('broken', [{'cell': 'test_line'}, {}, status(sections=[{}])])
-def test_what_is_no_status(broken: dict[str, Any]) -> None:
-    with pytest.raises(NotThisLine, match='no status of a tree node'):
-        drawn(broken)

@@ -11,6 +11,8 @@ from fakes import statuses
 from rich.cells import cell_len
 from rich.console import Console
 
+from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.status import BeltStatus, CellStatus
 from bt_orchestrator.screen.advice import Shell
 from bt_orchestrator.screen.picture import Picture
 from bt_orchestrator.screen.tree_view import Branch, Status
@@ -20,7 +22,7 @@ NODE = '/bt_orchestrator'
 SIZES = [(w, h) for w in (20, 40, 60, 80, 120) for h in (6, 10, 24, 50)]
 
 
-def picture(status: Any, **about: Any) -> Picture:
+def picture(status: CellStatus, **about: Any) -> Picture:
     return Picture(cell_view(status, Shell(NODE)), NODE, **about)
 
 
@@ -82,7 +84,7 @@ def test_bad_items_have_signs_where_there_is_only_ascii() -> None:
 
 
 def test_a_hold_shows_what_to_type() -> None:
-    found = drawn(picture(statuses.status(state='Held', holds=[statuses.hold()])))
+    found = drawn(picture(statuses.status(state=PackmlState.HELD, holds=[statuses.hold()])))
     assert found[0].startswith('small_cell  ■ Held  ')
     at = found.index(
         '■ hold 1: section 2, work (TASK_A) of WO-1/1 at arm (/arm/task), attempt 1 of 2:'
@@ -94,7 +96,7 @@ def test_a_hold_shows_what_to_type() -> None:
 
 
 def test_a_cell_that_stands_shows_what_to_type_next() -> None:
-    found = drawn(picture(statuses.status(state='Stopped')))
+    found = drawn(picture(statuses.status(state=PackmlState.STOPPED)))
     at = found.index('bt-orchestrator reset --reason "WHY"   gets the cell ready to start')
     assert found[at - 1].startswith('next ───')
 
@@ -149,12 +151,12 @@ def test_of_twenty_sections_those_that_matter_stay(held: int) -> None:
     assert '│20│19│' in found[1], 'numbers of items where their names do not fit'
 
 
-def nasty() -> Any:
+def nasty() -> CellStatus:
     """Return a status in which everything is long, or wide, or both."""
     name = '日本語の装置' * 8
     return statuses.status(
         cell=name,
-        state='Unsuspending',
+        state=PackmlState.UNSUSPENDING,
         sections=[
             statuses.section(1, f'{name}/123', running=[statuses.task(name, attempt=12)]),
             *(statuses.section(n, f'é{"x" * 90}/{n}', waiting=['w' * 300]) for n in range(2, 30)),
@@ -162,7 +164,7 @@ def nasty() -> Any:
         jobs=[statuses.job(f'{name}{n}', quantity=3, packed=9, missing=9) for n in range(12)],
         holds=[statuses.hold(str(n), task=name, message='m ' * 200) for n in range(5)],
         components=[statuses.component(name, available=False)] * 9,
-        belt_waiting=['b' * 500],
+        belt=BeltStatus(waits=(statuses.wait('b' * 500),)),
     )
 
 
@@ -186,7 +188,7 @@ def test_an_item_keeps_its_number_when_it_is_cut() -> None:
 
 
 def test_without_colour_there_are_no_colours() -> None:
-    status = statuses.status(state='Held', holds=[statuses.hold()])
+    status = statuses.status(state=PackmlState.HELD, holds=[statuses.hold()])
     assert re.search(r'\x1b\[[\d;]*3[0-7]', printed(picture(status))), 'colours, if allowed'
     plain = printed(picture(status), no_color=True)
     assert not re.search(r'\x1b\[[\d;]*3[0-7]', plain)

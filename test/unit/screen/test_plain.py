@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-from types import SimpleNamespace
-from typing import Any
 
 import pytest
 from fakes import statuses
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.wish import Wish
 from bt_orchestrator.screen import machine, plain, words
 from bt_orchestrator.screen.advice import Shell
 from bt_orchestrator.screen.machine import JsonView
@@ -42,14 +42,6 @@ def raised() -> e.HoldRaised:
     return e.HoldRaised(
         seq=1, time=0.0, hold='1', task='work', reason='aborted', answers=('retry', 'skip')
     )
-
-
-def to_plain(message: Any) -> dict[str, Any]:
-    assert isinstance(message, SimpleNamespace)
-    return {
-        key: to_plain(value) if isinstance(value, SimpleNamespace) else repr(value)
-        for key, value in vars(message).items()
-    }
 
 
 def branch(status: Status) -> Branch:
@@ -85,7 +77,7 @@ def test_who_stopped_the_cell_is_told_when_it_changes() -> None:
     view.on_status(statuses.status())
     said.clear()
     for _ in range(2):
-        view.on_status(statuses.status(stopped_with='stop', waits_for='start'))
+        view.on_status(statuses.status(wish=Wish('stop'), waits_for='start'))
     view.on_status(statuses.status())
     assert said == ['an operator said stop; orders wait for start']
 
@@ -143,7 +135,7 @@ def test_what_can_be_typed_where_a_cell_has_come_to_stand() -> None:
         view.on_status(statuses.status())
         said.clear()
         for seq in (7, 8):
-            view.on_status(statuses.status(state='Aborted', seq=seq))
+            view.on_status(statuses.status(state=PackmlState.ABORTED, seq=seq))
         assert [line.split(' --')[0] for line in said] == ['next: bt-orchestrator clear'] * 2
 
 
@@ -187,9 +179,15 @@ def test_changes_of_tree_and_blackboard() -> None:
 
 def test_machines_get_what_is_different(clock: Time) -> None:
     said: list[str] = []
-    view = JsonView(NODE.node, said.append, to_plain)
-    view.on_status(statuses.status())
-    view.on_status(statuses.status(stamp=statuses.stamp(1001)))
+    view = JsonView(NODE.node, said.append)
+    view.on_status(statuses.status(jobs=[statuses.job(expected_end_s=9.0)]))
+    view.on_status(
+        statuses.status(
+            stamp=1001.0,
+            state_times={PackmlState.EXECUTE: 13.0},
+            jobs=[statuses.job(expected_end_s=8.0)],
+        )
+    )
     view.on_status(statuses.status(seq=8))
     view.on_event(raised())
     view.on_tree(branch(Status.SUCCESS))
@@ -200,7 +198,7 @@ def test_machines_get_what_is_different(clock: Time) -> None:
     records = [json.loads(line) for line in said]
     kinds = [record['kind'] for record in records]
     assert kinds == ['status', 'status', 'tree', 'blackboard', 'away', 'status']
-    assert records[0]['status']['cell'] == "'small_cell'"
+    assert records[0]['status']['cell'] == 'small_cell'
     assert records[2]['tree']['children'][0] == {
         'name': 'work',
         'status': 'SUCCESS',

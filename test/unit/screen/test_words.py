@@ -9,6 +9,10 @@ import pytest
 from fakes import statuses
 
 from bt_orchestrator.model.packml import VERBS, PackmlState, possible_in
+from bt_orchestrator.model.status import CellStatus, ComponentStatus
+from bt_orchestrator.model.status_words import job_count_words
+from bt_orchestrator.model.stop_reason import StopReason
+from bt_orchestrator.model.wish import Wish
 from bt_orchestrator.screen import words
 from bt_orchestrator.screen.advice import Shell, hold_advice, next_choices
 
@@ -17,12 +21,12 @@ NODE = Shell()
 
 def test_a_whole_status() -> None:
     status = statuses.status(
-        state='Held',
-        stop_reason='own_fault',
+        state=PackmlState.HELD,
+        stop_reason=StopReason.OWN_FAULT,
         stop_message='hold 1: work, aborted',
         holds=[statuses.hold(message='gripper open')],
         components=[statuses.component('worker', available=False)],
-        initialization_waiting=['waiting for initialization home'],
+        initialization=[statuses.wait('waiting for initialization home')],
     )
     assert list(words.status_lines(status, NODE)) == [
         'cell small_cell: Held for 12.0 s, belt at rest, seq 7',
@@ -45,31 +49,34 @@ def test_a_whole_status() -> None:
 @pytest.mark.parametrize(
     ('about', 'lines'),
     [
-        ({'state': 'Stopped'}, ['reset --reason "WHY"   gets the cell ready to start']),
+        ({'state': PackmlState.STOPPED}, ['reset --reason "WHY"   gets the cell ready to start']),
         (
-            {'state': 'Aborted'},
+            {'state': PackmlState.ABORTED},
             [
                 'clear --as-shown 7 --reason "WHY"   if the belt is as shown here',
                 'clear --belt 1=ITEM,2=empty --reason "WHY"   else: every slot as it really is',
             ],
         ),
         (
-            {'state': 'Stopped', 'jobs': []},
+            {'state': PackmlState.STOPPED, 'jobs': []},
             [
                 'submit ORDER.yaml   gives it a work order',
                 'reset --reason "WHY"   gets the cell ready to start',
             ],
         ),
         (
-            {'state': 'Stopped', 'jobs': [], 'waits_for': 'reset and start'},
+            {'state': PackmlState.STOPPED, 'jobs': [], 'waits_for': 'reset and start'},
             ['reset --reason "WHY"   gets the cell ready to start'],
         ),
-        ({'state': 'Idle'}, ['start --reason "WHY"   lets the cell begin to work']),
-        ({'state': 'Idle', 'jobs': []}, ['submit ORDER.yaml   gives it a work order']),
-        ({'state': 'Complete', 'jobs': []}, ['submit ORDER.yaml   gives it a work order']),
-        ({'state': 'Complete'}, ['reset --reason "WHY"   gets the cell ready to start']),
-        ({'state': 'Execute'}, []),
-        ({'state': 'Stopped', 'holds': [statuses.hold()]}, []),
+        ({'state': PackmlState.IDLE}, ['start --reason "WHY"   lets the cell begin to work']),
+        ({'state': PackmlState.IDLE, 'jobs': []}, ['submit ORDER.yaml   gives it a work order']),
+        (
+            {'state': PackmlState.COMPLETE, 'jobs': []},
+            ['submit ORDER.yaml   gives it a work order'],
+        ),
+        ({'state': PackmlState.COMPLETE}, ['reset --reason "WHY"   gets the cell ready to start']),
+        ({'state': PackmlState.EXECUTE}, []),
+        ({'state': PackmlState.STOPPED, 'holds': [statuses.hold()]}, []),
     ],
 )
 def test_what_can_be_typed_next(about: dict[str, Any], lines: list[str]) -> None:
@@ -80,25 +87,25 @@ def test_what_can_be_typed_next(about: dict[str, Any], lines: list[str]) -> None
 
 def test_every_state_in_which_a_cell_waits_for_somebody_names_commands_it_takes() -> None:
     for packml in PackmlState:
-        for choice in next_choices(statuses.status(state=packml.value)):
+        for choice in next_choices(statuses.status(state=packml)):
             verbs = [VERBS[cause] for cause in possible_in(packml)]
             assert choice.name in [*verbs, 'submit'], packml
 
 
-def stopped(**fields: Any) -> Any:
-    usual = {'stopped_by': 'Ann', 'stopped_with': 'stop', 'stopped_why': 'end\nof shift'}
-    return statuses.status(**{**usual, 'waits_for': 'reset and start', **fields})
+def stopped(command: str = 'stop', who: str = '', why: str = '', **wish: float) -> CellStatus:
+    waits_for = 'reset and start' if command == 'stop' else ''
+    return statuses.status(wish=Wish(command, who, why, **wish), waits_for=waits_for)
 
 
 def test_who_stopped_the_cell_is_said_with_what_lets_it_work_again() -> None:
-    words_of = list(words.status_lines(stopped(stopped_at=statuses.stamp(3600)), NODE))
+    status = stopped('stop', 'Ann', 'end\nof shift', time=3600.0)
+    words_of = list(words.status_lines(status, NODE))
     at = datetime.fromtimestamp(3600).strftime('%H:%M:%S')
     said = f'Ann said stop at {at}: end of shift; orders wait for reset and start'
     assert words_of[1] == f'  {said}'
-    soon = stopped(stopped_with='stop_after_job', waits_for='', stopped_why='')
+    soon = stopped('stop_after_job', 'Ann')
     assert words.stopped(soon) == 'Ann said stop after job; orders wait for a start after that'
-    unknown = stopped(stopped_by='', stopped_why='')
-    assert words.stopped(unknown) == 'an operator said stop; orders wait for reset and start'
+    assert words.stopped(stopped()) == 'an operator said stop; orders wait for reset and start'
 
 
 def test_a_stop_to_come_is_said() -> None:
@@ -123,7 +130,7 @@ def test_the_expected_finish_is_a_time_of_day_and_how_long_that_is(
 def test_further_attempts_and_bad_counts_are_said() -> None:
     assert words.task(statuses.task('4.1', attempt=3)) == '4.1 TASK_A, attempt 3 at /4.1/task'
     bad = statuses.job(packed=3, rejected=2, missing=1)
-    assert words.job_counts(bad) == '3 of 10 packed, 2 rejected, 1 missing'
+    assert job_count_words(bad) == '3 of 10 packed, 2 rejected, 1 missing'
 
 
 def test_an_id_that_holds_the_name_stands_alone() -> None:
@@ -133,13 +140,13 @@ def test_an_id_that_holds_the_name_stands_alone() -> None:
 
 def test_what_is_wrong_with_an_item_is_said() -> None:
     bad = statuses.section(2, 'WO-1/2', rejected=True, nonconforming=['weigh'], waiting=['w'])
-    assert words.fate(statuses.section(1, 'WO-1/2')) == ''
+    assert words.fate(statuses.item('WO-1/2')) == ''
     lines = list(words.status_lines(statuses.status(sections=[bad]), NODE))
     assert '  section 2   WO-1/2         rejected, nonconforming (weigh); w' in lines
 
 
 def test_an_empty_position_stands_in_brackets() -> None:
-    assert words.slot(statuses.section(1, 'WO-1/2', empty_position=True)) == '(WO-1/2)'
+    assert words.slot(statuses.item('WO-1/2', empty_position=True)) == '(WO-1/2)'
 
 
 @pytest.mark.parametrize(
@@ -154,7 +161,7 @@ def test_an_empty_position_stands_in_brackets() -> None:
         ),
     ],
 )
-def test_why_a_component_can_be_sent_nothing(component: object, said: str) -> None:
+def test_why_a_component_can_be_sent_nothing(component: ComponentStatus, said: str) -> None:
     assert words.trouble(component) == said
 
 
@@ -162,15 +169,15 @@ def test_why_a_component_can_be_sent_nothing(component: object, said: str) -> No
     ('about', 'advice'),
     [
         (
-            {'answers': ['remove_item'], 'task': ''},
+            {'answers': ('remove_item',), 'task': None},
             ['bt-orchestrator remove-item WO-1/1 --reason "WHY"'],
         ),
         (
-            {'answers': ['resume'], 'task': '', 'item': '', 'section': 0},
+            {'answers': ('resume',), 'task': None, 'item': None, 'section': None},
             ['bt-orchestrator resume --hold 1 --reason "WHY"'],
         ),
-        ({'answers': ['retry']}, ['bt-orchestrator answer 1 retry --reason "WHY"']),
-        ({'answers': []}, []),
+        ({'answers': ('retry',)}, ['bt-orchestrator answer 1 retry --reason "WHY"']),
+        ({'answers': ()}, []),
     ],
 )
 def test_what_an_operator_types_about_a_hold(about: dict[str, Any], advice: list[str]) -> None:
@@ -184,10 +191,10 @@ def test_a_node_of_another_name_stands_in_the_command() -> None:
 
 def test_a_hold_of_the_whole_cell() -> None:
     paused = statuses.hold(
-        task='',
-        item='',
-        job='',
-        section=0,
+        task=None,
+        item=None,
+        job=None,
+        section=None,
         attempt=0,
         reason='paused',
         message='Ada: lunch',

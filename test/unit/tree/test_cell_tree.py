@@ -8,7 +8,7 @@ from py_trees.blackboard import Blackboard
 from py_trees.common import Status
 
 from bt_orchestrator.tree.compile import CellTree
-from bt_orchestrator.tree.reasons import waiting
+from bt_orchestrator.tree.reasons import waits_of
 
 
 def names(tree: CellTree) -> list[str]:
@@ -78,5 +78,5 @@ def test_two_cells_of_one_name_do_not_share_the_blackboard() -> None:
 def test_a_part_that_works_waits_for_nothing() -> None:
     run = Line().begin().go(until=0.0)
     tree = run.sim.orchestrator.tree
-    assert waiting(tree.sections[1]) == []
-    assert waiting(tree.sections[2]) == ['waiting for an item']
+    assert waits_of(tree.sections[1]) == ()
+    assert [wait.reason for wait in waits_of(tree.sections[2])] == ['waiting for an item']

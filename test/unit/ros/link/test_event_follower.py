@@ -8,7 +8,9 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from fakes import statuses
 
+from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.ros.link.event_follower import EventFollower
 
 PAGE = 3
@@ -42,11 +44,11 @@ class LossyNode:
     def on_event(self, callback: Callable[[Any], None]) -> None:
         self._event = callback
 
-    def on_status(self, callback: Callable[[Any], None]) -> None:
+    def on_status(self, callback: Callable[[CellStatus], object]) -> None:
         self._status = callback
 
-    def status(self) -> Any:
-        return SimpleNamespace(seq=len(self.journal), history=self.history)
+    def status(self) -> CellStatus:
+        return statuses.status(seq=len(self.journal), history=self.history)
 
     def events_after(self, seq: int) -> Any:
         self.asked += 1
@@ -147,7 +149,7 @@ def test_last_words_of_a_node_that_is_gone_begin_nothing_anew(node: LossyNode) -
     node.happen(False)
     assert new(follower) == [1]
     node._event(late)
-    node._status(late)
+    node._status(statuses.status(seq=6, history=late.history))
     assert new(follower) == []
     node.tell_status()
     node.happen(False)

@@ -1,4 +1,4 @@
-"""The status of a line at each point of a virtual run, as the message that watchers get."""
+"""A long queue: what a status lists of it, and the pages in which the rest is asked for."""
 
 from __future__ import annotations
 
@@ -10,129 +10,22 @@ from typing import Any
 
 import pytest
 from bt_orchestrator_interfaces.srv import QueueList
-from fakes.dot_text import DotText
 from fakes.line import THREE, Line
 from fakes.virtual_run import BY, VirtualRun
 
 from bt_orchestrator.cli.order_terms import add_term_options, changed_terms
 from bt_orchestrator.cli.queue import others
-from bt_orchestrator.drawing.status_marks import line_state
 from bt_orchestrator.model.jobs.job_commands import AddJobs, UpdateJob
 from bt_orchestrator.model.jobs.order import Job, Terms
 from bt_orchestrator.model.snapshot import state_from_plain, state_to_plain
 from bt_orchestrator.report.pace import expected_ends_s
 from bt_orchestrator.ros.services.expected_ends import nearest
-from bt_orchestrator.ros.services.job_message import list_queue
-from bt_orchestrator.ros.services.status_message import status_message
+from bt_orchestrator.ros.services.queue_services import list_queue
 from bt_orchestrator.ros.stamps import to_time
-from bt_orchestrator.ros.types.messages import to_plain
+from bt_orchestrator.runtime.overview import Overview
 from bt_orchestrator.screen import words
 from bt_orchestrator.screen.advice import Shell
 from bt_orchestrator.screen.view import cell_view
-from bt_orchestrator.tree.draw import draw
-
-SCRIPT = """
-params: {off: {type: bool, default: true}}
-initialization: [{id: home, task: PREPARE, action: /b2/do}]
-sections:
-  1: [{id: place, @a1, qty_change: 1}]
-  2:
-    - {id: look, @a2, %s}
-    - {id: next, @a2.TASK_B}
-    - {id: photo, @b2, runs_for: all}
-  3: [{id: pack, @a3, qty_change: -1, runs_for: all}]
-"""
-
-
-def at_work(line: Line, options: str, answer: str = '') -> VirtualRun:
-    """Run until section 2 takes the photo of its first item, or the line is held."""
-    run = line.begin(SCRIPT % options, quantity=3).go(until=5.0)
-    if answer:
-        run.answer(answer)
-        run.go(until=5.5)
-    return run
-
-
-def status(run: VirtualRun) -> Any:
-    return status_message(run.sim.orchestrator, run.now, {})
-
-
-def passed(message: Any) -> dict[str, tuple[str, str]]:
-    return {one.id: (one.end, one.reason) for one in message.sections[1].passed}
-
-
-@pytest.mark.parametrize(
-    ('options', 'answer', 'look', 'word'),
-    [
-        ('on_failure: reject', '', ('rejected', 'task_result_false'), 'failed, item rejected'),
-        ('on_failure: continue', '', ('continued', 'task_result_false'), 'failed, continued'),
-        ('on_failure: abort_job', '', ('aborted', 'task_result_false'), 'failed, job aborted'),
-        ('on_failure: hold', 'reject', ('rejected', 'task_result_false'), 'failed, item rejected'),
-        ('on_failure: hold', 'mark_done', ('marked_done', 'task_result_false'), 'marked done'),
-        ('on_failure: hold', 'skip', ('skipped', 'Ann decided skip: it looked so'), 'skipped'),
-        ('unless: "${params.off}"', '', ('skipped', 'unless ${params.off}'), 'skipped'),
-        ('retries: 1', '', ('done', ''), 'done'),
-    ],
-)
-def test_a_task_that_was_passed_says_how_it_ended(
-    options: str, answer: str, look: tuple[str, str], word: str
-) -> None:
-    line = Line(faults={'a2': 'TASK_A#1=false'}, seconds={'b2': 3.0})
-    run = at_work(line, options, answer)
-    if 'retries' in options:
-        run.go(until=6.5)
-    message = status(run)
-    found = passed(message)
-    assert found['look'][0] == look[0]
-    assert found['look'][1].startswith(look[1])
-    assert message.sections[1].done == list(found)
-    assert ('look' in message.sections[1].failed) is (
-        look[0] in ('rejected', 'continued', 'aborted')
-    )
-
-    state = line_state(json.loads(json.dumps(to_plain(message))), run.state.script('J'), line.cell)
-    picture = DotText(draw(run.state.script('J'), line.cell, state=state).dot)
-    assert picture.words('task.look')[0].endswith(word)
-
-
-def test_a_rejected_item_is_told_wherever_it_stands() -> None:
-    line = Line(faults={'a2': 'TASK_A#1=false'}, seconds={'b2': 3.0})
-    run = at_work(line, 'on_failure: reject')
-    section = status(run).sections[1]
-    assert (section.slot_rejected, section.item_rejected) == (True, True)
-    assert passed(status(run))['next'] == ('skipped', 'rejected item')
-    assert words.fate(section) == 'rejected'
-
-    run.go(until=9.5)
-    message = status(run)
-    assert [one.slot for one in message.sections] == ['', 'J/2', 'J/1']
-    assert [one.slot_rejected for one in message.sections] == [False, False, True]
-
-
-def test_a_nonconforming_item_names_the_tasks() -> None:
-    run = at_work(
-        Line(faults={'a2': 'TASK_A#1=false'}, seconds={'b2': 3.0}), 'on_failure: continue'
-    )
-    section = status(run).sections[1]
-    assert (section.slot_nonconforming, section.item_nonconforming) == (['look'], ['look'])
-
-
-def test_an_empty_position_is_told_of_the_cycle_too() -> None:
-    line = Line(seconds={'b2': 3.0})
-    run = at_work(line, 'timeout: none')
-    run.remove('J/1')
-    section = status(run).sections[1]
-    assert (section.slot_empty_position, section.item_empty_position) == (True, True)
-
-
-def test_initialization_that_ended_is_told() -> None:
-    run = at_work(Line(faults={'b2': 'PREPARE=false'}), 'timeout: none')
-    run.answer('mark_done')
-    (job,) = status(run).jobs
-    assert [(one.id, one.end) for one in job.passed] == [('home', 'marked_done')]
-
-
-# --- a long queue ---------------------------------------------------------------------------
 
 
 def long_queue(number: int) -> VirtualRun:
@@ -145,7 +38,7 @@ def long_queue(number: int) -> VirtualRun:
 
 
 def test_a_status_lists_the_first_jobs_of_a_long_queue_and_counts_them() -> None:
-    message, short = status(long_queue(250)), status(long_queue(3))
+    message, short = long_queue(250).sim.status(), long_queue(3).sim.status()
     assert [job.id for job in message.jobs] == ['J', *(f'Q-{n}' for n in range(1, 101))]
     assert [job.position for job in message.jobs] == list(range(101))
     assert message.queued == 250
@@ -153,6 +46,13 @@ def test_a_status_lists_the_first_jobs_of_a_long_queue_and_counts_them() -> None
     assert more in words.status_lines(message, Shell())
     assert cell_view(message, Shell()).unlisted_jobs == 150
     assert not any('more jobs' in line for line in words.status_lines(short, Shell()))
+
+
+def list_page(run: VirtualRun, request: Any) -> Any:
+    """Return what the node answers."""
+    response = QueueList.Response()
+    list_queue(run.state, Overview(run.sim.orchestrator), request, response)
+    return response
 
 
 class Asked:
@@ -165,18 +65,16 @@ class Asked:
 
     def call(self, kind: Any, service: str, request: Any) -> Any:
         assert (kind, service) == (QueueList, 'queue/list')
-        response = QueueList.Response()
         if self._cancelled:
             assert self.run.control('cancel', self._cancelled.pop(0)).accepted
-        list_queue(self.run.state, request, response)
         self.asked += 1
-        return response
+        return list_page(self.run, request)
 
 
 @pytest.mark.parametrize('cancelled', [(), ('Q-7',), ('Q-100', 'Q-600'), ('Q-100', 'Q-500')])
 def test_the_others_are_asked_for_page_by_page(cancelled: tuple[str, ...]) -> None:
     run = long_queue(1300)
-    message = status(run)
+    message = run.sim.status()
     node = Asked(run, *cancelled)
     found = [job.id for job in (*message.jobs, *others(node, message))]
     assert sorted(set(found), key=found.index) == found
@@ -187,18 +85,16 @@ def test_the_others_are_asked_for_page_by_page(cancelled: tuple[str, ...]) -> No
 def test_of_a_short_queue_nobody_asks_for_more() -> None:
     run = long_queue(100)
     node = Asked(run)
-    assert others(node, status(run)) == []
+    assert others(node, run.sim.status()) == []
     assert node.asked == 0
 
 
 def test_a_page_begins_behind_a_job_and_has_an_end() -> None:
     run = long_queue(20)
-    response = QueueList.Response()
-    list_queue(run.state, QueueList.Request(after='Q-5', most=3), response)
+    response = list_page(run, QueueList.Request(after='Q-5', most=3))
     assert [job.id for job in response.jobs] == ['Q-6', 'Q-7', 'Q-8']
     assert (response.accepted, response.queued) == (True, 20)
-    response = QueueList.Response()
-    list_queue(run.state, QueueList.Request(after='J'), response)
+    response = list_page(run, QueueList.Request(after='J'))
     assert (response.accepted, response.message) == (False, 'J is not in the queue')
 
 
@@ -208,21 +104,17 @@ def test_a_job_tells_its_priority_and_times_and_the_queue_its_details() -> None:
     terms = Terms(7, 1779084000.0, 1779090000.5, {'customer': 'ACME'})
     jobs = (Job('A', script, 1, terms=terms), Job('B', script, 1))
     assert run.ask(AddJobs(jobs, BY)).accepted
-    message = status(run)
-    a, b = message.jobs[1:]
-    assert (a.priority, a.start.sec, a.due.sec, a.due.nanosec) == (
-        *(7, 1779084000),
-        *(1779090000, 500_000_000),
-    )
-    assert (b.priority, b.start.sec, b.due.sec) == (0, 0, 0)
-    assert 'ACME' not in str(message)
+    status = run.sim.status()
+    a, b = status.jobs[1:]
+    assert (a.priority, a.start, a.due) == (7, terms.start, terms.due)
+    assert (b.priority, b.start, b.due) == (0, None, None)
+    assert 'ACME' not in str(status)
     times = [datetime.fromtimestamp(time) for time in (terms.start, terms.due) if time]
     told = ', priority 7, start {:%Y-%m-%d %H:%M}, due {:%Y-%m-%d %H:%M}'.format(*times)
     assert [words.job_terms(job) for job in (a, b)] == [told, '']
-    assert any(told in text for text in words.status_lines(message, Shell()))
+    assert any(told in text for text in words.status_lines(status, Shell()))
 
-    response = QueueList.Response()
-    list_queue(run.state, QueueList.Request(), response)
+    response = list_page(run, QueueList.Request())
     assert [json.loads(text or '{}') for text in response.details] == [terms.details, {}]
 
 
@@ -233,11 +125,11 @@ def test_a_job_tells_the_digest_of_its_script_queued_on_the_line_and_ended() -> 
     run.submit('A', other)
     digests = {record['script']: record['digest'] for record in run.all('script.loaded')}
     expected = [('J', digests['test']), ('A', digests['other'])]
-    assert [(job.id, job.digest) for job in status(run).jobs] == expected
+    assert [(job.id, job.digest) for job in run.sim.status().jobs] == expected
     run.ask(UpdateJob(Job('A', run.state.script('J'), 1), BY))
-    assert status(run).jobs[1].digest == digests['test']
+    assert run.sim.status().jobs[1].digest == digests['test']
     run.go()
-    assert [job.digest for job in status(run).jobs] == [digests['test']] * 2
+    assert [job.digest for job in run.sim.status().jobs] == [digests['test']] * 2
 
 
 def test_a_page_of_the_queue_is_shorter_where_details_are_long() -> None:
@@ -248,8 +140,7 @@ def test_a_page_of_the_queue_is_shorter_where_details_are_long() -> None:
     assert run.ask(AddJobs(jobs, BY)).accepted
     seen: list[str] = []
     for _ in range(2):
-        response = QueueList.Response()
-        list_queue(run.state, QueueList.Request(after=seen[-1] if seen else ''), response)
+        response = list_page(run, QueueList.Request(after=seen[-1] if seen else ''))
         assert len(response.jobs) == len(response.details)
         assert 50 < len(response.jobs) < 150
         seen += [job.id for job in response.jobs]

@@ -1,0 +1,36 @@
+"""What the facts of a status say to a person, for every reader of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from bt_orchestrator.model.status import ComponentStatus, JobStatus
+from bt_orchestrator.model.wait import Wait
+
+
+def wait_words(waits: Iterable[Wait]) -> tuple[str, ...]:
+    """Say what something waits for, each sentence once."""
+    return tuple(dict.fromkeys(wait.reason for wait in waits))
+
+
+def job_count_words(job: JobStatus) -> str:
+    """Say how far a job is; bad counts only when there are any."""
+    counts = {
+        'rejected': job.rejected,
+        'missing': job.missing,
+        'nonconforming': job.nonconforming,
+    }
+    bad = [f'{count} {name}' for name, count in counts.items() if count]
+    return ', '.join([f'{job.packed} of {job.quantity} packed', *bad])
+
+
+def component_trouble(component: ComponentStatus) -> str:
+    """Say why a component can be sent nothing; nothing if it can."""
+    if not component.available:
+        return f'{component.name}: no action server at {component.action}'
+    if component.contested:
+        return f'{component.name}: {component.contested}'
+    if not component.ready:
+        state = f'its state is {component.state}' if component.state else 'no state yet'
+        return f'{component.name}: not ready, {state}'
+    return ''

@@ -1,0 +1,68 @@
+"""How a job stands: its place, its counts, its initialization."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from bt_orchestrator.model.events import TaskKey
+from bt_orchestrator.model.jobs.isa95 import job_word
+from bt_orchestrator.model.state import CellState, JobState, Phase
+from bt_orchestrator.model.status import JobStatus, PassedTask
+from bt_orchestrator.runtime.section_overview import passed_task
+from bt_orchestrator.runtime.tasks_in_flight import TasksInFlight
+
+
+def job_status(
+    state: CellState, job: JobState, in_flight: TasksInFlight, ends_s: Mapping[str, float]
+) -> JobStatus:
+    """Return how a job stands, live or ended.
+
+    :param ends_s: in how many seconds jobs are expected to end
+    """
+    progress, terms = job.progress, job.job.terms
+    id_, is_live = job.job.id, job.ended_at is None
+    return JobStatus(
+        id=id_,
+        script=job.job.script.name,
+        digest=job.digest,
+        state=job_word(state, job),
+        position=state.jobs.place(id_),
+        ending=job.ending if is_live else '',
+        expected_end_s=ends_s.get(id_) if is_live else None,  # a forecast may outlive its job
+        quantity=job.job.quantity,
+        priority=terms.priority,
+        start=terms.start,
+        due=terms.due,
+        started=progress.started,
+        placed=progress.placed,
+        processed=progress.processed,
+        packed=progress.packed,
+        rejected=progress.rejected,
+        nonconforming=progress.nonconforming,
+        missing=progress.missing,
+        initialization=_to_prepare(state, job) if is_live else (),
+        running=in_flight.of_initialization(job) if is_live else (),
+        passed=_prepared(state, job) if is_live and job.started else (),
+    )
+
+
+def _to_prepare(state: CellState, job: JobState) -> tuple[str, ...]:
+    """Return the initialization tasks that have not succeeded yet."""
+    tasks = job.job.script.initialization
+    if not job.started:
+        return tuple(task.id for task in tasks)
+    id_ = job.job.id
+    return tuple(
+        task.id
+        for task in tasks
+        if state.phase(TaskKey(id_, None, None, task.id)) is not Phase.DONE
+    )
+
+
+def _prepared(state: CellState, job: JobState) -> tuple[PassedTask, ...]:
+    """Return the initialization tasks that have ended."""
+    tasks = job.job.script.initialization
+    ended = [
+        (task.id, state.tasks.get(TaskKey(job.job.id, None, None, task.id))) for task in tasks
+    ]
+    return tuple(passed_task(id_, one) for id_, one in ended if one and one.phase is Phase.DONE)

@@ -1,0 +1,160 @@
+"""How a cell stands, read off its engine: the one place where facts for watchers are made."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from bt_orchestrator.model.cell import Cell, Component
+from bt_orchestrator.model.contest import Contest
+from bt_orchestrator.model.limits import QUEUE_SHOWN
+from bt_orchestrator.model.packml import VERBS, Cause, possible_in
+from bt_orchestrator.model.state import CellState, JobState
+from bt_orchestrator.model.status import (
+    BeltStatus,
+    CellDescription,
+    CellStatus,
+    ComponentDescription,
+    ComponentStatus,
+    FlagStatus,
+    JobStatus,
+)
+from bt_orchestrator.model.wait import BELT, INITIALIZATION, PartWait
+from bt_orchestrator.model.wish import way_to_work
+from bt_orchestrator.runtime.job_overview import job_status
+from bt_orchestrator.runtime.observed_durations import ObservedDurations
+from bt_orchestrator.runtime.orchestrator import Orchestrator
+from bt_orchestrator.runtime.section_overview import section_status
+from bt_orchestrator.runtime.tasks_in_flight import TasksInFlight, feedback_of
+from bt_orchestrator.tree.reasons import waits_of
+
+ENDED_SHOWN = 10
+"""How many ended jobs a status still lists, the last ones."""
+
+_NO_ENDS: Mapping[str, float] = {}
+
+
+class Overview:
+    """Looks at a cell from outside; changes nothing."""
+
+    def __init__(
+        self, orchestrator: Orchestrator, durations: ObservedDurations | None = None
+    ) -> None:
+        """Look at a cell.
+
+        :param durations: how long tasks took; None: only the nominal durations are known
+        """
+        self._orchestrator = orchestrator
+        self._durations = durations or ObservedDurations()
+
+    def status(self, now_s: float, ends_s: Mapping[str, float] = _NO_ENDS) -> CellStatus:
+        """Return how the cell stands.
+
+        :param ends_s: in how many seconds jobs are expected to end
+        """
+        orchestrator = self._orchestrator
+        state, tree = orchestrator.state, orchestrator.tree
+        in_flight = self._in_flight()
+        jobs = (*state.jobs.first(QUEUE_SHOWN), *list(state.ended.values())[-ENDED_SHOWN:])
+        return CellStatus(
+            cell=state.cell.name,
+            stamp=now_s,
+            seq=state.seq,
+            history=state.history,
+            state=state.packml,
+            state_since=state.packml_since,
+            state_times=state.times(now_s),
+            stop_reason=state.stop_reason,
+            stop_message=state.stop_message,
+            stop_after=state.stop_after or '',
+            wish=state.wish,
+            waits_for=way_to_work(state.packml) if state.stopped_by is not None else '',
+            commands=tuple(VERBS[cause] for cause in self._possible()),
+            journal_failure=orchestrator.broken or '',
+            disk_wait=orchestrator.disk_wait,
+            belt=BeltStatus(state.indexing, in_flight.of_belt(), waits_of(tree.belt)),
+            initialization=waits_of(tree.initialization),
+            sections=tuple(
+                section_status(state, section, in_flight, waits_of(tree.sections[number]))
+                for number, section in state.sections.items()
+            ),
+            components=tuple(self.components()),
+            jobs=tuple(job_status(state, job, in_flight, ends_s) for job in jobs),
+            queued=state.jobs.waiting,
+            flags=tuple(
+                FlagStatus(name, flag.count, flag.capacity) for name, flag in state.flags.items()
+            ),
+            holds=tuple(state.holds.values()),
+        )
+
+    def job(self, job: JobState, ends_s: Mapping[str, float] = _NO_ENDS) -> JobStatus:
+        """Return how a job stands, live or ended.
+
+        :param ends_s: in how many seconds jobs are expected to end
+        """
+        return job_status(self._orchestrator.state, job, self._in_flight(), ends_s)
+
+    def components(self) -> Iterator[ComponentStatus]:
+        """Yield how the components stand; also while nothing is recorded any more."""
+        for component in self._orchestrator.state.cell.components.values():
+            yield self._component(component)
+
+    def waits(self) -> list[PartWait]:
+        """Return who waits for what, in the order of the belt (semantics 7.4)."""
+        tree = self._orchestrator.tree
+        sections = [(f'section {n}', n, tree.sections[n]) for n in sorted(tree.sections)]
+        parts = [(INITIALIZATION, None, tree.initialization), *sections, (BELT, None, tree.belt)]
+        return [
+            PartWait(name, wait, number) for name, number, part in parts for wait in waits_of(part)
+        ]
+
+    def _in_flight(self) -> TasksInFlight:
+        return TasksInFlight(self._orchestrator, self._durations)
+
+    def _possible(self) -> tuple[Cause, ...]:
+        """Return what the cell may be told; without a journal only to cancel its goals."""
+        if self._orchestrator.broken:
+            return (Cause.ABORT,)
+        return possible_in(self._orchestrator.state.packml)
+
+    def _component(self, component: Component) -> ComponentStatus:
+        orchestrator, name = self._orchestrator, component.name
+        state = orchestrator.state
+        key = state.reserved.get(name)
+        progress = state.tasks.get(key) if key else None
+        reading = state.readings[name]
+        contest = self._contest(state, name)
+        return ComponentStatus(
+            name=name,
+            action=component.action,
+            available=orchestrator.gateway.available(name),
+            ready=reading.ready and not contest,
+            contested=contest.words(component.action),
+            state='' if reading.value is None else str(reading.value),
+            task=str(key) if key else '',
+            feedback=feedback_of(orchestrator.flights, progress.goal if progress else None),
+        )
+
+    def _contest(self, state: CellState, component: str) -> Contest:
+        """Return who else has a part in a component; also while nothing is recorded any more."""
+        seen = Contest(tuple(self._orchestrator.gateway.rivals(component)))
+        return seen or state.contests.get(component, seen)
+
+
+def description_of(cell: Cell) -> CellDescription:
+    """Return what exists in a cell."""
+    return CellDescription(
+        cell=cell.name,
+        sections=cell.conveyor.sections,
+        conveyor=cell.conveyor.component.name,
+        components=tuple(
+            ComponentDescription(
+                name=one.name,
+                action=one.action,
+                type=one.type,
+                sections=one.sections,
+                durations_s=one.durations_s,
+                default_duration_s=one.default_duration_s,
+            )
+            for one in cell.components.values()
+        ),
+    )

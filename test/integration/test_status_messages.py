@@ -1,0 +1,112 @@
+"""A status and a description as messages: nothing is lost or changed on the way."""
+
+from __future__ import annotations
+
+import typing
+from collections.abc import Mapping
+from typing import Any
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from rclpy.serialization import deserialize_message, serialize_message
+
+from bt_orchestrator.model.codec import hints_of
+from bt_orchestrator.model.frozen import changed
+from bt_orchestrator.model.state import Hold
+from bt_orchestrator.model.status import CellDescription, CellStatus, ItemStatus, JobStatus
+from bt_orchestrator.model.wish import Wish
+from bt_orchestrator.ros.stamps import from_time, to_time
+from bt_orchestrator.ros.types.description_messages import cell_description, description_message
+from bt_orchestrator.ros.types.status_messages import StatusWriter, cell_status
+
+TEXTS = st.text(st.characters(exclude_categories=['Cs'], exclude_characters='\0'), max_size=8)
+NAMES = TEXTS.filter(bool)
+WHOLE = st.integers(0, 2**16 - 1)
+SECONDS = st.floats(0.0, 2.0**31 - 2.0).map(lambda value: from_time(to_time(value)))
+LATER = SECONDS.filter(bool)
+INT16 = st.integers(-(2**15), 2**15 - 1)
+
+DRAWN = {str: TEXTS, int: WHOLE, float: SECONDS, bool: st.booleans()}
+
+NAMED: dict[Any, dict[str, st.SearchStrategy[Any]]] = {
+    ItemStatus: {'id': NAMES},
+    Wish: {'command': NAMES},
+    JobStatus: {'start': st.none() | LATER, 'due': st.none() | LATER, 'priority': INT16},
+    Hold: {
+        'job': st.none() | NAMES,
+        'item': st.none() | NAMES,
+        'task': st.none() | NAMES,
+        'section': st.none() | st.integers(1, 2**16 - 1),
+    },
+}
+"""Where an empty text, or 0, would mean that there is nothing."""
+
+
+def facts(kind: Any) -> st.SearchStrategy[Any]:
+    """Draw any value of an annotated type."""
+    if kind in DRAWN:
+        return DRAWN[kind]
+    origin, arguments = typing.get_origin(kind), typing.get_args(kind)
+    if origin is tuple:
+        return st.lists(facts(arguments[0]), max_size=3).map(tuple)
+    if origin is Mapping:
+        return st.dictionaries(facts(arguments[0]), facts(arguments[1]), max_size=3)
+    if type(None) in arguments:
+        (one,) = (argument for argument in arguments if argument is not type(None))
+        return st.none() | facts(one)
+    if hasattr(kind, '__members__'):
+        return st.sampled_from(kind)
+    fields = {name: facts(hint) for name, hint in hints_of(kind).items()}
+    return st.builds(kind, **{**fields, **NAMED.get(kind, {})})
+
+
+def named_once(status: CellStatus) -> CellStatus:
+    """Return a status in which no two sections, components, jobs or holds have one name."""
+    return changed(
+        status,
+        sections=tuple({one.number: one for one in status.sections}.values()),
+        components=tuple({one.name: one for one in status.components}.values()),
+        jobs=tuple({one.id: one for one in status.jobs}.values()),
+        holds=tuple({one.id: one for one in status.holds}.values()),
+    )
+
+
+STATUSES = facts(CellStatus).map(named_once)
+
+
+def sent(message: Any) -> Any:
+    """Return a message as its receiver has it."""
+    return deserialize_message(serialize_message(message), type(message))
+
+
+@given(STATUSES)
+@settings(max_examples=200, deadline=None)
+def test_a_status_comes_back_as_it_was(status: CellStatus) -> None:
+    assert cell_status(sent(StatusWriter().message(status))) == status
+
+
+@given(STATUSES, STATUSES)
+@settings(max_examples=50, deadline=None)
+def test_a_writer_that_wrote_others_before_writes_the_same(
+    one: CellStatus, other: CellStatus
+) -> None:
+    writer = StatusWriter()
+    mixed = changed(other, sections=one.sections, jobs=one.jobs[:1] + other.jobs)
+    for status in (one, named_once(mixed), one, other):
+        assert cell_status(sent(writer.message(status))) == status
+
+
+@given(facts(CellDescription))
+@settings(max_examples=50, deadline=None)
+def test_a_description_comes_back_as_it_was(description: CellDescription) -> None:
+    assert cell_description(sent(description_message(description))) == description
+
+
+@given(st.floats(0.0, 2.0**31 - 2.0))
+def test_a_time_keeps_its_nanoseconds(seconds: float) -> None:
+    assert abs(from_time(to_time(seconds)) - seconds) <= 0.5e-9
+
+
+def test_a_time_of_today_comes_back_exactly() -> None:
+    for seconds in (1764000000.1234567, 1764000000.9999998, 1763999999.0000002):
+        assert from_time(to_time(seconds)) == seconds
