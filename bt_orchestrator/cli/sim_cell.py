@@ -123,9 +123,9 @@ def _simulate(args: argparse.Namespace, stop: StopSignals) -> int:
     from bt_orchestrator.ros.types.action_types import InstalledActionTypes
     from bt_orchestrator.ros.types.messages import InstalledInterfaces
     from bt_orchestrator.script.cell_file import read_cell
-    from bt_orchestrator.sim.controllers.controller import Pace
     from bt_orchestrator.sim.controllers.goal_log import GoalLog, UnusableLog
     from bt_orchestrator.sim.controllers.node import Setup
+    from bt_orchestrator.sim.controllers.pace import Pace
     from bt_orchestrator.sim.controllers.process import BadRosArguments, run_controllers
     from bt_orchestrator.sim.controllers.selection import WrongSelection, names, select
 

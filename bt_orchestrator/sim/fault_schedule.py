@@ -8,15 +8,6 @@ from dataclasses import dataclass
 
 from bt_orchestrator.model.fault import Fault, FaultKind
 
-_ENDINGS = (
-    FaultKind.FALSE,
-    FaultKind.ABORT,
-    FaultKind.CANCEL,
-    FaultKind.HANG,
-    FaultKind.IGNORE_CANCEL,
-    FaultKind.DIE,
-)
-
 
 @dataclass(frozen=True)
 class GoalFaults:
@@ -33,11 +24,6 @@ class GoalFaults:
         if not self.faults:
             return None
         return next((fault for fault in self.faults if fault.kind in kinds), None)
-
-    @property
-    def ending(self) -> Fault | None:
-        """The fault that says how an accepted goal goes wrong; None: it ends well."""
-        return self.find(*_ENDINGS)
 
     @property
     def late_s(self) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any
 
 from bt_orchestrator.deadlines import has_come, instant_ns
@@ -21,7 +21,9 @@ from bt_orchestrator.model.goal import (
 )
 from bt_orchestrator.news import News
 from bt_orchestrator.ports import Clock, Timer
-from bt_orchestrator.sim.virtual_controller import VirtualController
+from bt_orchestrator.sim.carrier import Verdict
+from bt_orchestrator.sim.controller import Controller
+from bt_orchestrator.sim.results import not_ready_value, ready_value
 from bt_orchestrator.sim.virtual_goal import VirtualGoal
 
 _UNKNOWN = 'the server does not know the goal (any more)'
@@ -30,8 +32,8 @@ _UNKNOWN = 'the server does not know the goal (any more)'
 class VirtualClient:
     """States: the server is known to the graph or not; a killed one still is, for its lease.
 
-    Implements `virtual_controller.Observer`. Ends goals when the ROS gateway would (semantics
-    9.3), with timers only where something is amiss.
+    Carries the messages of the component's controller (`carrier.Carrier`). Ends goals when the ROS
+    gateway would (semantics 9.3), with timers only where something is amiss.
     """
 
     def __init__(
@@ -47,13 +49,18 @@ class VirtualClient:
         self._clock = clock
         self._news = news
         self._server_timeout_s = server_timeout_s
-        self._controller = VirtualController(component, action_type, clock, duration, self)
+        # What feedback an action type has is not part of its description; a type whose goals
+        # select a task has, by the convention of the examples, this field.
+        self._has_feedback = action_type.has_task_field
+        self._controller = Controller[VirtualGoal](component, action_type, self, clock, duration)
         self._waiting: dict[VirtualGoal, None] = {}
         self._in_flight: dict[VirtualGoal, None] = {}
         self._remembered: dict[str, tuple[VirtualGoal, float | None]] = {}
         self._lease: Timer | None = None
         self._value: Any = None
         self._lives = 0
+        self._present = False
+        """Whether the server is there; `available` lags behind."""
         self.available = False
         self.contest = Contest()
         """Who else has a part in the component."""
@@ -80,7 +87,7 @@ class VirtualClient:
             return known
         goal = VirtualGoal(request, self.cancel)
         wait_s = RESULT_CHECK_S if self.available else self._server_timeout_s
-        goal.timer = self._after(wait_s, lambda: self.ended(goal, self._denial()))
+        goal.timer = self._after(wait_s, lambda: self.end(goal, self._denial()))
         return goal
 
     def cancel(self, goal: VirtualGoal) -> None:
@@ -89,9 +96,9 @@ class VirtualClient:
             return
         if goal in self._waiting:
             del self._waiting[goal]
-            self.ended(goal, GoalEnd(GoalStatus.CANCELED, message='withdrawn before it was sent'))
+            self.end(goal, GoalEnd(GoalStatus.CANCELED, message='withdrawn before it was sent'))
         elif goal.accepted:
-            self._clock.call_at(self._clock.steady(), lambda: self._controller.cancel(goal))
+            self._clock.call_at(self._clock.steady(), lambda: self._pass_cancel(goal))
         goal.cancel_requested = True
 
     def bring_in(self, contest: Contest) -> None:
@@ -103,9 +110,9 @@ class VirtualClient:
 
     # --- what the controller shows ----------------------------------------------------------
 
-    def appeared(self) -> None:
+    def appear(self) -> None:
         """Send what waited; goals of the server's earlier life are unknown to it."""
-        self.available = True
+        self._present = self.available = True
         self._lives += 1
         if self._lease is not None:
             self._lease.cancel()
@@ -114,28 +121,24 @@ class VirtualClient:
             self._lose_at_check(goal)
         self._send_waiting()
 
-    def vanished(self) -> None:
+    def vanish(self) -> None:
         """Notice nothing until the lease is over."""
+        self._present = False
         self._remembered.clear()
         self._lease = self._after(SERVER_LEASE_S, self._lease_over)
 
-    def announced(self, value: Any) -> None:
-        """Tell the value if it changed."""
-        if value != self._value:
-            self._value = value
-            self._news.add(StateReading(self._component.name, value))
+    def announce(self, ready: bool) -> None:
+        """Tell the value of the state topic."""
+        state = self._component.state
+        if state and self._present:
+            self._tell_state(ready_value(state) if ready else not_ready_value(state))
 
-    def accepted(self, goal: VirtualGoal, feedback: Mapping[str, Any] | None) -> None:
-        """Tell; cancel what was cancelled before."""
-        goal.accepted = True
-        goal.feedback = feedback
-        self._forget_old()
-        self._remembered[goal.request.id] = goal, None
-        self._news.add(goal)
-        if goal.cancel_requested:
-            self.cancel(goal)
+    def feedback(self, goal: VirtualGoal, done: float) -> None:  # noqa: ARG002 - the port's
+        """Keep it with the goal."""
+        if self._has_feedback:
+            goal.feedback = {'current_sub_task': goal.request.task}
 
-    def ended(self, goal: VirtualGoal, end: GoalEnd) -> None:
+    def end(self, goal: VirtualGoal, end: GoalEnd) -> None:
         """Tell."""
         goal.stop_timer()
         self._in_flight.pop(goal, None)
@@ -147,8 +150,46 @@ class VirtualClient:
                 self._remembered[goal.request.id] = goal, self._clock.steady()
         self._news.add(goal)
 
+    def note(self, event: str, request: GoalRequest | None = None, **about: Any) -> None:
+        """Keep no records: the journal of the run has it all."""
+
+    # --- goals ------------------------------------------------------------------------------
+
+    def _deliver(self, goal: VirtualGoal) -> None:
+        goal.timer = None
+        goal.sent_s = self._clock.steady()
+        self._in_flight[goal] = None
+        if not self._present:
+            return
+        verdict, why = self._controller.answer(goal.request)
+        if verdict is Verdict.ACCEPT:
+            self._accept(goal)
+            self._controller.start(goal)
+        elif verdict is Verdict.REJECT:
+            self.end(goal, GoalEnd(GoalStatus.REJECTED, message=why))
+        else:
+            self._lose_at_check(goal)
+
+    def _accept(self, goal: VirtualGoal) -> None:
+        """Tell; cancel what was cancelled before."""
+        goal.accepted = True
+        self._forget_old()
+        self._remembered[goal.request.id] = goal, None
+        self._news.add(goal)
+        if goal.cancel_requested:
+            self.cancel(goal)
+
+    def _pass_cancel(self, goal: VirtualGoal) -> None:
+        self._controller.cancel(goal.request.id)
+
+    def _tell_state(self, value: Any) -> None:
+        """Tell the value if it changed."""
+        if value != self._value:
+            self._value = value
+            self._news.add(StateReading(self._component.name, value))
+
     def _denial(self) -> GoalEnd:
-        who = self.server if self._controller.present else None
+        who = self.server if self._present else None
         return GoalEnd(GoalStatus.LOST, message=_UNKNOWN, denied_by=who)
 
     def _send_waiting(self) -> None:
@@ -159,14 +200,6 @@ class VirtualClient:
 
     # --- loss -------------------------------------------------------------------------------
 
-    def _deliver(self, goal: VirtualGoal) -> None:
-        goal.timer = None
-        goal.sent_s = self._clock.steady()
-        self._in_flight[goal] = None
-        self._controller.request(goal)
-        if self._controller.present and goal.end is None and not goal.accepted:
-            self._lose_at_check(goal)
-
     def _lose_at_check(self, goal: VirtualGoal) -> None:
         """End a goal when the server will have said often enough that it does not know it."""
         goal.stop_timer()
@@ -175,19 +208,19 @@ class VirtualClient:
         checks = max(passed, 1) + (0 if goal.accepted else REQUEST_CHECKS - 1)
         end = GoalEnd(GoalStatus.LOST, message=_UNKNOWN)
         due_s = goal.sent_s + checks * RESULT_CHECK_S
-        goal.timer = self._clock.call_at(due_s, lambda: self.ended(goal, end))
+        goal.timer = self._clock.call_at(due_s, lambda: self.end(goal, end))
 
     def _lease_over(self) -> None:
         self.available = False
         self._lease = None
         for goal in tuple(self._in_flight):
-            self.ended(goal, GoalEnd(GoalStatus.LOST, message='the server is gone'))
-        self.announced(None)
+            self.end(goal, GoalEnd(GoalStatus.LOST, message='the server is gone'))
+        self._tell_state(None)
 
     def _give_up(self, goal: VirtualGoal) -> None:
         del self._waiting[goal]
         message = f'no server of {self._component.action} within {self._server_timeout_s:g} s'
-        self.ended(goal, GoalEnd(GoalStatus.UNAVAILABLE, message=message))
+        self.end(goal, GoalEnd(GoalStatus.UNAVAILABLE, message=message))
 
     def _forget_old(self) -> None:
         """Forget what ended so long ago that a server would have (semantics 9.2)."""

@@ -10,10 +10,12 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 
 import pytest
+from contract.fault_stories import STORIES, FaultyCell
 from contract.gateway_bench import SERVER_TIMEOUT_S, TASK_S, Bench, Log, component, goal_request
 from ros_domain import kept_domain
 
 from bt_orchestrator.model.cell import Component
+from bt_orchestrator.model.fault import FaultKind
 from bt_orchestrator.model.goal import (
     RESULT_CHECK_S,
     SERVER_LEASE_S,
@@ -30,12 +32,7 @@ SLACK_S = 15.0
 COMPONENTS = (
     component('good'),
     component('other'),
-    component('false', '=false'),
-    component('rejecting', '=reject'),
-    component('aborting', '=abort'),
-    component('canceling', '=cancel'),
     component('hanging', '#*=hang'),
-    component('stubborn', '#*=ignore_cancel'),
     component('late', '=late:0.6'),
     component('mute', '=mute'),
     component('mortal', '=die'),
@@ -69,31 +66,45 @@ class GatewayContract(ABC):
         assert end.status is GoalStatus.SUCCEEDED
         assert end.result == {'task_result': True, 'item_present': True, 'measurement': 1.5}
 
-    def test_not_done_is_success_with_a_false_result(self, bench: Bench) -> None:
-        end = _end_of(bench, _send(bench, 'false'))
-        assert end.status is GoalStatus.SUCCEEDED
-        assert end.result['task_result'] is False
-
-    @pytest.mark.parametrize(
-        ('name', 'status', 'accepted'),
-        [
-            ('rejecting', GoalStatus.REJECTED, False),
-            ('aborting', GoalStatus.ABORTED, True),
-            ('canceling', GoalStatus.CANCELED, True),
-        ],
-    )
-    def test_server_ends_it(
-        self, bench: Bench, name: str, status: GoalStatus, accepted: bool
-    ) -> None:
-        goal = _send(bench, name)
-        assert _end_of(bench, goal).status is status
-        assert goal.accepted is accepted
-
     def test_late_is_still_success(self, bench: Bench) -> None:
         goal = _send(bench, 'late')
         began = bench.now
         assert _end_of(bench, goal).status is GoalStatus.SUCCEEDED
         assert bench.now - began >= TASK_S + 0.6 - 0.05
+
+    # --- faults (formats: faults of simulated controllers) ----------------------------------
+
+    @pytest.fixture(scope='class')
+    @classmethod
+    def faulty(cls) -> Iterator[FaultyCell]:
+        with kept_domain():
+            bench = cls.make_bench(
+                [component(kind.value, story.fault, state=True) for kind, story in STORIES.items()]
+            )
+            yield FaultyCell(bench, Log(bench.gateway))
+            bench.close()
+
+    @pytest.mark.parametrize('kind', FaultKind)
+    def test_every_kind_of_fault(self, faulty: FaultyCell, kind: FaultKind) -> None:
+        story, bench = STORIES[kind], faulty.bench
+        first = _send(bench, kind.value)
+        if story.hangs:
+            bench.run_until(partial(_is_accepted, first), 'the acceptance')
+            bench.run_for(3 * TASK_S)
+            assert _is_open(first)
+            first.cancel()
+        if story.end is None:
+            bench.run_for(1.0)
+            assert _is_open(first)
+        else:
+            end = _end_of(bench, first)
+            assert end.status is story.end
+            assert end.result.get('task_result', False) is story.done
+        assert first.accepted is story.accepted
+        if story.then is not None:
+            assert _end_of(bench, _send(bench, kind.value)).status is story.then
+        wanted = list(story.said)
+        bench.run_until(lambda: faulty.said(kind) == wanted, f'the topic to have said {wanted}')
 
     # --- states of a goal -------------------------------------------------------------------
 
@@ -150,14 +161,6 @@ class GatewayContract(ABC):
         assert _end_of(bench, goal, within_s=SLACK_S).status is GoalStatus.CANCELED
         assert not goal.accepted
 
-    def test_refused_cancel_changes_nothing(self, bench: Bench) -> None:
-        goal = _send(bench, 'stubborn')
-        bench.run_until(partial(_is_accepted, goal), 'the acceptance')
-        goal.cancel()
-        bench.run_for(1.0)
-        assert goal.accepted
-        assert _is_open(goal)
-
     def test_cancel_after_the_end_changes_nothing(self, bench: Bench) -> None:
         goal = _send(bench, 'good')
         _run_to_end(bench, goal)
@@ -196,12 +199,6 @@ class GatewayContract(ABC):
         assert _end_of(bench, goal).status is GoalStatus.LOST
         assert RESULT_CHECK_S <= bench.now - began <= 2 * RESULT_CHECK_S + SLACK_S
         assert not goal.accepted
-
-    def test_component_works_after_a_lost_request(self, bench: Bench) -> None:
-        goal = _send(bench, 'mute')  # its second one, or its third
-        bench.run_until(lambda: goal.end is not None, 'an end')
-        again = _send(bench, 'mute')
-        assert _end_of(bench, again).status is GoalStatus.SUCCEEDED
 
     def test_server_that_dies_and_stays_away_is_lost(self, bench: Bench) -> None:
         goal = _send(bench, 'mortal')

@@ -1,6 +1,6 @@
-"""Simulated controllers: real ROS 2 action servers for every component of a cell file.
+"""Simulated controllers behind real ROS 2 action servers, one for each component of a cell file.
 
-What a controller does is plain Python on the `Clock` port (`controller`, `fault_schedule`,
-`task_names`, `goal_log`); how it shows itself to ROS 2 is in `task_server`, `state_publisher`,
-`component_server` and `node`. Those four, `clock` and `process` import rclpy.
+What a controller does is in `sim.controller`, the same as in virtual time. Here is what carries
+its messages: `component_server` with its `task_server` and `state_publisher`, on a `node`. Those
+four, `clock` and `process` import rclpy.
 """

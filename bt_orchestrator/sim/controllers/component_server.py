@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from rclpy.node import Node
 
-from bt_orchestrator.model.action_type import ActionType
+from bt_orchestrator.model.action_type import TASK, ActionType
 from bt_orchestrator.model.cell import Component
+from bt_orchestrator.model.goal import GoalEnd, GoalRequest
 from bt_orchestrator.ports import Clock
-from bt_orchestrator.sim.controllers.controller import Controller, Pace
+from bt_orchestrator.sim.carrier import Verdict
+from bt_orchestrator.sim.controller import Controller
 from bt_orchestrator.sim.controllers.goal_log import GoalLog
 from bt_orchestrator.sim.controllers.interfaces import Interfaces
+from bt_orchestrator.sim.controllers.pace import Pace, PacedClock
 from bt_orchestrator.sim.controllers.state_publisher import StatePublisher
+from bt_orchestrator.sim.controllers.task_names import TaskNames
 from bt_orchestrator.sim.controllers.task_server import TaskServer
 
 
@@ -28,11 +33,21 @@ class Surroundings:
     result_timeout_s: float | None
 
 
-class ComponentServer:
-    """States: present (server and publisher exist) or not. Implements `presence.Presence`.
+@dataclass(frozen=True)
+class ServedGoal:
+    """One accepted goal of a `TaskServer`. Implements `carrier.CarriedGoal`."""
 
-    A death is the end of both, without an answer to anyone. Unlike a killed process they leave the
-    ROS graph at once; whoever needs that difference kills the process.
+    request: GoalRequest
+    handle: Any
+
+
+class ComponentServer:
+    """States: present (server and publisher exist) or not.
+
+    Carries the messages of one controller: implements `carrier.Carrier` on its side, and
+    `task_server.Requests` on the other. A death is the end of server and publisher, without an
+    answer to anyone. Unlike a killed process they leave the ROS graph at once; whoever needs that
+    difference kills the process.
     """
 
     def __init__(
@@ -40,12 +55,21 @@ class ComponentServer:
     ) -> None:
         self._component = component
         self._with = surroundings
+        self._names = TaskNames(component, action_type)
         self._logger = surroundings.node.get_logger().get_child(component.name)
         self._server: TaskServer | None = None
         self._state: StatePublisher | None = None
-        self.controller = Controller(
-            component, action_type, self, surroundings.clock, surroundings.log, surroundings.pace
+        pace = surroundings.pace
+        self.controller = Controller[ServedGoal](
+            component,
+            action_type,
+            self,
+            PacedClock(surroundings.clock, pace.speed),
+            lambda request: component.duration_s(request.task),
+            pace.feedback_s * pace.speed,
         )
+
+    # --- what the controller shows ----------------------------------------------------------
 
     def appear(self) -> None:
         """Create the action server and, if the component has one, the state topic."""
@@ -55,7 +79,7 @@ class ComponentServer:
             node,
             self._component.action,
             self._component.type,
-            self.controller,
+            self,
             interfaces,
             self._component.result_timeout_s if given_s is None else given_s,
         )
@@ -80,6 +104,45 @@ class ComponentServer:
         if self._state:
             self._state.repeat()
 
-    def warn(self, text: str) -> None:
-        """Log it."""
-        self._logger.warning(text)
+    def feedback(self, goal: ServedGoal, done: float) -> None:
+        """Publish it."""
+        if self._server:
+            self._server.feedback(goal.handle, f'{goal.request.task} {done:.0%}'.strip())
+
+    def end(self, goal: ServedGoal, end: GoalEnd) -> None:
+        """End a goal; a ROS 2 server has no words of its own for it."""
+        if self._server:
+            self._server.end(goal.handle, end.status, end.result)
+
+    def note(self, event: str, request: GoalRequest | None = None, **about: Any) -> None:
+        """Append it to the log; tell a person of what is amiss."""
+        if request is not None:
+            about = {'goal': request.id, 'task': request.task, **about}
+        self._with.log.write(self._with.clock.now(), event, self._component, **about)
+        if event == 'rejected':
+            text = f'rejects goal {about["goal"]}: {about["why"]}'
+            self._logger.warning(text)
+        elif event == 'died':
+            self._logger.warning('dies, as told')
+
+    # --- what clients ask -------------------------------------------------------------------
+
+    def answer(self, goal_id: str, message: Any) -> Verdict:
+        """Let the controller decide, if there is a name for the task."""
+        value = getattr(message, TASK, None)
+        task = self._names.name(value)
+        if task is None:
+            self.note('rejected', goal=goal_id, why=f'no task constant has the value {value!r}')
+            return Verdict.REJECT
+        return self.controller.answer(GoalRequest(goal_id, self._component.name, task)).verdict
+
+    def start(self, goal_id: str, handle: Any) -> None:
+        """Begin what was accepted."""
+        task = self._names.name(getattr(handle.request, TASK, None))
+        assert task is not None, 'it was accepted'
+        request = GoalRequest(goal_id, self._component.name, task)
+        self.controller.start(ServedGoal(request, handle))
+
+    def cancel(self, goal_id: str) -> bool:
+        """Let the controller decide."""
+        return self.controller.cancel(goal_id)

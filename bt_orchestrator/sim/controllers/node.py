@@ -13,9 +13,9 @@ from bt_orchestrator.model.cell import Component
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.sim.controllers.clock import NodeClock
 from bt_orchestrator.sim.controllers.component_server import ComponentServer, Surroundings
-from bt_orchestrator.sim.controllers.controller import Pace
 from bt_orchestrator.sim.controllers.goal_log import GoalLog
 from bt_orchestrator.sim.controllers.interfaces import Interfaces
+from bt_orchestrator.sim.controllers.pace import Pace
 
 NODE_NAME = 'sim_cell'
 STATE_PERIOD_S = 1.0

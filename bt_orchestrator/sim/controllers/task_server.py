@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import uuid
 from collections.abc import Mapping
-from typing import Any, cast
+from typing import Any, Protocol, cast
 
 from rclpy.action.server import (
     ActionServer,
@@ -15,14 +15,12 @@ from rclpy.action.server import (
 )
 from rclpy.node import Node
 
-from bt_orchestrator.model.action_type import TASK
 from bt_orchestrator.model.goal import GoalStatus
-from bt_orchestrator.sim.controllers.controller import Controller
+from bt_orchestrator.sim.carrier import Verdict
 from bt_orchestrator.sim.controllers.guard import report
 from bt_orchestrator.sim.controllers.interfaces import Interfaces
-from bt_orchestrator.sim.controllers.presence import Answer
 
-_ANSWERS = {Answer.ACCEPT: GoalResponse.ACCEPT, Answer.REJECT: GoalResponse.REJECT}
+_ANSWERS = {Verdict.ACCEPT: GoalResponse.ACCEPT, Verdict.REJECT: GoalResponse.REJECT}
 
 SUB_TASK = 'current_sub_task'
 STAMP = 'stamp'
@@ -33,8 +31,21 @@ class _Muted(Exception):
     """A goal request that gets no answer."""
 
 
+class Requests(Protocol):
+    """Who decides on what clients ask."""
+
+    def answer(self, goal_id: str, message: Any) -> Verdict:
+        """Decide on a goal request."""
+
+    def start(self, goal_id: str, handle: Any) -> None:
+        """Begin a goal that was accepted."""
+
+    def cancel(self, goal_id: str) -> bool:
+        """Decide on a cancel request."""
+
+
 class TaskServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazzy's rclpy
-    """Carries goals to a controller and its answers back; decides nothing itself.
+    """Passes goals on and the answers back; decides nothing itself.
 
     A goal that runs is no coroutine: rclpy would resume every pending one in each turn of the
     executor. It is started by a callback, and its end becomes one short task.
@@ -45,11 +56,11 @@ class TaskServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazzy'
         node: Node,
         name: str,
         type_name: str,
-        controller: Controller,
+        requests: Requests,
         interfaces: Interfaces,
         result_timeout_s: float,
     ) -> None:
-        self._controller = controller
+        self._requests = requests
         self._interfaces = interfaces
         self._asking = ''
         super().__init__(
@@ -111,35 +122,18 @@ class TaskServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazzy'
         super().notify_execute(handle, conclude)
 
     def _answer(self, goal: Any) -> GoalResponse:
-        answer = self._controller.answer(self._asking, getattr(goal, TASK, None))
-        if answer is Answer.MUTE:
+        verdict = self._requests.answer(self._asking, goal)
+        if verdict is Verdict.MUTE:
             raise _Muted
-        return _ANSWERS[answer]
+        return _ANSWERS[verdict]
 
     def _start(self, handle: Any) -> None:
         handle.execute()
-        self._controller.start(ServedGoal(self, handle))
+        self._requests.start(goal_id(handle), handle)
 
     def _cancel(self, handle: Any) -> CancelResponse:
-        obeyed = self._controller.cancel(goal_id(handle))
+        obeyed = self._requests.cancel(goal_id(handle))
         return CancelResponse.ACCEPT if obeyed else CancelResponse.REJECT
-
-
-class ServedGoal:
-    """One accepted goal of a `TaskServer`. Implements `presence.ActiveGoal`."""
-
-    def __init__(self, server: TaskServer, handle: Any) -> None:
-        self.id = goal_id(handle)
-        self._server = server
-        self._handle = handle
-
-    def feedback(self, text: str) -> None:
-        """Publish feedback."""
-        self._server.feedback(self._handle, text)
-
-    def end(self, status: GoalStatus, result: Mapping[str, Any]) -> None:
-        """End it."""
-        self._server.end(self._handle, status, result)
 
 
 def goal_id(bearer: Any) -> str:

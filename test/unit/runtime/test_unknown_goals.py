@@ -125,7 +125,7 @@ def restarted(text: str, unsent: str | None = None) -> tuple[World, Orchestrator
     world.gateway.unsent = None
     client = world.gateway._clients['a2']
     client._remembered.clear()
-    client._controller._goal = None
+    client._controller._stop_work()
     return world, world.orchestrator(auto_resume=False)
 
 

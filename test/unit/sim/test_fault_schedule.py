@@ -31,19 +31,19 @@ def test_counts_goals_of_the_component_or_of_the_task(spec: str, goals: list[int
     assert struck(spec, 'A B A B B') == goals
 
 
-def test_the_first_ending_listed_counts_and_late_adds_to_it() -> None:
+def test_of_two_kinds_the_first_one_listed_is_found() -> None:
     faults = [parse_fault(spec) for spec in ('=late:2.5', '=abort', '=hang')]
 
     goal = FaultSchedule(faults).next_goal('A')
 
-    assert goal.ending is faults[1]
+    assert goal.find(FaultKind.HANG, FaultKind.ABORT) is faults[1]
     assert goal.late_s == 2.5
 
 
 def test_a_goal_without_faults_ends_well_and_in_time() -> None:
     goal = FaultSchedule([]).next_goal('A')
 
-    assert goal.ending is None
+    assert goal.find(*FaultKind) is None
     assert goal.late_s == 0.0
 
 

@@ -9,6 +9,7 @@ from contract.gateway_bench import SERVER_TIMEOUT_S, Bench, cell_of
 from contract.gateway_contract import GatewayContract
 from fakes.action_types import FakeActionTypes
 
+from bt_orchestrator.deadlines import has_come
 from bt_orchestrator.model.cell import Component
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.gateway import VirtualGateway
@@ -36,8 +37,8 @@ class VirtualBench:
     def run_for(self, seconds: float) -> None:
         until = self.now + seconds
         self.clock.call_at(until, lambda: None)
-        while self.now < until:
-            self.clock.advance()
+        while not has_come(until, self.now):
+            assert self.clock.advance()
 
     def close(self) -> None:
         pass

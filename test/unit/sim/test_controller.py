@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -13,20 +11,20 @@ import pytest
 from bt_orchestrator.model.action_type import ActionType, FieldType, MessageType
 from bt_orchestrator.model.cell import Component, StateTopic
 from bt_orchestrator.model.fault import parse_fault
-from bt_orchestrator.model.goal import GoalStatus
+from bt_orchestrator.model.goal import GoalEnd, GoalRequest, GoalStatus
+from bt_orchestrator.ports import Clock
+from bt_orchestrator.sim.carrier import Answer, Verdict
 from bt_orchestrator.sim.clock import VirtualClock
-from bt_orchestrator.sim.controllers.controller import Controller, Pace
-from bt_orchestrator.sim.controllers.goal_log import GoalLog
-from bt_orchestrator.sim.controllers.presence import Answer
+from bt_orchestrator.sim.controller import Controller
+from bt_orchestrator.sim.controllers.pace import PacedClock
 
-A = 1
 ACTION_TYPE = ActionType(
     'p/action/T',
     MessageType('Goal', {'task': FieldType('int', 'uint8')}),
     MessageType(
         'Result', {'task_result': FieldType('bool', 'boolean'), 'size': FieldType('int', 'int32')}
     ),
-    {'A': A, 'B': 2},
+    {'A': 1, 'B': 2},
 )
 
 
@@ -34,50 +32,61 @@ ACTION_TYPE = ActionType(
 class FakeGoal:
     """A goal that remembers what it was told."""
 
-    id: str
-    clock: VirtualClock
-    texts: list[str] = field(default_factory=list)
-    status: GoalStatus | None = None
-    result: Mapping[str, Any] = field(default_factory=dict)
+    request: GoalRequest
+    done: list[float] = field(default_factory=list)
+    end: GoalEnd | None = None
     ended_at: float | None = None
 
-    def feedback(self, text: str) -> None:
-        self.texts.append(text)
+    @property
+    def status(self) -> GoalStatus | None:
+        return self.end.status if self.end else None
 
-    def end(self, status: GoalStatus, result: Mapping[str, Any]) -> None:
-        assert self.status is None, 'a goal ends once'
-        self.status, self.result, self.ended_at = status, result, self.clock.now()
+    @property
+    def result(self) -> Mapping[str, Any]:
+        return self.end.result if self.end else {}
 
 
-class FakePresence:
+class FakeCarrier:
     """Remembers, with the time, how a controller showed itself."""
 
-    def __init__(self, clock: VirtualClock) -> None:
+    def __init__(self, clock: Clock) -> None:
         self._clock = clock
         self.seen: list[tuple[float, str]] = []
+        self.at_ends: list[str] = []
+        """What was seen last when a goal ended."""
+        self.notes: list[tuple[str, str | None, Mapping[str, Any]]] = []
+        """Event, goal, what else is told."""
 
     def appear(self) -> None:
-        self._note('appears')
+        self._see('appears')
 
     def vanish(self) -> None:
-        self._note('vanishes')
+        self._see('vanishes')
 
     def announce(self, ready: bool) -> None:
-        self._note('ready' if ready else 'not ready')
+        self._see('ready' if ready else 'not ready')
 
-    def warn(self, text: str) -> None:
-        """Nobody reads it here."""
+    def feedback(self, goal: FakeGoal, done: float) -> None:
+        goal.done.append(done)
 
-    def _note(self, what: str) -> None:
-        self.seen.append((self._clock.now(), what))
+    def end(self, goal: FakeGoal, end: GoalEnd) -> None:
+        assert goal.end is None, 'a goal ends once'
+        goal.end, goal.ended_at = end, self._clock.steady()
+        self.at_ends.append(self.seen[-1][1])
+
+    def note(self, event: str, request: GoalRequest | None = None, **about: Any) -> None:
+        self.notes.append((event, request.id if request else None, about))
+
+    def _see(self, what: str) -> None:
+        self.seen.append((self._clock.steady(), what))
 
 
 class Bench:
     """One controller with everything around it; a task takes 4 s."""
 
-    def __init__(self, *faults: str, pace: Pace | None = None, log: GoalLog | None = None) -> None:
+    def __init__(self, *faults: str, feedback_s: float = 0.5, speed: float = 1.0) -> None:
         self.clock = VirtualClock()
-        self.presence = FakePresence(self.clock)
+        self.carrier = FakeCarrier(self.clock)
         component = Component(
             'arm',
             (1,),
@@ -89,23 +98,28 @@ class Bench:
             faults=tuple(parse_fault(spec) for spec in faults),
         )
         self.controller = Controller(
-            component, ACTION_TYPE, self.presence, self.clock, log or GoalLog(None), pace or Pace()
+            component,
+            ACTION_TYPE,
+            self.carrier,
+            PacedClock(self.clock, speed),
+            lambda request: component.duration_s(request.task),
+            feedback_s,
         )
         self.goals = 0
         self.is_there = self.controller.switch_on()
 
-    def request(self, task: int = A) -> tuple[Answer, FakeGoal]:
+    def request(self, task: str = 'A') -> tuple[Answer, FakeGoal]:
         """Ask for a task, and start it if it was accepted."""
         self.goals += 1
-        goal = FakeGoal(f'g{self.goals}', self.clock)
-        answer = self.controller.answer(goal.id, task)
-        if answer is Answer.ACCEPT:
+        goal = FakeGoal(GoalRequest(f'g{self.goals}', 'arm', task))
+        answer = self.controller.answer(goal.request)
+        if answer.verdict is Verdict.ACCEPT:
             self.controller.start(goal)
         return answer, goal
 
-    def accepted(self, task: int = A) -> FakeGoal:
+    def accepted(self, task: str = 'A') -> FakeGoal:
         answer, goal = self.request(task)
-        assert answer is Answer.ACCEPT
+        assert answer == Answer(Verdict.ACCEPT)
         return goal
 
     def finish(self) -> None:
@@ -125,7 +139,7 @@ def test_a_task_takes_its_nominal_duration_and_ends_well() -> None:
 
 def test_results_of_the_cell_file_are_given_and_a_task_without_duration_takes_a_second() -> None:
     bench = Bench()
-    goal = bench.accepted(task=2)
+    goal = bench.accepted(task='B')
     bench.finish()
 
     assert goal.ended_at == 1.0
@@ -133,35 +147,35 @@ def test_results_of_the_cell_file_are_given_and_a_task_without_duration_takes_a_
 
 
 def test_feedback_comes_at_the_start_and_at_intervals() -> None:
-    bench = Bench(pace=Pace(feedback_s=1.0))
+    bench = Bench(feedback_s=1.0)
     goal = bench.accepted()
     bench.finish()
 
-    assert goal.texts == ['A 0%', 'A 25%', 'A 50%', 'A 75%']
+    assert goal.done == [0.0, 0.25, 0.5, 0.75]
 
 
 def test_a_feedback_interval_of_zero_gives_the_first_feedback_only() -> None:
-    bench = Bench(pace=Pace(feedback_s=0.0))
+    bench = Bench(feedback_s=0.0)
     goal = bench.accepted()
     bench.finish()
 
-    assert goal.texts == ['A 0%']
+    assert goal.done == [0.0]
 
 
 def test_speed_divides_the_seconds_of_tasks_and_faults() -> None:
-    bench = Bench('#1=late:6', '#1=not_ready:20', pace=Pace(speed=10.0))
+    bench = Bench('#1=late:6', '#1=not_ready:20', speed=10.0)
     goal = bench.accepted()
     bench.finish()
 
     assert goal.ended_at == 1.0
-    assert bench.presence.seen[-2:] == [(1.0, 'not ready'), (3.0, 'ready')]
+    assert bench.carrier.seen[-2:] == [(1.0, 'not ready'), (3.0, 'ready')]
 
 
 def test_a_second_goal_is_rejected_while_one_runs_and_not_counted() -> None:
     bench = Bench('#2=abort')
     first = bench.accepted()
 
-    assert bench.request()[0] is Answer.REJECT
+    assert bench.request()[0].verdict is Verdict.REJECT
 
     bench.finish()
     second = bench.accepted()
@@ -170,15 +184,11 @@ def test_a_second_goal_is_rejected_while_one_runs_and_not_counted() -> None:
     assert second.status is GoalStatus.ABORTED
 
 
-def test_a_value_that_is_no_task_constant_is_rejected() -> None:
-    assert Bench().request(task=9)[0] is Answer.REJECT
-
-
 def test_a_cancel_request_is_obeyed_at_once() -> None:
     bench = Bench()
     goal = bench.accepted()
 
-    assert bench.controller.cancel(goal.id)
+    assert bench.controller.cancel(goal.request.id)
     assert goal.status is GoalStatus.CANCELED
 
     bench.accepted()  # it is free again
@@ -220,7 +230,7 @@ def test_a_goal_that_hangs_obeys_a_cancel_request() -> None:
     goal = bench.accepted()
     bench.finish()
 
-    assert bench.controller.cancel(goal.id)
+    assert bench.controller.cancel(goal.request.id)
     assert goal.status is GoalStatus.CANCELED
 
 
@@ -229,16 +239,18 @@ def test_a_goal_that_ignores_cancel_goes_on_for_good() -> None:
     goal = bench.accepted()
     bench.finish()
 
-    assert not bench.controller.cancel(goal.id)
+    assert not bench.controller.cancel(goal.request.id)
     assert goal.status is None
-    assert bench.request()[0] is Answer.REJECT
+    assert bench.request()[0].verdict is Verdict.REJECT
 
 
-@pytest.mark.parametrize(('fault', 'answer'), [('=reject', Answer.REJECT), ('=mute', Answer.MUTE)])
-def test_a_request_that_is_not_accepted_executes_nothing(fault: str, answer: Answer) -> None:
+@pytest.mark.parametrize(
+    ('fault', 'verdict'), [('=reject', Verdict.REJECT), ('=mute', Verdict.MUTE)]
+)
+def test_a_request_that_is_not_accepted_executes_nothing(fault: str, verdict: Verdict) -> None:
     bench = Bench(fault)
 
-    assert bench.request()[0] is answer
+    assert bench.request()[0].verdict is verdict
     bench.accepted()  # the next goal finds it idle
 
 
@@ -247,14 +259,14 @@ def test_a_controller_that_dies_is_back_after_its_time_and_knows_nothing() -> No
     goal = bench.accepted()
     bench.finish()
 
-    assert bench.presence.seen == [
+    assert bench.carrier.seen == [
         (0.0, 'appears'),
         (0.0, 'ready'),
         (2.0, 'vanishes'),
         (7.0, 'appears'),
         (7.0, 'ready'),
     ]
-    assert not bench.controller.cancel(goal.id)
+    assert not bench.controller.cancel(goal.request.id)
     second = bench.accepted()
     bench.finish()
     assert second.status is GoalStatus.SUCCEEDED
@@ -266,22 +278,22 @@ def test_an_absent_controller_comes_after_its_time_or_never() -> None:
     never.finish()
 
     assert not late.is_there
-    assert late.presence.seen == [(3.0, 'appears'), (3.0, 'ready')]
-    assert not never.presence.seen
+    assert late.carrier.seen == [(3.0, 'appears'), (3.0, 'ready')]
+    assert not never.carrier.seen
 
 
 def test_not_ready_from_the_start_says_nothing_else_before() -> None:
     bench = Bench('#0=not_ready:5')
     bench.finish()
 
-    assert bench.presence.seen == [(0.0, 'appears'), (0.0, 'not ready'), (5.0, 'ready')]
+    assert bench.carrier.seen == [(0.0, 'appears'), (0.0, 'not ready'), (5.0, 'ready')]
 
 
 def test_an_absent_controller_may_come_unready() -> None:
     bench = Bench('=absent:3', '#0=not_ready')
     bench.finish()
 
-    assert bench.presence.seen == [(3.0, 'appears'), (3.0, 'not ready')]
+    assert bench.carrier.seen == [(3.0, 'appears'), (3.0, 'not ready')]
 
 
 def test_not_ready_lasts_from_the_end_of_the_goal_for_good() -> None:
@@ -289,22 +301,15 @@ def test_not_ready_lasts_from_the_end_of_the_goal_for_good() -> None:
     bench.accepted()
     bench.finish()
 
-    assert bench.presence.seen[2:] == [(4.0, 'not ready')]
+    assert bench.carrier.seen[2:] == [(4.0, 'not ready')]
 
 
 def test_it_says_not_ready_before_it_ends_the_goal() -> None:
     bench = Bench('#1=not_ready')
-    told: list[str] = []
-
-    class ListeningGoal(FakeGoal):
-        def end(self, status: GoalStatus, result: Mapping[str, Any]) -> None:
-            told.append(bench.presence.seen[-1][1])
-
-    assert bench.controller.answer('g', A) is Answer.ACCEPT
-    bench.controller.start(ListeningGoal('g', bench.clock))
+    bench.accepted()
     bench.finish()
 
-    assert told == ['not ready']
+    assert bench.carrier.at_ends == ['not ready']
 
 
 def test_a_later_not_ready_is_not_ended_by_an_earlier_one() -> None:
@@ -315,7 +320,7 @@ def test_a_later_not_ready_is_not_ended_by_an_earlier_one() -> None:
     bench.accepted()
     bench.finish()
 
-    assert [time for time, what in bench.presence.seen if what == 'ready'] == [0.0, 9.5]
+    assert [time for time, what in bench.carrier.seen if what == 'ready'] == [0.0, 9.5]
 
 
 def test_a_silent_state_topic_never_says_anything() -> None:
@@ -323,7 +328,7 @@ def test_a_silent_state_topic_never_says_anything() -> None:
     bench.accepted()
     bench.finish()
 
-    assert bench.presence.seen == [(0.0, 'appears')]
+    assert bench.carrier.seen == [(0.0, 'appears')]
 
 
 def test_switched_off_it_aborts_the_goal_and_takes_no_other() -> None:
@@ -332,34 +337,34 @@ def test_switched_off_it_aborts_the_goal_and_takes_no_other() -> None:
     bench.controller.switch_off()
 
     assert goal.status is GoalStatus.ABORTED
-    assert bench.request()[0] is Answer.REJECT
+    assert bench.request()[0].verdict is Verdict.REJECT
 
 
-def test_the_log_tells_what_happened_to_every_goal(tmp_path: Path) -> None:
-    path = tmp_path / 'goals.jsonl'
-    log = GoalLog(path)
-    bench = Bench('#2=reject', '#3=mute', '#4=die', log=log)
+def test_of_several_endings_the_first_one_listed_counts_and_late_adds_to_it() -> None:
+    bench = Bench('=late:2.5', '=abort', '=hang')
+    goal = bench.accepted()
+    bench.finish()
+
+    assert (goal.status, goal.ended_at) == (GoalStatus.ABORTED, 6.5)
+
+
+def test_every_goal_is_noted_with_what_became_of_it() -> None:
+    bench = Bench('#2=reject', '#3=mute', '#4=die')
     bench.accepted()
     bench.finish()
     bench.request()
     bench.request()
     bench.accepted()
     bench.finish()
-    log.close()
 
-    lines = [json.loads(line) for line in path.read_text().splitlines()]
-    assert [(line['event'], line.get('goal')) for line in lines] == [
-        ('appeared', None),
-        ('accepted', 'g1'),
-        ('started', 'g1'),
-        ('ended', 'g1'),
-        ('rejected', 'g2'),
-        ('muted', 'g3'),
-        ('accepted', 'g4'),
-        ('started', 'g4'),
-        ('died', 'g4'),
+    assert bench.carrier.notes == [
+        ('appeared', None, {}),
+        ('accepted', 'g1', {}),
+        ('started', 'g1', {}),
+        ('ended', 'g1', {'status': 'succeeded'}),
+        ('rejected', 'g2', {'why': 'refused by the simulated controller'}),
+        ('muted', 'g3', {}),
+        ('accepted', 'g4', {}),
+        ('started', 'g4', {}),
+        ('died', 'g4', {}),
     ]
-    assert {line['component'] for line in lines} == {'arm'}
-    assert lines[3]['status'] == 'succeeded'
-    assert lines[3]['time'] == 4.0
-    assert all(line['task'] == 'A' for line in lines[1:])
