@@ -80,6 +80,7 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
         orders: OrderReader,
         expected: ExpectedEnds,
     ) -> None:
+        self._host = node
         self._orchestrator = orchestrator
         self._overview = overview
         self._orders = orders
@@ -224,7 +225,7 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
 
     def _ends(self) -> Mapping[str, float]:
         """Return in how many seconds jobs are expected to end."""
-        return self._expected.within_s(self._node.get_clock().now().nanoseconds / NS_PER_S)
+        return self._expected.within_s(self._host.get_clock().now().nanoseconds / NS_PER_S)
 
     def _status(self, job: str, ends: Mapping[str, float]) -> JobStatus | None:
         state = self._orchestrator.state

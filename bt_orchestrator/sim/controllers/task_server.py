@@ -60,6 +60,7 @@ class TaskServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazzy'
         interfaces: Interfaces,
         result_timeout_s: float,
     ) -> None:
+        self._host = node
         self._requests = requests
         self._interfaces = interfaces
         self._asking = ''
@@ -90,7 +91,7 @@ class TaskServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazzy'
             except _Muted:
                 pass
             except Exception:  # noqa: BLE001 - whatever it is, the other servers go on
-                report(self._node.get_logger())
+                report(self._host.get_logger())
 
     def notify_execute(self, goal_handle: Any, execute_callback: Any) -> None:
         """Do nothing when a goal starts (rclpy would run a callback to its end): see `end`."""
@@ -102,7 +103,7 @@ class TaskServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazzy'
         if types.get(SUB_TASK) == 'string':
             setattr(message, SUB_TASK, text)
         if types.get(STAMP) == 'builtin_interfaces/Time':
-            setattr(message, STAMP, self._node.get_clock().now().to_msg())
+            setattr(message, STAMP, self._host.get_clock().now().to_msg())
         handle.publish_feedback(message)
 
     def end(

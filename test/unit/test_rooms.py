@@ -1,0 +1,130 @@
+"""What import rules cannot say of the rooms of docs/architecture.md."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PACKAGE = ROOT / 'bt_orchestrator'
+FILES = sorted(PACKAGE.rglob('*.py'))
+
+MOST_LINES = 5000
+
+INSIDERS = ('ros/executor', 'ros/actions')
+"""The rooms that may use what rclpy does not promise to keep."""
+
+UNASKED_CANCEL = ('sim/controllers/task_server.py', '_update_state')
+"""A simulated server that cancels on its own account, for which rclpy has no public call."""
+
+
+def rooms() -> list[Path]:
+    return sorted({file.parent for file in FILES})
+
+
+@pytest.mark.parametrize('room', rooms(), ids=lambda room: str(room.relative_to(ROOT)))
+def test_no_room_has_too_many_lines_of_its_own(room: Path) -> None:
+    lines = sum(len(file.read_text().splitlines()) for file in room.glob('*.py'))
+    assert lines <= MOST_LINES, f'{lines} lines; make a room in it for what belongs together'
+
+
+def test_only_executor_and_actions_use_the_inside_of_rclpy() -> None:
+    found = {
+        (name, inside)
+        for name, file in ((file.relative_to(PACKAGE).as_posix(), file) for file in FILES)
+        if not name.startswith(INSIDERS)
+        for inside in used_of_the_inside(file.read_text())
+    }
+    assert found == {UNASKED_CANCEL}, 'move it there, or use what rclpy documents'
+
+
+@pytest.mark.parametrize(
+    ('text', 'inside'),
+    [
+        ('from rclpy.impl.rcutils_logger import RcutilsLogger', 'rclpy.impl.rcutils_logger'),
+        ('import rclpy.impl', 'rclpy.impl'),
+        ('from rclpy import impl', 'rclpy.impl'),
+        ('from rclpy.node import _hidden', 'rclpy.node._hidden'),
+        ('import rclpy\nrclpy.node.Node._x', '_x'),
+        ('from rclpy.node import Node\ndef f(node: Node):\n    node._clients.clear()', '_clients'),
+        (
+            'from rclpy.node import Node\nclass A(Node):\n    def f(self): self._clients',
+            '_clients',
+        ),
+        ('from rclpy.node import Node\ngetattr(Node, "_clients")', '_clients'),
+    ],
+)
+def test_the_inside_of_rclpy_is_seen(text: str, inside: str) -> None:
+    assert list(used_of_the_inside(text)) == [inside]
+
+
+@pytest.mark.parametrize(
+    'text',
+    [
+        'from rclpy.node import Node\nNode.__init__',
+        'from rclpy.node import Node\nclass A(Node):\n    def f(self): self._own = self._own',
+        'from rclpy.node import Node\nclass A:\n    def __init__(self, a): self._a = a._asdict()',
+        'class A:\n    def f(self, other): return other._own',
+    ],
+)
+def test_what_is_not_of_rclpy_is_no_concern(text: str) -> None:
+    assert list(used_of_the_inside(text)) == []
+
+
+def used_of_the_inside(text: str) -> Iterator[str]:
+    """Yield what a module takes from `rclpy.impl`, and the private names it uses of others.
+
+    Only of modules that import rclpy.
+    """
+    tree = ast.parse(text)
+    imported = list(_imported(tree))
+    yield from (name for name in imported if '.impl' in name or '._' in name)
+    if not imported:
+        return
+    for node in ast.walk(tree):
+        match node:
+            case ast.Attribute(ast.Name('self' | 'cls'), _):
+                pass
+            case ast.Attribute(_, name) if _is_private(name):
+                yield name
+            case ast.Call(ast.Name('getattr' | 'setattr'), [_, ast.Constant(str(name)), *_]):
+                if _is_private(name):
+                    yield name
+            case ast.ClassDef():
+                yield from _inherited(node, {name.rpartition('.')[2] for name in imported})
+
+
+def _imported(tree: ast.Module) -> Iterator[str]:
+    """Yield what is imported of rclpy; of a hidden module its name."""
+    for node in ast.walk(tree):
+        match node:
+            case ast.Import(names):
+                found = [alias.name for alias in names]
+            case ast.ImportFrom(str(module), names):
+                found = [module if '.impl.' in module else f'{module}.{a.name}' for a in names]
+            case _:
+                continue
+        yield from (name for name in found if name.split('.')[0] == 'rclpy')
+
+
+def _inherited(kind: ast.ClassDef, imported: set[str]) -> Iterator[str]:
+    """Yield the private names that a class uses of a class of rclpy that it is made from."""
+    if not any(isinstance(base, ast.Name) and base.id in imported for base in kind.bases):
+        return
+    functions = ast.FunctionDef | ast.AsyncFunctionDef
+    own = {part.name for part in kind.body if isinstance(part, functions)}
+    names = [
+        node
+        for node in ast.walk(kind)
+        if isinstance(node, ast.Attribute) and ast.unparse(node.value) == 'self'
+    ]
+    own |= {node.attr for node in names if isinstance(node.ctx, ast.Store)}
+    yield from (node.attr for node in names if _is_private(node.attr) and node.attr not in own)
+
+
+def _is_private(name: str) -> bool:
+    of_tuples = ('_asdict', '_replace', '_fields')  # public names of named tuples
+    return name.startswith('_') and not name.startswith('__') and name not in of_tuples
