@@ -116,6 +116,10 @@ class CommandRefused(OrchestratorError):
         self.each = tuple(each)
 
 
+class NotRead(OrchestratorError):
+    """Orders could not be read; the message says why, and what to do."""
+
+
 class MissingResult(OrchestratorError):
     """A reference names the result of a task that was skipped or failed for this item.
 

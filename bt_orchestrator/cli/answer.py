@@ -6,7 +6,7 @@ import argparse
 
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options, call_and_print
 from bt_orchestrator.cli.wrong_use import WrongUse
-from bt_orchestrator.script.given_results import results_text
+from bt_orchestrator.script.given_results import results_of, results_text
 
 ANSWERS = ('retry', 'mark_done', 'skip', 'reject', 'abort_job')
 
@@ -33,7 +33,7 @@ def run(args: argparse.Namespace) -> int:
     from bt_orchestrator_interfaces.srv import AnswerHold
 
     try:
-        results = results_text(args.result)
+        results = results_text(results_of(args.result))
     except ValueError as error:
         raise WrongUse(f'answer: {error}') from error
     request = AnswerHold.Request(

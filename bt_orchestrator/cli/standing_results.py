@@ -11,7 +11,7 @@ from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import Script, Task
 from bt_orchestrator.ports import ActionTypes
-from bt_orchestrator.script.given_results import given_results, results_text
+from bt_orchestrator.script.given_results import given_results, results_of, results_text
 
 
 def standing_results(
@@ -45,7 +45,7 @@ def _read(
 ) -> Mapping[str, Any]:
     try:
         return given_results(
-            results_text(given), types.action(cell.components[task.component].type)
+            results_text(results_of(given)), types.action(cell.components[task.component].type)
         )
     except (CommandRefused, ValueError) as why:
         raise WrongUse(f'--result of {name}: {why}') from why

@@ -68,6 +68,18 @@ Command = OnRecord | FoundTwin | Shutdown
 
 
 @dataclass(frozen=True)
+class OrderAnswer:
+    """What became of one work order of several that were given together."""
+
+    job: str = ''
+    """Id of the queued job; empty: not queued."""
+    message: str = ''
+    """What was done, or why it was refused."""
+    findings: tuple[str, ...] = ()
+    """Every mistake found, as file:line:column: what; hint."""
+
+
+@dataclass(frozen=True)
 class Answer:
     """The answer to a command."""
 
@@ -76,3 +88,6 @@ class Answer:
     """What was done, or why it was refused and what to do."""
     each: tuple[str, ...] = ()
     """Where several things were asked for and refused together: what is to be said of each."""
+    orders: tuple[OrderAnswer, ...] = ()
+    """What became of each work order, in their order; empty: it was not about any, or none of
+    them was read."""

@@ -15,6 +15,7 @@ from rclpy.executors import Executor, ExternalShutdownException
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
+from bt_orchestrator.asking.handler import RequestHandler
 from bt_orchestrator.diagnosis.ros_says import ros_says
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.cell import Cell
@@ -213,8 +214,9 @@ class TreeNode:
 
     def _take_requests(self, types: InstalledActionTypes, store: EventStore) -> RunJobServer:
         """Offer the services and the action, which has to be destroyed."""
-        Services(self.node, self.orchestrator, types)
-        QueueServices(self.node, self.orchestrator, self._overview, self._orders)
+        handler = RequestHandler(self.orchestrator, types, self._orders)
+        Services(self.node, handler, self.orchestrator.state)
+        QueueServices(self.node, handler, self._overview, self.orchestrator.state)
         EventsService(self.node, self.orchestrator, store)
         StateService(self.node, self.orchestrator, self._durations)
         run_job = RunJobServer(

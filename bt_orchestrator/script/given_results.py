@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from bt_orchestrator.errors import CommandRefused
@@ -40,8 +40,8 @@ def given_results(text: str, action: ActionType) -> dict[str, Any]:
     return values
 
 
-def results_text(words: Sequence[str]) -> str:
-    """Return the text that says the same as `measurement=3.5`, `pose.x=1`, ... one field a word.
+def results_of(words: Sequence[str]) -> dict[str, Any]:
+    """Return what is said by `measurement=3.5`, `pose.x=1`, ... one field a word.
 
     :raises ValueError: says what was expected
     """
@@ -59,7 +59,12 @@ def results_text(words: Sequence[str]) -> str:
         if last in place:
             raise ValueError(f'{name} is given twice')
         place[last] = _value(value)
-    return json.dumps(fields, ensure_ascii=False) if fields else ''
+    return fields
+
+
+def results_text(values: Mapping[str, Any]) -> str:
+    """Return results as `given_results` reads them; nothing if there are none."""
+    return json.dumps(values, ensure_ascii=False) if values else ''
 
 
 def _value(text: str) -> Any:

@@ -7,17 +7,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from bt_orchestrator.child_process import ChildProcess, be_modest, serve
-from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.errors import NotRead
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.script.orders.desk import OrderDesk, Question
 from bt_orchestrator.script.orders.desk_pickles import pickled
 
 NICE = 10
 """Behind the line, and before the forecasts, which nobody waits for."""
-
-
-class NotRead(OrchestratorError):
-    """Orders could not be read; the message says why, and what to do."""
 
 
 def order_process(cell: Cell, trees: Sequence[Path], *, any_path: bool) -> ChildProcess:

@@ -7,7 +7,6 @@ process.
 from __future__ import annotations
 
 import contextlib
-import itertools
 import logging
 import pickle
 import queue
@@ -18,20 +17,18 @@ from contextlib import asynccontextmanager
 from functools import partial
 from typing import NamedTuple
 
+from bt_orchestrator.asking.orders import free_ids
 from bt_orchestrator.child_process import FAREWELL_S, ChildFailed, ChildProcess, ChildTooLate
+from bt_orchestrator.errors import NotRead
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.replies import Reply
-from bt_orchestrator.ros.services.order_process import NotRead
 from bt_orchestrator.script.orders.desk import ChangedJob, Question, Reading, Wanted
 from bt_orchestrator.script.orders.desk_pickles import unpickled
 
 log = logging.getLogger(__name__)
-
-PREFIX = 'WO-'
-"""Of the ids that are assigned to orders without one."""
 
 READ_WITHIN_S = 10.0
 """Longest time for one request; a script of 2,000 tasks takes a tenth of it."""
@@ -139,14 +136,10 @@ class OrderReader:
             self._gives_turns = False
 
     def _question(self, wanted: Wanted, held: Mapping[str, Script]) -> Question:
-        named = tuple(wanted.named)
-        nameless = sum(not name for name in named)
-        taken = frozenset(named)
-        free = (name for name in self._state.order_ids.free(PREFIX) if name not in taken)
         live = tuple(name for name, one in self._state.scripts.items() if one.dependencies)
         return Question(
             wanted,
-            tuple(itertools.islice(free, nameless)),
+            free_ids(wanted, self._state),
             live,
             self._sent({*live, *_changed(wanted)}),
             frozenset(held),

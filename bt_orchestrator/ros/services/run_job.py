@@ -16,8 +16,9 @@ from bt_orchestrator_interfaces.msg import FailureReport, ItemReport, JobStatus
 from rclpy.action.server import ActionServer, CancelResponse, GoalResponse
 from rclpy.node import Node
 
+from bt_orchestrator.asking.orders import answer_to_refused, refused_orders, wanted_orders
 from bt_orchestrator.deadlines import NS_PER_S
-from bt_orchestrator.errors import Refused
+from bt_orchestrator.errors import NotRead, Refused
 from bt_orchestrator.model.allowance import Allowance
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.codec import json_of
@@ -30,14 +31,8 @@ from bt_orchestrator.replies import begin
 from bt_orchestrator.report.jobs import JobFold
 from bt_orchestrator.ros.qos import SERVICES
 from bt_orchestrator.ros.services.expected_ends import ExpectedEnds
-from bt_orchestrator.ros.services.order_process import NotRead
 from bt_orchestrator.ros.services.order_reader import OrderReader
-from bt_orchestrator.ros.services.order_requests import (
-    Told,
-    asked_orders,
-    refused_orders,
-    written_order,
-)
+from bt_orchestrator.ros.services.order_requests import asked_order, written_order
 from bt_orchestrator.ros.services.serving import by
 from bt_orchestrator.ros.spare_log import SpareLog
 from bt_orchestrator.ros.stamps import to_time
@@ -165,7 +160,8 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
     async def _queue_or_refuse(self, handle: Any) -> None:
         goal, who = handle.request, by(handle.request, 'run_job')
         try:
-            wanted = written_order(goal.text) if goal.text else asked_orders([goal.order])
+            order = asked_order(goal.order)
+            wanted = written_order(goal.text) if goal.text else wanted_orders([order])
             async with self._orders.read(wanted) as reading:
                 self._being_read.remove(handle)
                 await self._queue_read(handle, reading, who)
@@ -180,8 +176,10 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
             return
         goal, (read,) = handle.request, reading.read
         if isinstance(read, Refused):
-            await self._orchestrator.carry_out(refused_orders([goal.order], [read], who))
-            self._refuse(handle, read.count, Told().of(read))
+            order = asked_order(goal.order)
+            await self._orchestrator.carry_out(refused_orders([order], [read], who))
+            (told,) = answer_to_refused([order], [read]).orders
+            self._refuse(handle, read.count, told.findings)
             return
         # From now on its events are its own: it may even end before `carry_out` returns. An
         # order that was given before is refused there, and the events are not those of a goal.

@@ -7,61 +7,43 @@ from typing import Any
 from bt_orchestrator_interfaces.srv import AnswerHold, Command, RemoveItem
 from rclpy.node import Node
 
-from bt_orchestrator.errors import CommandRefused
-from bt_orchestrator.model import commands
-from bt_orchestrator.model.script import Task
+from bt_orchestrator.asking.handler import RequestHandler
+from bt_orchestrator.model.requests import About
 from bt_orchestrator.model.state import CellState
-from bt_orchestrator.ports import ActionTypes
-from bt_orchestrator.ros.services.cell_command import command_of
 from bt_orchestrator.ros.services.serving import by, serve, tell
-from bt_orchestrator.runtime.orchestrator import Orchestrator
-from bt_orchestrator.script.given_results import given_results
 
 
 class Services:
-    """The services that are about cell and items."""
+    """The services that are about cell and items; nothing is decided here."""
 
-    def __init__(self, node: Node, orchestrator: Orchestrator, types: ActionTypes) -> None:
-        self._orchestrator = orchestrator
-        self._types = types
+    def __init__(self, node: Node, handler: RequestHandler, state: CellState) -> None:
+        self._handler = handler
+        self._state = state
         serve(node, AnswerHold, 'answer_hold', self._answer)
         serve(node, RemoveItem, 'remove_item', self._remove)
         serve(node, Command, 'command', self._command)
 
     async def _answer(self, request: Any, response: Any) -> None:
-        try:
-            results = self._results(request) if request.results else {}
-            command: commands.Command = commands.AnswerHold(
-                request.hold, request.answer, by(request), results
-            )
-        except CommandRefused as refused:
-            command = commands.RefusedRequest(request.answer, by(request), str(refused))
-        tell(response, await self._orchestrator.carry_out(command))
-
-    def _results(self, request: Any) -> dict[str, Any]:
-        """Return the results that are given with an answer.
-
-        :raises CommandRefused: they are none of the task that is held
-        """
-        state = self._orchestrator.state
-        hold = state.holds.get(request.hold)
-        task = state.task(hold.key) if hold is not None and hold.key is not None else None
-        if task is None:
-            raise CommandRefused(f'hold {request.hold} is about no task that can have results')
-        return given_results(request.results, self._types.action(_type_of(state, task)))
+        answer = await self._handler.give(
+            About.HOLD, request.answer, by(request), hold=request.hold, results=request.results
+        )
+        tell(response, answer)
 
     async def _remove(self, request: Any, response: Any) -> None:
-        command = commands.RemoveItem(request.item, by(request))
-        tell(response, await self._orchestrator.carry_out(command))
+        answer = await self._handler.give(
+            About.ITEM, 'remove_item', by(request), item=request.item
+        )
+        tell(response, answer)
 
     async def _command(self, request: Any, response: Any) -> None:
-        try:
-            command: commands.Command = command_of(request)
-        except CommandRefused as refused:
-            command = commands.RefusedRequest(request.command, by(request), str(refused))
-        tell(response, await self._orchestrator.carry_out(command))
-        response.state = self._orchestrator.state.packml.value
-
-
-def _type_of(state: CellState, task: Task) -> str:
-    return state.cell.components[task.component].type
+        answer = await self._handler.give(
+            About.CELL,
+            request.command,
+            by(request),
+            hold=request.hold,
+            everyones=request.everyones,
+            belt=request.belt,
+            as_shown=request.as_shown,
+        )
+        tell(response, answer)
+        response.state = self._state.packml.value

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import json
-
 import pytest
 
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model.action_type import ActionType, FieldType, MessageType
-from bt_orchestrator.script.given_results import given_results, results_text
+from bt_orchestrator.script.given_results import given_results, results_of, results_text
 
 POINT = MessageType('geometry_msgs/msg/Point', {'x': FieldType('float', 'double')})
 ACTION = ActionType(
@@ -39,7 +37,7 @@ ACTION = ActionType(
     ],
 )
 def test_results_are_read_as_their_types(words: list[str], results: dict[str, object]) -> None:
-    text = results_text(words)
+    text = results_text(results_of(words))
     assert (given_results(text, ACTION) if text else {}) == results
 
 
@@ -77,8 +75,8 @@ def test_what_does_not_fit_is_refused_with_what_would(text: str, said: str) -> N
 )
 def test_a_word_that_is_no_result_is_wrong_use(words: list[str], said: str) -> None:
     with pytest.raises(ValueError, match=said):
-        results_text(words)
+        results_of(words)
 
 
 def test_an_odd_text_stays_text() -> None:
-    assert json.loads(results_text(['label=[a', 'note=x = y'])) == {'label': '[a', 'note': 'x = y'}
+    assert results_of(['label=[a', 'note=x = y']) == {'label': '[a', 'note': 'x = y'}

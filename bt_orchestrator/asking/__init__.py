@@ -1,0 +1,1 @@
+"""What is asked of a cell becomes commands to its engine: in one place for every door."""

@@ -1,0 +1,126 @@
+"""Requests as commands to the engine, and the one sentence for each that makes none."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from bt_orchestrator.errors import CommandRefused
+from bt_orchestrator.model import cell_commands as c
+from bt_orchestrator.model.belt_statement import AsShown, Statement, parse_slots
+from bt_orchestrator.model.by import By
+from bt_orchestrator.model.commands import AnswerHold, Command, RemoveItem
+from bt_orchestrator.model.jobs.job_commands import ControlJob, MoveJob, RunNext, StopAfter
+from bt_orchestrator.model.packml import VERBS, Cause
+from bt_orchestrator.model.requests import About, Asked
+from bt_orchestrator.model.script import Task
+from bt_orchestrator.model.state import CellState
+from bt_orchestrator.model.wish import STOP_AFTER
+from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.script.given_results import given_results, results_text
+
+Arguments = Mapping[str, Any]
+"""By the names of `model.requests`; those that were not said are left out, or None, or empty."""
+
+
+def command_of(asked: Asked, state: CellState, types: ActionTypes) -> Command:
+    """Return the command of a request that is not about orders (`asking.orders`).
+
+    :raises CommandRefused: says what was expected
+    """
+    about, word = asked.request.about, asked.request.word
+    return command(about, word, asked.by, asked.arguments, state, types)
+
+
+def command(
+    about: About, word: str, by: By, given: Arguments, state: CellState, types: ActionTypes
+) -> Command:
+    """Return the command of a request that came as words, as `command_of` does.
+
+    A word that the table of requests does not have is refused here, or by the engine.
+
+    :raises CommandRefused: says what was expected
+    """
+    match about:
+        case About.CELL:
+            return _to_cell(word, by, given)
+        case About.JOB:
+            return _to_job(word, by, given)
+        case About.ITEM:
+            return RemoveItem(given['item'], by)
+        case About.HOLD:
+            return AnswerHold(given['hold'], word, by, _results(given, state, types))
+        case About.QUEUE:
+            raise AssertionError(f'{word} is about orders, which have to be read first')
+
+
+# --- the cell -----------------------------------------------------------------------------------
+
+
+def _to_cell(word: str, by: By, given: Arguments) -> Command:
+    if word.startswith(STOP_AFTER):
+        return StopAfter(word.removeprefix(STOP_AFTER), by)
+    make = _TO_CELL.get(word)
+    if make is None:
+        raise CommandRefused(f'unknown command {word!r}; one of {", ".join(_TO_CELL)}')
+    return make(by, given)
+
+
+def _resume(by: By, given: Arguments) -> c.Resume:
+    return c.Resume(
+        by, hold=given.get('hold') or None, everyones=bool(given.get('everyones', False))
+    )
+
+
+def _clear(by: By, given: Arguments) -> c.Clear:
+    return c.Clear(by, belt=_statement(given.get('belt'), given.get('as_shown')))
+
+
+def _statement(belt: Any, as_shown: Any) -> Statement:
+    if bool(belt) == bool(as_shown):
+        raise CommandRefused(
+            'clear needs to know what stands on the belt: either every slot, as in 1=WO-1/3 and '
+            '2=empty, or the seq of the status that shows the belt as it is'
+        )
+    return parse_slots(belt) if belt else AsShown(as_shown)
+
+
+_TO_CELL: Mapping[str, Callable[[By, Arguments], c.CellCommand]] = {
+    VERBS[Cause.RESET]: lambda by, _: c.Reset(by),
+    VERBS[Cause.START]: lambda by, _: c.Start(by),
+    VERBS[Cause.HOLD]: lambda by, _: c.Pause(by),
+    VERBS[Cause.UNHOLD]: _resume,
+    VERBS[Cause.STOP]: lambda by, _: c.Stop(by),
+    VERBS[Cause.ABORT]: lambda by, _: c.Abort(by),
+    VERBS[Cause.CLEAR]: _clear,
+}
+
+
+# --- jobs and holds -----------------------------------------------------------------------------
+
+
+def _to_job(word: str, by: By, given: Arguments) -> Command:
+    job = given['job']
+    if word == 'move':
+        return MoveJob(job, given['position'], by)
+    return RunNext(job, by) if word == 'next' else ControlJob(word, job, by)
+
+
+def _results(given: Arguments, state: CellState, types: ActionTypes) -> Mapping[str, Any]:
+    """Return the results that are given with an answer, as values of their types.
+
+    :raises CommandRefused: they are none of the task that is held
+    """
+    results = given.get('results')
+    if not results:
+        return {}
+    hold = state.holds.get(given['hold'])
+    task = state.task(hold.key) if hold is not None and hold.key is not None else None
+    if task is None:
+        raise CommandRefused(f'hold {given["hold"]} is about no task that can have results')
+    text = results if isinstance(results, str) else results_text(results)
+    return given_results(text, types.action(_type_of(state, task)))
+
+
+def _type_of(state: CellState, task: Task) -> str:
+    return state.cell.components[task.component].type

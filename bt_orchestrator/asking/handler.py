@@ -1,0 +1,127 @@
+"""Carrying out what is asked of one engine, whatever door it came through."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import AbstractAsyncContextManager
+from functools import partial
+from typing import Any, Protocol
+
+from bt_orchestrator.asking.commands import command
+from bt_orchestrator.asking.orders import (
+    Told,
+    answer_to_refused,
+    changed_job,
+    refused_orders,
+    wanted_orders,
+    with_each,
+)
+from bt_orchestrator.errors import CommandRefused, NotRead, Refused
+from bt_orchestrator.model.by import By
+from bt_orchestrator.model.commands import Answer, Command, OrderAnswer, RefusedRequest
+from bt_orchestrator.model.jobs.job_commands import AddJobs, UpdateJob
+from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.requests import About, Asked
+from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.runtime.command_record import ADD, UPDATE
+from bt_orchestrator.runtime.orchestrator import Orchestrator
+from bt_orchestrator.script.orders.asked import asked_of, change_of
+from bt_orchestrator.script.orders.desk import AskedOrder, Reading, Wanted
+
+
+class OrderReading(Protocol):
+    """Reads orders, here or in another process."""
+
+    def read(self, wanted: Wanted | Callable[[], Wanted]) -> AbstractAsyncContextManager[Reading]:
+        """Read them in their turn; that of the next ones comes when the block has ended.
+
+        :raises NotRead: says why nothing was read
+        """
+
+
+class RequestHandler:
+    """Answers requests. What is refused is on record as well."""
+
+    def __init__(self, engine: Orchestrator, types: ActionTypes, orders: OrderReading) -> None:
+        self._engine = engine
+        self._types = types
+        self._orders = orders
+
+    async def carry_out(self, asked: Asked) -> Answer:
+        """Carry out a request of the table."""
+        given = asked.arguments
+        if asked.request.about is About.QUEUE:
+            orders: Any = given['orders']
+            place: Any = given.get('position')
+            held = bool(given.get('held', False))
+            return await self.add([asked_of(one) for one in orders], asked.by, place, held=held)
+        if asked.request.name == f'{About.JOB.value}.{UPDATE}':
+            return await self._update_as_asked(asked)
+        return await self.give(asked.request.about, asked.request.word, asked.by, **given)
+
+    async def give(self, about: About, word: str, by: By, **given: Any) -> Answer:
+        """Carry out a request that came as words; those that nobody knows are refused."""
+        state = self._engine.state
+        try:
+            asked: Command = command(about, word, by, given, state, self._types)
+        except CommandRefused as why:
+            asked = RefusedRequest(word, by, str(why))
+        return await self._engine.carry_out(asked)
+
+    async def add(
+        self, orders: Sequence[AskedOrder], by: By, position: int | None, *, held: bool
+    ) -> Answer:
+        """Queue orders in their order, all or none."""
+        try:
+            async with self._orders.read(wanted_orders(orders)) as reading:
+                return await self._add_read(orders, reading, by, position, held=held)
+        except NotRead as why:
+            return await self._refuse(ADD, by, str(why))
+
+    async def _add_read(
+        self,
+        orders: Sequence[AskedOrder],
+        reading: Reading,
+        by: By,
+        position: int | None,
+        *,
+        held: bool,
+    ) -> Answer:
+        jobs = tuple(job for job in reading.read if isinstance(job, Job))
+        if len(jobs) < len(reading.read):
+            await self._engine.carry_out(refused_orders(orders, reading.read, by))
+            return answer_to_refused(orders, reading.read)
+        added = AddJobs(jobs, by, position, held, reading.sharing)
+        answer = await self._engine.carry_out(added)
+        return with_each(answer, jobs, self._engine.state)
+
+    async def update(self, job: str, wish: AskedOrder, by: By) -> Answer:
+        """Change a queued job; what the wish leaves open stays."""
+        try:
+            wanted_orders([wish])  # within the limits
+            as_it_is = partial(changed_job, self._engine.state, job, wish)
+            async with self._orders.read(as_it_is) as reading:
+                return await self._update_read(job, reading, by)
+        except NotRead as why:
+            return await self._refuse(UPDATE, by, str(why), job)
+
+    async def _update_as_asked(self, asked: Asked) -> Answer:
+        job = str(asked.arguments['job'])
+        try:
+            wish = change_of(asked.arguments)
+        except CommandRefused as why:
+            return await self._refuse(UPDATE, asked.by, str(why), job)
+        return await self.update(job, wish, asked.by)
+
+    async def _update_read(self, job: str, reading: Reading, by: By) -> Answer:
+        (read,) = reading.read
+        if isinstance(read, Refused):
+            await self._refuse(UPDATE, by, read.in_short, job)
+            each = OrderAnswer(message=read.count, findings=Told().of(read))
+            return Answer(accepted=False, message=read.count, orders=(each,))
+        answer = await self._engine.carry_out(UpdateJob(read, by, reading.sharing))
+        return with_each(answer, [read], self._engine.state)
+
+    async def _refuse(self, verb: str, by: By, message: str, *jobs: str) -> Answer:
+        """Put a request on record that cannot be made a command."""
+        return await self._engine.carry_out(RefusedRequest(verb, by, message, jobs))

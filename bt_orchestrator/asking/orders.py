@@ -1,0 +1,144 @@
+"""Work orders that were read: commands to the engine, and what is said of each order."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Iterator, Sequence
+
+from bt_orchestrator.errors import NotRead, Refused, counted
+from bt_orchestrator.model.by import By
+from bt_orchestrator.model.commands import Answer, OrderAnswer, RefusedRequest
+from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.limits import FINDINGS, ORDERS, REQUEST_BYTES, listed
+from bt_orchestrator.model.state import CellState
+from bt_orchestrator.runtime.command_record import ADD
+from bt_orchestrator.runtime.job_queue import standing
+from bt_orchestrator.runtime.orders import FITS
+from bt_orchestrator.script.orders.desk import AskedOrder, ChangedJob, Orders, Wanted
+
+PREFIX = 'WO-'
+"""Of the ids that are assigned to orders without one."""
+
+ALL = 'bt-orchestrator check --json, where the files are, lists all'
+
+
+# --- before they are read -----------------------------------------------------------------------
+
+
+def wanted_orders(orders: Sequence[AskedOrder]) -> Orders:
+    """Return what is to be read.
+
+    :raises NotRead: they are none, too many, or too large
+    """
+    if not orders:
+        raise NotRead('name at least one order')
+    if len(orders) > ORDERS:
+        raise NotRead(
+            f'{len(orders)} orders are too many for one request, which is carried out as a whole; '
+            f'nothing was queued; give {ORDERS} or fewer at a time'
+        )
+    size = sum(map(_size, orders))
+    if size > REQUEST_BYTES:
+        raise NotRead(
+            f'the orders of this request have {size} bytes of text, and a request may have '
+            f'{REQUEST_BYTES}; nothing was queued; give fewer at a time, or shorter ones'
+        )
+    return Orders(tuple(orders))
+
+
+def changed_job(state: CellState, name: str, wish: AskedOrder) -> ChangedJob:
+    """Return what is to be made of a queued job as it is now.
+
+    :raises NotRead: it is not there
+    """
+    now = state.jobs.get(name)
+    if now is None:
+        there = listed(state.jobs.queued_names, 'nothing')
+        raise NotRead(f'{name} is not there; in the queue: {there}')
+    job = now.job
+    return ChangedJob(name, now.digest, job.quantity, job.params, wish, job.terms)
+
+
+def free_ids(wanted: Wanted, state: CellState) -> tuple[str, ...]:
+    """Return ids for orders without one."""
+    named = tuple(wanted.named)
+    nameless, taken = named.count(''), frozenset(named)
+    free = (name for name in state.order_ids.free(PREFIX) if name not in taken)
+    return tuple(itertools.islice(free, nameless))
+
+
+def size_of(text: str) -> int:
+    """Return how many bytes a text has."""
+    return len(text) if text.isascii() else len(text.encode(errors='replace'))
+
+
+def _size(order: AskedOrder) -> int:
+    params, details = order.params, order.terms.details
+    return sum(map(size_of, (order.script, order.order, details, *params, *params.values())))
+
+
+# --- after that ---------------------------------------------------------------------------------
+
+
+def refused_orders(
+    orders: Sequence[AskedOrder], read: Sequence[Job | Refused], by: By
+) -> RefusedRequest:
+    """Return what is put on record of orders that were read, some of them with mistakes."""
+    pairs = list(zip(orders, read, strict=True))
+    each = tuple(
+        f'{one.id} {FITS}' if isinstance(one, Job) else f'{_name(order)} is {one.in_short}'
+        for order, one in pairs
+    )
+    ids = tuple(one.id if isinstance(one, Job) else order.order for order, one in pairs)
+    return RefusedRequest(ADD, by, '; '.join(each), ids, each)
+
+
+def answer_to_refused(orders: Sequence[AskedOrder], read: Sequence[Job | Refused]) -> Answer:
+    """Return what is said to whoever gave them."""
+    findings = sum(len(one.findings) for one in read if isinstance(one, Refused))
+    message = f'refused with {counted(findings, "finding")}'
+    return Answer(accepted=False, message=message, orders=tuple(_each_refused(orders, read)))
+
+
+def _each_refused(
+    orders: Iterable[AskedOrder], read: Iterable[Job | Refused]
+) -> Iterator[OrderAnswer]:
+    told = Told()
+    for order, one in zip(orders, read, strict=True):
+        if isinstance(one, Job):
+            yield OrderAnswer(message=f'{one.id} {FITS}')
+        else:
+            yield OrderAnswer(message=f'{_name(order)} is {one.count}', findings=told.of(one))
+
+
+def with_each(answer: Answer, jobs: Sequence[Job], state: CellState) -> Answer:
+    """Return the engine's answer about jobs, with what is said of each."""
+    if answer.accepted:
+        message = '; '.join(['queued', *standing(state)])
+        orders = [OrderAnswer(job.id, message) for job in jobs]
+    else:
+        each = answer.each or (answer.message,) * len(jobs)
+        orders = [OrderAnswer(message=message) for message in each]
+    return Answer(answer.accepted, answer.message, answer.each, tuple(orders))
+
+
+def _name(order: AskedOrder) -> str:
+    """Return the words by which a client knows its order."""
+    return order.order or order.script or 'the order'
+
+
+class Told:
+    """Findings for one answer: not more than it may have."""
+
+    def __init__(self) -> None:
+        self._left = FINDINGS
+        self._said_that_more = False
+
+    def of(self, refused: Refused) -> tuple[str, ...]:
+        """Return the mistakes of one order."""
+        told = refused.findings[: self._left]
+        self._left -= len(told)
+        more = len(refused.findings) - len(told)
+        rest = [f'and {more} more; {ALL}'] if more and not self._said_that_more else []
+        self._said_that_more |= more > 0
+        return (*map(str, told), *rest)

@@ -1,0 +1,96 @@
+"""The events of a cell without gaps, whatever was lost on the way."""
+
+from __future__ import annotations
+
+from bt_orchestrator.model.events import Event
+from bt_orchestrator.ports import EventPage, Listener
+
+MOST_AHEAD = 1_000
+"""Events that are kept until those before them have come; others are fetched later."""
+
+
+class Follower:
+    """Tells one listener every event once, in order: what is heard, and what has to be fetched.
+
+    A number that jumps, or a status that is further on, tells of a gap: then `next_fetch` says
+    what to ask for. Numbers count within one history: where another one is heard of, the cell has
+    another journal, and everything begins anew. Nothing here waits.
+    """
+
+    def __init__(self, listener: Listener, history: str, last: int) -> None:
+        """Begin.
+
+        :param history: that the listener knows
+        :param last: its last event that the listener knows
+        """
+        self._listener = listener
+        self._history = history
+        self._last = last
+        self._newest = last
+        """Nobody has spoken of a later event."""
+        self._ahead: dict[int, Event] = {}
+        """Heard before what is in front of them."""
+        self._left: set[str] = set()
+        """Histories of nodes that are gone; their last words may still come."""
+        self._is_asked_for = False
+        self._must_wait = False
+        """The last fetch brought nothing: the next one follows when something is heard."""
+
+    def heard(self, history: str, event: Event) -> None:
+        """Take in an event, the next one or not."""
+        if not self._goes_on(history, event.seq):
+            return
+        if event.seq > self._last and len(self._ahead) < MOST_AHEAD:
+            self._ahead[event.seq] = event
+        self._tell_next()
+
+    def told(self, history: str, seq: int) -> None:
+        """Take in the number of the last event, from a status."""
+        self._goes_on(history, seq)
+
+    def next_fetch(self) -> int | None:
+        """Return the event after which others have to be fetched now; None: there is no need.
+
+        It is not said again before `fetched` or `not_fetched`.
+        """
+        is_complete = self._last >= self._newest or self._last + 1 in self._ahead
+        if is_complete or self._is_asked_for or self._must_wait:
+            return None
+        self._is_asked_for = True
+        return self._last
+
+    def fetched(self, page: EventPage) -> None:
+        """Take in what was in the journal after the number of `next_fetch`."""
+        self._is_asked_for = False
+        if page.history != self._history:
+            return  # by another node already, which is heard of in its own words
+        self._must_wait = not page.events
+        first = page.events[0].seq if page.events else page.first_seq
+        if first > self._last + 1:
+            lost, self._last = self._last + 1, first - 1
+            self._listener.on_gap(lost, self._last)
+        self._ahead = {seq: event for seq, event in self._ahead.items() if seq > self._last}
+        self._ahead |= {event.seq: event for event in page.events}
+        self._tell_next()
+
+    def not_fetched(self) -> None:
+        """Take note that the node did not answer."""
+        self._is_asked_for, self._must_wait = False, True
+
+    def _goes_on(self, history: str, seq: int) -> bool:
+        """Tell whether a history is the present one, which a new one becomes."""
+        if history in self._left:
+            return False
+        if history != self._history:
+            self._left.add(self._history)
+            self._history, self._last, self._newest = history, 0, 0
+            self._ahead.clear()
+            self._listener.on_history(history)
+        self._newest = max(self._newest, seq)
+        self._must_wait = False
+        return True
+
+    def _tell_next(self) -> None:
+        while (event := self._ahead.pop(self._last + 1, None)) is not None:
+            self._last = event.seq
+            self._listener.on_event(event)

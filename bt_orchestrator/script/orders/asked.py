@@ -1,0 +1,63 @@
+"""Typed work orders as the texts that are read, for whoever gives them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from bt_orchestrator.errors import CommandRefused
+from bt_orchestrator.model.codec import json_of
+from bt_orchestrator.model.jobs.order import WorkOrder
+from bt_orchestrator.script.field_types import Misfit
+from bt_orchestrator.script.instants import instant
+from bt_orchestrator.script.orders.desk import AskedOrder
+from bt_orchestrator.script.orders.terms import AskedTerms
+from bt_orchestrator.script.yaml_nodes import quoted
+
+NONE = 'none'
+"""What is said where a job is to have no time any more."""
+
+
+def asked_of(order: WorkOrder) -> AskedOrder:
+    """Return a work order as texts."""
+    terms = order.terms
+    details = json_of(terms.details) if terms.details else ''
+    asked = AskedTerms(terms.priority, terms.start or 0.0, terms.due or 0.0, details)
+    texts = written(order.params)
+    return AskedOrder(order.script, order.order or '', order.quantity or 0, texts, asked)
+
+
+def change_of(given: Mapping[str, Any]) -> AskedOrder:
+    """Return what a queued job is to be, from the arguments of the request job.update.
+
+    :raises CommandRefused: a time is none
+    """
+    details = given.get('details')
+    terms = AskedTerms(
+        given.get('priority'),
+        _moment(given, 'start'),
+        _moment(given, 'due'),
+        '' if details is None else json_of(details),
+    )
+    texts = written(given.get('params', {}))
+    return AskedOrder(given.get('script', ''), '', given.get('quantity', 0), texts, terms)
+
+
+def written(params: Mapping[str, Any]) -> dict[str, str]:
+    """Return parameters of a script as they are written in YAML."""
+    return {
+        key: value if isinstance(value, str) else json.dumps(value)
+        for key, value in params.items()
+    }
+
+
+def _moment(given: Mapping[str, Any], key: str) -> float | None:
+    """Return seconds since the epoch; 0.0: none is wanted; None: nothing is said."""
+    text = given.get(key)
+    if text is None or text == NONE:
+        return None if text is None else 0.0
+    time = instant(text)
+    if isinstance(time, Misfit):
+        raise CommandRefused(f'`{key}` must be {time.needed}, not {quoted(text)}; {time.hint}')
+    return time
