@@ -57,7 +57,29 @@ Told = Goal | StateReading | SeenContest
 """What a gateway may have to tell."""
 
 
-class ActionGateway(Protocol):
+class Servers(Protocol):
+    """What is seen of the action servers without asking them anything."""
+
+    def available(self, component: str) -> bool:
+        """Tell whether the component's action server was there at the last look, for show."""
+
+    def rivals(self, component: str) -> Sequence[str]:
+        """Return where the servers of a component's action are at this moment, if several are.
+
+        Nothing is sent then: a request waits as if there were no server, and `drain` has told of
+        it, or will (`SeenContest`). None of them is believed that it does not know a goal.
+        """
+
+    def server(self, component: str) -> str | None:
+        """Return an id of the instance of the component's server that was seen last.
+
+        A server that was restarted has another one, and the goals of the one before are unknown
+        to it. It may be out of date, which only makes a proof fail that it is needed for
+        (semantics 9.2). None: no server was seen, or several with one name.
+        """
+
+
+class ActionGateway(Servers, Protocol):
     """The one way to the robots. All calls come from the tick thread."""
 
     def listen(self, wake: Callable[[], None]) -> None:
@@ -87,24 +109,6 @@ class ActionGateway(Protocol):
 
         A goal is listed when it was accepted and when it ended; a state topic when its field's
         value changed or its publisher vanished; a contest when it is another one.
-        """
-
-    def available(self, component: str) -> bool:
-        """Tell whether the component's action server was there at the last look, for show."""
-
-    def rivals(self, component: str) -> Sequence[str]:
-        """Return where the servers of a component's action are at this moment, if several are.
-
-        Nothing is sent then: a request waits as if there were no server, and `drain` has told of
-        it, or will (`SeenContest`). None of them is believed that it does not know a goal.
-        """
-
-    def server(self, component: str) -> str | None:
-        """Return an id of the instance of the component's server that was seen last.
-
-        A server that was restarted has another one, and the goals of the one before are unknown
-        to it. It may be out of date, which only makes a proof fail that it is needed for
-        (semantics 9.2). None: no server was seen, or several with one name.
         """
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from bt_orchestrator.model.events import ClockStepped, Event, TaskKey
 from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.state import CellState
-from bt_orchestrator.ports import ActionGateway, Clock, Timer
+from bt_orchestrator.ports import Clock, Servers, Timer
 from bt_orchestrator.runtime.delays import Delays
 from bt_orchestrator.runtime.wall_clock import WallClock
 
@@ -25,7 +25,7 @@ class Ledger:
         clock: Clock,
         follow: Callable[[Event], None],
         new_goal_id: Callable[[], str],
-        gateway: ActionGateway,
+        servers: Servers,
         on_time: Callable[[], None],
     ) -> None:
         """Open a ledger.
@@ -37,7 +37,7 @@ class Ledger:
         self._clock = clock
         self._follow = follow
         self._new_goal_id = new_goal_id
-        self._gateway = gateway
+        self._servers = servers
         self._on_time = on_time
         self._pending: list[Event] = []
         self._delays = Delays(state, clock)
@@ -99,11 +99,11 @@ class Ledger:
 
     def server(self, component: str) -> str | None:
         """Return the instance of a component's server that was seen last; None: not known."""
-        return self._gateway.server(component)
+        return self._servers.server(component)
 
     def rivals(self, component: str) -> Sequence[str]:
         """Return the servers of a component's action at this moment, if there are several."""
-        return self._gateway.rivals(component)
+        return self._servers.rivals(component)
 
     def is_delayed(self, key: TaskKey) -> bool:
         """Tell whether the next attempt of a task waits for its time; a settle follows then."""

@@ -20,9 +20,9 @@ from bt_orchestrator.model.status import (
 )
 from bt_orchestrator.model.wait import BELT, INITIALIZATION, PartWait
 from bt_orchestrator.model.wish import way_to_work
+from bt_orchestrator.runtime.engine import Engine
 from bt_orchestrator.runtime.job_overview import job_status
 from bt_orchestrator.runtime.observed_durations import ObservedDurations
-from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.runtime.section_overview import section_status
 from bt_orchestrator.runtime.tasks_in_flight import TasksInFlight, feedback_of
 from bt_orchestrator.tree.reasons import waits_of
@@ -36,14 +36,12 @@ _NO_ENDS: Mapping[str, float] = {}
 class Overview:
     """Looks at a cell from outside; changes nothing."""
 
-    def __init__(
-        self, orchestrator: Orchestrator, durations: ObservedDurations | None = None
-    ) -> None:
+    def __init__(self, engine: Engine, durations: ObservedDurations | None = None) -> None:
         """Look at a cell.
 
         :param durations: how long tasks took; None: only the nominal durations are known
         """
-        self._orchestrator = orchestrator
+        self._engine = engine
         self._durations = durations or ObservedDurations()
 
     def status(self, now_s: float, ends_s: Mapping[str, float] = _NO_ENDS) -> CellStatus:
@@ -51,8 +49,8 @@ class Overview:
 
         :param ends_s: in how many seconds jobs are expected to end
         """
-        orchestrator = self._orchestrator
-        state, tree = orchestrator.state, orchestrator.tree
+        engine = self._engine
+        state, tree = engine.state, engine.tree
         in_flight = self._in_flight()
         jobs = (*state.jobs.first(QUEUE_SHOWN), *list(state.ended.values())[-ENDED_SHOWN:])
         return CellStatus(
@@ -69,8 +67,8 @@ class Overview:
             wish=state.wish,
             waits_for=way_to_work(state.packml) if state.stopped_by is not None else '',
             commands=tuple(VERBS[cause] for cause in self._possible()),
-            journal_failure=orchestrator.broken or '',
-            disk_wait=orchestrator.disk_wait,
+            journal_failure=engine.broken or '',
+            disk_wait=engine.disk_wait,
             belt=BeltStatus(state.indexing, in_flight.of_belt(), waits_of(tree.belt)),
             initialization=waits_of(tree.initialization),
             sections=tuple(
@@ -91,16 +89,16 @@ class Overview:
 
         :param ends_s: in how many seconds jobs are expected to end
         """
-        return job_status(self._orchestrator.state, job, self._in_flight(), ends_s)
+        return job_status(self._engine.state, job, self._in_flight(), ends_s)
 
     def components(self) -> Iterator[ComponentStatus]:
         """Yield how the components stand; also while nothing is recorded any more."""
-        for component in self._orchestrator.state.cell.components.values():
+        for component in self._engine.state.cell.components.values():
             yield self._component(component)
 
     def waits(self) -> list[PartWait]:
         """Return who waits for what, in the order of the belt (semantics 7.4)."""
-        tree = self._orchestrator.tree
+        tree = self._engine.tree
         sections = [(f'section {n}', n, tree.sections[n]) for n in sorted(tree.sections)]
         parts = [(INITIALIZATION, None, tree.initialization), *sections, (BELT, None, tree.belt)]
         return [
@@ -108,17 +106,17 @@ class Overview:
         ]
 
     def _in_flight(self) -> TasksInFlight:
-        return TasksInFlight(self._orchestrator, self._durations)
+        return TasksInFlight(self._engine, self._durations)
 
     def _possible(self) -> tuple[Cause, ...]:
         """Return what the cell may be told; without a journal only to cancel its goals."""
-        if self._orchestrator.broken:
+        if self._engine.broken:
             return (Cause.ABORT,)
-        return possible_in(self._orchestrator.state.packml)
+        return possible_in(self._engine.state.packml)
 
     def _component(self, component: Component) -> ComponentStatus:
-        orchestrator, name = self._orchestrator, component.name
-        state = orchestrator.state
+        engine, name = self._engine, component.name
+        state = engine.state
         key = state.reserved.get(name)
         progress = state.tasks.get(key) if key else None
         reading = state.readings[name]
@@ -126,17 +124,17 @@ class Overview:
         return ComponentStatus(
             name=name,
             action=component.action,
-            available=orchestrator.gateway.available(name),
+            available=engine.gateway.available(name),
             ready=reading.ready and not contest,
             contested=contest.words(component.action),
             state='' if reading.value is None else str(reading.value),
             task=str(key) if key else '',
-            feedback=feedback_of(orchestrator.flights, progress.goal if progress else None),
+            feedback=feedback_of(engine.flights, progress.goal if progress else None),
         )
 
     def _contest(self, state: CellState, component: str) -> Contest:
         """Return who else has a part in a component; also while nothing is recorded any more."""
-        seen = Contest(tuple(self._orchestrator.gateway.rivals(component)))
+        seen = Contest(tuple(self._engine.gateway.rivals(component)))
         return seen or state.contests.get(component, seen)
 
 

@@ -48,7 +48,7 @@ def restore(cell: Cell, store: EventStore) -> CellState:
         if state is not None:
             return state
     beginning = store.beginning()
-    state = CellState(cell) if beginning is None else _begin(cell, beginning)
+    state = CellState(cell) if beginning is None else begin_with(cell, beginning)
     is_whole = _replay(state, store.read(state.seq))
     return state if is_whole else _past_the_damage(state, store)
 
@@ -59,7 +59,7 @@ def _past_the_damage(state: CellState, store: EventStore) -> CellState:
         if snapshot.seq <= state.seq:
             continue
         try:
-            later = _begin(state.cell, snapshot)
+            later = begin_with(state.cell, snapshot)
             _replay(later, store.read(later.seq))
         except JournalMismatch as error:
             log.warning('the snapshot at event %d is ignored: %s', snapshot.seq, error)
@@ -113,7 +113,7 @@ def _from_snapshot(cell: Cell, snapshot: Snapshot, store: EventStore) -> CellSta
     return state
 
 
-def _begin(cell: Cell, beginning: Snapshot) -> CellState:
+def begin_with(cell: Cell, beginning: Snapshot) -> CellState:
     try:
         return state_from_plain(cell, json.loads(beginning.state))
     except _UNREADABLE as error:

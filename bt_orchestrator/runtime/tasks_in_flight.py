@@ -11,16 +11,15 @@ from bt_orchestrator.model.events import INDEX_KEY, TaskKey
 from bt_orchestrator.model.limits import FEEDBACK_BYTES, rough_size, shortened
 from bt_orchestrator.model.state import JobState, TaskState
 from bt_orchestrator.model.status import TaskStatus
-from bt_orchestrator.runtime.flights import Flights
+from bt_orchestrator.runtime.engine import Engine, Goals
 from bt_orchestrator.runtime.observed_durations import ObservedDurations
-from bt_orchestrator.runtime.orchestrator import Orchestrator
 
 
 class TasksInFlight:
     """All of them at one moment, by where they run."""
 
-    def __init__(self, orchestrator: Orchestrator, durations: ObservedDurations) -> None:
-        self._orchestrator = orchestrator
+    def __init__(self, engine: Engine, durations: ObservedDurations) -> None:
+        self._engine = engine
         self._durations = durations
 
     def of_belt(self) -> tuple[TaskStatus, ...]:
@@ -39,16 +38,16 @@ class TasksInFlight:
     @cached_property
     def _by_section(self) -> Mapping[int | None, Sequence[TaskKey]]:
         found: dict[int | None, list[TaskKey]] = defaultdict(list)
-        for key in self._orchestrator.state.running:
+        for key in self._engine.state.running:
             found[key.section].append(key)
         return found
 
     def _of(self, keys: Iterable[TaskKey]) -> tuple[TaskStatus, ...]:
-        running = self._orchestrator.state.running
+        running = self._engine.state.running
         return tuple(self._status(key, running[key]) for key in keys if key in running)
 
     def _status(self, key: TaskKey, progress: TaskState) -> TaskStatus:
-        state = self._orchestrator.state
+        state = self._engine.state
         task, conveyor = state.task(key), state.cell.conveyor
         name = task.name if task else conveyor.task
         component = task.component if task else conveyor.component.name
@@ -61,18 +60,18 @@ class TasksInFlight:
             goal=progress.goal or '',
             started=progress.started,
             expected_s=self._expected_s(component, name),
-            feedback=feedback_of(self._orchestrator.flights, progress.goal),
+            feedback=feedback_of(self._engine.flights, progress.goal),
         )
 
     def _expected_s(self, component: str, name: str) -> float | None:
         observed_s = self._durations.usual_s(component, name)
         if observed_s is not None:
             return observed_s
-        known = self._orchestrator.state.cell.components.get(component)
+        known = self._engine.state.cell.components.get(component)
         return None if known is None else known.duration_s(name)
 
 
-def feedback_of(flights: Flights, goal: str | None) -> str:
+def feedback_of(flights: Goals, goal: str | None) -> str:
     """Return the last feedback of a goal as one JSON object; of a long one a part."""
     flight = flights.goal(goal) if goal else None
     feedback = flight.feedback if flight else None

@@ -30,8 +30,11 @@ def one_line(text: str) -> str:
     return ''.join(c if c.isprintable() else '\ufffd' for c in ' '.join(text.split()))
 
 
-def status_lines(status: CellStatus, shell: Shell) -> Iterator[str]:
-    """Yield a whole status as text."""
+def status_lines(status: CellStatus, shell: Shell | None) -> Iterator[str]:
+    """Yield a whole status as text.
+
+    :param shell: for what can be typed; None: nothing can, as it is long past
+    """
     since = f'{status.state.value} for {duration(state_s(status))}'
     yield f'cell {one_line(status.cell)}: {since}, belt {belt(status)}, seq {status.seq}'
     if failure(status):
@@ -46,7 +49,8 @@ def status_lines(status: CellStatus, shell: Shell) -> Iterator[str]:
         how_far = f'{job_count_words(job)}{job_terms(job)}{expected_finish(job, status)}'
         yield f'  {job_name(job)}: {job.state.state}, {how_far}'
     if unlisted(status):
-        yield f'  {unlisted(status)} more jobs in the queue: {shell.command("queue")}'
+        where = f': {shell.command("queue")}' if shell else ''
+        yield f'  {unlisted(status)} more jobs in the queue{where}'
     for reason in reasons(status.initialization):
         yield f'  initialization  {reason}'
     for section in status.sections:
@@ -56,8 +60,8 @@ def status_lines(status: CellStatus, shell: Shell) -> Iterator[str]:
         yield f'  flag {flag_count(flag)}'
     for hold in status.holds:
         yield f'  {hold_text(hold)}'
-        yield from (f'    {text}' for text in hold_advice(hold, shell))
-    yield from (f'  next: {text}' for text in next_lines(status, shell))
+        yield from (f'    {text}' for text in (hold_advice(hold, shell) if shell else ()))
+    yield from (f'  next: {text}' for text in (next_lines(status, shell) if shell else ()))
 
 
 def unlisted(status: CellStatus) -> int:

@@ -1,0 +1,77 @@
+"""How a cell stood at a past moment, from its journal."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+from contextlib import closing
+from datetime import datetime
+from pathlib import Path
+
+from bt_orchestrator.cli import bootstrap
+from bt_orchestrator.cli.journal_file import open_records
+from bt_orchestrator.cli.moments import moment
+from bt_orchestrator.errors import NotKept
+from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.status import CellStatus
+from bt_orchestrator.ports import Records
+from bt_orchestrator.screen.words import status_lines
+from bt_orchestrator.sim.past import JournalPast
+
+
+def event_or_moment(text: str) -> int | float:
+    """Return the number of an event, or seconds since the epoch.
+
+    :raises ArgumentTypeError: it is neither
+    """
+    return int(text) if text.isdecimal() and len(text) < 19 else moment(text)
+
+
+def status_at(at: int | float, journal: Path, cell: Path) -> CellStatus:
+    """Return how a cell stood.
+
+    :param at: the number of an event, or seconds since the epoch
+    :raises NotKept: that moment is not in the journal
+    :raises JournalUnusable: the journal cannot be read
+    :raises Refused: the cell file, with every mistake in it
+    """
+    known = bootstrap.load_cell(cell, bootstrap.installed_types())
+    with closing(open_records(journal)) as records:
+        seq = at if isinstance(at, int) else _last_before(records, at)
+        return JournalPast(known, records).status_at(seq)
+
+
+def past_lines(status: CellStatus) -> Iterator[str]:
+    """Yield a past status as text, so that nobody takes it for that of now."""
+    when = datetime.fromtimestamp(status.stamp).isoformat(' ', 'milliseconds')
+    yield f'PAST, at event {status.seq} of {when}:'
+    yield from status_lines(status, None)
+
+
+def add_past_options(parser: argparse.ArgumentParser) -> None:
+    """Declare which moment is meant, and where it is found."""
+    parser.add_argument(
+        '--at',
+        type=event_or_moment,
+        metavar='SEQ|TIME',
+        help='how it stood after this event, or at this time, for instance 2026-05-17T14:30:05; '
+        'from the journal, and no node has to run',
+    )
+    parser.add_argument('--journal', type=Path, metavar='FILE', help='with --at: the journal')
+    parser.add_argument(
+        '--cell', type=Path, metavar='CELL', help='with --at: the cell file as it was then'
+    )
+
+
+def _last_before(records: Records, time: float) -> int:
+    """Return the last event up to a time.
+
+    :raises NotKept: there is none
+    """
+    page = records.page(Wanted(until=time, newest_first=True), 1)
+    while not page.records and not page.is_last:
+        page = records.page(page.rest, 1)
+    if not page.records:
+        when = datetime.fromtimestamp(time).isoformat(' ', 'seconds')
+        raise NotKept(f'the journal has no event of {when} or before')
+    return page.records[0].seq

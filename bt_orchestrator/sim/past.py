@@ -1,0 +1,157 @@
+"""Any past moment of a cell: its state from the journal, its reasons from the engine's tree."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+
+from bt_orchestrator.errors import JournalMismatch, NotKept
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.codec import digest, from_record
+from bt_orchestrator.model.fold import apply
+from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.snapshot import state_from_plain, state_to_plain
+from bt_orchestrator.model.state import CellState
+from bt_orchestrator.model.status import CellStatus
+from bt_orchestrator.ports import Goal, Records
+from bt_orchestrator.runtime.ledger import Ledger
+from bt_orchestrator.runtime.overview import Overview
+from bt_orchestrator.runtime.recovery import begin_with
+from bt_orchestrator.sim.clock import VirtualClock
+from bt_orchestrator.tree.blackboard import BlackboardProjection
+from bt_orchestrator.tree.compile import CellTree
+
+MOST_TICKS = 1000
+"""More than this is a defect of the rules, and not a moment in the middle of a settle."""
+
+
+class JournalPast:
+    """Looks back through a journal. Implements `ports.Past`."""
+
+    def __init__(self, cell: Cell, records: Records) -> None:
+        """Look back.
+
+        :param cell: as its file said at those moments
+        """
+        self._cell = cell
+        self._records = records
+
+    def status_at(self, seq: int) -> CellStatus:
+        """Return how the cell stood after an event, and what it waited for.
+
+        Whether servers were there, and what goals had fed back, is not in the journal: all are
+        shown as there, and no feedback.
+
+        :raises NotKept: the event is not in the journal, or it was another cell then
+        """
+        state = self.state_at(seq)
+        if state.cell_digest != digest(self._cell):
+            raise NotKept(
+                f'at event {seq} the cell file was another one than that of cell '
+                f'{self._cell.name} is now: name the file as it was then'
+            )
+        engine = StillEngine(state)
+        try:
+            return Overview(engine).status(state.time)
+        finally:
+            engine.close()
+
+    def state_at(self, seq: int) -> CellState:
+        """Return the state after an event.
+
+        :raises NotKept: the event is not in the journal, or it was another cell then
+        """
+        _, first, last = self._records.extent()
+        if not 0 < seq <= last:
+            raise NotKept(f'event {seq} is not in the journal: it has events {first} to {last}')
+        start = self._records.state_before(seq)
+        try:
+            state = CellState(self._cell) if start is None else begin_with(self._cell, start)
+            if state.seq + 1 < first and state.seq < seq:
+                raise NotKept(
+                    f'event {seq} cannot be had any more: the journal begins with event {first}, '
+                    'and keeps no state before it'
+                )
+            for event in self._events(state.seq, seq):
+                apply(state, event)
+        except (AssertionError, KeyError, JournalMismatch) as error:
+            raise NotKept(
+                f'the journal does not fit cell {self._cell.name} at event {seq} ({error!r}): '
+                'name the cell file as it was then'
+            ) from error
+        return state
+
+    def _events(self, after: int, until: int) -> Iterator[e.Event]:
+        """Yield the events between, all of them.
+
+        :raises NotKept: one is damaged, or not there
+        """
+        wanted = Wanted(after_seq=after, before_seq=until + 1)
+        while True:
+            page = self._records.page(wanted)
+            for damage in page.damage:
+                raise NotKept(f'event {until} cannot be had: {damage.what}')
+            yield from (from_record(json.loads(record.text)) for record in page.records)
+            if page.is_last:
+                return
+            wanted = page.rest
+
+
+class _Nobody:
+    """Robots that nobody asks anything."""
+
+    def available(self, component: str) -> bool:  # noqa: ARG002 - the gateway's
+        """Return True: what was so is not known."""
+        return True
+
+    def rivals(self, component: str) -> Sequence[str]:  # noqa: ARG002 - the gateway's
+        """Return nothing: what was so is in the state."""
+        return ()
+
+    def server(self, component: str) -> str | None:  # noqa: ARG002 - the gateway's
+        """Return None: nothing is sent."""
+        return None
+
+    def goal(self, goal_id: str) -> Goal | None:  # noqa: ARG002 - that of flights
+        """Return None: feedback is not in the journal."""
+        return None
+
+
+class StillEngine:
+    """The engine at one moment, which does nothing: its tree says what is waited for.
+
+    The tree works on a copy of the state. In the middle of a settle it goes on to the settle's
+    end, for before that no reason is true; the facts that are shown stay those of the moment.
+    """
+
+    def __init__(self, state: CellState) -> None:
+        """Tick the tree of a state until nothing changes."""
+        self.state = state
+        self.gateway = _Nobody()
+        self.flights = self.gateway
+        self.broken: str | None = None
+        self.disk_wait = ''
+        plain = json.loads(json.dumps(state_to_plain(state)))
+        copied = state_from_plain(state.cell, plain)
+        clock = VirtualClock(state.time)
+        self._projection = BlackboardProjection('/past', copied)
+        self._ledger = Ledger(
+            copied, clock, self._follow, lambda: 'none', self.gateway, lambda: None
+        )
+        self.tree = CellTree(self._ledger, self._projection.space)
+        for _ in range(MOST_TICKS):
+            self.tree.tick()
+            if not self.tree.is_due:
+                return
+        raise AssertionError(f'the tree still changes the state after {MOST_TICKS} ticks')
+
+    def close(self) -> None:
+        """Give the tree up."""
+        self._ledger.close()
+        self.tree.close()
+        self._projection.close()
+
+    def _follow(self, event: e.Event) -> None:
+        self._projection.follow(event)
+        self.tree.notice(event)

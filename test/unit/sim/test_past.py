@@ -1,0 +1,111 @@
+"""Any past moment of a cell, with its reasons, equals what was shown then."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import pytest
+from fakes.action_types import FakeActionTypes
+from fakes.line import THREE, Line
+from fakes.operator import ann
+
+from bt_orchestrator.errors import NotKept
+from bt_orchestrator.model.cell_commands import Pause, Resume
+from bt_orchestrator.model.commands import AnswerHold
+from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.status import CellStatus, TaskStatus
+from bt_orchestrator.runtime.overview import Overview
+from bt_orchestrator.sim.past import JournalPast
+from bt_orchestrator.sim.simulation import Simulation
+from bt_orchestrator.store.memory import MemoryRecords, MemoryStore
+
+FLAGGED = THREE + 'lateral_dependencies: [{flag: clear, upstream: work, downstream: pack}]\n'
+
+
+def _nothing() -> None:
+    pass
+
+
+class _Shown:
+    """Keeps what was shown after each settle."""
+
+    def __init__(self) -> None:
+        self.at: dict[int, CellStatus] = {}
+        self.look: Callable[[], None] = _nothing
+
+    def publish(self, events: Sequence[Event]) -> None:
+        self.look()
+
+
+def unfed(tasks: tuple[TaskStatus, ...]) -> tuple[TaskStatus, ...]:
+    return tuple(replace(task, feedback='', expected_s=None) for task in tasks)
+
+
+def as_then(status: CellStatus) -> CellStatus:
+    """Leave out what no journal knows."""
+    return replace(
+        status,
+        sections=tuple(replace(one, running=unfed(one.running)) for one in status.sections),
+        belt=replace(status.belt, running=unfed(status.belt.running)),
+        components=tuple(replace(one, feedback='') for one in status.components),
+    )
+
+
+@pytest.mark.parametrize('text', [THREE, FLAGGED], ids=['free', 'flagged'])
+def test_every_settle_is_shown_as_it_was(text: str) -> None:
+    line = Line(3, seconds={'a2': 5.0}, faults={'a2': '#2=abort'})
+    store, shown = MemoryStore(), _Shown()
+    simulation = Simulation(line.cell, FakeActionTypes(), store, [shown])
+    overview = Overview(simulation.orchestrator)
+
+    def look() -> None:
+        shown.at[simulation.state.seq] = overview.status(simulation.clock.now())
+
+    shown.look = look
+    simulation.submit(Job(name, line.script(text), 3) for name in ('A', 'B'))
+    paused = False
+    while simulation.state.jobs:
+        assert simulation.clock.advance() or simulation.state.holds
+        simulation.orchestrator.settle()
+        if simulation.clock.now() > 20.0 and not paused:
+            paused = True
+            simulation.orchestrator.ask(Pause(ann()))
+            simulation.orchestrator.settle()
+            simulation.orchestrator.ask(Resume(ann()))
+        for hold in list(simulation.state.holds.values()):
+            simulation.orchestrator.ask(AnswerHold(hold.id, 'retry', ann()))
+    past = JournalPast(line.cell, MemoryRecords(store))
+    assert len(shown.at) > 20
+    for seq, status in shown.at.items():
+        found = past.status_at(seq)
+        assert as_then(replace(found, stamp=status.stamp)) == as_then(status), seq
+    simulation.close()
+
+
+def test_a_moment_in_the_middle_of_a_settle_has_its_own_facts() -> None:
+    line = Line(3)
+    store = MemoryStore()
+    simulation = Simulation(line.cell, FakeActionTypes(), store)
+    simulation.submit([Job('A', line.script(THREE), 1)])
+    simulation.run()
+    past = JournalPast(line.cell, MemoryRecords(store))
+    for event in store.read():
+        assert past.status_at(event.seq).seq == event.seq
+    simulation.close()
+
+
+def test_what_cannot_be_had_is_said() -> None:
+    line = Line(3)
+    store = MemoryStore()
+    simulation = Simulation(line.cell, FakeActionTypes(), store)
+    simulation.submit([Job('A', line.script(THREE), 1)])
+    simulation.run()
+    past = JournalPast(line.cell, MemoryRecords(store))
+    with pytest.raises(NotKept, match='event 9999 is not in the journal: it has events 1 to'):
+        past.status_at(9999)
+    other = JournalPast(Line(3, seconds={'a2': 9.0}).cell, MemoryRecords(store))
+    with pytest.raises(NotKept, match='the cell file was another one'):
+        other.status_at(10)
+    simulation.close()
