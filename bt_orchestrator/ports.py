@@ -9,6 +9,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple, Protocol, TypeVar
 
 from bt_orchestrator.model.action_type import ActionType
+from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.goal import GoalEnd, GoalRequest, SeenContest, StateReading
@@ -467,6 +468,18 @@ class Past(Protocol):
 
         :raises NotKept: that event is not in the journal, or what came before it
         """
+
+
+class Moment(NamedTuple):
+    """One moment of a cell, from which a virtual run may begin."""
+
+    cell: Cell
+    plain_state: Mapping[str, Any]
+    """Of `model.snapshot`."""
+    now_s: float
+    """On the clock of the state."""
+    observed_s: Mapping[str, Mapping[str, float]] = {}
+    """Seconds that tasks took, by component and task constant."""
 
 
 class ExpectedJob(NamedTuple):

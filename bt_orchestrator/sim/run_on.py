@@ -9,14 +9,13 @@ from __future__ import annotations
 import json
 import time
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
-from bt_orchestrator.model.commands import Answer, Command
 from bt_orchestrator.model.goal import GoalRequest
 from bt_orchestrator.model.pauses import RESTARTED
 from bt_orchestrator.model.state import CellState
@@ -54,7 +53,7 @@ class RunOn:
         state = {**plain_state['state'], 'cell_digest': digest(cell)}
         gateway = _RunningRobots(cell, types, self._clock)
         store = _From(json.dumps({**plain_state, 'state': state}))
-        self._orchestrator = Orchestrator(
+        self.orchestrator = Orchestrator(
             cell,
             gateway,
             self._clock,
@@ -69,11 +68,7 @@ class RunOn:
     @property
     def state(self) -> CellState:
         """The state now."""
-        return self._orchestrator.state
-
-    def ask(self, commands: Iterable[Command]) -> list[Answer]:
-        """Carry out commands, one after the other, before any time passes."""
-        return [self._orchestrator.ask(command) for command in commands]
+        return self.orchestrator.state
 
     def ends_s(self, until: float) -> dict[str, float]:
         """Run on until every job has ended; return when each did, those unknown are left out.
@@ -83,16 +78,16 @@ class RunOn:
         :param until: real time on the monotonic clock, at which it is given up
         """
         left_out = self._shorten()
-        self._orchestrator.settle()
+        self.orchestrator.settle()
         while self.state.jobs and not self.state.holds and time.monotonic() < until:
             if not self._clock.advance():
                 break
-            self._orchestrator.settle()
+            self.orchestrator.settle()
         return _stretched(self._log, left_out)
 
     def close(self) -> None:
         """Give the engine up."""
-        self._orchestrator.close()
+        self.orchestrator.close()
 
     def _shorten(self) -> dict[str, int]:
         """Leave out cycles of long jobs; returns how many of each."""

@@ -5,20 +5,17 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 import pytest
 from fakes.action_types import FakeActionTypes
 from fakes.line import THREE, Line
 from fakes.operator import ann
 
-from bt_orchestrator.errors import CommandRefused
-from bt_orchestrator.model.commands import AnswerHold, Command
-from bt_orchestrator.model.jobs.job_commands import ControlJob, RunNext
-from bt_orchestrator.model.jobs.order import Job
-from bt_orchestrator.model.requests import About, Asked, ask
+from bt_orchestrator.model.jobs.order import Job, WorkOrder
+from bt_orchestrator.model.requests import Asked, ask
 from bt_orchestrator.model.snapshot import state_to_plain
-from bt_orchestrator.model.state import CellState
-from bt_orchestrator.ports import Consequence
+from bt_orchestrator.ports import Consequence, Moment
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.sim.what_if import EngineWhatIf
 from bt_orchestrator.store.memory import MemoryStore
@@ -27,20 +24,9 @@ TYPES = FakeActionTypes()
 LINE = Line(3, seconds={'a2': 5.0})
 
 
-def command_of(asked: Asked, state: CellState) -> Command:
-    if asked.request.about is About.HOLD:
-        return AnswerHold(str(asked.arguments['hold']), asked.request.word, asked.by)
-    job = str(asked.arguments['job'])
-    if job == 'unreadable':
-        raise CommandRefused('this cannot be read')
-    if asked.request.word == 'next':
-        return RunNext(job, asked.by)
-    return ControlJob(asked.request.word, job, asked.by)
-
-
 @contextmanager
 def running(until_s: float, text: str = THREE, fails: str = '') -> Iterator[Simulation]:
-    line = Line(3, seconds={'a2': 5.0}, faults={fails: 'abort'} if fails else None)
+    line = Line(3, seconds={'a2': 5.0}, faults={'a2': fails})
     simulation = Simulation(line.cell, TYPES, MemoryStore())
     script = line.script(text)
     simulation.submit(Job(name, script, 3) for name in ('A', 'B', 'C'))
@@ -51,11 +37,12 @@ def running(until_s: float, text: str = THREE, fails: str = '') -> Iterator[Simu
     simulation.close()
 
 
-def asked_of(simulation: Simulation, *requests: Asked) -> Consequence:
+def asked_of(
+    simulation: Simulation, *requests: Asked, trees: tuple[Path, ...] = ()
+) -> Consequence:
     plain = json.loads(json.dumps(state_to_plain(simulation.state)))
-    now_s = simulation.clock.now()
-    what_if = EngineWhatIf(simulation.state.cell, TYPES, plain, {}, now_s, command_of)
-    return what_if.ask(requests)
+    moment = Moment(simulation.state.cell, plain, simulation.clock.now())
+    return EngineWhatIf(moment, TYPES, trees).ask(requests)
 
 
 def test_a_job_that_comes_first_ends_earlier_and_the_others_later() -> None:
@@ -85,12 +72,13 @@ def test_refusals_are_told_and_the_others_are_carried_out() -> None:
         found = asked_of(
             simulation,
             ask('job.resume', ann(), job='A'),
-            ask('job.hold', ann(), job='unreadable'),
+            ask('queue.add', ann(), orders=[WorkOrder('nowhere')]),
             ask('job.cancel', ann(), job='B'),
         )
         assert len(found.refusals) == 2
         assert found.refusals[0].startswith('job.resume: A is Running; ')
-        assert found.refusals[1] == 'job.hold: this cannot be read'
+        assert found.refusals[1].startswith('queue.add: refused with 1 finding; ')
+        assert 'nowhere' in found.refusals[1]
         assert list(dict(found.after)) == ['A', 'C']
 
 
@@ -99,3 +87,28 @@ def test_a_job_that_is_kept_from_starting_has_no_end() -> None:
         found = asked_of(simulation, ask('job.hold', ann(), job='B'))
         assert dict(found.after)['B'] is None
         assert dict(found.after)['C'] == dict(found.before)['B']
+
+
+def test_an_order_that_comes_in_between(tmp_path: Path) -> None:
+    text = 'script: other\n' + THREE.replace('@a1', 'task: TASK_A, action: /a1/do').replace(
+        '@a2', 'task: TASK_A, action: /a2/do'
+    ).replace('@a3', 'task: TASK_A, action: /a3/do')
+    (tmp_path / 'other.yaml').write_text(text)
+    with running(4.0) as simulation:
+        order = WorkOrder('other', 'D', 1)
+        asked = ask('queue.add', ann(), orders=[order], position=1)
+        found = asked_of(simulation, asked, trees=(tmp_path,))
+        assert found.refusals == ()
+        assert list(dict(found.after)) == ['A', 'D', 'B', 'C']
+        before, after = dict(found.before), dict(found.after)
+        assert before['B'] is not None
+        assert after['B'] is not None
+        assert after['B'] > before['B']
+
+
+def test_a_cell_that_is_held_has_no_forecast_until_it_is_answered() -> None:
+    with running(40.0, fails='#2=abort') as simulation:
+        (hold,) = simulation.state.holds
+        found = asked_of(simulation, ask('hold.skip', ann(), hold=hold))
+        assert set(dict(found.before).values()) == {None}
+        assert None not in dict(found.after).values()
