@@ -1,10 +1,11 @@
-"""The projection of the state onto the py_trees blackboard, where guards and watchers read it."""
+"""The projection of the state onto the py_trees blackboard: for watchers, not for behaviours."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from py_trees.behaviour import Behaviour
 from py_trees.blackboard import Blackboard, Client
 from py_trees.common import Access
 
@@ -16,24 +17,11 @@ AT_REST = 'at rest'
 MOVING = 'moving'
 
 
-class ReadKey:
-    """One key, as a guard reads it.
-
-    A client of py_trees works out name and permission in every access, 8 us. Both are settled once
-    here; while somebody watches the activity, the client is asked, which tells who read what.
-    """
-
-    def __init__(self, client: Client, key: str) -> None:
+def name_keys(behaviour: Behaviour, namespace: str, *keys: str) -> None:
+    """Tell watchers which keys show what a behaviour asks of the state; it does not read them."""
+    client = behaviour.attach_blackboard_client(name=behaviour.name, namespace=namespace)
+    for key in keys:
         client.register_key(key=key, access=Access.READ)
-        self._client = client
-        self._key = key
-        self._name = client.absolute_name(key)
-
-    def read(self) -> Any:
-        """Return the value now."""
-        if Blackboard.activity_stream is None:
-            return Blackboard.storage[self._name]
-        return self._client.get(self._key)
 
 
 class BlackboardProjection:
@@ -69,7 +57,9 @@ class BlackboardProjection:
         if key not in self._names:
             self._client.register_key(key=key, access=Access.EXCLUSIVE_WRITE)
             self._names[key] = self._client.absolute_name(key)
-        if Blackboard.activity_stream is None:  # as in ReadKey
+        # A client of py_trees works out name and permission in every access, 8 us; it is asked
+        # while somebody watches the activity, of which it keeps a record.
+        if Blackboard.activity_stream is None:
             Blackboard.storage[self._names[key]] = value
         else:
             self._client.set(key, value)
@@ -105,7 +95,7 @@ class BlackboardProjection:
             self._zone(zone)
 
     def _script(self, digest: str) -> None:
-        """Set the keys that the guards of a script read; a flag may begin anew with it."""
+        """Set the keys of a script's flags and zones; a flag may begin anew with it."""
         script = self._state.scripts[digest]
         for dependency in script.dependencies:
             self._set(f'flags/{dependency.flag}', self._state.flags[dependency.flag].count)

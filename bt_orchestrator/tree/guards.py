@@ -3,6 +3,8 @@
 A guard waits only while its task has an attempt to start. A task that runs, is done or will be
 skipped passes, so a finished task is never blocked by its own flag. Nothing is taken while waiting
 (semantics 4.4): the guards of one task are asked together, in the tick that starts it.
+
+Guards ask the state. For watchers they name the keys of the blackboard that show what they ask.
 """
 
 from __future__ import annotations
@@ -15,7 +17,7 @@ from bt_orchestrator.model.initialization import Preparation
 from bt_orchestrator.model.preparing import may_not_prepare, remains_done, waits_for_its_turn
 from bt_orchestrator.model.script import Dependency, Step
 from bt_orchestrator.model.wait import Wait, WaitKind
-from bt_orchestrator.tree.blackboard import AT_REST, ReadKey
+from bt_orchestrator.tree.blackboard import name_keys
 from bt_orchestrator.tree.subject import Recorder, Subject, holder, is_done
 from bt_orchestrator.tree.ticking import Ticked, Wrapper, invalidate
 from bt_orchestrator.tree.waiter import TaskWaiter, Waiter
@@ -56,8 +58,7 @@ class ConveyorGuard(Guard):
         self._subjects = [Subject(recorder, task, job, section) for task in step.tasks]
         self._section = section
         self._recorder = recorder
-        client = self.attach_blackboard_client(name=self.name, namespace=space)
-        self._belt, self._beat = ReadKey(client, 'belt'), ReadKey(client, 'beat')
+        name_keys(self, space, 'belt', 'beat')
 
     @property
     def components(self) -> tuple[str, ...]:
@@ -66,10 +67,11 @@ class ConveyorGuard(Guard):
 
     def waits_for(self) -> Wait | None:
         """Wait while the belt moves, or rests in the beat before this cycle's."""
-        cycle = self._recorder.state.sections[self._section].cycle
+        state = self._recorder.state
+        cycle = state.sections[self._section].cycle
         assert cycle is not None
-        rests = self._belt.read() == AT_REST
-        if rests and self._beat.read() == cycle.beat:
+        rests = not state.indexing
+        if rests and state.beat == cycle.beat:
             return None
         if all(is_done(subject) for subject in self._subjects):
             return None
@@ -87,14 +89,13 @@ class FlagGuard(TaskWaiter, Guard):
         super().__init__(f'flag {dependency.flag} {bound}', child)
         self.subject = subject
         self.dependency = dependency
-        client = self.attach_blackboard_client(name=self.name, namespace=f'{space}/flags')
-        self._count = ReadKey(client, dependency.flag)
+        name_keys(self, f'{space}/flags', dependency.flag)
 
     def waits_for(self) -> Wait | None:
         """Wait while the count is at the wrong end."""
         if not effects.is_startable(self.subject.state, self.subject.key):
             return None
-        count = self._count.read()
+        count = self.subject.state.flags[self.dependency.flag].count
         if self.upstream:
             full = count >= self.dependency.capacity
             return self._until(self.dependency.downstream, 'take') if full else None
@@ -115,16 +116,15 @@ class ZoneGuard(TaskWaiter, Guard):
         super().__init__(f'zone {zone} free', child)
         self.subject = subject
         self.zone = zone
-        client = self.attach_blackboard_client(name=self.name, namespace=f'{space}/zones')
-        self._there = ReadKey(client, zone)
+        name_keys(self, f'{space}/zones', zone)
 
     def waits_for(self) -> Wait | None:
         """Wait while another task is in the zone; its own is, from a hold to its new attempt."""
-        there = self._there.read()
-        if not there or there == str(self.subject.key) or not self.subject.waits_to_start:
-            return None
         state = self.subject.state
-        what = f'waiting for zone {self.zone}, taken by {holder(state, state.zones[self.zone])}'
+        there = state.zones.get(self.zone)
+        if there is None or there == self.subject.key or not self.subject.waits_to_start:
+            return None
+        what = f'waiting for zone {self.zone}, taken by {holder(state, there)}'
         return Wait(what, WaitKind.ZONE, self.zone)
 
 
@@ -135,16 +135,15 @@ class ReadyGuard(TaskWaiter, Guard):
         super().__init__(f'{topic}', child)
         self.subject = subject
         self.topic = topic
-        client = self.attach_blackboard_client(name=self.name, namespace=f'{space}/ready')
-        self._ready = ReadKey(client, subject.task.component)
+        name_keys(self, f'{space}/ready', subject.task.component)
 
     def waits_for(self) -> Wait | None:
         """Wait while the topic does not say ready."""
-        if self._ready.read() or not self.subject.waits_to_start:
-            return None
         component = self.subject.task.component
-        value = self.subject.state.readings[component].value
-        found = 'nothing is published there' if value is None else f'it is {value}'
+        reading = self.subject.state.readings[component]
+        if reading.ready or not self.subject.waits_to_start:
+            return None
+        found = 'nothing is published there' if reading.value is None else f'it is {reading.value}'
         return Wait(f'waiting for {self.topic}; {found}', WaitKind.READINESS, component)
 
 

@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable, Container
 from typing import Any
 
+from fakes.board import check_board
 from fakes.full_tree import check_view
 from fakes.invariants import Invariants
 from fakes.operator import ann
@@ -221,6 +222,7 @@ class VirtualRun:
         assert self.state.indexing or waits.get('belt'), self.now
 
     def _check(self) -> None:
+        check_board(self.sim.orchestrator._projection.space, self.state)
         for event in self.store.read(after=self._replay.seq):
             read = from_record(json.loads(json.dumps(to_record(event))))
             assert read == event

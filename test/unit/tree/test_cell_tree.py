@@ -4,11 +4,20 @@ from __future__ import annotations
 
 import pytest
 from fakes.line import THREE, Line
-from py_trees.blackboard import Blackboard
+from py_trees.blackboard import ActivityType, Blackboard
 from py_trees.common import Status
 
 from bt_orchestrator.tree.compile import CellTree
 from bt_orchestrator.tree.reasons import waits_of
+
+GUARDED = """
+lateral_dependencies: [{flag: clear, upstream: place, downstream: work}]
+zones: {table: [work, pack]}
+sections:
+  1: [{id: place, @a1, qty_change: 1}]
+  2: [{id: work, @a2}]
+  3: [{id: pack, @a3, qty_change: -1}]
+"""
 
 
 def names(tree: CellTree) -> list[str]:
@@ -67,6 +76,32 @@ def test_an_engine_that_was_given_up_leaves_nothing_on_the_blackboard() -> None:
     run.sim.close()
     assert set(Blackboard.storage) <= keys
     assert set(Blackboard.clients) <= clients
+
+
+def test_no_behaviour_reads_the_blackboard() -> None:
+    Blackboard.enable_activity_stream(maximum_size=100_000)
+    try:
+        run = Line(topics=('a2',)).begin(GUARDED, quantity=2)
+        run.go()
+        assert Blackboard.activity_stream is not None
+        done = {item.activity_type for item in Blackboard.activity_stream.data}
+    finally:
+        Blackboard.disable_activity_stream()
+    assert run.ended
+    assert ActivityType.WRITE.value in done
+    assert not done & {ActivityType.READ.value, ActivityType.ACCESSED.value}
+
+
+def test_guards_name_the_keys_that_show_what_they_ask() -> None:
+    run = Line(topics=('a2',)).begin(GUARDED)
+    space = run.sim.orchestrator._projection.space
+    read = {
+        key.removeprefix(f'{space}/')
+        for behaviour in run.sim.orchestrator.tree.root.iterate()
+        for client in behaviour.blackboards
+        for key in client.read
+    }
+    assert read == {'belt', 'beat', 'flags/clear', 'zones/table', 'ready/a2'}
 
 
 def test_two_cells_of_one_name_do_not_share_the_blackboard() -> None:
