@@ -59,11 +59,22 @@ def swap(drawn: random.Random, file: Path, older: Path) -> None:
         file.unlink()
 
 
+def alone(drawn: random.Random, file: Path, _: Path) -> None:
+    """Keep the journal as a copy of the one file: without its log and its mark, or one of them."""
+    journal = file.with_name(NAME)
+    others = [journal.with_name(f'{NAME}{ending}') for ending in ENDINGS if ending]
+    kept = drawn.choice([None, *others])
+    for other in others:
+        if other != kept:
+            other.unlink(missing_ok=True)
+
+
 KINDS: Mapping[str, Callable[[random.Random, Path, Path], None]] = {
     'flip': flip,
     'zero': zero,
     'cut': cut,
     'swap': swap,
+    'alone': alone,
 }
 
 

@@ -2,6 +2,7 @@
 
 What SQLite finds in damaged files looks like a whole journal that ends earlier. The mark is
 rewritten after each commit, so it is never ahead of the journal unless the journal went back.
+Where it is gone too, the file says whether it was closed (`schema.is_closed`).
 """
 
 from __future__ import annotations

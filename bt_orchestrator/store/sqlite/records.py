@@ -25,6 +25,7 @@ from bt_orchestrator.store.sqlite.checks import check_of, check_of_event
 from bt_orchestrator.store.sqlite.database import has_log, unchanging, unusable_otherwise
 from bt_orchestrator.store.sqlite.mark import mark_of, read_mark
 from bt_orchestrator.store.sqlite.schema import history_of, kept_from, schema_of
+from bt_orchestrator.store.sqlite.shortfall import cut_off, is_cut_off
 
 _CHECKED = 4
 """The schema from which on rows have a check."""
@@ -159,7 +160,10 @@ class SqliteRecords:
     def _gone(self, history: str) -> Iterator[Damage]:
         """Compare the end with the mark, which is written later and never ahead."""
         reached = read_mark(mark_of(self._path))
-        if reached is None or reached.history != history:
+        if reached is None:
+            yield from self._cut_off()
+            return
+        if reached.history != history:
             return
         with self._one_moment():
             replayed = 'SELECT coalesce(max(seq), 0) FROM beginning'
@@ -171,6 +175,13 @@ class SqliteRecords:
                 reached.seq - last,
             )
 
+    def _cut_off(self) -> Iterator[Damage]:
+        """Say that it may be a part of a journal; how much is missing nobody knows."""
+        with unusable_otherwise(self._path):
+            if self._schema >= _SAYS_CLOSED and is_cut_off(self._database, self._path):
+                what = cut_off(self._path, self._last_seq())
+                yield Damage(f'the journal {self._path} may be a part of one: {what}', 0)
+
     @contextmanager
     def _one_moment(self) -> Iterator[None]:
         """See the journal as it is now, whatever is written meanwhile."""
@@ -180,6 +191,10 @@ class SqliteRecords:
                 yield
             finally:
                 self._database.rollback()
+
+
+_SAYS_CLOSED = 5
+"""The schema from which on a file says whether it was closed."""
 
 
 class _Known(NamedTuple):

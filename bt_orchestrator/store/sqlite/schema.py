@@ -2,7 +2,8 @@
 
 Schema 1 had the events alone. Schema 2 adds what is derived from them: states to start from, the
 summaries of jobs that ended, and where jobs begin. Schema 3 adds a name that no other journal has.
-Schema 4 adds a check to every row; those of an older program stay without one.
+Schema 4 adds a check to every row; those of an older program stay without one. Schema 5 adds
+whether a node has closed the file.
 A step forward adds and never rewrites events; each runs in one transaction, so a file is of one
 schema or of the other, whatever happens.
 """
@@ -18,7 +19,7 @@ from bt_orchestrator.errors import JournalUnusable
 from bt_orchestrator.store.sqlite.checks import check_of
 from bt_orchestrator.store.sqlite.database import pragma, transaction
 
-SCHEMA = 4
+SCHEMA = 5
 """Version of the tables, kept in SQLite's user_version."""
 
 APPLICATION_ID = 0x62746F72
@@ -89,6 +90,11 @@ _STEPS: Sequence[Sequence[str]] = (
                WHERE json_extract(record, '$.event') = 'job.queued'""",
         'DROP INDEX jobs_queued',
     ),
+    # 5
+    (
+        # A row stands here from the first write of a node until it closes the journal.
+        'CREATE TABLE unclosed (one INTEGER PRIMARY KEY CHECK (one = 1)) STRICT',
+    ),
 )
 
 
@@ -144,8 +150,9 @@ def history_of(database: sqlite3.Connection) -> History:
 
 
 def begin_restored(database: sqlite3.Connection) -> None:
-    """Let a journal of today, which is a copy, begin a history of its own."""
+    """Let a journal of today, which is a whole copy, begin a history of its own."""
     with transaction(database):
+        end_to_write(database)
         database.execute(f'UPDATE history SET id = {_RANDOM}, restored = 1')
         _seal(database)
 
@@ -154,6 +161,26 @@ def begin_history(database: sqlite3.Connection, history: str) -> None:
     """Let a journal of today go on under another name."""
     database.execute('UPDATE history SET id = ?, restored = 0', (history,))
     _seal(database)
+
+
+def begin_to_write(database: sqlite3.Connection) -> bool:
+    """Say in the file that a node writes it, if possible before any event is in the log alone.
+
+    :return: False: the log keeps it so far, since somebody reads the file as it was before
+    """
+    database.execute('INSERT OR IGNORE INTO unclosed VALUES (1)')
+    _, frames, moved = database.execute('PRAGMA wal_checkpoint(PASSIVE)').fetchone()
+    return bool(frames == moved)
+
+
+def end_to_write(database: sqlite3.Connection) -> None:
+    """Say that all a node has written is here."""
+    database.execute('DELETE FROM unclosed')
+
+
+def is_closed(database: sqlite3.Connection) -> bool:
+    """Tell whether the node that wrote a journal of today has closed it."""
+    return database.execute('SELECT 1 FROM unclosed').fetchone() is None
 
 
 def kept_from(database: sqlite3.Connection) -> int:

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import sqlite3
 from datetime import datetime, timezone
+from pathlib import Path
 
-from bt_orchestrator.store.sqlite.mark import Mark
+from bt_orchestrator.store.sqlite.database import has_log, log_of
+from bt_orchestrator.store.sqlite.mark import Mark, mark_of
+from bt_orchestrator.store.sqlite.schema import is_closed
 
 
 def shortfall(mark: Mark, history: str, last_row: int, read: int) -> str:
@@ -30,6 +34,21 @@ def shortfall(mark: Mark, history: str, last_row: int, read: int) -> str:
         return f'{what}: a record after event {read} is damaged, or it is not there'
     assert found is not None
     return f'{what}: event {found.seq} of {_utc(found.time)} had been written'
+
+
+def is_cut_off(database: sqlite3.Connection, path: Path) -> bool:
+    """Tell whether a node left a log beside a journal of today, and it is not there."""
+    if has_log(path) or is_closed(database):
+        return False
+    return not has_log(path)  # a node may have begun to write meanwhile
+
+
+def cut_off(path: Path, last: int) -> str:
+    """Say what is known of a journal without its log and its mark."""
+    return (
+        f'events after event {last} may be missing: the node that wrote the journal did not close '
+        f'it, and neither {log_of(path).name} nor {mark_of(path).name} is there'
+    )
 
 
 def _utc(seconds: float) -> str:

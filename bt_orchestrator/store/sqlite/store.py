@@ -26,8 +26,15 @@ from bt_orchestrator.store.sqlite.database import (
 from bt_orchestrator.store.sqlite.files_in_use import FilesInUse
 from bt_orchestrator.store.sqlite.keeping import aside_of, keep_aside, readable_by_others
 from bt_orchestrator.store.sqlite.mark import Mark, Reached
-from bt_orchestrator.store.sqlite.schema import History, begin_history, history_of, kept_from
-from bt_orchestrator.store.sqlite.shortfall import shortfall
+from bt_orchestrator.store.sqlite.schema import (
+    History,
+    begin_history,
+    begin_to_write,
+    end_to_write,
+    history_of,
+    kept_from,
+)
+from bt_orchestrator.store.sqlite.shortfall import cut_off, is_cut_off, shortfall
 
 log = logging.getLogger(__name__)
 
@@ -67,6 +74,8 @@ class SqliteStore:
         """None: it is only read so far."""
         self._end = _EVERY
         """What stands after this event is not read, and removed with the first write."""
+        self._is_said_unclosed = False
+        """The file itself says that a node writes it, and not its log alone."""
         self._mark = Mark(path)
         try:
             with unusable_otherwise(path):
@@ -74,7 +83,11 @@ class SqliteStore:
                 self._database = found or opening.to_write(path, synchronous)
                 self._reading = self._database if found else opening.beside_writer(path)
                 self._history = self._on_file = history_of(self._database)
+                self._is_cut_off = (
+                    found is not None and self._mark.found is None and is_cut_off(found, path)
+                )
                 if found is None:
+                    self._is_said_unclosed = begin_to_write(self._database)
                     self._files = FilesInUse(path, lambda: log_size(self._database))
                 wide = readable_by_others(path)
         except BaseException:
@@ -128,7 +141,8 @@ class SqliteStore:
         """Tell, in words, what was written after an event and is not to be had; empty: nothing."""
         with unusable_otherwise(self._path):
             last = rows.last_seq(self._reading)
-        return shortfall(self._mark, self._on_file.id, last, after)
+        found = shortfall(self._mark, self._on_file.id, last, after)
+        return found or (cut_off(self._path, last) if self._is_cut_off else '')
 
     def go_on_after(self, seq: int) -> None:
         """Let a history of its own begin after an event.
@@ -170,6 +184,8 @@ class SqliteStore:
         """
         texts = [(job.job, job.queued, json_of(job_to_plain(job))) for job in ended]
         summaries = [(*row, check_of(0, row[-1].encode())) for row in texts]
+        with self._writable():
+            self._is_said_unclosed = self._is_said_unclosed or begin_to_write(self._database)
         with self._writing():
             snapshots.keep_snapshot(self._database, snapshot)
             self._database.executemany(
@@ -207,12 +223,22 @@ class SqliteStore:
 
     def close(self) -> None:
         """Close the file and let others have it."""
+        if self._files is not None:
+            self._say_closed(self._files)
         self._reading.close()
         self._database.close()
         self._mark.close()
         if self._files is not None:
             self._files.release()
         self._lock.close()
+
+    def _say_closed(self, files: FilesInUse) -> None:
+        """Say in the file that everything is in it, if that is so."""
+        try:
+            files.check()
+            end_to_write(self._database)
+        except (sqlite3.Error, JournalUnusable) as error:
+            log.warning('the journal %s is left as one that was not closed: %s', self._path, error)
 
     @contextmanager
     def _writing(self) -> Iterator[None]:
@@ -249,6 +275,7 @@ class SqliteStore:
                 keep_aside(self._path, aside_of(self._path, 'damaged'))
             self._database = opening.to_write(self._path, self._synchronous)
             self._refuse_another_end(read)
+            self._is_said_unclosed = begin_to_write(self._database)
             self._reading = opening.beside_writer(self._path)
             self._files = FilesInUse(self._path, lambda: log_size(self._database))
         except BaseException:

@@ -179,7 +179,7 @@ def test_a_file_that_is_cut_is_noticed_before_anything_is_written(
     store: SqliteStore, killed: Path, ending: str
 ) -> None:
     file = killed.with_name(killed.name + ending)
-    size = file.stat().st_size // 2
+    size = 2000 if ending else file.stat().st_size // 2  # within the first frame of a log
     os.truncate(file, size)
     with pytest.raises(JournalFailed, match=f'{file.name} was cut'):
         store.append(events(102, 102))
