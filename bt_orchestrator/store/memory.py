@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from uuid import uuid4
 
+from bt_orchestrator.errors import JournalFailed
 from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.records import Extent, JobPlace, Page, Record, Summaries, Wanted
@@ -43,7 +44,13 @@ class MemoryStore:
         """Do nothing: nothing is ever missing."""
 
     def append(self, events: Sequence[Event]) -> None:
-        """Keep the events."""
+        """Keep the events.
+
+        :raises JournalFailed: there is such an event already; none of them is kept
+        """
+        last = len(self._events)
+        if events[0].seq <= last:
+            raise JournalFailed(f'event {events[0].seq} is there already: the last one is {last}')
         self._events.extend(events)
 
     def read(self, after: int = 0, most: int = -1) -> Sequence[Event]:

@@ -60,46 +60,6 @@ def test_now_is_the_time_of_day(world: World) -> None:
     assert world.clock.now() == pytest.approx(time.time(), abs=1.0)
 
 
-def test_calls_in_order_and_not_too_early(world: World) -> None:
-    start = world.clock.steady()
-    times: list[float] = []
-    world.clock.call_at(start + 0.2, lambda: times.append(world.clock.steady()))
-    world.clock.call_at(start + 0.2, world.note('tie'))
-    world.clock.call_at(start + 0.1, world.note('first'))
-    assert world.spin_until(lambda: len(world.called) == 2)
-    assert world.called == ['first', 'tie']
-    assert 0.2 <= times[0] - start < 2.0
-
-
-def test_earlier_deadline_overtakes(world: World) -> None:
-    world.clock.call_at(world.clock.steady() + 3600.0, world.note('late'))
-    world.clock.call_at(world.clock.steady() + 0.05, world.note('early'))
-    assert world.spin_until(lambda: world.called == ['early'])
-
-
-def test_the_past_is_soon_but_never_inside_the_call(world: World) -> None:
-    world.clock.call_at(world.clock.steady() - 5.0, world.note('past'))
-    assert world.called == []
-    assert world.spin_until(lambda: world.called == ['past'])
-
-
-def test_cancelled_is_not_called(world: World) -> None:
-    cancelled = world.clock.call_at(world.clock.steady() + 0.05, world.note('cancelled'))
-    world.clock.call_at(world.clock.steady() + 0.1, world.note('kept'))
-    cancelled.cancel()
-    assert world.spin_until(lambda: world.called == ['kept'])
-
-
-def test_arms_again_inside_of_a_callback(world: World) -> None:
-    def again() -> None:
-        world.called.append('tick')
-        if len(world.called) < 3:
-            world.clock.call_at(world.clock.steady() + 0.02, again)
-
-    world.clock.call_at(world.clock.steady() + 0.02, again)
-    assert world.spin_until(lambda: world.called == ['tick'] * 3)
-
-
 def test_error_in_a_callback_stops_nothing(world: World) -> None:
     def fail() -> None:
         raise RuntimeError('meant to fail')

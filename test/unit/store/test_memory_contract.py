@@ -6,9 +6,19 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from contract.records_contract import RecordsContract, Written
+from contract.store_contract import EventStoreContract
 
 from bt_orchestrator.model.events import Event
+from bt_orchestrator.ports import EventStore
 from bt_orchestrator.store.memory import MemoryRecords, MemoryStore
+
+
+class TestMemoryStore(EventStoreContract):
+    def make(self, folder: Path) -> EventStore:
+        return MemoryStore()
+
+    def put_away(self, store: EventStore) -> None:
+        """Do nothing: it goes with its process."""
 
 
 class _Written:
