@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
-from tables import event_stream, keys, programs, rules, states
+from tables import event_stream, keys, programs, rules, states, status
 
 from bt_orchestrator.script.cell_keys import CELL
 from bt_orchestrator.script.json_schema import SCHEMA_FILES, json_schema
@@ -45,6 +45,8 @@ PARTS: Mapping[str, Callable[[], Iterator[str]]] = {
     'options of the verbs': programs.options_of_the_verbs,
     'parameters of the node': programs.parameters_of_the_node,
     'states of the cell': states.states_of_the_cell,
+    'status': status.status,
+    'kinds of waits': status.kinds_of_waits,
     'stop reasons': states.stop_reasons,
     'commands and states': states.commands_in_states,
 }

@@ -34,6 +34,7 @@ class TaskStatus:
     goal: str
     """UUID of the goal."""
     started: float
+    """When this attempt began."""
     expected_s: float | None = None
     """How long it took lately, or else its nominal duration."""
     feedback: str = ''
@@ -46,6 +47,7 @@ class PassedTask:
 
     id: str
     end: End
+    """done, marked_done or skipped; after a failure continued, rejected or aborted."""
     reason: str = ''
     """Why it was skipped, or failed."""
 
@@ -120,7 +122,9 @@ class JobStatus:
 
     id: str
     script: str
+    """Its name."""
     state: JobWord
+    """ISA-95 job state, with its substate: Interrupted/Held or Interrupted/Suspended."""
     digest: str = ''
     """Of the script."""
     position: int = 0
@@ -176,17 +180,21 @@ class CellStatus:
     """How one cell stands after an event: the only view of it that surfaces are given."""
 
     cell: str
+    """Its name."""
     stamp: float
+    """When it stood so."""
     seq: int
     """Last event contained; 0: none yet."""
     history: str
     """Journal that `seq` counts in; another one: everything begins anew."""
     state: PackmlState
+    """PackML state."""
     state_since: float
     """When it was entered, or the node started in it."""
     state_times: Mapping[PackmlState, float] = field(default_factory=dict)
     """Seconds in every state that the cell has been in, the present stay included."""
     stop_reason: StopReason | None = None
+    """Why the line stands still: operator, own_fault, starved, blocked or emergency."""
     stop_message: str = ''
     """The stop reason in words."""
     stop_after: str = ''
@@ -209,7 +217,7 @@ class CellStatus:
     components: tuple[ComponentStatus, ...] = ()
     """The conveyor first."""
     jobs: tuple[JobStatus, ...] = ()
-    """On the line, the first of the queue in order, the last that ended (`model.limits`)."""
+    """On the line, the first 100 of the queue in order, the last that ended."""
     queued: int = 0
     """How many jobs are in the queue, listed or not."""
     flags: tuple[FlagStatus, ...] = ()

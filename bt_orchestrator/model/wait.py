@@ -18,17 +18,23 @@ class WaitKind(Enum):
     JOB = 'job'
     """There is no work, or a section has to be done with an earlier job."""
     FLAG = 'flag'
+    """A lateral dependency has to allow it."""
     ZONE = 'zone'
+    """A task is in it."""
     COMPONENT = 'component'
     """Another task has it."""
     READINESS = 'readiness'
     """A component does not say that it is ready, or somebody else has a part in it."""
     INITIALIZATION = 'initialization'
+    """Initialization tasks have to be done first."""
     HOLD = 'hold'
     """An operator has to answer."""
     PAUSE = 'pause'
+    """The cell, or a job, has to be resumed."""
     RETRY_DELAY = 'retry_delay'
+    """The time before another attempt has to pass."""
     CELL_STATE = 'cell_state'
+    """The cell is in a state in which nothing starts."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +52,7 @@ class Wait:
     task: str = ''
     """The task that has to do something first."""
     components: tuple[str, ...] = ()
-    """Those that would work otherwise; known once all of the tree was asked."""
+    """Those that would work otherwise."""
 
     def __str__(self) -> str:
         return self.reason

@@ -8,7 +8,7 @@ from bt_orchestrator.model.cell import Cell, Component
 from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.limits import QUEUE_SHOWN
 from bt_orchestrator.model.packml import VERBS, Cause, possible_in
-from bt_orchestrator.model.state import CellState, JobState
+from bt_orchestrator.model.state import JobState
 from bt_orchestrator.model.status import (
     BeltStatus,
     CellDescription,
@@ -120,22 +120,24 @@ class Overview:
         key = state.reserved.get(name)
         progress = state.tasks.get(key) if key else None
         reading = state.readings[name]
-        contest = self._contest(state, name)
+        contested = self._contested(component)
         return ComponentStatus(
             name=name,
             action=component.action,
             available=engine.gateway.available(name),
-            ready=reading.ready and not contest,
-            contested=contest.words(component.action),
+            ready=reading.ready and not contested,
+            contested=contested,
             state='' if reading.value is None else str(reading.value),
             task=str(key) if key else '',
             feedback=feedback_of(engine.flights, progress.goal if progress else None),
         )
 
-    def _contest(self, state: CellState, component: str) -> Contest:
-        """Return who else has a part in a component; also while nothing is recorded any more."""
-        seen = Contest(tuple(self._engine.gateway.rivals(component)))
-        return seen or state.contests.get(component, seen)
+    def _contested(self, component: Component) -> str:
+        """Say who else has a part in a component; also while nothing is recorded any more."""
+        rivals = self._engine.gateway.rivals(component.name)
+        contests = self._engine.state.contests
+        contest = Contest(tuple(rivals)) if rivals else contests.get(component.name)
+        return contest.words(component.action) if contest else ''
 
 
 def description_of(cell: Cell) -> CellDescription:

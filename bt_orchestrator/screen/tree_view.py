@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any
+from typing import Protocol, SupportsBytes, SupportsIndex
 
 from bt_orchestrator.screen.fit import stay
 from bt_orchestrator.screen.words import one_line
@@ -56,8 +56,48 @@ class Twig:
     branch: Branch
 
 
-def tree_of(behaviours: Sequence[Any]) -> Branch | None:
-    """Return the tree of a snapshot (py_trees_ros_interfaces/msg/Behaviour[])."""
+class Id(Protocol):
+    """Names a behaviour (unique_identifier_msgs/msg/UUID)."""
+
+    @property
+    def uuid(self) -> Iterable[SupportsIndex] | SupportsBytes:
+        """Its bytes."""
+
+
+class Behaviour(Protocol):
+    """A behaviour of a snapshot (py_trees_ros_interfaces/msg/Behaviour)."""
+
+    @property
+    def own_id(self) -> Id:
+        """What names it."""
+
+    @property
+    def parent_id(self) -> Id:
+        """What names the one above it; of the root something unknown."""
+
+    @property
+    def child_ids(self) -> Sequence[Id]:
+        """What names those below it."""
+
+    @property
+    def name(self) -> str:
+        """What it is called."""
+
+    @property
+    def type(self) -> int:
+        """What kind it is, for instance DECORATOR."""
+
+    @property
+    def status(self) -> int:
+        """What it came to."""
+
+    @property
+    def message(self) -> str:
+        """Its words."""
+
+
+def tree_of(behaviours: Sequence[Behaviour]) -> Branch | None:
+    """Return the tree of a snapshot."""
     by_id = {bytes(behaviour.own_id.uuid): behaviour for behaviour in behaviours}
     parents = (bytes(behaviour.parent_id.uuid) for behaviour in behaviours)
     for behaviour, parent in zip(behaviours, parents, strict=True):
@@ -66,7 +106,7 @@ def tree_of(behaviours: Sequence[Any]) -> Branch | None:
     return None
 
 
-def _branch(behaviour: Any, by_id: Mapping[bytes, Any]) -> Branch:
+def _branch(behaviour: Behaviour, by_id: Mapping[bytes, Behaviour]) -> Branch:
     children = (by_id[bytes(child.uuid)] for child in behaviour.child_ids)
     return Branch(
         name=one_line(behaviour.name),

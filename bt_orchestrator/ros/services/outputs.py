@@ -23,6 +23,7 @@ from bt_orchestrator.model.events import (
 )
 from bt_orchestrator.model.hold_words import hold_words
 from bt_orchestrator.model.state import CellState
+from bt_orchestrator.model.status_words import component_trouble
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.ros.executor.heart import Heart
 from bt_orchestrator.ros.executor.timers import steady_timer
@@ -185,7 +186,7 @@ class Diagnostics:
         components = tuple(self._overview.components())
         contested = {one.name: one.contested for one in components if one.contested}
         if contested:
-            text = '; '.join(f'{name}: {words}' for name, words in contested.items())
+            text = '; '.join(component_trouble(one) for one in components if one.contested)
             return self._status('action servers', DiagnosticStatus.ERROR, text, contested)
         gone = [one for one in components if not one.available]
         if not gone:
