@@ -168,7 +168,7 @@ def take_over(
     if missing:
         log.error('%s', missing)
         store.go_on_after(state.seq)
-    end = f'event {state.seq} of {in_utc(state.time)}'
+    end = f'event {state.seq} of {in_utc(state.time)}'  # before what is recorded here
     yield e.OrchestratorStarted(
         cell=state.cell.name,
         digest=digest(state.cell),
@@ -180,29 +180,36 @@ def take_over(
     for name, component in state.cell.components.items():
         if component.state is not None and state.readings[name].ready:
             yield e.ComponentStateChanged(component=name, ready=False)  # not heard of yet
-    adopted = [(key, task) for key, task in state.running.items() if task.goal is not None]
-    for key, task in adopted:
+    adopted = {key: task for key, task in state.running.items() if task.goal is not None}
+    for key, task in adopted.items():
         assert task.goal is not None
         yield e.TaskAdopted(**key._asdict(), attempt=task.attempt, goal=task.goal)
     waits = [hold for hold in state.pauses if hold.reason == RESTARTED]
     if auto_resume:
         yield from (e.HoldReleased(hold=hold.id) for hold in waits)
     unfinished = _unfinished(len(state.jobs), len(adopted))
+    if is_copy or missing:
+        yield _to_be_looked_at(state, f'{end}: {unfinished}', missing, is_copy=is_copy)
+    elif state.jobs and not auto_resume and not waits and _would_go_on(state):
+        yield to_be_named(state, RESTARTED, unfinished)
+
+
+def _to_be_looked_at(
+    state: CellState, ends_with: str, missing: str, *, is_copy: bool
+) -> e.HoldRaised:
+    """Hold a line that may be further than its journal says."""
     if is_copy:
         looked_at = (
-            f'the journal is a copy that ends with {end}: {unfinished}. Compare belt and '
+            f'the journal is a copy that ends with {ends_with}. Compare belt and '
             'queue with what was done since, before anything starts'
         )
         looked_at += f'. Besides, {missing}' if missing else ''
-        yield to_be_named(state, RESTORED, looked_at)
-    elif missing:
-        looked_at = (
-            f'{missing}. The journal ends with {end}: {unfinished}. Items may be further than it '
-            'says, or packed: compare belt, counts and queue with the line, before anything starts'
-        )
-        yield to_be_named(state, MISSING, looked_at)
-    elif state.jobs and not auto_resume and not waits and _would_go_on(state):
-        yield to_be_named(state, RESTARTED, unfinished)
+        return to_be_named(state, RESTORED, looked_at)
+    looked_at = (
+        f'{missing}. The journal ends with {ends_with}. Items may be further than it '
+        'says, or packed: compare belt, counts and queue with the line, before anything starts'
+    )
+    return to_be_named(state, MISSING, looked_at)
 
 
 def _unfinished(jobs: int, goals: int) -> str:

@@ -7,12 +7,17 @@ from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.jobs.job_folds import forget_skips
 from bt_orchestrator.model.packml import PackmlState
-from bt_orchestrator.model.state import CellState
+from bt_orchestrator.model.state import CellState, Reading
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.model.wish import STAND, START, STOP_AFTER, Wish
 
 _FORGET_ONCE = (PackmlState.STOPPED, PackmlState.ABORTED)
 """States in which somebody may have moved anything by hand (semantics 5.1)."""
+
+
+def component_state_changed(event: e.ComponentStateChanged, state: CellState) -> None:
+    """Take the word of a state topic."""
+    state.readings[event.component] = Reading(event.ready, event.value)
 
 
 def orchestrator_started(event: e.OrchestratorStarted, state: CellState) -> None:

@@ -1,0 +1,1 @@
+"""What each event does to the state; the table of them is `model.fold`."""

@@ -1,0 +1,153 @@
+"""How events about tasks change the state: attempts, ends, and what a task has meanwhile."""
+
+from __future__ import annotations
+
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.cell import OnFailure
+from bt_orchestrator.model.failures import will_hold
+from bt_orchestrator.model.frozen import changed
+from bt_orchestrator.model.goal import Reason
+from bt_orchestrator.model.script import index_task
+from bt_orchestrator.model.state import CellState, End, Phase, TaskState, same_args, same_task
+from bt_orchestrator.model.uptime import Uptime
+
+
+def task_started(event: e.TaskStarted, state: CellState) -> None:
+    started = TaskState(
+        Phase.RUNNING,
+        attempt=event.attempt,
+        goal=event.goal,
+        started=event.time,
+        args=event.args,
+        sent=event.time,
+        server=event.server,
+        sent_up=_up(event, state),
+    )
+    state.tasks[event.key] = state.running[event.key] = started
+    _forget_done(state, event.key)  # until it succeeds nobody knows what it leaves behind
+    state.reserved[event.component] = event.key
+    for zone in _zones(state, event.key):
+        state.zones[zone] = event.key
+
+
+def task_adopted(event: e.TaskAdopted, state: CellState) -> None:
+    assert state.running[event.key].goal == event.goal
+
+
+def task_resent(event: e.TaskResent, state: CellState) -> None:
+    before = state.running[event.key]
+    assert before.goal == event.goal
+    up = _up(event, state)
+    sent = changed(before, sent=event.time, server=event.server, sent_up=up)
+    state.tasks[event.key] = state.running[event.key] = sent
+
+
+def _up(event: e.TaskStarted | e.TaskResent | e.TaskRetrying, state: CellState) -> Uptime | None:
+    return Uptime(state.boot, event.uptime) if state.boot and event.uptime is not None else None
+
+
+def task_cancel_requested(event: e.TaskCancelRequested, state: CellState) -> None:
+    task = changed(state.tasks[event.key], cancel_cause=event.cause, cancelled_at=event.time)
+    state.tasks[event.key] = state.running[event.key] = task
+
+
+def task_failed(event: e.TaskFailed, state: CellState) -> None:
+    reason = Reason(event.reason)
+    before = state.tasks.get(event.key, TaskState(Phase.FAILED))
+    state.running.pop(event.key, None)
+    state.tasks[event.key] = changed(
+        before,
+        phase=Phase.FAILED,
+        attempt=event.attempt,
+        reason=reason,
+        message=event.message,
+    )
+    # Where an operator is asked, the robot stands where it stopped (semantics 4.4).
+    if not will_hold(state, event.key, state.task(event.key) or index_task(state.cell)):
+        _release(state, event.key)
+
+
+def task_retrying(event: e.TaskRetrying, state: CellState) -> None:
+    state.tasks[event.key] = changed(
+        state.tasks[event.key],
+        phase=Phase.RETRYING,
+        not_before=event.not_before,
+        delay_s=max(0.0, event.not_before - event.time),
+        delayed_up=_up(event, state),
+        cancel_cause=None,
+        hold=None,
+    )
+
+
+def task_succeeded(event: e.TaskSucceeded, state: CellState) -> None:
+    _succeed(state, event.key, End.DONE)
+    _keep_results(state, event)
+
+
+def _keep_results(state: CellState, event: e.TaskSucceeded | e.TaskMarkedDone) -> None:
+    if event.item is not None and event.results:
+        state.items[event.item].results[event.task] = event.results
+
+
+def task_marked_done(event: e.TaskMarkedDone, state: CellState) -> None:
+    _forget_done(state, event.key)
+    _succeed(state, event.key, End.MARKED_DONE)
+    _keep_results(state, event)
+
+
+def task_skipped(event: e.TaskSkipped, state: CellState) -> None:
+    _end(state, event.key, End.SKIPPED)
+    state.tasks[event.key] = changed(state.tasks[event.key], reason=None, message=event.reason)
+
+
+def task_continued(event: e.TaskContinued, state: CellState) -> None:
+    _end(state, event.key, _ENDS[event.policy])
+    if event.item is None or event.policy != OnFailure.CONTINUE.value:
+        return
+    item = state.items[event.item]
+    if not item.nonconforming:
+        state.jobs[item.job].progress.nonconforming += 1
+    item.nonconforming.append(event.task)
+
+
+_ENDS = {
+    OnFailure.CONTINUE.value: End.CONTINUED,
+    OnFailure.REJECT.value: End.REJECTED,
+    OnFailure.ABORT_JOB.value: End.ABORTED,
+}
+
+
+def _succeed(state: CellState, key: e.TaskKey, end: End) -> None:
+    task, progress = state.task(key), state.tasks[key]
+    if task is not None and progress.goal is not None:
+        state.done_once[same_task(task)] = same_args(progress.args)
+    _end(state, key, end)
+
+
+def _forget_done(state: CellState, key: e.TaskKey) -> None:
+    """Forget with which arguments a task was done last, wherever it ran (semantics 5.1)."""
+    task = state.task(key)
+    if task is not None:
+        state.done_once.pop(same_task(task), None)
+
+
+def _end(state: CellState, key: e.TaskKey, end: End) -> None:
+    _release(state, key)
+    state.running.pop(key, None)
+    before = state.tasks.get(key, TaskState(Phase.DONE))
+    state.tasks[key] = changed(before, phase=Phase.DONE, hold=None, end=end)
+
+
+def _release(state: CellState, key: e.TaskKey) -> None:
+    """Free the component and the zones that a task has, if it still has them."""
+    task = state.task(key)
+    component = task.component if task else state.cell.conveyor.component.name
+    if state.reserved.get(component) == key:
+        del state.reserved[component]
+    for zone in _zones(state, key):
+        if state.zones.get(zone) == key:
+            del state.zones[zone]
+
+
+def _zones(state: CellState, key: e.TaskKey) -> tuple[str, ...]:
+    return () if key.job is None else state.script(key.job).zones_of.get(key.task, ())
