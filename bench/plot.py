@@ -7,6 +7,8 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from bench.rows import Row, percentile
+from bt_orchestrator.drawing.box import Box
+from bt_orchestrator.drawing.style import ALARM, SLOT_FILL
 from bt_orchestrator.drawing.svg import Svg
 
 WIDTH, ROW, LEFT, RIGHT, TOP = 760.0, 30.0, 210.0, 20.0, 50.0
@@ -16,8 +18,8 @@ PANEL, HEIGHT, BELOW = 350.0, 150.0, 230.0
 """Of a growth curve: width and height of its field, and how much lower the next two are."""
 
 STYLE = (
-    'text{font:12px sans-serif;fill:#222}.grid{stroke:#ddd}.whole{stroke:#7a9cc6;stroke-width:4}'
-    '.half{stroke:#1f4e8c;stroke-width:10}.p50{fill:#c0392b}'
+    f'text{{font-size:12px}}.grid{{stroke:{SLOT_FILL}}}.whole{{stroke:#7a9cc6;stroke-width:4}}'
+    f'.half{{stroke:#1f4e8c;stroke-width:10}}.p50{{fill:{ALARM}}}'
     '.curve{fill:none;stroke:#1f4e8c;stroke-width:2}'
 )
 
@@ -32,9 +34,9 @@ def draw(rows: Sequence[Row]) -> str:
     ]
     curves = list(_curves(rows))
     above = TOP + ROW * (len(lines) + 1)
-    page = Svg.page(WIDTH + 60, above + BELOW * math.ceil(len(curves) / 2))
+    area = Box(0.0, 0.0, WIDTH + 60, above + BELOW * math.ceil(len(curves) / 2))
+    page = Svg.page(area, 'Dispatch latencies, and how costs grow')
     page.add('style', STYLE)
-    page.add('rect', width='100%', height='100%', fill='#fff')
     page.add('text', 'Dispatch latency: a task ends, the next goal arrives (ms)', x=10, y=20)
     _grid(page, above)
     for number, (name, values) in enumerate(lines):

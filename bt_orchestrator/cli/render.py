@@ -12,11 +12,15 @@ from bt_orchestrator.cli.live_picture import follow, node_status, saved_status
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.numbers import seconds
 from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.drawing.line import draw_line
+from bt_orchestrator.drawing.picture import FORMATS, Picture
 from bt_orchestrator.drawing.status_marks import line_state
 from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.ports import ActionTypes
-from bt_orchestrator.tree.draw import FORMATS, VIEWS, Drawing, draw
+from bt_orchestrator.tree.draw_tree import draw_tree
 
 DESCRIPTION = """\
 Draw a script: the belt with its sections, every task with its arguments and policies, flags, zones
@@ -28,8 +32,10 @@ another script is said at its slot."""
 
 EPILOG = 'exit status: 0 drawn, 1 the script is refused or cannot be drawn, 2 wrong use'
 
-TEXT = 'dot'
-ENDINGS = tuple(f'.{kind}' for kind in (*FORMATS, TEXT))
+LINE, TREE = 'line', 'tree'
+"""Views: sections, tasks, flags and zones as a process; the py_trees behaviours."""
+
+ENDINGS = tuple(f'.{kind}' for kind in FORMATS)
 
 
 class CannotWrite(OrchestratorError):
@@ -53,8 +59,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         '--view',
-        choices=VIEWS,
-        default=VIEWS[0],
+        choices=(LINE, TREE),
+        default=LINE,
         help='line: the process, for reviewers (default); tree: the behaviours it compiles to',
     )
     source = parser.add_mutually_exclusive_group()
@@ -98,8 +104,7 @@ def render(args: argparse.Namespace, types: ActionTypes) -> int:
     cell, script = bootstrap.load_script(args.script, args.cell, folders, types)
 
     def picture(status: CellStatus | None) -> None:
-        state = None if status is None else line_state(status, script, cell)
-        _write(args.output, _content(draw(script, cell, args.view, state), kind))
+        _write(args.output, _picture(args.view, script, cell, status).content(kind))
 
     if args.live and args.every is not None:
         follow(args.node, args.timeout, script.name, args.every, picture)
@@ -115,7 +120,7 @@ def _refuse_nonsense(args: argparse.Namespace) -> None:
 
     :raises WrongUse: there are such
     """
-    if args.view != VIEWS[0] and (args.live or args.status is not None):
+    if args.view != LINE and (args.live or args.status is not None):
         raise WrongUse(f'--view {args.view} shows no state; leave it out')
     if args.every is not None and not args.live:
         raise WrongUse('--every is for --live')
@@ -144,5 +149,7 @@ def kind_of(path: Path) -> str:
     return ending[1:]
 
 
-def _content(drawing: Drawing, kind: str) -> bytes:
-    return drawing.dot.encode() if kind == TEXT else drawing.image(kind)
+def _picture(view: str, script: Script, cell: Cell, status: CellStatus | None) -> Picture:
+    if view == TREE:
+        return draw_tree(script, cell)
+    return draw_line(script, cell, None if status is None else line_state(status, script, cell))

@@ -1,25 +1,15 @@
-"""One task as a card: what a reviewer has to know, and the rest as its tooltip."""
+"""One task as a card: what a reviewer has to know, and the rest when it is pointed at."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from bt_orchestrator.drawing.label import CARD_COLUMNS, Entry, Label, Text, wrapped
 from bt_orchestrator.drawing.line_state import LineState
-from bt_orchestrator.drawing.mark import CARD_HEIGHT, card_state, tooltip_state
-from bt_orchestrator.drawing.text import (
-    CARD_COLUMNS,
-    FAINT,
-    INK,
-    PAPER,
-    entry,
-    font,
-    lines,
-    table,
-    tooltip,
-    wrapped,
-)
+from bt_orchestrator.drawing.mark import CARD_HEIGHT, about_state, card_state
+from bt_orchestrator.drawing.style import FAINT, PAPER
 from bt_orchestrator.model.cell import Cell, OnFailure
 from bt_orchestrator.model.script import RunsFor, Script, SectionList, Step, Task
 
@@ -69,27 +59,19 @@ class Sheet:
         return ZONE_FILLS[names.index(zone) % len(ZONE_FILLS)]
 
 
-@dataclass(frozen=True)
-class Card:
-    """A label and how high it is at most, in points: `dot` does not tell before it draws."""
-
-    label: str
-    height: float
-
-
-def card(sheet: Sheet, task: Task, belt: str = '') -> Card:
-    """Return the card of a task.
+def card(sheet: Sheet, task: Task, belt: str = '') -> Label:
+    """Return the card of a task; it is at most as high as it says.
 
     :param belt: how it relates to the moving belt, if it does not require the belt to rest
     """
     title, what = _title(task), list(_what(task))
-    rows = [_head(task, title), _wide(lines(what))]
+    rows = [_head(task, title), _wide(what)]
     options = [belt] if belt else []
     options += [text for option in _options(sheet.cell, task) for text in wrapped(option)]
     if options:
-        rows.append(_wide(lines([font(text, size=9, italic=True) for text in options])))
+        rows.append(_wide([Text(text, 9, italic=True) for text in options]))
     marks = list(_marks(sheet, task))
-    rows += [_wide(font(text, size=9), fill) for text, fill in marks]
+    rows += [_wide([Text(text, 9)], fill) for text, fill in marks]
     texts, blocks = len(what) + len(options), len(rows)
     height = 15 * len(title) + 11 * texts + 4 * blocks + 11 * len(marks) + 4.0
     border = 1
@@ -98,7 +80,7 @@ def card(sheet: Sheet, task: Task, belt: str = '') -> Card:
         rows.insert(0, _wide(card_state(now), now.mark.fill))
         height += CARD_HEIGHT
         border = 3 if now.mark.needs_eyes else 1
-    return Card(table(rows, border=border, fill=PAPER, dashed=bool(belt), height=height), height)
+    return Label(tuple(rows), border, PAPER, dashed=bool(belt), height=height)
 
 
 def belt_words(tasks: SectionList, step: Step, task: Task) -> str:
@@ -110,10 +92,10 @@ def belt_words(tasks: SectionList, step: Step, task: Task) -> str:
     return OFF_BELT if leads or number >= tasks.turn_steps else NEEDS_NO_BELT
 
 
-def details(sheet: Sheet, task: Task, belt: str = '') -> str:
-    """Return the tooltip of a task: everything that is known about it."""
-    now = () if sheet.state is None else tooltip_state(sheet.state.task(task.id))
-    return tooltip([*now, *_details(sheet, task, belt)])
+def details(sheet: Sheet, task: Task, belt: str = '') -> Sequence[str]:
+    """Return everything that is known about a task, line by line."""
+    now = () if sheet.state is None else about_state(sheet.state.task(task.id))
+    return [*now, *_details(sheet, task, belt)]
 
 
 def arguments(value: Any) -> str:
@@ -136,30 +118,30 @@ def _title(task: Task) -> list[str]:
     return wrapped(task.id, ID_COLUMNS)
 
 
-def _head(task: Task, title: Sequence[str]) -> list[str]:
-    words = lines([font(text, size=12, bold=True) for text in title])
+def _head(task: Task, title: Sequence[str]) -> tuple[Entry, ...]:
+    words = [Text(text, 12, bold=True) for text in title]
     if not task.qty_change:
         return _wide(words)
-    return [entry(words, width=CARD_WIDTH - BADGE_WIDTH), _badge(task)]
+    return Entry(tuple(words), width=CARD_WIDTH - BADGE_WIDTH), _badge(task)
 
 
-def _badge(task: Task) -> str:
-    text = font(f'{task.qty_change:+d} item'.replace('-', '\u2212'), size=10, bold=True)
-    return entry(text, align='CENTER', fill=ITEM_FILL, width=BADGE_WIDTH)
+def _badge(task: Task) -> Entry:
+    text = Text(f'{task.qty_change:+d} item'.replace('-', '\u2212'), bold=True)
+    return Entry((text,), centred=True, fill=ITEM_FILL, width=BADGE_WIDTH)
 
 
-def _wide(content: str, fill: str = '') -> list[str]:
-    return [entry(content, fill=fill, span=2, width=CARD_WIDTH)]
+def _wide(texts: Iterable[Text], fill: str = '') -> tuple[Entry, ...]:
+    return (Entry(tuple(texts), fill=fill, span=2, width=CARD_WIDTH),)
 
 
-def _what(task: Task) -> Iterator[str]:
+def _what(task: Task) -> Iterator[Text]:
     for text in wrapped(task.name, NAME_COLUMNS):
-        yield font(text, size=10)
+        yield Text(text)
     for text in wrapped(task.action):
-        yield font(text, size=9, colour=FAINT)
+        yield Text(text, 9, FAINT)
     for name, value in task.args.items():
         for text in _shortened(wrapped(f'{name}: {arguments(value)}')):
-            yield font(text, size=9, colour=INK)
+            yield Text(text, 9)
 
 
 def _shortened(texts: list[str]) -> list[str]:

@@ -6,8 +6,16 @@ from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 from bt_orchestrator.drawing.gantt import Gantt
-from bt_orchestrator.drawing.gantt_style import JOB_COLOURS, JOB_LINES, WAITS, fill_of_wait
-from bt_orchestrator.drawing.svg import CHARACTER, FONT, Svg
+from bt_orchestrator.drawing.gantt_style import (
+    JOB_COLOURS,
+    JOB_LINES,
+    SIZES,
+    WAITS,
+    add_text,
+    fill_of_wait,
+)
+from bt_orchestrator.drawing.style import FAINT, PAPER
+from bt_orchestrator.drawing.svg import CHARACTER, Svg
 
 WIDEST = 1000.0
 """Where a line of the legend ends, in pixels."""
@@ -23,11 +31,11 @@ def add_legend(svg: Svg, gantt: Gantt, letters: Mapping[str, str], left: float, 
     group = svg.add('g', id='legend')
     x = left
     for entry in _entries(gantt, letters):
-        width = 34.0 + len(entry.text) * FONT['legend'] * CHARACTER + 14.0
+        width = 34.0 + len(entry.text) * SIZES['legend'] * CHARACTER + 14.0
         if x + width > WIDEST and x > left:
             x, y = left, y + 21.0
         group.add('rect', x=x, y=y, width=26, height=12, **entry.look)
-        group.label(x + 32.0, y + 10.0, entry.text, 'legend')
+        add_text(group, x + 32.0, y + 10.0, entry.text, 'legend')
         x += width
 
 
@@ -37,12 +45,12 @@ def _entries(gantt: Gantt, letters: Mapping[str, str]) -> Iterator[_Entry]:
         look = {'fill': JOB_COLOURS[colour], 'stroke': JOB_LINES[colour], 'class_': 'work'}
         short = f' (items {letters[job]}.1 …)' if letters[job] else ''
         yield _Entry(f'task of {job}{short}', look)
-    outline = {'fill': '#ffffff', 'stroke': '#555b61', 'rx': 3, 'class_': 'cycle'}
+    outline = {'fill': PAPER, 'stroke': FAINT, 'rx': 3, 'class_': 'cycle'}
     yield _Entry('item in hand', outline)
     yield _Entry('index move', {'class_': 'move'})
     bars = [bar for row in gantt.rows for bar in row.tasks]
     if any(bar.failed for bar in bars):
-        failed = {'fill': '#ffffff', 'class_': 'work failed'}
+        failed = {'fill': PAPER, 'class_': 'work failed'}
         yield _Entry('attempt that failed', failed)
     if any(row.holds for row in gantt.rows):
         yield _Entry('hold', {'class_': 'hold'})

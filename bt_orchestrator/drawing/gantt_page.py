@@ -10,10 +10,19 @@ import itertools
 from collections.abc import Iterator
 from typing import Any
 
+from bt_orchestrator.drawing.box import Box
 from bt_orchestrator.drawing.gantt import CycleBar, Gantt, HoldBar, Row, TaskBar
 from bt_orchestrator.drawing.gantt_legend import add_legend
-from bt_orchestrator.drawing.gantt_style import JOB_COLOURS, JOB_LINES, add_style, fill_of_wait
-from bt_orchestrator.drawing.svg import Svg, fitting
+from bt_orchestrator.drawing.gantt_style import (
+    JOB_COLOURS,
+    JOB_LINES,
+    add_style,
+    add_text,
+    fill_of_wait,
+    fitting,
+)
+from bt_orchestrator.drawing.style import PAPER
+from bt_orchestrator.drawing.svg import Svg
 from bt_orchestrator.report.wait_log import WaitSpan
 
 LEFT, RIGHT, TOP = 118.0, 24.0, 66.0
@@ -65,15 +74,13 @@ class _Page:
         self._bottom = self._tops[-1]
         height = self._bottom + 26.0 + LEGEND_HEIGHT
         self._size = (LEFT + self._plot + RIGHT, height)
-        self._svg = Svg.page(*self._size)
+        self._svg = Svg.page(Box(0.0, 0.0, *self._size), f'Gantt chart of cell {gantt.cell}')
         self._letters = _letters(gantt.jobs)
 
     def drawn(self) -> Svg:
         add_style(self._svg)
-        self._svg.add('title', f'Gantt chart of cell {self._gantt.cell}')
-        width, height = self._size
-        self._svg.add('rect', width=width, height=height, class_='page')
-        self._svg.label(12.0, 24.0, self._headline(), 'title')
+        width, _ = self._size
+        add_text(self._svg, 12.0, 24.0, self._headline(), 'title')
         for number, (row, top) in enumerate(zip(self._gantt.rows, self._tops, strict=False)):
             if number % 2 == 0:
                 band = _height(row)
@@ -98,7 +105,7 @@ class _Page:
             x = self._x(mark)
             self._svg.add('line', x1=x, y1=TOP - 6, x2=x, y2=self._bottom, class_='grid')
             for y in (TOP - 11.0, self._bottom + 14.0):
-                self._svg.label(x, y, time_label(mark, step_s), 'tick')
+                add_text(self._svg, x, y, time_label(mark, step_s), 'tick')
 
     # --- rows -------------------------------------------------------------------------------
 
@@ -106,7 +113,7 @@ class _Page:
         group = self._svg.add('g', id=row.title.replace(' ', '_'))
         lanes = row.lanes()
         first = top + GAP / 2 + (STRIP if row.cycles else 0.0)
-        group.label(12.0, top + _height(row) / 2 + 4.0, row.title, 'row')
+        add_text(group, 12.0, top + _height(row) / 2 + 4.0, row.title, 'row')
         for wait in row.waits:
             self._wait(group, wait, first)
         for cycle in row.cycles:
@@ -133,20 +140,20 @@ class _Page:
 
     def _cycle(self, group: Svg, cycle: CycleBar, y: float) -> None:
         colour = self._colour(cycle.job)
-        style = {'fill': '#ffffff', 'stroke': JOB_LINES[colour], 'class_': 'cycle'}
+        style = {'fill': PAPER, 'stroke': JOB_LINES[colour], 'class_': 'cycle'}
         bar = self._bar(group, cycle.start_s, cycle.end_s, y, height=STRIP - 2, rx=3, **style)
         bar.add('title', f'{cycle.item}\n{_span(cycle.start_s, cycle.end_s)}')
         room = self._x(cycle.end_s) - self._x(cycle.start_s) - 4
         number = cycle.item.rpartition('/')[2]
         for text in (cycle.item, self._short(cycle.job, number), number):
-            if group.label(self._x(cycle.start_s) + 3, y + 10, text, 'item', room):
+            if add_text(group, self._x(cycle.start_s) + 3, y + 10, text, 'item', room):
                 return
 
     def _hold(self, group: Svg, hold: HoldBar, y: float) -> None:
         bar = self._bar(group, hold.start_s, hold.end_s, y + 1, height=LANE - 2, class_='hold')
         bar.add('title', f'hold {hold.hold}: {hold.words}\n{_span(hold.start_s, hold.end_s)}')
         room = self._x(hold.end_s) - self._x(hold.start_s) - 4
-        group.label(self._x(hold.start_s) + 3, y + 12, f'HOLD {hold.hold}', 'task', room)
+        add_text(group, self._x(hold.start_s) + 3, y + 12, f'HOLD {hold.hold}', 'task', room)
 
     def _task(self, group: Svg, bar: TaskBar, y: float) -> None:
         drawn = self._bar(group, bar.start_s, bar.end_s, y + 1, height=LANE - 2, **self._look(bar))
@@ -159,7 +166,7 @@ class _Page:
         room = self._x(bar.end_s) - self._x(bar.start_s) - 4
         if bar.key.job is not None:
             text = bar.key.task if bar.key.item else self._short(bar.key.job, bar.key.task)
-            group.label(self._x(bar.start_s) + 3, y + 12, fitting(text, 'task', room), 'task')
+            add_text(group, self._x(bar.start_s) + 3, y + 12, fitting(text, 'task', room), 'task')
 
     def _short(self, job: str, what: str) -> str:
         letter = self._letters[job]

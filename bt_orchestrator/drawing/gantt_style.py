@@ -2,7 +2,20 @@
 
 from __future__ import annotations
 
-from bt_orchestrator.drawing.svg import FONT, Svg
+from bt_orchestrator.drawing.style import (
+    ALARM,
+    BAR_FILL,
+    BELT,
+    FAINT,
+    PAPER,
+    RULE,
+    SECTION_FILL,
+    SLOT_FILL,
+)
+from bt_orchestrator.drawing.svg import CHARACTER, Svg
+
+SIZES = {'title': 16.0, 'row': 12.0, 'item': 10.0, 'task': 9.0, 'tick': 10.0, 'legend': 11.0}
+"""Sizes of texts, in pixels, by the class of the text."""
 
 JOB_COLOURS = ('#9ecae1', '#fdd0a2', '#a1d99b', '#bcbddc', '#f4b6c2', '#d9c39a')
 """Fills of tasks, by job in turn; light, so that black text can be read on them."""
@@ -26,40 +39,57 @@ WAITS: dict[str, tuple[str, str]] = {
 }
 """What each kind of wait is for, and its pattern in a square of 9."""
 
-_RULES = """
-text { font-family: "DejaVu Sans", Verdana, Arial, sans-serif; fill: #1b1b1b }
-.page { fill: #ffffff }
-.band { fill: #f6f7f8 }
-.grid { stroke: #d5d9dd; stroke-width: 1 }
-.tick { fill: #555b61; text-anchor: middle }
-.item, .task { pointer-events: none }
-.cycle { stroke-width: 1 }
-.work { stroke-width: 1 }
-.failed { stroke: #b00020; stroke-width: 2; stroke-dasharray: 4 2 }
-.cross { stroke: #b00020; stroke-width: 1.5 }
-.move { fill: url(#move); stroke: #333a40; stroke-width: 1 }
-.wait { stroke: #a9afb5; stroke-width: 0.6; stroke-dasharray: 2 2 }
-.hatch { stroke: #8b9299; stroke-width: 1; fill: none }
-.hold { fill: url(#held); stroke: #b00020; stroke-width: 2 }
+_RULES = f"""
+.band {{ fill: {SECTION_FILL} }}
+.grid {{ stroke: {SLOT_FILL}; stroke-width: 1 }}
+.tick {{ fill: {FAINT}; text-anchor: middle }}
+.item, .task {{ pointer-events: none }}
+.cycle {{ stroke-width: 1 }}
+.work {{ stroke-width: 1 }}
+.failed {{ stroke: {ALARM}; stroke-width: 2; stroke-dasharray: 4 2 }}
+.cross {{ stroke: {ALARM}; stroke-width: 1.5 }}
+.move {{ fill: url(#move); stroke: {BAR_FILL}; stroke-width: 1 }}
+.wait {{ stroke: {RULE}; stroke-width: 0.6; stroke-dasharray: 2 2 }}
+.hatch {{ stroke: {BELT}; stroke-width: 1; fill: none }}
+.hold {{ fill: url(#held); stroke: {ALARM}; stroke-width: 2 }}
 """
 
 
 def add_style(page: Svg) -> None:
     """Put the rules and patterns that the chart refers to into a drawing."""
-    sizes = ''.join(f'.{kind} {{ font-size: {size:g}px }}\n' for kind, size in FONT.items())
+    sizes = ''.join(f'.{kind} {{ font-size: {size:g}px }}\n' for kind, size in SIZES.items())
     page.add('style', f'{_RULES}{sizes}.title, .row {{ font-weight: bold }}\n')
     defs = page.add('defs')
     for kind, (_, path) in WAITS.items():
         square = _pattern(defs, f'wait_{kind}', 9)
-        square.add('rect', width=9, height=9, fill='#ffffff')
+        square.add('rect', width=9, height=9, fill=PAPER)
         if path:
             square.add('path', d=path, class_='hatch')
     move = _pattern(defs, 'move', 10)
-    move.add('rect', width=10, height=10, fill='#c3c9cf')
-    move.add('path', d='M2 1 L7 5 L2 9', fill='none', stroke='#333a40')
+    move.add('rect', width=10, height=10, fill=SLOT_FILL)
+    move.add('path', d='M2 1 L7 5 L2 9', fill='none', stroke=BAR_FILL)
     held = _pattern(defs, 'held', 8)
     held.add('rect', width=8, height=8, fill='#fde3e6')
     held.add('path', d='M0 8 L8 0 M-2 2 L2 -2 M6 10 L10 6', stroke='#eda3ae', stroke_width=1.2)
+
+
+def add_text(
+    svg: Svg, x: float, y: float, text: str, kind: str, room: float | None = None
+) -> bool:
+    """Write a text of a class, unless it does not fit into the room; tells whether it did."""
+    if room is not None and fitting(text, kind, room) != text:
+        return False
+    if text:
+        svg.add('text', text, x=x, y=y, class_=kind)
+    return True
+
+
+def fitting(text: str, kind: str, room: float) -> str:
+    """Return a text, or as much of it as fits into the room; nothing where that says nothing."""
+    most = int(room / (SIZES[kind] * CHARACTER))
+    if len(text) <= most:
+        return text
+    return f'{text[: most - 1]}…' if most >= 3 else ''
 
 
 def fill_of_wait(kinds: str) -> str:

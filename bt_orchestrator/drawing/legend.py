@@ -4,17 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from bt_orchestrator.drawing.card import ITEM_FILL, OFF_BELT, ZONE_FILLS, Card, Sheet, belt_words
+from bt_orchestrator.drawing.card import ITEM_FILL, OFF_BELT, ZONE_FILLS, Sheet, belt_words
+from bt_orchestrator.drawing.label import Entry, Label, Text
 from bt_orchestrator.drawing.mark import headlines, legend_rows
-from bt_orchestrator.drawing.text import (
-    BAR_FILL,
-    FAINT,
-    FLAG,
-    PAPER,
-    entry,
-    font,
-    table,
-)
+from bt_orchestrator.drawing.style import BAR_FILL, FAINT, FLAG, INK, PAPER
 
 LINE = 18.0
 LEGEND_LINE_HEIGHT = 15.0
@@ -24,35 +17,35 @@ LEGEND_WIDTH = 440.0
 """Points."""
 
 
-def title(sheet: Sheet) -> Card:
+def title(sheet: Sheet) -> Label:
     """Return what a drawing is of: script, cell, and what an order may set."""
     script, conveyor = sheet.script, sheet.cell.conveyor
     rows = [
-        font(script.name, size=22, bold=True),
-        font(f'for cell {sheet.cell.name}, {conveyor.sections} sections', size=12),
+        Text(script.name, 22, bold=True),
+        Text(f'for cell {sheet.cell.name}, {conveyor.sections} sections', 12),
     ]
     for parameter in script.params.values():
         default = 'required' if parameter.required else f'default {parameter.default}'
         text = f'parameter {parameter.name}: {parameter.type}, {default}'
-        rows.append(font(text, size=11, colour=FAINT))
+        rows.append(Text(text, 11, FAINT))
     if script.quantity is not None:
-        rows.append(font(f'quantity: default {script.quantity}', size=11, colour=FAINT))
+        rows.append(Text(f'quantity: default {script.quantity}', 11, FAINT))
     if sheet.state is not None:
         rows += headlines(sheet.state)
     height = 16 + LINE * len(rows)
-    return Card(table([[entry(row, width=TITLE_WIDTH)] for row in rows], height=height), height)
+    return Label(tuple((Entry((row,), width=TITLE_WIDTH),) for row in rows), height=height)
 
 
-def legend(sheet: Sheet) -> Card:
+def legend(sheet: Sheet) -> Label:
     """Explain the marks that this drawing has."""
-    rows = [[entry(font('Legend', size=11, bold=True), span=2)]]
+    rows: list[tuple[Entry, ...]] = [(Entry((Text('Legend', 11, bold=True),), span=2),)]
     for sample, meaning in _entries(sheet):
-        rows.append([sample, entry(font(meaning, size=9), width=LEGEND_WIDTH - SAMPLE_WIDTH)])
+        rows.append((sample, Entry((Text(meaning, 9),), width=LEGEND_WIDTH - SAMPLE_WIDTH)))
     height = 6 + LEGEND_LINE_HEIGHT * len(rows)
-    return Card(table(rows, border=1, fill=PAPER, height=height), height)
+    return Label(tuple(rows), 1, PAPER, height=height)
 
 
-def _entries(sheet: Sheet) -> Iterator[tuple[str, str]]:
+def _entries(sheet: Sheet) -> Iterator[tuple[Entry, str]]:
     script = sheet.script
     yield (
         _plain('task'),
@@ -63,9 +56,8 @@ def _entries(sheet: Sheet) -> Iterator[tuple[str, str]]:
     if _off_belt(sheet):
         yield _plain('dashed frame'), f'{OFF_BELT}: need not wait for the belt to rest'
     if script.dependencies:
-        sample = entry(font('- - \u25b6 flag', size=9, colour=FLAG, bold=True), width=SAMPLE_WIDTH)
         yield (
-            sample,
+            _plain('- - \u25b6 flag', FLAG),
             '\u25b2 sets it, waits while it is full; \u25bc takes it, waits while it is 0',
         )
     if script.zones:
@@ -73,9 +65,8 @@ def _entries(sheet: Sheet) -> Iterator[tuple[str, str]]:
         yield _sample('\u25a0 zone', ZONE_FILLS[0]), zone
     yield _plain('grey line'), 'the belt; it moves when every section is at the end of its list'
     if any(tasks.turn_steps < len(tasks.steps) for tasks in script.sections.values()):
-        words = font('belt released', size=9, bold=True, colour=PAPER)
         yield (
-            entry(words, fill=BAR_FILL, width=SAMPLE_WIDTH),
+            _plain('belt released', PAPER, BAR_FILL),
             'or at this bar, if the list has one',
         )
     if sheet.state is not None:
@@ -84,12 +75,12 @@ def _entries(sheet: Sheet) -> Iterator[tuple[str, str]]:
             yield _sample(sample, fill), meaning
 
 
-def _plain(text: str) -> str:
-    return entry(font(text, size=9, bold=True), width=SAMPLE_WIDTH)
+def _plain(text: str, colour: str = INK, fill: str = '') -> Entry:
+    return Entry((Text(text, 9, colour, bold=True),), fill=fill, width=SAMPLE_WIDTH)
 
 
-def _sample(text: str, fill: str) -> str:
-    return entry(font(text, size=9), fill=fill, width=SAMPLE_WIDTH)
+def _sample(text: str, fill: str) -> Entry:
+    return Entry((Text(text, 9),), fill=fill, width=SAMPLE_WIDTH)
 
 
 def _off_belt(sheet: Sheet) -> bool:

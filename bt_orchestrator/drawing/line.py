@@ -6,19 +6,21 @@ section's list below its slot, in several rows where the belt is long.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterable, Sequence
+from contextlib import AbstractContextManager
 
-import graphviz
-
-from bt_orchestrator.drawing.canvas import Canvas
+from bt_orchestrator.drawing.box import Box
+from bt_orchestrator.drawing.canvas import Canvas, LineLabel, Stroke
 from bt_orchestrator.drawing.card import Sheet, details
+from bt_orchestrator.drawing.dot_canvas import DotCanvas
+from bt_orchestrator.drawing.label import Entry, Label, Text, one_entry
 from bt_orchestrator.drawing.legend import legend, title
-from bt_orchestrator.drawing.line_state import SectionMark
-from bt_orchestrator.drawing.mark import slot_label, slot_tooltip
+from bt_orchestrator.drawing.line_state import LineState, SectionMark
+from bt_orchestrator.drawing.mark import about_slot, slot_label
 from bt_orchestrator.drawing.page import FlagLine, Page
-from bt_orchestrator.drawing.plan import Box, Column, Placed
-from bt_orchestrator.drawing.text import (
+from bt_orchestrator.drawing.picture import Picture
+from bt_orchestrator.drawing.plan import Column, Placed
+from bt_orchestrator.drawing.style import (
     BAR_FILL,
     BELT,
     FAINT,
@@ -28,33 +30,28 @@ from bt_orchestrator.drawing.text import (
     PAPER,
     SECTION_FILL,
     SLOT_FILL,
-    entry,
-    font,
-    lines,
-    table,
-    tooltip,
 )
-from bt_orchestrator.model.script import Dependency
+from bt_orchestrator.drawing.svg_canvas import SvgCanvas
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.script import Dependency, Script
 
 _INITIALIZATION = 'a section begins the first item of an order when its components are initialized'
 _BELT = 'moves every item by one slot, when every section has let it go'
 _GROUP = 'these start together; the group ends when all of them ended'
 
 
-def line(sheet: Sheet) -> graphviz.Digraph:
-    """Draw a script as a process; every place is fixed, so the engine is `neato -n2`."""
-    head, key = title(sheet), legend(sheet)
-    page = Page(sheet, head.height, key.height)
-    canvas = Canvas(sheet.script.name, page.width, page.height)
-    canvas.node(canvas.graph, 'title', head.label, page.title, tooltip='title')
-    canvas.node(canvas.graph, 'legend', key.label, page.legend, tooltip='legend')
-    drawing = _Drawing(sheet, page, canvas)
-    drawing.header()
-    for column in page.columns:
-        drawing.section(column)
-    drawing.belts()
-    drawing.flags()
-    return canvas.graph
+def draw_line(script: Script, cell: Cell, state: LineState | None = None) -> Picture:
+    """Draw a script as a process; every place is fixed, so Graphviz has nothing to lay out.
+
+    :param state: the line at work; None: the script alone
+    """
+    sheet = Sheet(script, cell, state)
+    page = Page(sheet, title(sheet).height, legend(sheet).height)
+    size, about = Box(0, 0, page.width, page.height), f'script {script.name}'
+    dot, svg = DotCanvas(script.name, size, about), SvgCanvas(size, about)
+    for canvas in (dot, svg):
+        _Drawing(sheet, page, canvas).whole()
+    return Picture(str(dot), 'neato', has_places=True, svg=str(svg))
 
 
 class _Drawing:
@@ -67,36 +64,47 @@ class _Drawing:
         self._names: dict[Box, str] = {}
         """Nodes by their place."""
 
+    def whole(self) -> None:
+        """Draw everything."""
+        canvas, page = self._canvas, self._page
+        canvas.label('title', title(self._sheet), page.title, ['title'])
+        canvas.label('legend', legend(self._sheet), page.legend, ['legend'])
+        self.header()
+        for column in page.columns:
+            self.section(column)
+        self.belts()
+        self.flags()
+
     def header(self) -> None:
         """Draw the initialization and the belt's move."""
         page = self._page
         if page.initialization_frame is not None:
             words = 'Initialization, per order'
             box = page.initialization_frame
-            with self._frame('initialization', words, box, _INITIALIZATION) as frame:
-                self._cards(frame, page.initialization)
+            with self._frame('initialization', words, box, [_INITIALIZATION]):
+                self._cards(page.initialization)
         boxes = {one.task.id: one.box for one in page.initialization}
         for one in self._sheet.script.initialization_dependencies:
             self._arrow(boxes[one.upstream], boxes[one.downstream])
-        with self._frame('belt', 'Belt, after every beat', page.belt_frame, _BELT) as frame:
-            self._cards(frame, [page.move])
+        with self._frame('belt', 'Belt, after every beat', page.belt_frame, [_BELT]):
+            self._cards([page.move])
 
     def section(self, column: Column) -> None:
         """Draw one section."""
         number = column.number
         name = f'section.{number}'
         box = self._page.frame(column)
-        with self._frame(name, self._heading(number), box, self._about(number)) as frame:
+        with self._frame(name, self._heading(number), box, self._about(number)):
             for count, group in enumerate(column.groups, 1):
-                self._group(frame, f'{name}.group.{count}', group)
-            self._slot(frame, column)
+                self._group(f'{name}.group.{count}', group)
+            self._slot(column)
             if column.release is not None:
-                self._release(frame, f'{name}.release', column.release)
+                self._release(f'{name}.release', column.release)
             for count, join in enumerate(column.joins, 1):
-                self._join(frame, f'{name}.join.{count}', join)
-            self._cards(frame, column.cards)
+                self._join(f'{name}.join.{count}', join)
+            self._cards(column.cards)
             if not column.cards:
-                self._idle(frame, name, column.slot)
+                self._idle(name, column.slot)
         for one, other in column.arrows:
             self._arrow(one, other)
 
@@ -104,14 +112,11 @@ class _Drawing:
         """Draw the belt from slot to slot."""
         for number, points in self._page.belts():
             self._canvas.line(
-                f'slot.{number}',
-                f'slot.{number + 1}',
+                (f'slot.{number}', f'slot.{number + 1}'),
                 points,
-                id=f'belt.{number}',
-                edgetooltip=f'the belt, from section {number} to section {number + 1}',
-                penwidth='5',
-                arrowsize='0.6',
-                **self._belt_style(),
+                self._belt_stroke(),
+                name=f'belt.{number}',
+                about=[f'the belt, from section {number} to section {number + 1}'],
             )
 
     def flags(self) -> None:
@@ -119,11 +124,11 @@ class _Drawing:
         for one in self._page.flags():
             self._flag(one)
 
-    def _belt_style(self) -> dict[str, Any]:
+    def _belt_stroke(self) -> Stroke:
         state = self._sheet.state
         if state is None or not state.belt_moves:
-            return {'color': BELT}
-        return {'color': INK, 'style': 'dashed'}
+            return Stroke(BELT, 5.0)
+        return Stroke(INK, 5.0, dashed=True)
 
     # --- parts ------------------------------------------------------------------------------
 
@@ -132,77 +137,69 @@ class _Drawing:
         roles = [('source', script.source), ('sink', script.sink)]
         return ' \u00b7 '.join([f'Section {number}', *(r for r, at in roles if at == number)])
 
-    def _about(self, number: int) -> str:
+    def _about(self, number: int) -> Sequence[str]:
         components = self._sheet.cell.components.values()
         here = ', '.join(one.name for one in components if number in one.sections)
-        return tooltip([self._heading(number), f'components: {here or "none"}'])
+        return [self._heading(number), f'components: {here or "none"}']
 
-    def _frame(self, name: str, words: str, box: Box, hint: str) -> graphviz.Digraph:
-        label = table([[entry(font(words, size=13, bold=True), width=box.width - 12)]])
-        graph, fill = self._canvas.graph, SECTION_FILL
-        return self._canvas.group(graph, name, label, box, fillcolor=fill, tooltip=hint)
+    def _frame(
+        self, name: str, words: str, box: Box, about: Sequence[str]
+    ) -> AbstractContextManager[None]:
+        heading = one_entry(Text(words, 13, bold=True), width=box.width - 12)
+        return self._canvas.frame(name, heading, box, SECTION_FILL, about)
 
-    def _group(self, frame: graphviz.Digraph, name: str, box: Box) -> None:
-        label = table([[entry(font('in parallel', italic=True), width=box.width - 12)]])
-        fill = GROUP_FILL
-        with self._canvas.group(frame, name, label, box, fillcolor=fill, tooltip=_GROUP):
+    def _group(self, name: str, box: Box) -> None:
+        heading = one_entry(Text('in parallel', italic=True), width=box.width - 12)
+        with self._canvas.frame(name, heading, box, GROUP_FILL, [_GROUP]):
             pass  # its members are drawn with the section, in the order of the list
 
-    def _cards(self, frame: graphviz.Digraph, cards: Iterable[Placed]) -> None:
+    def _cards(self, cards: Iterable[Placed]) -> None:
         for one in cards:
             name = self._names[one.box] = f'task.{one.task.id}'
-            hint = details(self._sheet, one.task, one.belt)
-            self._canvas.node(frame, name, one.card.label, one.box, tooltip=hint)
+            about = details(self._sheet, one.task, one.belt)
+            self._canvas.label(name, one.card, one.box, about)
 
-    def _slot(self, frame: graphviz.Digraph, column: Column) -> None:
+    def _slot(self, column: Column) -> None:
         words = f'slot {column.number}'
         name = self._names[column.slot] = f'slot.{column.number}'
-        label, hint = _bar(words, INK, SLOT_FILL, column.slot), [f'{words} of the belt']
+        label, about = _bar(words, INK, SLOT_FILL, column.slot), [f'{words} of the belt']
         if self._sheet.state is not None:
             mark = self._sheet.state.sections.get(column.number, SectionMark())
             label = slot_label(column.number, mark, column.slot.width, column.slot.height)
-            hint += slot_tooltip(mark)
-        self._canvas.node(frame, name, label, column.slot, tooltip=tooltip(hint))
+            about += about_slot(mark)
+        self._canvas.label(name, label, column.slot, about)
 
-    def _release(self, frame: graphviz.Digraph, name: str, box: Box) -> None:
+    def _release(self, name: str, box: Box) -> None:
         self._names[box] = name
-        hint = 'from here on the belt may move; what is below runs meanwhile'
-        label = _bar('belt released', PAPER, BAR_FILL, box)
-        self._canvas.node(frame, name, label, box, tooltip=hint)
+        about = 'from here on the belt may move; what is below runs meanwhile'
+        self._canvas.label(name, _bar('belt released', PAPER, BAR_FILL, box), box, [about])
 
-    def _join(self, frame: graphviz.Digraph, name: str, box: Box) -> None:
+    def _join(self, name: str, box: Box) -> None:
         self._names[box] = name
-        looks = {'shape': 'point', 'width': '0.06', 'color': INK, 'tooltip': _GROUP}
-        self._canvas.node(frame, name, '', box, **looks)
+        self._canvas.point(name, box, [_GROUP])
 
-    def _idle(self, frame: graphviz.Digraph, section: str, slot: Box) -> None:
-        label = table([[entry(font('no task: items pass', colour=FAINT, italic=True))]])
+    def _idle(self, section: str, slot: Box) -> None:
+        label = one_entry(Text('no task: items pass', colour=FAINT, italic=True))
         below = slot.moved(0, slot.height + 4)
-        hint = 'the script has no list for this section'
-        self._canvas.node(frame, f'{section}.idle', label, below, tooltip=hint)
+        about = 'the script has no list for this section'
+        self._canvas.label(f'{section}.idle', label, below, [about])
 
     def _arrow(self, above: Box, below: Box) -> None:
         points = [(above.middle, above.bottom), (below.middle, below.top)]
-        start, end = self._names[above], self._names[below]
-        self._canvas.line(start, end, points, head=below.height > 0)
+        ends = self._names[above], self._names[below]
+        self._canvas.line(ends, points, Stroke(head=below.height > 0))
 
     def _flag(self, one: FlagLine) -> None:
         flag = one.flag
-        counts = self._counts(flag)
-        name = font(f'flag {flag.flag}', bold=True, colour=FLAG)
-        hint = tooltip(_about_flag(flag))
+        name = Text(f'flag {flag.flag}', colour=FLAG, bold=True)
+        label = one_entry(name, Text(self._counts(flag), 9, FLAG))
         self._canvas.line(
-            f'task.{flag.upstream}',
-            f'task.{flag.downstream}',
+            (f'task.{flag.upstream}', f'task.{flag.downstream}'),
             one.points,
-            label_at=one.label_at,
-            label=table([[entry(lines([name, font(counts, size=9, colour=FLAG)]))]]),
-            id=f'flag.{flag.flag}',
-            edgetooltip=hint,
-            labeltooltip=hint,
-            color=FLAG,
-            style='dashed',
-            penwidth='1.6',
+            Stroke(FLAG, 1.6, dashed=True),
+            name=f'flag.{flag.flag}',
+            about=_about_flag(flag),
+            label=LineLabel(label, one.label_at),
         )
 
     def _counts(self, flag: Dependency) -> str:
@@ -212,10 +209,9 @@ class _Drawing:
         return f'count {state.flags[flag.flag]} of {flag.capacity}'
 
 
-def _bar(words: str, colour: str, fill: str, box: Box) -> str:
-    text = font(words, bold=True, colour=colour)
-    middle = entry(text, align='CENTER', width=box.width, height=box.height)
-    return table([[middle]], fill=fill)
+def _bar(words: str, colour: str, fill: str, box: Box) -> Label:
+    text = Text(words, colour=colour, bold=True)
+    return Label(((Entry((text,), centred=True, width=box.width, height=box.height),),), fill=fill)
 
 
 def _about_flag(flag: Dependency) -> list[str]:

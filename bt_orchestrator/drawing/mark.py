@@ -4,17 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from bt_orchestrator.drawing.label import Entry, Label, Text, wrapped
 from bt_orchestrator.drawing.line_state import LineState, Mark, SectionMark, TaskMark
-from bt_orchestrator.drawing.text import (
-    FAINT,
-    INK,
-    SLOT_FILL,
-    entry,
-    font,
-    lines,
-    table,
-    wrapped,
-)
+from bt_orchestrator.drawing.style import FAINT, SLOT_FILL
 
 REASON_LINES = 2
 """Room for a reason on a card, used or not: nothing moves from one drawing to the next."""
@@ -27,36 +19,33 @@ MOST_JOBS = 4
 ELLIPSIS = ' \u2026'
 
 
-def card_state(mark: TaskMark) -> str:
+def card_state(mark: TaskMark) -> Sequence[Text]:
     """Return what a card says of its task, above everything else."""
     reason = _cut(wrapped(mark.reason), REASON_LINES)
-    texts = [_now(mark)]
-    texts += [font(text or ' ', size=9) for text in reason]
-    return lines(texts)
+    return [_now(mark), *(Text(text or ' ', 9) for text in reason)]
 
 
-def tooltip_state(mark: TaskMark) -> Iterator[str]:
-    """Yield what the tooltip of a task begins with."""
+def about_state(mark: TaskMark) -> Iterator[str]:
+    """Yield how a task stands: the first lines about it."""
     yield f'now: {mark.text or "not begun"}'
     if mark.reason:
         yield mark.reason
 
 
-def slot_label(number: int, mark: SectionMark, width: float, height: float) -> str:
+def slot_label(number: int, mark: SectionMark, width: float, height: float) -> Label:
     """Return a slot with what stands there, and what its section does."""
     there = f'({mark.slot})' if mark.is_empty_position else mark.slot or 'empty'
     work = f'works on {mark.works_on}' if mark.works_on else 'no cycle'
     waits = '' if mark.works_on else ' '.join(mark.waiting[:1])
-    texts = [
-        font(f'slot {number}: {there}', bold=True),
-        font(_fate(mark) or ' ', size=9, bold=True),
-    ]
-    texts.append(font(work, size=9))
-    texts.append(font(_cut(wrapped(waits), 1)[0] or ' ', size=9, colour=FAINT))
-    middle = ''.join(f'{text}<BR/>' for text in texts)
-    inside = entry(middle, align='CENTER', width=width, height=height)
+    texts = (
+        Text(f'slot {number}: {there}', bold=True),
+        Text(_fate(mark) or ' ', 9, bold=True),
+        Text(work, 9),
+        Text(_cut(wrapped(waits), 1)[0] or ' ', 9, FAINT),
+    )
+    inside = Entry(texts, centred=True, width=width, height=height)
     fill = Mark.REJECTED.fill if mark.is_rejected else SLOT_FILL
-    return table([[inside]], fill=fill, border=3 if mark.works_on else 0)
+    return Label(((inside,),), 3 if mark.works_on else 0, fill)
 
 
 def _fate(mark: SectionMark) -> str:
@@ -69,7 +58,7 @@ def _fate(mark: SectionMark) -> str:
     return ', '.join(word for is_so, word in words if is_so)
 
 
-def slot_tooltip(mark: SectionMark) -> Iterator[str]:
+def about_slot(mark: SectionMark) -> Iterator[str]:
     """Yield what is wrong with the item, and everything that the section waits for."""
     if _fate(mark):
         yield _fate(mark)
@@ -77,15 +66,15 @@ def slot_tooltip(mark: SectionMark) -> Iterator[str]:
     yield from mark.waiting
 
 
-def headlines(state: LineState) -> list[str]:
+def headlines(state: LineState) -> list[Text]:
     """Return the lines below the title: always as many."""
     jobs = list(state.jobs)
     if len(jobs) > MOST_JOBS:
         jobs[MOST_JOBS - 1 :] = [f'and {len(jobs) - MOST_JOBS + 1} more jobs']
     jobs += [' '] * (MOST_JOBS - len(jobs))
     return [
-        font(state.headline, size=14, bold=True),
-        *(font(job, size=11, colour=INK) for job in jobs),
+        Text(state.headline, 14, bold=True),
+        *(Text(job, 11) for job in jobs),
     ]
 
 
@@ -107,10 +96,10 @@ def legend_rows() -> Iterator[tuple[str, str, str]]:
         yield f'{mark.sign} {word}', mark.fill, meaning
 
 
-def _now(mark: TaskMark) -> str:
+def _now(mark: TaskMark) -> Text:
     if mark.mark is Mark.NEW:
-        return font('not begun', size=9, colour=FAINT, italic=True)
-    return font(mark.text, size=11, bold=True)
+        return Text('not begun', 9, FAINT, italic=True)
+    return Text(mark.text, 11, bold=True)
 
 
 def _cut(texts: Sequence[str], count: int) -> list[str]:

@@ -7,27 +7,25 @@ from dataclasses import replace
 from itertools import accumulate, pairwise
 from typing import NamedTuple
 
+from bt_orchestrator.drawing.box import Box, Point
 from bt_orchestrator.drawing.card import CARD_WIDTH, Sheet, card
 from bt_orchestrator.drawing.legend import LEGEND_WIDTH, TITLE_WIDTH
 from bt_orchestrator.drawing.plan import (
     GAP,
     PADDING,
     TITLE,
-    Box,
     Column,
     Placed,
     column,
     initialization,
 )
-from bt_orchestrator.drawing.routes import GUTTER, LABEL_GAP, LANE, Lanes, Place, Point, Route
+from bt_orchestrator.drawing.routes import GUTTER, LABEL_GAP, LANE, Lanes, Place, Route
 from bt_orchestrator.model.script import Dependency, index_task
 
 LONGEST_ROW = 1700.0
 """Points; a longer belt goes on in the next row."""
 LABEL_HEIGHT = 28.0
 MARGIN = 4.0
-BELT_TIP = 4.0
-"""Room for the end of a thick line."""
 EDGE = 14.0
 """From a gutter's or band's end to its first lane."""
 
@@ -125,8 +123,7 @@ class Page:
             else:
                 y = one.slot.centre
                 points = [(one.slot.right, y), (following.slot.left, y)]
-            tip = (points[-1][0] - BELT_TIP, points[-1][1])
-            yield one.number, [*points[:-1], tip]
+            yield one.number, points
 
     def flags(self) -> Iterator[FlagLine]:
         """Yield the lines of the flags; a label stands on its line, in the gutter."""

@@ -10,7 +10,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
-from bt_orchestrator.drawing.card import CARD_WIDTH, Card, Sheet, belt_words, card
+from bt_orchestrator.drawing.box import Box
+from bt_orchestrator.drawing.card import CARD_WIDTH, Sheet, belt_words, card
+from bt_orchestrator.drawing.label import Label
 from bt_orchestrator.drawing.mark import SLOT_HEIGHT
 from bt_orchestrator.model.script import SectionList, Step, Task
 
@@ -24,45 +26,11 @@ TRACK_GAP = 12.0
 
 
 @dataclass(frozen=True)
-class Box:
-    """A place on the page."""
-
-    left: float
-    top: float
-    width: float
-    height: float
-
-    @property
-    def right(self) -> float:
-        """Its right edge."""
-        return self.left + self.width
-
-    @property
-    def bottom(self) -> float:
-        """Its lower edge."""
-        return self.top + self.height
-
-    @property
-    def middle(self) -> float:
-        """Half its width."""
-        return self.left + self.width / 2
-
-    @property
-    def centre(self) -> float:
-        """Half its height."""
-        return self.top + self.height / 2
-
-    def moved(self, right: float, down: float) -> Box:
-        """Return the same box elsewhere."""
-        return replace(self, left=self.left + right, top=self.top + down)
-
-
-@dataclass(frozen=True)
 class Placed:
     """A task and its card."""
 
     task: Task
-    card: Card
+    card: Label
     box: Box
     belt: str = ''
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass
 
-Point = tuple[float, float]
 Place = tuple[int, int]
 """Row and position in the row, from 0."""
 

@@ -11,10 +11,15 @@ from py_trees.composites import Parallel, Selector, Sequence
 from py_trees.decorators import Decorator
 
 from bt_orchestrator.drawing.card import Sheet, details
-from bt_orchestrator.drawing.text import FAINT, FONT, INK, PAPER, entry, font, table, tooltip
+from bt_orchestrator.drawing.dot_label import dot_label, tooltip
+from bt_orchestrator.drawing.label import Entry, Label, Text
+from bt_orchestrator.drawing.picture import Picture
+from bt_orchestrator.drawing.style import FAINT, FONT, INK, PAPER
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.fold import apply
+from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.tree.compile import CellTree
 from bt_orchestrator.tree.leaf import ActionLeaf
@@ -87,8 +92,9 @@ class Compiled:
         raise AssertionError(f'a drawing waits for nothing, not for {key}')
 
 
-def tree(sheet: Sheet) -> graphviz.Digraph:
+def draw_tree(script: Script, cell: Cell) -> Picture:
     """Draw what a script compiles to, from the root on the left to the leaves on the right."""
+    sheet = Sheet(script, cell)
     graph = graphviz.Digraph(sheet.script.name, graph_attr=_page(sheet))
     graph.attr('node', fontname=FONT, fontsize='10', color=INK, fontcolor=INK, height='0.3')
     graph.attr('edge', color=FAINT, arrowhead='none')
@@ -97,14 +103,14 @@ def tree(sheet: Sheet) -> graphviz.Digraph:
         _add(graph, sheet, compiled.root, 'root')
     finally:
         compiled.close()
-    return graph
+    return Picture(str(graph.source), 'dot')
 
 
 def _page(sheet: Sheet) -> dict[str, str]:
-    first = font(f'{sheet.script.name}: behaviour tree', size=22, bold=True)
-    second = font(f'for cell {sheet.cell.name}; {JOB} stands for an order', size=12)
+    first = Text(f'{sheet.script.name}: behaviour tree', 22, bold=True)
+    second = Text(f'for cell {sheet.cell.name}; {JOB} stands for an order', 12)
     return {
-        'label': table([[entry(text)] for text in (first, second, *legend())]),
+        'label': dot_label(Label(tuple((Entry((row,)),) for row in (first, second, *legend())))),
         'labelloc': 't',
         'labeljust': 'l',
         'fontname': FONT,
@@ -144,11 +150,11 @@ def _about(sheet: Sheet, behaviour: Behaviour) -> str:
     first = f'{kind_of(behaviour).name}: {behaviour.name} ({type(behaviour).__name__})'
     if not isinstance(behaviour, ActionLeaf):
         return tooltip([first])
-    return '\n'.join([tooltip([first]), details(sheet, behaviour.subject.task)])
+    return tooltip([first, *details(sheet, behaviour.subject.task)])
 
 
-def legend() -> list[str]:
+def legend() -> list[Text]:
     """Explain the shapes, and how the tree is ticked."""
     shapes = ', '.join(f'{kind.shape_name}: {kind.name}' for kind in KINDS)
     order = 'children are ticked from top to bottom, which decides ties'
-    return [font(text, size=10, colour=FAINT) for text in (shapes, order)]
+    return [Text(text, colour=FAINT) for text in (shapes, order)]

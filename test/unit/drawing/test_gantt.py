@@ -9,10 +9,9 @@ import pytest
 from fakes.action_types import FakeActionTypes
 from fakes.shipped import REFERENCE_CELL, TREES
 
-from bt_orchestrator.drawing.gantt import Gantt, GanttFold, Row, TaskBar
+from bt_orchestrator.drawing.gantt import Gantt, GanttFold, HoldBar, Row, TaskBar
 from bt_orchestrator.drawing.gantt_page import gantt_svg, ticks, time_label
-from bt_orchestrator.drawing.gantt_style import WAITS
-from bt_orchestrator.drawing.svg import fitting
+from bt_orchestrator.drawing.gantt_style import WAITS, fitting
 from bt_orchestrator.model.events import TaskKey
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.wait import WaitKind
@@ -120,6 +119,14 @@ def test_what_a_user_writes_cannot_break_the_drawing() -> None:
     svg = gantt_svg(Gantt('<cell>', 5.0, ('<&"',), (Row('section 1', [bar]),)))
 
     assert title(bars(svg, 'section_1', 'work')[0]).startswith('a<b of <&"/1')
+
+
+def test_what_xml_cannot_carry_breaks_no_drawing() -> None:
+    hold = HoldBar('1', 'aborted (\x1b[31m \x00 \ud800)', 0.0, 5.0)
+    svg = gantt_svg(Gantt('cell', 5.0, ('WO',), (Row('section 1', holds=[hold]),)))
+
+    assert 'aborted (\ufffd[31m \ufffd \ufffd)' in title(bars(svg, 'section_1', 'hold')[0])
+    assert svg.encode()
 
 
 def test_every_kind_of_wait_has_a_look() -> None:

@@ -9,6 +9,7 @@ from fakes import statuses
 from fakes.dot_text import DotText
 from fakes.line import THREE, Line
 
+from bt_orchestrator.drawing.line import draw_line
 from bt_orchestrator.drawing.line_state import Mark
 from bt_orchestrator.drawing.status_marks import NotThisLine, line_state
 from bt_orchestrator.model.frozen import changed
@@ -21,7 +22,6 @@ from bt_orchestrator.model.status import (
     PassedTask,
     SectionStatus,
 )
-from bt_orchestrator.tree.draw import draw
 
 SCRIPT = """
 initialization: [{id: prepare, @a1.PREPARE}]
@@ -60,7 +60,7 @@ def status(*sections: SectionStatus, **about: Any) -> CellStatus:
 def drawn(state: CellStatus, text: str = SCRIPT) -> DotText:
     line = Line()
     script = line.script(text)
-    return DotText(draw(script, line.cell, state=line_state(state, script, line.cell)).dot)
+    return DotText(draw_line(script, line.cell, line_state(state, script, line.cell)).dot)
 
 
 def section_2(**about: Any) -> SectionStatus:
@@ -260,7 +260,7 @@ def test_the_legend_explains_what_is_new() -> None:
     with_state = drawn(status()).words('legend')
     assert {'\u25b6 running', '! HELD', 'the belt while it moves'} <= set(with_state)
     line = Line()
-    plain = DotText(draw(line.script(THREE), line.cell).dot).words('legend')
+    plain = DotText(draw_line(line.script(THREE), line.cell).dot).words('legend')
     assert 'the belt while it moves' not in plain
 
 

@@ -7,6 +7,7 @@ from fakes.dot_text import DotText
 from fakes.line import THREE, Line
 from fakes.virtual_run import VirtualRun
 
+from bt_orchestrator.drawing.line import draw_line
 from bt_orchestrator.drawing.status_marks import line_state
 from bt_orchestrator.model.state import End
 from bt_orchestrator.model.status import CellStatus, ItemStatus, PassedTask
@@ -14,7 +15,6 @@ from bt_orchestrator.model.wait import WaitKind
 from bt_orchestrator.runtime.observed_durations import ObservedDurations
 from bt_orchestrator.runtime.overview import Overview, description_of
 from bt_orchestrator.screen import words
-from bt_orchestrator.tree.draw import draw
 
 SCRIPT = """
 params: {off: {type: bool, default: true}}
@@ -84,7 +84,7 @@ def test_a_task_that_was_passed_says_how_it_ended(
     )
 
     state = line_state(status, run.state.script('J'), line.cell)
-    picture = DotText(draw(run.state.script('J'), line.cell, state=state).dot)
+    picture = DotText(draw_line(run.state.script('J'), line.cell, state).dot)
     assert picture.words('task.look')[0].endswith(word)
 
 

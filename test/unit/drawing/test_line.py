@@ -1,4 +1,4 @@
-"""Drawings of scripts, as DOT text: what a reviewer finds in them, and where."""
+"""Drawings of scripts as lines: what a reviewer finds in them, and where."""
 
 from __future__ import annotations
 
@@ -16,53 +16,52 @@ from fakes.plan_runs import product_cell, product_scripts
 from fakes.profiles import examples
 from fakes.shipped import REFERENCE_CELL, ROOT, TREES
 from hypothesis import given
-from py_trees.blackboard import Blackboard
 
+from bt_orchestrator.drawing.line import draw_line
+from bt_orchestrator.drawing.picture import DOT, SVG, CannotDraw, Picture
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.script.script_file import read_script
-from bt_orchestrator.tree.draw import CannotDraw, draw
 
 TYPES = FakeActionTypes()
 SHIPPED = sorted(path.stem for path in TREES.glob('*.yaml'))
 
 
-def shipped(name: str, view: str = 'line') -> str:
+def shipped(name: str) -> Picture:
     cell = read_cell(REFERENCE_CELL, TYPES)
-    return draw(read_script(TREES / f'{name}.yaml', cell, TYPES), cell, view).dot
+    return draw_line(read_script(TREES / f'{name}.yaml', cell, TYPES), cell)
 
 
-def drawn(text: str, line: Line | None = None, view: str = 'line') -> DotText:
-    line = line or Line()
-    return DotText(draw(line.script(text), line.cell, view).dot)
+def drawn(text: str) -> DotText:
+    line = Line()
+    return DotText(draw_line(line.script(text), line.cell).dot)
 
 
 @cache
 def long() -> DotText:
     line = long_line()
-    return DotText(draw(line.script(LONG), line.cell).dot)
+    return DotText(draw_line(line.script(LONG), line.cell).dot)
 
 
 # --- shipped pictures -----------------------------------------------------------------------
 
 
+@pytest.mark.parametrize('kind', [DOT, SVG])
 @pytest.mark.parametrize('name', SHIPPED)
-def test_the_drawing_beside_a_shipped_script_is_up_to_date(name: str) -> None:
-    beside = TREES / f'{name}.dot'
-    known = beside.read_text(encoding='utf-8') if beside.exists() else ''
-    assert known == shipped(name), 'run scripts/render, and look at the pictures in trees/'
-    assert beside.with_suffix('.svg').exists(), 'run scripts/render'
+def test_the_drawing_beside_a_shipped_script_is_up_to_date(name: str, kind: str) -> None:
+    beside = TREES / f'{name}.{kind}'
+    known = beside.read_bytes() if beside.exists() else b''
+    assert known == shipped(name).content(kind), 'run scripts/render, and look at the pictures'
 
 
 def test_there_are_shipped_scripts() -> None:
     assert len(SHIPPED) >= 2
 
 
-@pytest.mark.parametrize('view', ['line', 'tree'])
-def test_equal_scripts_are_drawn_equally_and_without_a_trace_of_the_machine(view: str) -> None:
-    text = shipped('inspect_and_assemble', view)
-    assert text == shipped('inspect_and_assemble', view)
-    assert str(ROOT) not in text
+def test_equal_scripts_are_drawn_equally_and_without_a_trace_of_the_machine() -> None:
+    picture = shipped('inspect_and_assemble')
+    assert picture == shipped('inspect_and_assemble')
+    assert str(ROOT) not in picture.dot + picture.svg
 
 
 # --- what is on a card ----------------------------------------------------------------------
@@ -252,7 +251,7 @@ def test_nothing_covers_anything_on_a_long_line() -> None:
 def test_nothing_covers_anything_on_drawn_lines(plan: Plan) -> None:
     cell = product_cell(plan)
     for script in product_scripts(plan, cell).values():
-        check_places(DotText(draw(script, cell).dot), script)
+        check_places(DotText(draw_line(script, cell).dot), script)
 
 
 @pytest.mark.parametrize(
@@ -280,31 +279,20 @@ def test_flags_of_neighbours_and_of_one_task_do_not_cover_each_other() -> None:
     assert min(above - below for below, above in pairwise(labels)) >= 24
 
 
-# --- the behaviour tree ---------------------------------------------------------------------
+# --- files ----------------------------------------------------------------------------------
 
 
-def test_the_tree_has_every_behaviour_in_the_order_of_ticks() -> None:
-    dot = drawn(with_section(2, '- {id: work, @a2, retries: 1}'), view='tree')
-    assert dot.nodes['root']['shape'] == 'parallelogram'
-    parts = [dot.nodes[f'root.{n}']['label'] for n in range(1, 6)]
-    assert parts == ['initialization', 'section 3', 'section 2', 'section 1', 'belt']
-    branch = [dot.nodes[f'root.3.1.2{deeper}']['label'] for deeper in ('', '.1', '.1.1', '.1.1.1')]
-    assert branch == ['belt at rest', 'hold if it fails', 'retry up to 1 time', 'work: TASK_A']
-    assert dot.nodes['root.3.1.2.1.1.1']['tooltip'].startswith('action: work: TASK_A (ActionLeaf)')
-    assert set(dot.edges) == {f'{n.rpartition(".")[0]} -> {n}' for n in dot.nodes if '.' in n}
-
-
-def test_drawing_the_tree_leaves_nothing_on_the_blackboard() -> None:
-    before = set(Blackboard.clients)
-    drawn(f'{THREE}zones: {{z: [work, pack]}}', view='tree')
-    assert set(Blackboard.clients) == before
-
-
-# --- dot ------------------------------------------------------------------------------------
-
-
-def test_a_missing_dot_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_only_pictures_that_graphviz_makes_need_dot(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv('PATH', '/nowhere')
     line = Line()
+    picture = draw_line(line.script(THREE), line.cell)
+    assert picture.content(SVG).startswith(b'<?xml')
+    assert picture.content(DOT).startswith(b'// drawn with dot')
     with pytest.raises(CannotDraw, match=r'^the program `dot` .* is missing; install Graphviz'):
-        draw(line.script(THREE), line.cell).image('svg')
+        picture.content('png')
+
+
+@pytest.mark.parametrize(('kind', 'begin'), [('png', b'\x89PNG'), ('pdf', b'%PDF')])
+def test_graphviz_makes_the_other_files(kind: str, begin: bytes) -> None:
+    line = Line()
+    assert draw_line(line.script(THREE), line.cell).content(kind).startswith(begin)
