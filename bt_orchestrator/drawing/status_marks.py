@@ -7,7 +7,7 @@ from collections.abc import Container, Iterable, Iterator
 from bt_orchestrator.drawing.line_state import LineState, Mark, SectionMark, TaskMark
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.hold_words import attempt_words
+from bt_orchestrator.model.hold_words import attempt_words, hold_name, why_words
 from bt_orchestrator.model.pauses import release_command
 from bt_orchestrator.model.script import INDEX, Script, SectionList
 from bt_orchestrator.model.state import End, Hold
@@ -66,7 +66,7 @@ class _Reader:
         count = len(status.holds)
         held = f', {count} {"hold" if count == 1 else "holds"}' if count else ''
         of_cell = ''.join(
-            f'; hold {hold.id} ({hold.reason}): {release_command(hold.id)}'
+            f'; {hold_name(hold)}: {release_command(hold.id)}'
             for hold in status.holds
             if hold.is_pause
         )
@@ -176,14 +176,13 @@ def _due(tasks: SectionList, done: Container[str]) -> Iterator[str]:
 
 
 def _held(hold: Hold) -> TaskMark:
-    message = f' ({hold.message})' if hold.message else ''
     answers = ' | '.join(hold.answers)
     words = attempt_words(hold.attempt, hold.attempts)
     attempt = f', {words}' if words else ''
     return TaskMark(
         Mark.HELD,
         f'(hold {hold.id})',
-        f'{hold.reason}{message}{attempt}; answer with {answers}',
+        f'{why_words(hold.reason, hold.message)}{attempt}; answer with {answers}',
     )
 
 

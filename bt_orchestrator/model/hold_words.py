@@ -1,7 +1,12 @@
-"""What a hold says to a person: the one sentence that status, views, logs and pictures share."""
+"""A hold in words: all sentences about one are made here, from facts.
+
+`hold_words` is the whole of it, for status, views, logs and pictures. `hold_name` stands in other
+sentences: refusals, waits, the stop reason.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Protocol
 
 
@@ -53,12 +58,37 @@ class HoldFacts(Protocol):
         """Words of the server, or of the orchestrator."""
 
 
+class NumberedHold(HoldFacts, Protocol):
+    """A hold that knows its own number."""
+
+    @property
+    def id(self) -> str:
+        """Number of the hold, by which it is answered."""
+
+
 def hold_words(hold: HoldFacts) -> str:
     """Say where something is held, what, and why."""
-    message = f' ({hold.message})' if hold.message else ''
     attempt = attempt_words(hold.attempt, hold.attempts)
     named = ', '.join(filter(None, (_section(hold), _subject(hold), attempt)))
-    return f'{f"{named}: " if named else ""}{hold.reason}{message}'
+    return f'{f"{named}: " if named else ""}{why_words(hold.reason, hold.message)}'
+
+
+def hold_name(hold: NumberedHold) -> str:
+    """Name a hold: its number, what is held, and why; of the whole cell with its message."""
+    what = hold.task or hold.item
+    if what:
+        return f'hold {hold.id} ({what}: {hold.reason})'
+    return f'hold {hold.id} ({", ".join(filter(None, (hold.reason, hold.message)))})'
+
+
+def hold_wait_words(holds: Iterable[NumberedHold]) -> str:
+    """Say that something waits until holds are answered."""
+    return f'waiting for an answer to {", ".join(map(hold_name, holds))}'
+
+
+def why_words(reason: str, message: str) -> str:
+    """Say why something failed or is held, in one word and those of the server or the program."""
+    return f'{reason} ({message})' if message else reason
 
 
 def _section(hold: HoldFacts) -> str:

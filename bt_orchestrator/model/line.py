@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from enum import Enum
 from typing import NamedTuple
 
 from bt_orchestrator.model.events import TaskKey
+from bt_orchestrator.model.hold_words import hold_wait_words
 from bt_orchestrator.model.initialization import Preparation
 from bt_orchestrator.model.script import SectionList, Task
 from bt_orchestrator.model.state import CellState, JobState, Phase, SectionState
@@ -29,20 +30,13 @@ def task_list(state: CellState, job: str, section: int) -> SectionList | None:
 def stopped_because(state: CellState) -> Wait | None:
     """Say why nothing new begins anywhere: no cycle, no index move (semantics 7.1)."""
     if state.holds:
-        holds = ', '.join(_hold_in_words(state))
         kind = WaitKind.PAUSE if state.pauses else WaitKind.HOLD
-        return Wait(f'waiting for an answer to {holds}', kind, next(iter(state.holds)))
+        return Wait(hold_wait_words(state.holds.values()), kind, next(iter(state.holds)))
     if not state.packml.begins:
         return Wait(f'the cell is {state.packml.value}', WaitKind.CELL_STATE, state.packml.value)
     if state.shutting_down:
         return Wait('the node ends', WaitKind.CELL_STATE, state.packml.value)
     return None
-
-
-def _hold_in_words(state: CellState) -> Iterator[str]:
-    for hold in state.holds.values():
-        what = hold.task or hold.item
-        yield f'hold {hold.id} ({f"{what}: " if what else ""}{hold.reason})'
 
 
 # --- jobs -----------------------------------------------------------------------------------

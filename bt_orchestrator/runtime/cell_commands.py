@@ -20,6 +20,7 @@ from bt_orchestrator.model.cell_commands import (
     Stop,
 )
 from bt_orchestrator.model.failures import ABORT
+from bt_orchestrator.model.hold_words import hold_name
 from bt_orchestrator.model.limits import PAUSES
 from bt_orchestrator.model.packml import VERBS, Cause, refusal
 from bt_orchestrator.model.pauses import PAUSED, release_command
@@ -154,10 +155,9 @@ def _instead(state: CellState) -> str:
 
 
 def _pause_in_words(hold: Hold) -> str:
-    words = f'hold {hold.id} ({hold.reason}{f", {hold.message}" if hold.message else ""})'
     if not hold.must_be_named:
-        return words
-    return f'{words}, which only its number releases: {release_command(hold.id)}'
+        return hold_name(hold)
+    return f'{hold_name(hold)}, which only its number releases: {release_command(hold.id)}'
 
 
 # --- answers ----------------------------------------------------------------------------------

@@ -10,6 +10,7 @@ from dataclasses import asdict
 from typing import NamedTuple
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.hold_words import hold_name
 from bt_orchestrator.model.jobs.job_folds import ENDED_KEPT
 from bt_orchestrator.model.line import is_complete
 from bt_orchestrator.model.packml import TRANSITIONS, Cause, PackmlState
@@ -92,8 +93,7 @@ def _due_reason(state: CellState, outlook: Outlook) -> tuple[StopReason | None, 
         return StopReason.EMERGENCY, state.stop_message  # until somebody clears the cell
     if state.holds:
         first = next(iter(state.holds.values()))
-        words = f'hold {first.id}: {first.task or first.item or first.message}, {first.reason}'
-        return (StopReason.OPERATOR if first.owner else StopReason.OWN_FAULT), words
+        return (StopReason.OPERATOR if first.owner else StopReason.OWN_FAULT), hold_name(first)
     if state.packml in _STANDING and _is_interrupted(state):
         return StopReason.OPERATOR, 'the cell was stopped'
     if outlook.starved is not None and state.packml.begins:

@@ -18,6 +18,7 @@ from bt_orchestrator.model.failures import (
     abort_all_on_the_belt,
     pass_over,
 )
+from bt_orchestrator.model.hold_words import hold_name
 from bt_orchestrator.model.limits import listed
 from bt_orchestrator.model.pauses import release_command
 from bt_orchestrator.model.state import CellState, Hold
@@ -68,17 +69,15 @@ def _offering(state: CellState, command: AnswerHold) -> Hold:
         there = listed(state.holds, 'none')
         raise CommandRefused(f'there is no hold {command.hold}; holds now: {there}')
     if hold.is_pause:
-        raise CommandRefused(
-            f'hold {hold.id} ({hold.reason}) takes no answer; {release_command(hold.id)}'
-        )
+        raise CommandRefused(f'{hold_name(hold)} takes no answer; {release_command(hold.id)}')
     if hold.task is None:
         raise CommandRefused(
-            f'hold {hold.id} takes no answer; take {hold.item} off the belt and say so with '
+            f'{hold_name(hold)} takes no answer; take {hold.item} off the belt and say so with '
             f'remove-item {hold.item}'
         )
     if command.answer not in hold.answers:
         raise CommandRefused(
-            f'hold {hold.id} ({hold.task}: {hold.reason}) can be answered with '
+            f'{hold_name(hold)} can be answered with '
             f'{", ".join(hold.answers)}; found {command.answer!r}'
         )
     if command.results and (command.answer != MARK_DONE or hold.item is None):

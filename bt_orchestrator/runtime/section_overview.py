@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bt_orchestrator.model.events import TaskKey
+from bt_orchestrator.model.hold_words import why_words
 from bt_orchestrator.model.state import (
     CellState,
     Cycle,
@@ -77,5 +78,4 @@ def passed_task(task: str, progress: TaskState, *, is_nonconforming: bool = Fals
 def _reason(progress: TaskState) -> str:
     if progress.reason is None:
         return progress.message
-    message = f' ({progress.message})' if progress.message else ''
-    return f'{progress.reason.value}{message}'
+    return why_words(progress.reason.value, progress.message)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.hold_words import hold_words
+from bt_orchestrator.model.hold_words import hold_words, why_words
 from bt_orchestrator.report.task_spans import TaskSpan, TaskSpans
 
 
@@ -30,8 +30,8 @@ class Progress:
         if span is not None and isinstance(event, e.TaskSucceeded):
             yield _succeeded(span)
         elif isinstance(event, e.TaskFailed):
-            message = f' ({event.message})' if event.message else ''
-            yield f'{_place(event)}{event.task} failed: {event.reason}{message}'
+            why = why_words(event.reason, event.message)
+            yield f'{_place(event)}{event.task} failed: {why}'
         elif isinstance(event, e.TaskSkipped):
             yield f'{_place(event)}{event.task} skipped: {event.reason}'
         elif isinstance(event, e.TaskMarkedDone):

@@ -11,6 +11,7 @@ from bt_orchestrator.model.by import By
 from bt_orchestrator.model.commands import AnswerHold, RemoveItem
 from bt_orchestrator.model.events import TaskKey
 from bt_orchestrator.model.failures import ABORT_JOB, MARK_DONE, REJECT, RETRY, SKIP
+from bt_orchestrator.model.hold_words import hold_name
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.sim.simulation import Simulation
 
@@ -76,8 +77,8 @@ class StandingAnswers:
             )
         elif answer == RETRY and self._is_in_vain(hold):
             self._complaints.append(
-                f'{hold.key} was tried again {MOST_RETRIES} times and failed each time '
-                f'({hold.reason}); hold {hold.id} is left without an answer'
+                f'{hold.key} was tried again {MOST_RETRIES} times and failed each time; '
+                f'{hold_name(hold)} is left without an answer'
             )
             return ''
         return answer

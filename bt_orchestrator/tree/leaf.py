@@ -9,6 +9,7 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.failures import RETRY
 from bt_orchestrator.model.goal import Reason
+from bt_orchestrator.model.hold_words import hold_wait_words
 from bt_orchestrator.model.reference import resolve
 from bt_orchestrator.model.state import Phase, TaskState
 from bt_orchestrator.model.wait import Wait, WaitKind
@@ -51,9 +52,8 @@ class ActionLeaf(TaskWaiter, Ticked):
             self.feedback_message = self._running(progress.attempt)
             return Status.RUNNING
         if progress.phase is Phase.HELD:
-            reason = progress.reason.value if progress.reason else 'held'
-            what = f'waiting for an answer to hold {progress.hold} ({reason})'
-            self.note(Wait(what, WaitKind.HOLD, progress.hold or ''))
+            hold = self.subject.state.holds[progress.hold or '']
+            self.note(Wait(hold_wait_words([hold]), WaitKind.HOLD, hold.id))
             return Status.RUNNING
         if progress.phase is Phase.FAILED:
             self.feedback_message = f'failed: {progress.reason.value if progress.reason else ""}'
@@ -97,8 +97,8 @@ class ActionLeaf(TaskWaiter, Ticked):
             what = 'the node ends' if state.shutting_down else f'the cell is {mode}'
             return Wait(what, WaitKind.CELL_STATE, mode)
         if state.pauses:
-            what = f'paused: {state.pauses[0].reason}, {state.pauses[0].message}'
-            return Wait(what, WaitKind.PAUSE, state.pauses[0].id)
+            first = state.pauses[0]
+            return Wait(hold_wait_words([first]), WaitKind.PAUSE, first.id)
         return self.subject.waits_in_hold()
 
     def _obstacle(self) -> Wait | None:

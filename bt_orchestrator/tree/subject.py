@@ -8,6 +8,7 @@ from typing import Protocol
 from bt_orchestrator.errors import MissingResult
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.hold_words import hold_wait_words
 from bt_orchestrator.model.reference import Reference, resolve
 from bt_orchestrator.model.script import Condition, Task
 from bt_orchestrator.model.state import CellState, Phase, TaskState, same_args, same_task
@@ -150,8 +151,7 @@ class Subject:
                 and (hold.job is None) == (self.job is None)
             )
             if same:
-                what = f'waiting for an answer to hold {hold.id} ({hold.task}: {hold.reason})'
-                return Wait(what, WaitKind.HOLD, hold.id)
+                return Wait(hold_wait_words([hold]), WaitKind.HOLD, hold.id)
         return None
 
 

@@ -164,5 +164,5 @@ def test_7_3_a_node_that_finds_a_twin_lets_run_what_runs_and_starts_nothing() ->
 def test_7_3_an_answer_to_a_pause_is_told_how_it_is_released() -> None:
     answer = held_by('twin').ask(AnswerHold('1', 'resume', ann()))
     assert answer.message == (
-        'hold 1 (twin) takes no answer; bt-orchestrator resume --hold 1 --reason WHY'
+        'hold 1 (twin, look) takes no answer; bt-orchestrator resume --hold 1 --reason WHY'
     )

@@ -83,7 +83,7 @@ def test_9_2_without_auto_resume_nothing_new_starts_until_resume() -> None:
     assert (hold.reason, hold.message) == ('restarted', '1 unfinished job, 2 goals in flight')
 
     answer = second.ask(AnswerHold(hold.id, 'resume', ann()))
-    assert answer.message.startswith('hold 1 (restarted) takes no answer; ')
+    assert answer.message.startswith(f'hold 1 (restarted, {hold.message}) takes no answer; ')
     assert not second.ask(Resume(ann('back from lunch'))).accepted
     assert second.ask(Resume(ann('the line was looked at'), hold=hold.id)).accepted
     world.go(second)

@@ -23,14 +23,14 @@ def test_a_whole_status() -> None:
     status = statuses.status(
         state=PackmlState.HELD,
         stop_reason=StopReason.OWN_FAULT,
-        stop_message='hold 1: work, aborted',
+        stop_message='hold 1 (work: aborted)',
         holds=[statuses.hold(message='gripper open')],
         components=[statuses.component('worker', available=False)],
         initialization=[statuses.wait('waiting for initialization home')],
     )
     assert list(words.status_lines(status, NODE)) == [
         'cell small_cell: Held for 12.0 s, belt at rest, seq 7',
-        '  stands still: own_fault, hold 1: work, aborted',
+        '  stands still: own_fault, hold 1 (work: aborted)',
         '  WO-1 (small): Running, 0 of 10 packed',
         '  initialization  waiting for initialization home',
         '  section 1   -              waiting for the belt to move',

@@ -1,0 +1,50 @@
+"""The sentences about a hold."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from bt_orchestrator.model.hold_words import hold_name, hold_wait_words, hold_words, why_words
+from bt_orchestrator.model.state import Hold
+
+
+def hold(**fields: Any) -> Hold:
+    plain: dict[str, Any] = {
+        'id': '1',
+        'job': 'J',
+        'section': 2,
+        'item': 'J/1',
+        'task': 'work',
+        'reason': 'aborted',
+        'message': 'no grip',
+        'answers': ('retry',),
+        'since': 0.0,
+    }
+    return Hold(**{**plain, **fields})
+
+
+OF_ITEM = hold(task=None, section=3, reason='overrun', message='')
+OF_CELL = hold(job=None, section=None, item=None, task=None, reason='paused', message='Ann: tea')
+
+
+@pytest.mark.parametrize(
+    ('held', 'name', 'words'),
+    [
+        (hold(), 'hold 1 (work: aborted)', 'section 2, work of J/1: aborted (no grip)'),
+        (OF_ITEM, 'hold 1 (J/1: overrun)', 'section 3, J/1: overrun'),
+        (OF_CELL, 'hold 1 (paused, Ann: tea)', 'paused (Ann: tea)'),
+    ],
+)
+def test_a_hold_is_named_in_a_sentence_and_told_in_full(held: Hold, name: str, words: str) -> None:
+    assert hold_name(held) == name
+    assert hold_words(held) == words
+    assert hold_wait_words([held, OF_CELL]).startswith(
+        f'waiting for an answer to {name}, hold 1 ('
+    )
+
+
+def test_why() -> None:
+    assert why_words('timeout', '') == 'timeout'
+    assert why_words('aborted', 'no grip') == 'aborted (no grip)'
