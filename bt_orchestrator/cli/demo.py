@@ -20,7 +20,6 @@ from bt_orchestrator.cli.demo_folder import DemoFolder, DemoRecord, default_fold
 from bt_orchestrator.cli.demo_programs import READY_S, DemoPrograms
 from bt_orchestrator.cli.demo_show import DemoShow, Interrupted
 from bt_orchestrator.cli.folders import add_trees_option, shipped
-from bt_orchestrator.cli.forecast_text import forecast_lines
 from bt_orchestrator.cli.journal_file import open_records
 from bt_orchestrator.cli.numbers import factor
 from bt_orchestrator.cli.watch import live_or, say
@@ -30,6 +29,7 @@ from bt_orchestrator.model.codec import from_record
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.report.forecast_fold import forecast
+from bt_orchestrator.report.forecast_text import forecast_lines
 from bt_orchestrator.report.reading import Reading
 from bt_orchestrator.screen.advice import DEFAULT_NODE, Shell
 from bt_orchestrator.screen.keys import Keys

@@ -13,13 +13,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import IO
 
-from bt_orchestrator.cli.journal_file import open_records
-from bt_orchestrator.cli.journal_output import OUTPUTS, say_damage
+from bt_orchestrator.cli.journal_file import open_records, say_damage
 from bt_orchestrator.cli.moments import add_period_options
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.numbers import whole
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.report.exports import OUTPUTS
 from bt_orchestrator.report.reading import Reading, removed
 from bt_orchestrator.stop_signals import StopSignals
 

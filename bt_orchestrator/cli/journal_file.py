@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 from bt_orchestrator.ports import Records
@@ -14,3 +15,8 @@ def open_records(journal: Path) -> Records:
     :raises JournalUnusable: it cannot be read
     """
     return SqliteRecords(journal)
+
+
+def say_damage(sentence: str) -> None:
+    """Say what of a journal cannot be shown; the rest is."""
+    print(sentence, file=sys.stderr)

@@ -12,7 +12,6 @@ from typing import Any
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.check import as_json
 from bt_orchestrator.cli.cost_watch import CostWatch
-from bt_orchestrator.cli.forecast_text import forecast_lines, job_lines
 from bt_orchestrator.cli.standing_results import standing_results
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.drawing.gantt import Gantt, GanttFold
@@ -25,6 +24,7 @@ from bt_orchestrator.model.wait import PartWait
 from bt_orchestrator.ports import ActionTypes, EventSink
 from bt_orchestrator.report.forecast import Forecast
 from bt_orchestrator.report.forecast_fold import ForecastFold
+from bt_orchestrator.report.forecast_text import forecast_lines, job_lines
 from bt_orchestrator.report.wait_log import WaitLog
 from bt_orchestrator.sim.fault_options import with_faults
 from bt_orchestrator.sim.simulation import Outcome, Simulation

@@ -4,34 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from bt_orchestrator.cli import bootstrap
-from bt_orchestrator.cli.tables import table
 from bt_orchestrator.cli.virtual_run import Run, lines_of, plain
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.report.comparison import changes, comparison_lines
 from bt_orchestrator.script.file_kind import FileKind, file_kind
 from bt_orchestrator.script.script_file import read_script
 from bt_orchestrator.sim.simulation import Outcome
-
-
-class Change(NamedTuple):
-    """One figure of two runs."""
-
-    what: str
-    before: float | None
-    after: float | None
-    unit: str
-    """s, or % for parts of the time."""
-
-    @property
-    def percent(self) -> float | None:
-        """By how much it changed; None where that says nothing, as for parts of the time."""
-        if self.unit == '%' or self.after is None or not self.before:
-            return None
-        return (self.after - self.before) / self.before * 100.0
 
 
 def what_if_jobs(
@@ -61,26 +44,6 @@ def what_if_jobs(
     return bootstrap.load_jobs(orders, cell_file, folders, types, instead)
 
 
-def changes(before: Run, after: Run) -> Iterator[Change]:
-    """Yield the figures of both runs."""
-    old, new = before.forecast, after.forecast
-    yield Change('total time', old.total_s, new.total_s, 's')
-    yield Change('time per item', old.per_item_s, new.per_item_s, 's')
-    ends = {job.job: job.finished_s for job in new.jobs}
-    for job in old.jobs:
-        yield Change(f'{job.job} finished', job.finished_s, ends.get(job.job), 's')
-    paces = {load.section: load.pace_s for load in new.sections}
-    for load in old.sections:
-        what = f'section {load.section}, an item every'
-        yield Change(what, load.pace_s, paces.get(load.section), 's')
-    works = {load.component: load.utilisation for load in new.components}
-    for component in old.components:
-        share = works.get(component.component)
-        after_share = None if share is None else share * 100
-        what = f'{component.component} works'
-        yield Change(what, component.utilisation * 100, after_share, '%')
-
-
 def change_lines(before: Run, after: Run) -> Iterator[str]:
     """Yield the comparison as text; what did not end is told in full."""
     for name, done in (('before', before), ('after', after)):
@@ -88,52 +51,16 @@ def change_lines(before: Run, after: Run) -> Iterator[str]:
             yield f'{name}:'
             yield from (f'  {line}' for line in lines_of(done))
             yield ''
-    rows = [_row(change) for change in changes(before, after)]
-    yield from table(('', 'before', 'after', 'change'), rows)
-    yield ''
-    yield _bottleneck(before, after)
+    yield from comparison_lines(before.forecast, after.forecast)
 
 
 def plain_change(before: Run, after: Run) -> dict[str, Any]:
     """Return the comparison as data that JSON can carry."""
+    found = changes(before.forecast, after.forecast)
     return {
         'ok': before.outcome is after.outcome is Outcome.FINISHED,
         'before': plain(before),
         'after': plain(after),
-        'changes': [
-            {**change._asdict(), 'percent': change.percent} for change in changes(before, after)
-        ],
+        'changes': [{**one._asdict(), 'percent': one.percent} for one in found],
         'findings': [],
     }
-
-
-def _row(change: Change) -> tuple[str, ...]:
-    return (
-        change.what,
-        _figure(change.before, change.unit),
-        _figure(change.after, change.unit),
-        _difference(change),
-    )
-
-
-def _figure(value: float | None, unit: str) -> str:
-    return '-' if value is None else f'{value:.1f} {unit}'
-
-
-def _difference(change: Change) -> str:
-    if change.before is None or change.after is None:
-        return '-'
-    if abs(change.after - change.before) < 0.05:
-        return '='
-    if change.percent is None:
-        return f'{change.after - change.before:+.1f} points'
-    return f'{change.percent:+.1f} %'
-
-
-def _bottleneck(before: Run, after: Run) -> str:
-    old, new = before.forecast.bottleneck, after.forecast.bottleneck
-    if old is None or new is None:
-        return 'bottleneck: nothing was worked on'
-    if old.section == new.section:
-        return f'bottleneck: section {old.section} before and after'
-    return f'bottleneck: from section {old.section} to section {new.section}'

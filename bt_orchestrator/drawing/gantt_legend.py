@@ -54,7 +54,7 @@ def _entries(gantt: Gantt, letters: Mapping[str, str]) -> Iterator[_Entry]:
         yield _Entry('attempt that failed', failed)
     if any(row.holds for row in gantt.rows):
         yield _Entry('hold', {'class_': 'hold'})
-    waited = {span.causes[0].kind.value for row in gantt.rows for span in row.waits}
+    waited = {span.causes[0].kind for row in gantt.rows for span in row.waits}
     for kind, (what, _) in WAITS.items():
         if kind in waited:
             yield _Entry(f'waits for {what}', {'fill': fill_of_wait(kind), 'class_': 'wait'})

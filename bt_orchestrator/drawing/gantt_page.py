@@ -23,6 +23,7 @@ from bt_orchestrator.drawing.gantt_style import (
 )
 from bt_orchestrator.drawing.style import PAPER
 from bt_orchestrator.drawing.svg import Svg
+from bt_orchestrator.report.causes import cause_words
 from bt_orchestrator.report.wait_log import WaitSpan
 
 LEFT, RIGHT, TOP = 118.0, 24.0, 66.0
@@ -130,13 +131,13 @@ class _Page:
         return group.add('rect', x=x, y=y, width=width, **more)
 
     def _wait(self, group: Svg, wait: WaitSpan, y: float) -> None:
-        kinds = '+'.join(dict.fromkeys(cause.kind.value for cause in wait.causes))
-        fill = fill_of_wait(kinds)
+        fill = fill_of_wait(wait.causes[0].kind)
         bar = self._bar(
             group, wait.start_s, wait.end_s, y + 4, height=LANE - 8, fill=fill, class_='wait'
         )
-        what = ' and '.join(cause.text for cause in wait.causes)
-        bar.add('title', f'waits for {what}\n{_span(wait.start_s, wait.end_s)}')
+        bar.add(
+            'title', f'waits for {cause_words(wait.causes)}\n{_span(wait.start_s, wait.end_s)}'
+        )
 
     def _cycle(self, group: Svg, cycle: CycleBar, y: float) -> None:
         colour = self._colour(cycle.job)

@@ -13,6 +13,7 @@ from bt_orchestrator.drawing.style import (
     SLOT_FILL,
 )
 from bt_orchestrator.drawing.svg import CHARACTER, Svg
+from bt_orchestrator.model.wait import WaitKind
 
 SIZES = {'title': 16.0, 'row': 12.0, 'item': 10.0, 'task': 9.0, 'tick': 10.0, 'legend': 11.0}
 """Sizes of texts, in pixels, by the class of the text."""
@@ -22,20 +23,20 @@ JOB_COLOURS = ('#9ecae1', '#fdd0a2', '#a1d99b', '#bcbddc', '#f4b6c2', '#d9c39a')
 
 JOB_LINES = ('#2b6c99', '#b35806', '#2e7d4f', '#54468a', '#a8325a', '#7a5b1f')
 
-WAITS: dict[str, tuple[str, str]] = {
-    'item': ('an item', ''),
-    'job': ('a job', 'M0 9 H9'),
-    'belt': ('the belt', 'M0 3 H9 M0 8 H9'),
-    'turn': ('turns of sections', 'M3 0 V9 M8 0 V9'),
-    'flag': ('a flag', 'M-1 10 L10 -1'),
-    'zone': ('a zone', 'M-1 -1 L10 10'),
-    'component': ('a component', 'M-1 10 L10 -1 M-1 -1 L10 10'),
-    'readiness': ('a state topic', 'M4 4 h1.4 v1.4 h-1.4 z'),
-    'initialization': ('initialization', 'M0 4.5 h5'),
-    'hold': ('an answer to a hold', 'M4.5 0 V9 M0 4.5 H9'),
-    'pause': ('resume', 'M2 1 V7 M5 1 V7'),
-    'retry_delay': ('a retry', 'M1 7 L4.5 2 L8 7'),
-    'cell_state': ('the cell', 'M2 2 h5 v5 h-5 z'),
+WAITS: dict[WaitKind, tuple[str, str]] = {
+    WaitKind.ITEM: ('an item', ''),
+    WaitKind.JOB: ('a job', 'M0 9 H9'),
+    WaitKind.BELT: ('the belt', 'M0 3 H9 M0 8 H9'),
+    WaitKind.TURN: ('turns of sections', 'M3 0 V9 M8 0 V9'),
+    WaitKind.FLAG: ('a flag', 'M-1 10 L10 -1'),
+    WaitKind.ZONE: ('a zone', 'M-1 -1 L10 10'),
+    WaitKind.COMPONENT: ('a component', 'M-1 10 L10 -1 M-1 -1 L10 10'),
+    WaitKind.READINESS: ('a state topic', 'M4 4 h1.4 v1.4 h-1.4 z'),
+    WaitKind.INITIALIZATION: ('initialization', 'M0 4.5 h5'),
+    WaitKind.HOLD: ('an answer to a hold', 'M4.5 0 V9 M0 4.5 H9'),
+    WaitKind.PAUSE: ('resume', 'M2 1 V7 M5 1 V7'),
+    WaitKind.RETRY_DELAY: ('a retry', 'M1 7 L4.5 2 L8 7'),
+    WaitKind.CELL_STATE: ('the cell', 'M2 2 h5 v5 h-5 z'),
 }
 """What each kind of wait is for, and its pattern in a square of 9."""
 
@@ -61,7 +62,7 @@ def add_style(page: Svg) -> None:
     page.add('style', f'{_RULES}{sizes}.title, .row {{ font-weight: bold }}\n')
     defs = page.add('defs')
     for kind, (_, path) in WAITS.items():
-        square = _pattern(defs, f'wait_{kind}', 9)
+        square = _pattern(defs, f'wait_{kind.value}', 9)
         square.add('rect', width=9, height=9, fill=PAPER)
         if path:
             square.add('path', d=path, class_='hatch')
@@ -92,14 +93,9 @@ def fitting(text: str, kind: str, room: float) -> str:
     return f'{text[: most - 1]}…' if most >= 3 else ''
 
 
-def fill_of_wait(kinds: str) -> str:
+def fill_of_wait(kind: WaitKind) -> str:
     """Return the fill of a wait; of a wait for several things, that of the first."""
-    return f'url(#wait_{first_kind(kinds)})'
-
-
-def first_kind(kinds: str) -> str:
-    """Return the first of the kinds that a wait is for."""
-    return kinds.partition('+')[0]
+    return f'url(#wait_{kind.value})'
 
 
 def _pattern(defs: Svg, name: str, size: int) -> Svg:

@@ -15,6 +15,16 @@ class Cause(NamedTuple):
     text: str
 
 
+def cause_words(causes: Sequence[Cause]) -> str:
+    """Name what is waited for, all of it at once."""
+    return ' and '.join(cause.text for cause in causes)
+
+
+def kind_words(causes: Sequence[Cause]) -> str:
+    """Return the kinds of waits, joined by +, each once."""
+    return '+'.join(dict.fromkeys(cause.kind.value for cause in causes))
+
+
 _TEXTS = {
     WaitKind.BELT: 'the belt, which moves',
     WaitKind.ITEM: 'an item',

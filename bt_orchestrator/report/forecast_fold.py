@@ -9,7 +9,7 @@ from typing import NamedTuple
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.jobs.job_record import ABORTED, PACKED, REMOVED, JobRecord
-from bt_orchestrator.report.causes import Cause
+from bt_orchestrator.report.causes import Cause, cause_words, kind_words
 from bt_orchestrator.report.forecast import (
     Bottleneck,
     ComponentLoad,
@@ -194,8 +194,8 @@ def _loads(spans: Sequence[WaitSpan], total_s: float) -> tuple[WaitLoad, ...]:
         waited_s[span.causes] += span.end_s - span.start_s
     loads = [
         WaitLoad(
-            '+'.join(dict.fromkeys(cause.kind.value for cause in causes)),
-            ' and '.join(cause.text for cause in causes),
+            kind_words(causes),
+            cause_words(causes),
             round(seconds, 9),
             seconds / total_s if total_s else 0.0,
         )

@@ -130,7 +130,7 @@ def test_what_xml_cannot_carry_breaks_no_drawing() -> None:
 
 
 def test_every_kind_of_wait_has_a_look() -> None:
-    assert set(WAITS) == {kind.value for kind in WaitKind}
+    assert set(WAITS) == set(WaitKind)
     patterns = [path for _, path in WAITS.values()]
     assert len(set(patterns)) == len(patterns)
 

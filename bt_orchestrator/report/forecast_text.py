@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from bt_orchestrator.cli.tables import table
 from bt_orchestrator.report.forecast import (
     Bottleneck,
     Forecast,
@@ -12,6 +11,7 @@ from bt_orchestrator.report.forecast import (
     SectionLoad,
     WaitLoad,
 )
+from bt_orchestrator.report.tables import table
 
 WAITS_SHOWN = 5
 """How many waits are told of each section and component, the longest; the rest is summed up."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from collections.abc import Callable, Mapping
 from datetime import datetime
 from typing import IO, Any, Protocol
@@ -65,11 +64,6 @@ OUTPUTS: Mapping[str, Callable[[IO[str]], Output]] = {
     'csv': CsvExport,
     'xes': XesExport,
 }
-
-
-def say_damage(sentence: str) -> None:
-    """Say what of a journal cannot be shown; the rest is."""
-    print(sentence, file=sys.stderr)
 
 
 def shown(plain: Any) -> str:

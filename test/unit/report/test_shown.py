@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from bt_orchestrator.cli.journal_output import shown
+from bt_orchestrator.report.exports import shown
 
 
 @pytest.mark.parametrize(

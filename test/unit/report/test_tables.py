@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bt_orchestrator.cli.tables import table
+from bt_orchestrator.report.tables import table
 
 
 def test_the_first_column_is_to_the_left_and_the_others_to_the_right() -> None:
