@@ -1,1 +1,1 @@
-"""Pictures: a script as a line, how it stands, a run as a Gantt chart."""
+"""Pictures: a script as a line, the state of that line, a run as a Gantt chart."""

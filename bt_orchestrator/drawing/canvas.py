@@ -1,4 +1,4 @@
-"""What a picture of a line is drawn on: everything has its place, whatever format comes of it.
+"""The canvas that a line is drawn on: every part has its place, whatever the file format.
 
 Points count from the upper left corner, to the right and downwards.
 """

@@ -1,4 +1,4 @@
-"""One task as a card: what a reviewer has to know, and the rest when it is pointed at."""
+"""The card of one task: what a reviewer has to know, and the rest when it is pointed at."""
 
 from __future__ import annotations
 

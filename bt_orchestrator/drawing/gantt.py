@@ -1,4 +1,4 @@
-"""What a Gantt chart of a run shows: a fold over its events, and the waits of its rows."""
+"""The content of a Gantt chart: a fold over the events of a run, and the waits of its rows."""
 
 from __future__ import annotations
 

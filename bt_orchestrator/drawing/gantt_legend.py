@@ -1,4 +1,4 @@
-"""What the bars of a Gantt chart mean: those that occur in it."""
+"""The legend of a Gantt chart: the kinds of bars that occur in it."""
 
 from __future__ import annotations
 

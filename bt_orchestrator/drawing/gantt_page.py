@@ -1,4 +1,4 @@
-"""A Gantt chart as SVG: time to the right, one row a part of the cell.
+"""The layout of a Gantt chart, as SVG: time to the right, one row a part of the cell.
 
 In a row of a section the items stand above the tasks, for as long as the section has them in hand;
 tasks that run at the same time stand in lanes. Everything says more when it is pointed at.

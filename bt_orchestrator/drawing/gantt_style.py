@@ -1,4 +1,4 @@
-"""How a Gantt chart looks. Kinds of bars differ in form and pattern, and only then in colour."""
+"""Patterns, colours and text sizes of a Gantt chart; kinds of bars differ in form first."""
 
 from __future__ import annotations
 

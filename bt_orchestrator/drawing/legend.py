@@ -1,4 +1,4 @@
-"""Title and legend of a process drawing."""
+"""Title and legend of the drawing of a line."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A script as its process: the line of sections, with what couples them.
+"""The drawing of a script as a line of sections, with what couples them.
 
 Read like a page: what comes before the line on top, then the belt from left to right with each
 section's list below its slot, in several rows where the belt is long.

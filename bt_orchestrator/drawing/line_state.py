@@ -1,4 +1,4 @@
-"""What a drawing shows of a line at work: plain words for every task, slot, flag and section."""
+"""The state of a line at work as a drawing shows it, for tasks, slots, flags and sections."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The state of a task, a slot and a flag as parts of a drawing; as large as they can get."""
+"""The parts of a drawing that show state; they take the same room in every state."""
 
 from __future__ import annotations
 

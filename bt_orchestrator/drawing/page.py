@@ -1,4 +1,4 @@
-"""A whole page: what stands above the line, the rows of sections, and the lines between them."""
+"""The layout of a whole page: header, rows of sections, and the lines between them."""
 
 from __future__ import annotations
 

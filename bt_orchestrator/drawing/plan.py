@@ -1,4 +1,4 @@
-"""Where everything of a process drawing stands, in points from its upper left corner.
+"""The layout of one section, and of the initialization, in points from the upper left corner.
 
 `dot` does not keep clusters in order, and the order of the belt is what a reviewer looks for
 first. So the places are worked out here; Graphviz draws.

@@ -1,4 +1,4 @@
-"""Ways of flags, and of the belt from row to row, around the sections.
+"""Routes of flags, and of the belt from row to row, around the sections.
 
 Between two sections is a gutter and below each row of sections a band; each line that runs there
 has a lane of its own.

@@ -1,4 +1,4 @@
-"""From the status of a cell to what a drawing shows of it."""
+"""The state that a drawing shows, read from the status of a cell."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The writer of SVG of all pictures: elements with attributes in a fixed order, short numbers."""
+"""The writer of all SVG: elements with attributes in a fixed order, and short numbers."""
 
 from __future__ import annotations
 

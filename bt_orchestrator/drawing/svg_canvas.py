@@ -1,4 +1,4 @@
-"""A canvas that writes SVG itself: no other program runs, and equal pictures are equal files."""
+"""A canvas that writes SVG: no other program runs, and equal pictures are equal files."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What the events of a run or of a journal say: jobs, items, times, figures, exports."""
+"""What events say: records of jobs and items, times, figures of a run, and exports."""

@@ -1,4 +1,4 @@
-"""What somebody waits for without the item of the moment, so that equal waits can be summed."""
+"""Reasons for waits without the item of the moment, so that equal waits can be summed up."""
 
 from __future__ import annotations
 

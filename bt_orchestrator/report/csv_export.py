@@ -1,4 +1,4 @@
-"""Records as a table for a spreadsheet: one row an event, the same columns for every journal."""
+"""Export of records as CSV: one row an event, the same columns for every journal."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Records of a journal in the formats that `events` offers."""
+"""Records of a journal in the formats that the verb `events` offers."""
 
 from __future__ import annotations
 

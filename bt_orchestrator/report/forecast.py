@@ -1,4 +1,4 @@
-"""What a run says about the line (semantics 8.3)."""
+"""The figures of a run: times, throughput, bottleneck, utilisation (semantics 8.3)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The fold from the events of a run to what they say about the line (semantics 8.3)."""
+"""The fold from the events of a run to its figures (semantics 8.3)."""
 
 from __future__ import annotations
 

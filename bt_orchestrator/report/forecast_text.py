@@ -1,4 +1,4 @@
-"""A forecast as text for a person."""
+"""The figures of a run as text for a person."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Spans of time, and how long they last together."""
+"""Spans of time: how much time they cover, and where they overlap."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""When jobs will have ended, by the durations of a cell: an estimate for people (semantics 8.3).
+"""Estimates of when jobs end, from the durations of a cell (semantics 8.3).
 
 The steady pace of a line is that of its slowest section. Flags, shared components, faults and
 people make it slower; `simulate` takes them into account and this does not.

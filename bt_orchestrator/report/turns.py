@@ -1,4 +1,4 @@
-"""How long sections keep the belt at rest: from that follows how fast each could be."""
+"""The fold that measures how long each section keeps the belt at rest."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What everybody waits for in a virtual run, to the instant.
+"""The log of who waits for what in a virtual run, to the instant.
 
 Inside a settle virtual time stands still, and between two settles nothing changes. So whoever
 looks once after each settle has seen every wait, with its exact beginning and end.

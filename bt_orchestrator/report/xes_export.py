@@ -1,4 +1,4 @@
-"""Records for process mining: an event log in XES (IEEE 1849-2016).
+"""Export of records for process mining: an event log in XES (IEEE 1849-2016).
 
 One trace an item, for an item is what goes through the process; job and script are attributes of
 the trace. An activity is a task; its attempts are told apart by `concept:instance`, the goal UUID.

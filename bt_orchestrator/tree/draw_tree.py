@@ -1,4 +1,4 @@
-"""The behaviour tree itself: the py_trees nodes that a script compiles to, types by shape."""
+"""The drawing of the behaviour tree: the py_trees nodes of a script, types by shape."""
 
 from __future__ import annotations
 
