@@ -18,7 +18,7 @@ from attack.garbage import LONG, fields
 from bt_orchestrator.cli.main import main
 from bt_orchestrator.model.action_type import TASK_RESULT, ActionType
 from bt_orchestrator.model.cell import Component
-from bt_orchestrator.sim.controllers import controller
+from bt_orchestrator.sim import controller
 from bt_orchestrator.sim.results import simulated_result
 
 NASTY = 'nasty'
