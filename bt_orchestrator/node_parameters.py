@@ -12,9 +12,11 @@ from typing import Annotated, get_args, get_type_hints
 
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.goal import SERVER_TIMEOUT_S
+from bt_orchestrator.model.roles import Role
 
 SINGLE, EVENTS = 'single', 'events'
 BUILTIN, PY_TREES_ROS = 'builtin', 'py_trees_ros'
+AUTO = 'auto'
 
 
 MOST_JOBS = 2**31 - 1
@@ -52,6 +54,21 @@ class NodeParameters:
         Words(
             'orders may name scripts outside these folders by their path; then every participant '
             'of the ROS 2 domain can have the node read any file as a script'
+        ),
+    ] = False
+    unauthenticated_role: Annotated[
+        str,
+        Words(
+            'role of everybody in the ROS domain, for ROS says of nobody who it is; auto: '
+            'engineer where the discovery range of ROS is this computer, else view',
+            choices=(AUTO, *(role.value for role in Role)),
+        ),
+    ] = AUTO
+    trust_local_doors: Annotated[
+        bool,
+        Words(
+            'the roles that pages and OPC UA servers assert for their users count, where the '
+            'discovery range of ROS is this computer'
         ),
     ] = False
     tick_rate_hz: Annotated[

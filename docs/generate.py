@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
-from tables import event_stream, keys, programs, rules, states, status
+from tables import event_stream, keys, programs, requests, rules, states, status
 
 from bt_orchestrator.script.cell_keys import CELL
 from bt_orchestrator.script.json_schema import SCHEMA_FILES, json_schema
@@ -30,6 +30,7 @@ PAGES = (
     'docs/script_reference.md',
     'docs/operating.md',
     'docs/queue.md',
+    'docs/security.md',
 )
 
 PARTS: Mapping[str, Callable[[], Iterator[str]]] = {
@@ -49,6 +50,8 @@ PARTS: Mapping[str, Callable[[], Iterator[str]]] = {
     'kinds of waits': status.kinds_of_waits,
     'stop reasons': states.stop_reasons,
     'commands and states': states.commands_in_states,
+    'everything that can be asked': requests.everything_that_can_be_asked,
+    'roles': requests.roles,
 }
 
 _PART = re.compile(r'(<!-- generated: (?P<name>[\w -]+) -->\n).*?(?=<!-- end -->)', re.DOTALL)

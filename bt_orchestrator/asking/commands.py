@@ -12,7 +12,7 @@ from bt_orchestrator.model.by import By
 from bt_orchestrator.model.commands import AnswerHold, Command, RemoveItem
 from bt_orchestrator.model.jobs.job_commands import ControlJob, MoveJob, RunNext, StopAfter
 from bt_orchestrator.model.packml import VERBS, Cause
-from bt_orchestrator.model.requests import About, Asked
+from bt_orchestrator.model.requests import MOVE, NEXT, About, Asked
 from bt_orchestrator.model.script import Task
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.wish import STOP_AFTER
@@ -101,9 +101,9 @@ _TO_CELL: Mapping[str, Callable[[By, Arguments], c.CellCommand]] = {
 
 def _to_job(word: str, by: By, given: Arguments) -> Command:
     job = given['job']
-    if word == 'move':
+    if word == MOVE.word:
         return MoveJob(job, given['position'], by)
-    return RunNext(job, by) if word == 'next' else ControlJob(word, job, by)
+    return RunNext(job, by) if word == NEXT.word else ControlJob(word, job, by)
 
 
 def _results(given: Arguments, state: CellState, types: ActionTypes) -> Mapping[str, Any]:

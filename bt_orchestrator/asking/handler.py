@@ -12,6 +12,7 @@ from bt_orchestrator.asking.orders import (
     Told,
     answer_to_refused,
     changed_job,
+    check_sender,
     refused_orders,
     wanted_orders,
     with_each,
@@ -21,9 +22,8 @@ from bt_orchestrator.model.by import By
 from bt_orchestrator.model.commands import Answer, Command, OrderAnswer, RefusedRequest
 from bt_orchestrator.model.jobs.job_commands import AddJobs, UpdateJob
 from bt_orchestrator.model.jobs.order import Job
-from bt_orchestrator.model.requests import About, Asked
+from bt_orchestrator.model.requests import ADD, UPDATE, About, Asked
 from bt_orchestrator.ports import ActionTypes
-from bt_orchestrator.runtime.command_record import ADD, UPDATE
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.script.orders.asked import asked_of, change_of
 from bt_orchestrator.script.orders.desk import AskedOrder, Reading, Wanted
@@ -55,7 +55,7 @@ class RequestHandler:
             place: Any = given.get('position')
             held = bool(given.get('held', False))
             return await self.add([asked_of(one) for one in orders], asked.by, place, held=held)
-        if asked.request.name == f'{About.JOB.value}.{UPDATE}':
+        if asked.request == UPDATE:
             return await self._update_as_asked(asked)
         return await self.give(asked.request.about, asked.request.word, asked.by, **given)
 
@@ -73,10 +73,11 @@ class RequestHandler:
     ) -> Answer:
         """Queue orders in their order, all or none."""
         try:
+            check_sender(ADD, by)
             async with self._orders.read(wanted_orders(orders)) as reading:
                 return await self._add_read(orders, reading, by, position, held=held)
         except NotRead as why:
-            return await self._refuse(ADD, by, str(why))
+            return await self._refuse(ADD.word, by, str(why))
 
     async def _add_read(
         self,
@@ -98,25 +99,26 @@ class RequestHandler:
     async def update(self, job: str, wish: AskedOrder, by: By) -> Answer:
         """Change a queued job; what the wish leaves open stays."""
         try:
+            check_sender(UPDATE, by)
             wanted_orders([wish])  # within the limits
             as_it_is = partial(changed_job, self._engine.state, job, wish)
             async with self._orders.read(as_it_is) as reading:
                 return await self._update_read(job, reading, by)
         except NotRead as why:
-            return await self._refuse(UPDATE, by, str(why), job)
+            return await self._refuse(UPDATE.word, by, str(why), job)
 
     async def _update_as_asked(self, asked: Asked) -> Answer:
         job = str(asked.arguments['job'])
         try:
             wish = change_of(asked.arguments)
         except CommandRefused as why:
-            return await self._refuse(UPDATE, asked.by, str(why), job)
+            return await self._refuse(UPDATE.word, asked.by, str(why), job)
         return await self.update(job, wish, asked.by)
 
     async def _update_read(self, job: str, reading: Reading, by: By) -> Answer:
         (read,) = reading.read
         if isinstance(read, Refused):
-            await self._refuse(UPDATE, by, read.in_short, job)
+            await self._refuse(UPDATE.word, by, read.in_short, job)
             each = OrderAnswer(message=read.count, findings=Told().of(read))
             return Answer(accepted=False, message=read.count, orders=(each,))
         answer = await self._engine.carry_out(UpdateJob(read, by, reading.sharing))

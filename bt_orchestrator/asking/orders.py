@@ -10,8 +10,8 @@ from bt_orchestrator.model.by import By
 from bt_orchestrator.model.commands import Answer, OrderAnswer, RefusedRequest
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.limits import FINDINGS, ORDERS, REQUEST_BYTES, listed
+from bt_orchestrator.model.requests import ADD, Request, refusal
 from bt_orchestrator.model.state import CellState
-from bt_orchestrator.runtime.command_record import ADD
 from bt_orchestrator.runtime.job_queue import standing
 from bt_orchestrator.runtime.orders import FITS
 from bt_orchestrator.script.orders.desk import AskedOrder, ChangedJob, Orders, Wanted
@@ -23,6 +23,16 @@ ALL = 'bt-orchestrator check --json, where the files are, lists all'
 
 
 # --- before they are read -----------------------------------------------------------------------
+
+
+def check_sender(request: Request, by: By) -> None:
+    """Have nothing read for somebody whose request would be refused all the same.
+
+    :raises NotRead: says why
+    """
+    why = refusal(request, by)
+    if why is not None:
+        raise NotRead(why)
 
 
 def wanted_orders(orders: Sequence[AskedOrder]) -> Orders:
@@ -90,7 +100,7 @@ def refused_orders(
         for order, one in pairs
     )
     ids = tuple(one.id if isinstance(one, Job) else order.order for order, one in pairs)
-    return RefusedRequest(ADD, by, '; '.join(each), ids, each)
+    return RefusedRequest(ADD.word, by, '; '.join(each), ids, each)
 
 
 def answer_to_refused(orders: Sequence[AskedOrder], read: Sequence[Job | Refused]) -> Answer:

@@ -111,7 +111,6 @@ def run(args: argparse.Namespace) -> int:
         is_set = os.environ.get('ROS_DOMAIN_ID') == record.domain
         shell = Shell(program=called_as() if is_set else f'{domain} {called_as()}')
         os.environ['ROS_DOMAIN_ID'] = record.domain
-        os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
         print(f'demo in {domain}')
         programs = DemoPrograms(folder, record, _resume(args))
         try:

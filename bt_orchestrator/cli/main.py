@@ -14,6 +14,7 @@ from typing import Any
 from bt_orchestrator.cli.command_parser import CommandParser
 from bt_orchestrator.cli.mistakes import print_mistakes
 from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.diagnosis.domain import keep_to_this_computer
 from bt_orchestrator.diagnosis.ros_says import ros_says
 from bt_orchestrator.errors import OrchestratorError, Refused
 from bt_orchestrator.ros.fast_dds import keep_off_shared_memory
@@ -67,6 +68,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         _complete(os.environ.get('COMP_LINE', ''))
     _print_anything()
     keep_off_shared_memory(os.environ)
+    keep_to_this_computer(os.environ)
     try:
         status = _carry_out(words)
         sys.stdout.flush()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, MutableMapping
 from pathlib import Path
 
 from bt_orchestrator.diagnosis.check import Check, fail, ok, warn
@@ -19,6 +19,9 @@ RANGES: Mapping[str, str] = {
     'OFF': 'nobody, not even this computer',
     'SYSTEM_DEFAULT': 'whatever the middleware is configured for',
 }
+
+_RANGE, _PEERS = 'ROS_AUTOMATIC_DISCOVERY_RANGE', 'ROS_STATIC_PEERS'
+_ONLY_LOCAL, _SERVER = 'ROS_LOCALHOST_ONLY', 'ROS_DISCOVERY_SERVER'
 
 _FIRST_PORT = 7400
 _PORTS = 250
@@ -50,21 +53,46 @@ def domain_id(environment: Mapping[str, str]) -> int:
 def reach(environment: Mapping[str, str]) -> Check:
     """Say what range, static peers and ROS_LOCALHOST_ONLY mean together."""
     name = 'discovery range'
-    if environment.get('ROS_LOCALHOST_ONLY', '') == '1':
+    if environment.get(_ONLY_LOCAL, '') == '1':
         found = 'ROS_LOCALHOST_ONLY=1: this computer only, whatever the other variables say'
         remedy = 'it is deprecated; unset it, and set ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST'
         return warn(name, found, remedy)
-    text = environment.get('ROS_AUTOMATIC_DISCOVERY_RANGE', '').strip() or 'SUBNET'
+    text = environment.get(_RANGE, '').strip() or 'SUBNET'
     if text not in RANGES:
         known = ', '.join(RANGES)
         remedy = f'set ROS_AUTOMATIC_DISCOVERY_RANGE to one of {known}; ROS 2 takes SUBNET now'
         return warn(name, f'{text!r} is no range', remedy)
-    peers = [peer for peer in environment.get('ROS_STATIC_PEERS', '').split(';') if peer]
+    peers = [peer for peer in environment.get(_PEERS, '').split(';') if peer]
     found = f'{text}: {RANGES[text]}'
     if text == 'OFF':
         remedy = 'no action server can be found; set ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST'
         return fail(name, found, remedy)
     return ok(name, f'{found}, and {", ".join(peers)}' if peers else found)
+
+
+def keep_to_this_computer(environment: MutableMapping[str, str]) -> None:
+    """Set the range to this computer where nothing says how far ROS is to reach.
+
+    Whoever finds a node can command it, and ROS 2 by itself lets every computer of a network.
+    """
+    if not any(environment.get(name) for name in (_RANGE, _PEERS, _ONLY_LOCAL, _SERVER)):
+        environment[_RANGE] = 'LOCALHOST'
+
+
+def is_local(environment: Mapping[str, str], middleware: str) -> bool:
+    """Tell whether nobody on another computer finds a node that starts with these variables.
+
+    It is how far ROS looks, and no lock: see docs/security.md.
+
+    :param middleware: name of the RMW implementation; Zenoh has routers in place of ranges
+    """
+    if 'zenoh' in middleware or environment.get(_SERVER):
+        return False
+    if environment.get(_ONLY_LOCAL) == '1':
+        return True
+    if any(environment.get(_PEERS, '').split(';')):
+        return False
+    return environment.get(_RANGE, '').strip() in ('LOCALHOST', 'OFF')
 
 
 def domains_in_use(sockets: str) -> set[int]:

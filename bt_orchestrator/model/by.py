@@ -3,6 +3,30 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import Enum
+
+from bt_orchestrator.model.roles import Role
+
+
+class Known(Enum):
+    """How it is known who asks, and with which role."""
+
+    LOCAL_USER = 'local user'
+    """They run the program that decides; nothing is in between."""
+    PAGE_LOGIN = 'page login'
+    OPC_UA_USER = 'opc ua user'
+    ROS = 'ros unauthenticated'
+    """A participant of the ROS domain says so: anybody can be that."""
+
+    @property
+    def proves_name(self) -> bool:
+        """Tell whether the name is that of the person, and not only what somebody wrote."""
+        return self is not Known.ROS
+
+    @property
+    def is_door(self) -> bool:
+        """Tell whether a program that people log in at knows it, and asks for them."""
+        return self in (Known.PAGE_LOGIN, Known.OPC_UA_USER)
 
 
 @dataclass(frozen=True)
@@ -13,10 +37,37 @@ class By:
     origin: str
     """Program, interface or computer that the command came from."""
     reason: str
+    role: Role = Role.VIEW
+    """What counts when it is decided what they may ask."""
+    known: Known = Known.ROS
+    claims: str = ''
+    """Role that was asserted and does not count, and by what; empty: none was."""
 
     def __str__(self) -> str:
-        return f'{self.who}: {self.reason}'
+        return f'{self.named}{self._why}'
 
     def deciding(self, verb: str) -> str:
         """Return a sentence: who decided what, and why."""
-        return f'{self.who} decided {verb}: {self.reason}'
+        return f'{self.named} decided {verb}{self._why}'
+
+    @property
+    def named(self) -> str:
+        """The name as it may be shown."""
+        return named(self.who, self.known.value)
+
+    @property
+    def _why(self) -> str:
+        return f': {self.reason}' if self.reason else ''
+
+
+def named(who: str, known: str) -> str:
+    """Return a name as it may be shown: one that nobody has checked is told as a claim.
+
+    :param known: a value of `Known`; empty, or another one: it is not known
+    """
+    if not who:
+        return 'somebody'
+    return who if known in _PROVEN else f'somebody who claims to be {who}'
+
+
+_PROVEN = frozenset(known.value for known in Known if known.proves_name)

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.state import End, Hold
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.model.wait import Wait
@@ -203,6 +204,8 @@ class CellStatus:
     """Who wants the cell to stand; then it waits for an operator's start (semantics 7.2)."""
     waits_for: str = ''
     """Commands that let it work again, in words."""
+    unauthenticated_role: Role | None = None
+    """Of everybody in the ROS domain; None: nobody comes over ROS, or it is not known."""
     commands: tuple[str, ...] = ()
     """PackML commands that its state allows, as verbs; those of `stop_after` always are."""
     journal_failure: str = ''

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from bt_orchestrator.model.by import named
 from bt_orchestrator.model.packml import VERBS, Cause, PackmlState
 
 STOP_AFTER = 'stop_after_'
 """How the command begins that lets the line run empty first; `item` or `job` follows."""
+
+AFTER, NEVER = ('item', 'job'), 'never'
+"""After what the line may be let run empty, and the word that takes it back."""
 
 START = VERBS[Cause.START]
 STAND = tuple(VERBS[cause] for cause in (Cause.STOP, Cause.ABORT, Cause.CLEAR))
@@ -25,6 +29,8 @@ class Wish:
     reason: str = ''
     time: float = 0.0
     """Seconds, when it was said; 0: not known."""
+    known: str = ''
+    """How it is known who that is (`model.by`); empty: it is not."""
 
     def __str__(self) -> str:
         return self.words()
@@ -36,7 +42,7 @@ class Wish:
         """
         at = f' at {clock}' if clock else ''
         why = f': {self.reason}' if self.reason else ''
-        return f'{self.who or "an operator"} said {self.command.replace("_", " ")}{at}{why}'
+        return f'{named(self.who, self.known)} said {self.command.replace("_", " ")}{at}{why}'
 
 
 def way_to_work(mode: PackmlState) -> str:

@@ -14,6 +14,7 @@ from rclpy.exceptions import NameValidationException, ParameterException
 from rclpy.executors import Executor, ExternalShutdownException
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import get_rmw_implementation_identifier
 
 from bt_orchestrator.asking.handler import RequestHandler
 from bt_orchestrator.diagnosis.ros_says import ros_says
@@ -46,6 +47,7 @@ from bt_orchestrator.ros.services.outputs import (
 )
 from bt_orchestrator.ros.services.queue_services import QueueServices
 from bt_orchestrator.ros.services.run_job import RunJobServer
+from bt_orchestrator.ros.services.senders import Senders
 from bt_orchestrator.ros.services.services import Services
 from bt_orchestrator.ros.services.state_service import StateService
 from bt_orchestrator.ros.spare_log import SpareLog
@@ -102,6 +104,7 @@ class TreeNode:
         self._log = SpareLog(node.get_logger())
         presence = Presence(node)  # hears others while this one is set up
         self.parameters = declare(node, defaults)
+        self._senders = Senders(self.parameters, os.environ, get_rmw_implementation_identifier())
         types = InstalledActionTypes()
         cell = _read_cell(self.parameters, types)
         self.executor: Executor = make_executor(self.parameters.executor)
@@ -115,7 +118,9 @@ class TreeNode:
         self._writer = WriterThread(self.heart.wake) if self._journal is not None else None
         store = self._journal or parts.make_memory_store()
         self.orchestrator = self._engine(cell, store)
-        self._overview = Overview(self.orchestrator, self._durations)
+        self._overview = Overview(
+            self.orchestrator, self._durations, self._senders.unauthenticated
+        )
         self._housekeeping = self._keep_house()
         pulse = Pulse(node)
         self._expected = self._look_ahead(parts, pulse, store)
@@ -215,12 +220,13 @@ class TreeNode:
     def _take_requests(self, types: InstalledActionTypes, store: EventStore) -> RunJobServer:
         """Offer the services and the action, which has to be destroyed."""
         handler = RequestHandler(self.orchestrator, types, self._orders)
-        Services(self.node, handler, self.orchestrator.state)
-        QueueServices(self.node, handler, self._overview, self.orchestrator.state)
+        senders, state = self._senders, self.orchestrator.state
+        Services(self.node, handler, senders, state)
+        QueueServices(self.node, handler, senders, self._overview, state)
         EventsService(self.node, self.orchestrator, store)
         StateService(self.node, self.orchestrator, self._durations)
         run_job = RunJobServer(
-            self.node, self.orchestrator, self._overview, self._orders, self._expected
+            self.node, self.orchestrator, self._overview, self._orders, self._expected, senders
         )
         self.orchestrator.add_sink(run_job)
         return run_job

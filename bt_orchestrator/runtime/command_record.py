@@ -8,7 +8,6 @@ from typing import Any
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.by import By
-from bt_orchestrator.model.cell_commands import CellCommand
 from bt_orchestrator.model.commands import AnswerHold, OnRecord, RefusedRequest, RemoveItem
 from bt_orchestrator.model.jobs.job_commands import (
     AddJobs,
@@ -18,23 +17,22 @@ from bt_orchestrator.model.jobs.job_commands import (
     StopAfter,
     UpdateJob,
 )
-from bt_orchestrator.model.packml import VERBS
+from bt_orchestrator.model.requests import ADD
 from bt_orchestrator.model.wish import STOP_AFTER
-
-ADD, UPDATE = 'add', 'update'
+from bt_orchestrator.runtime.requested import request_of
 
 
 def decided(command: OnRecord) -> Iterator[e.Event]:
     """Yield the record of a command that is carried out; it stands in front of what it does."""
     if command.by is not None:
         verb, about = _what(command)
-        yield e.OperatorDecided(answer=verb, **vars(command.by), **about)
+        yield e.OperatorDecided(answer=verb, **_said(command.by), **about)
 
 
 def decided_to_add(job: str, by: By | None) -> Iterator[e.Event]:
     """Yield the record of one of the jobs that are added."""
     if by is not None:
-        yield e.OperatorDecided(answer=ADD, **vars(by), job=job)
+        yield e.OperatorDecided(answer=ADD.word, **_said(by), job=job)
 
 
 def refused(command: OnRecord, why: CommandRefused) -> Iterator[e.OperatorRefused]:
@@ -44,7 +42,19 @@ def refused(command: OnRecord, why: CommandRefused) -> Iterator[e.OperatorRefuse
     verb, about = _what(command)
     for job, message in _each(command, why):
         told = {'job': job, **about} if job else about
-        yield e.OperatorRefused(command=verb, **vars(command.by), **told, message=message)
+        yield e.OperatorRefused(command=verb, **_said(command.by), **told, message=message)
+
+
+def _said(by: By) -> dict[str, Any]:
+    """Return what is recorded of who asks."""
+    return {
+        'who': by.who,
+        'origin': by.origin,
+        'reason': by.reason,
+        'role': by.role.value,
+        'known': by.known.value,
+        'claims': by.claims,
+    }
 
 
 def _each(command: OnRecord, why: CommandRefused) -> list[tuple[str, str]]:
@@ -64,24 +74,22 @@ def _each(command: OnRecord, why: CommandRefused) -> list[tuple[str, str]]:
 
 def _what(command: OnRecord) -> tuple[str, dict[str, Any]]:
     """Return the word for a command, and the hold, job or item it is about."""
+    request = request_of(command)
     match command:
-        case AnswerHold(hold, answer):
-            return answer, {'hold': hold}
+        case AnswerHold(hold, word):
+            about = {'hold': hold}
         case RemoveItem(item):
-            return 'remove_item', {'item': item}
-        case CellCommand():
-            return VERBS[command.cause], {}
-        case RefusedRequest(verb):
-            return verb, {}
-        case AddJobs():
-            return ADD, {}
-        case MoveJob(name):
-            return 'move', {'job': name}
-        case RunNext(name):
-            return 'next', {'job': name}
+            word, about = '', {'item': item}
+        case ControlJob(word, name):
+            about = {'job': name}
+        case MoveJob(name) | RunNext(name):
+            word, about = '', {'job': name}
         case UpdateJob(job):
-            return UPDATE, {'job': job.id}
-        case ControlJob(verb, name):
-            return verb, {'job': name}
+            word, about = '', {'job': job.id}
+        case RefusedRequest(word):
+            about = {}
         case StopAfter(after):
-            return STOP_AFTER + after, {}
+            word, about = STOP_AFTER + after, {}
+        case _:
+            word, about = '', {}
+    return request.word if request is not None else word, about

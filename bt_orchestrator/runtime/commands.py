@@ -21,17 +21,22 @@ from bt_orchestrator.model.pauses import TWIN
 from bt_orchestrator.runtime import cell_commands, job_queue, operators
 from bt_orchestrator.runtime.ledger import Ledger
 from bt_orchestrator.runtime.lifecycle import transition
+from bt_orchestrator.runtime.requested import not_allowed
 
 
 def answer_to(command: Command, ledger: Ledger) -> str:
     """Carry out a command and return the answer's words.
 
-    :raises CommandRefused: it cannot be carried out now; nothing was recorded
+    :raises CommandRefused: its sender may not give it, or it cannot be carried out now; nothing
+        was recorded
     """
     if isinstance(command, Shutdown):
         return _shut_down(ledger)
     if isinstance(command, FoundTwin):
         return _stand_for_a_twin(command, ledger)
+    why_not = not_allowed(command, ledger.state)
+    if why_not is not None:
+        raise CommandRefused(why_not)
     if isinstance(command, AnswerHold):
         ledger.record(operators.answer(ledger.state, command, ledger.now))
         return f'hold {command.hold}: {command.answer}'

@@ -17,6 +17,7 @@ from bt_orchestrator.model.commands import (
     RefusedRequest,
     Shutdown,
 )
+from bt_orchestrator.model.jobs import job_control
 from bt_orchestrator.model.jobs.job_commands import (
     AddJobs,
     ControlJob,
@@ -35,7 +36,7 @@ _MUST_WAIT = (AddJobs, UpdateJob, MoveJob, RunNext, StopAfter, Resume, Reset, St
 """Commands that can be given without end. What stops, pauses or answers ends by itself: it is
 refused until one of these undoes it, and so is never kept waiting."""
 
-_UNDO = ('release', 'resume')
+_UNDO = (job_control.START.verb, job_control.RESUME.verb)
 """The same among the commands to a job."""
 
 _LONGEST = {'who': WHO, 'origin': ORIGIN, 'reason': REASON}

@@ -21,15 +21,12 @@ from bt_orchestrator.model.jobs.job_commands import (
 )
 from bt_orchestrator.model.limits import listed
 from bt_orchestrator.model.packml import Cause, PackmlState
+from bt_orchestrator.model.requests import About, of_word
 from bt_orchestrator.model.state import CellState, JobState
-from bt_orchestrator.model.wish import way_to_work
+from bt_orchestrator.model.wish import AFTER, NEVER, way_to_work
 from bt_orchestrator.runtime import orders
 from bt_orchestrator.runtime.command_record import decided
 from bt_orchestrator.runtime.lifecycle import transition
-
-NEVER = 'never'
-AFTER = ('item', 'job')
-"""After what the line may be let run empty."""
 
 Events = Iterator[e.Event]
 
@@ -118,9 +115,10 @@ def _control(command: ControlJob, state: CellState) -> tuple[str, list[e.Event]]
 
 
 def _method(verb: str) -> _Control:
-    if verb not in CONTROLS:
+    request = of_word(About.JOB, verb)
+    if request is None or request.word not in CONTROLS:
         raise CommandRefused(f'unknown command {verb!r}; one of {", ".join(CONTROLS)}')
-    return CONTROLS[verb]
+    return CONTROLS[request.word]
 
 
 def _hold(_: CellState, job: JobState, __: str) -> Events:
@@ -162,15 +160,17 @@ def _clear(_: CellState, job: JobState, __: str) -> Events:
 _Control = tuple[job_control.Method, str, Callable[[CellState, JobState, str], Events]]
 
 CONTROLS: Mapping[str, _Control] = {
-    'hold': (job_control.REVOKE_START, 'is held', _hold),
-    'release': (job_control.START, 'is released', _release),
-    'pause': (job_control.PAUSE, 'begins no more items', _pause),
-    'resume': (job_control.RESUME, 'goes on', _resume),
-    'stop': (job_control.STOP, 'ends when its items on the line are finished', _stop),
-    'abort': (job_control.ABORT, 'is being aborted', _abort),
-    'cancel': (job_control.CANCEL, 'is out of the queue', _remove),
-    'remove': (job_control.CANCEL, 'is out of the queue', _remove),
-    'clear': (job_control.CLEAR, 'is listed no more', _clear),
+    control[0].verb: control
+    for control in (
+        (job_control.REVOKE_START, 'is held', _hold),
+        (job_control.START, 'is released', _release),
+        (job_control.PAUSE, 'begins no more items', _pause),
+        (job_control.RESUME, 'goes on', _resume),
+        (job_control.STOP, 'ends when its items on the line are finished', _stop),
+        (job_control.ABORT, 'is being aborted', _abort),
+        (job_control.CANCEL, 'is out of the queue', _remove),
+        (job_control.CLEAR, 'is listed no more', _clear),
+    )
 }
 """Method, what is answered, and what it does, by the word of the command."""
 

@@ -32,6 +32,7 @@ from bt_orchestrator.runtime.flights import Flights
 from bt_orchestrator.runtime.inbox import Inbox
 from bt_orchestrator.runtime.ledger import Ledger
 from bt_orchestrator.runtime.recovery import restore, take_over
+from bt_orchestrator.runtime.requested import not_allowed
 from bt_orchestrator.runtime.starvation import Starvation
 from bt_orchestrator.runtime.writers import AtOnce
 from bt_orchestrator.tree.blackboard import BlackboardProjection
@@ -111,14 +112,14 @@ class Orchestrator:
         at once, and again in its turn: then it is on record why.
         """
         must_wait = self.awaits_disk or self._commits.is_owed
-        if must_wait and isinstance(command, (Abort, Shutdown)):
+        if must_wait and isinstance(command, (Abort, Shutdown)) and self._allows(command):
             self.flights.cancel_all()
         await self._commits.turn()
         if self.breakdown is None:
             answer = self._inbox.take(command)
             self.settle()  # a refusal, too, is on record before its sender hears of it
             await self._commits.kept()
-        return answer if self.breakdown is None else self.breakdown.answer(command)
+        return answer if self.breakdown is None else self._without_journal(command)
 
     @property
     def awaits_disk(self) -> bool:
@@ -185,6 +186,17 @@ class Orchestrator:
         self.flights.close()
         self.tree.close()
         self._projection.close()
+
+    def _allows(self, command: Command) -> bool:
+        return not_allowed(command, self.state) is None
+
+    def _without_journal(self, command: Command) -> Answer:
+        """Answer a command that cannot be put on record; who may not give it may not now."""
+        assert self.breakdown is not None
+        why_not = not_allowed(command, self.state)
+        if why_not is not None:
+            return Answer(accepted=False, message=why_not)
+        return self.breakdown.answer(command)
 
     def _follow(self, event: e.Event) -> None:
         self._projection.follow(event)

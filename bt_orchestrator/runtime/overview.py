@@ -8,6 +8,7 @@ from bt_orchestrator.model.cell import Cell, Component
 from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.limits import QUEUE_SHOWN
 from bt_orchestrator.model.packml import VERBS, Cause, possible_in
+from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.state import JobState
 from bt_orchestrator.model.status import (
     BeltStatus,
@@ -36,12 +37,19 @@ _NO_ENDS: Mapping[str, float] = {}
 class Overview:
     """Looks at a cell from outside; changes nothing."""
 
-    def __init__(self, engine: Engine, durations: ObservedDurations | None = None) -> None:
+    def __init__(
+        self,
+        engine: Engine,
+        durations: ObservedDurations | None = None,
+        unauthenticated_role: Role | None = None,
+    ) -> None:
         """Look at a cell.
 
         :param durations: how long tasks took; None: only the nominal durations are known
+        :param unauthenticated_role: of everybody in the ROS domain; None: nobody comes over ROS
         """
         self._engine = engine
+        self._unauthenticated_role = unauthenticated_role
         self._durations = durations or ObservedDurations()
 
     def status(self, now_s: float, ends_s: Mapping[str, float] = _NO_ENDS) -> CellStatus:
@@ -66,6 +74,7 @@ class Overview:
             stop_after=state.stop_after or '',
             wish=state.wish,
             waits_for=way_to_work(state.packml) if state.stopped_by is not None else '',
+            unauthenticated_role=self._unauthenticated_role,
             commands=tuple(VERBS[cause] for cause in self._possible()),
             journal_failure=engine.broken or '',
             disk_wait=engine.disk_wait,

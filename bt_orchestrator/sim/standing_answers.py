@@ -7,16 +7,18 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
-from bt_orchestrator.model.by import By
+from bt_orchestrator.model.by import By, Known
 from bt_orchestrator.model.commands import AnswerHold, RemoveItem
 from bt_orchestrator.model.events import TaskKey
-from bt_orchestrator.model.failures import ABORT_JOB, MARK_DONE, REJECT, RETRY, SKIP
+from bt_orchestrator.model.failures import MARK_DONE, RETRY
 from bt_orchestrator.model.hold_words import hold_name
+from bt_orchestrator.model.requests import ANSWERS, REMOVE_ITEM
+from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.sim.simulation import Simulation
 
-REMOVE_ITEM = 'remove_item'
-POSSIBLE = (RETRY, MARK_DONE, SKIP, REJECT, ABORT_JOB, REMOVE_ITEM)
+POSSIBLE = (*ANSWERS, REMOVE_ITEM.word)
+"""What may be said beforehand."""
 
 MOST_RETRIES = 10
 """How often one task of one item is tried again; what fails that often would fail for ever."""
@@ -42,7 +44,7 @@ class StandingAnswers:
         self._simulation = simulation
         self._answers = tuple(answers)
         self._after_s = after_s
-        self._by = By(who, '', 'decided beforehand')
+        self._by = By(who, '', 'decided beforehand', Role.ENGINEER, Known.LOCAL_USER)
         self._seen: dict[str, str] = {}
         """The answer to each hold; empty where there was none to give."""
         self._retries: Counter[tuple[TaskKey | None, int]] = Counter()
@@ -97,7 +99,7 @@ class StandingAnswers:
             self.look()
             return
         command: AnswerHold | RemoveItem
-        if answer == REMOVE_ITEM:
+        if answer == REMOVE_ITEM.word:
             command = RemoveItem(hold.item or '', self._by)
         else:
             marked = answer == MARK_DONE and hold.item is not None

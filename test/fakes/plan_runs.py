@@ -284,7 +284,7 @@ UNSEEN = {
 it stands, which test_7_stop_reasons is about."""
 WORDS = (
     *('seq', 'goal', 'server', 'digest', 'definition', 'message', 'args', 'params', 'who'),
-    *('exit_status', 'counts', 'owner', 'origin', 'uptime'),
+    *('exit_status', 'counts', 'owner', 'origin', 'role', 'known', 'claims', 'uptime'),
 )
 WORDED = {
     'task.skipped',

@@ -9,9 +9,8 @@ from typing import Any
 from fakes.board import check_board
 from fakes.full_tree import check_view
 from fakes.invariants import Invariants
-from fakes.operator import ann
+from fakes.operator import ann, engineer
 
-from bt_orchestrator.model.by import By
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.cell_commands import CellCommand, Pause, Resume
 from bt_orchestrator.model.codec import from_record, to_record
@@ -32,7 +31,7 @@ from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryStore
 from bt_orchestrator.tree.compile import CellTree
 
-BY = By('Ann', 'the test', 'it was time')
+BY = engineer('Ann', 'the test', 'it was time')
 
 MOST_SETTLES_AT_ONCE = 1000
 """A line that settles more often than this without time going on never ends."""
@@ -121,7 +120,7 @@ class VirtualRun:
 
     def command(self, kind: type[CellCommand], who: str = 'Ann', **more: Any) -> Answer:
         """Give a command to the cell."""
-        return self.ask(kind(By(who, 'a test', 'it is so'), **more))
+        return self.ask(kind(engineer(who), **more))
 
     @property
     def states(self) -> list[str]:

@@ -99,7 +99,9 @@ def tree_node(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[TreeNo
 
 def ask(tree_node: TreeNode) -> Any:
     """Let the node ask itself for the removal of an item, and return the response."""
-    return answer(tree_node, RemoveItem, 'remove_item', RemoveItem.Request(item='WO-1/1'))
+    return answer(
+        tree_node, RemoveItem, 'remove_item', RemoveItem.Request(item='WO-1/1', reason='a test')
+    )
 
 
 def answer(tree_node: TreeNode, kind: Any, service: str, request: Any) -> Any:

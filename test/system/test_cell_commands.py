@@ -33,7 +33,10 @@ def test_7_2_abort_clear_reset_start_and_the_job_finishes(manual_cell: CellProce
     assert cell.goals(event='cancel', goal=cancelled['goal'], obeyed=True)
     (hold,) = told.holds
     assert (hold.task, hold.item, hold.reason) == ('work', 'WO-1/1', 'in_doubt')
-    assert (told.stop_reason, told.stop_message) == ('emergency', 'Ada: smoke')
+    assert (told.stop_reason, told.stop_message) == (
+        'emergency',
+        'somebody who claims to be Ada: smoke',
+    )
     (decided,) = watch.seen('operator.decided', answer='abort')
     assert decided['origin'].startswith('bt-orchestrator at ')
 

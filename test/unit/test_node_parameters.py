@@ -34,6 +34,7 @@ def test_every_parameter_is_an_option() -> None:
             '1',
             '--no-expected-end',
         ),
+        *('--unauthenticated-role', 'mes', '--trust-local-doors'),
         *('--inspection', 'py_trees_ros', '--trees', 'folder', '--script-paths'),
     )
     told = NodeParameters(**{name: getattr(args, name) for name, _ in described()})

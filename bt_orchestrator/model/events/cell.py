@@ -75,6 +75,12 @@ class OperatorDecided(Event):
     reason: str
     origin: str = ''
     """Where the command came from, for instance the program and the computer."""
+    role: str = ''
+    """What `who` may ask for; empty: not recorded, as in older journals."""
+    known: str = ''
+    """How it is known who that is, with which role; empty: not recorded."""
+    claims: str = ''
+    """Role that was asserted and did not count, and by what."""
     hold: str | None = None
     job: str | None = None
     item: str | None = None
@@ -90,6 +96,12 @@ class OperatorRefused(Event):
     reason: str
     origin: str = ''
     """Where the command came from, for instance the program and the computer."""
+    role: str = ''
+    """What `who` may ask for; empty: not recorded, as in older journals."""
+    known: str = ''
+    """How it is known who that is, with which role; empty: not recorded."""
+    claims: str = ''
+    """Role that was asserted and did not count, and by what."""
     hold: str | None = None
     job: str | None = None
     item: str | None = None

@@ -81,7 +81,7 @@ def operator_decided(event: e.OperatorDecided, state: CellState) -> None:
     """
     if (event.hold, event.job, event.item) != (None, None, None):
         return
-    wish = Wish(event.answer, event.who, event.reason, event.time)
+    wish = Wish(event.answer, event.who, event.reason, event.time, event.known)
     if event.answer in STAND:
         state.stopped_by = wish
     elif event.answer == START:

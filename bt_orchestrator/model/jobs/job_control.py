@@ -24,6 +24,8 @@ class Method:
     """The word for it in commands, for instance `queue hold JOB`."""
     meaning: str
     changes: Change
+    also: tuple[str, ...] = ()
+    """Other words for it that commands take."""
 
     @property
     def title(self) -> str:
@@ -70,6 +72,7 @@ CANCEL = Method(
     'cancel',
     'take a job that has not started out of the queue',
     {NOT_ALLOWED: None, ALLOWED: None},
+    also=('remove',),
 )
 CLEAR = Method(
     'Clear',

@@ -19,11 +19,12 @@ from rclpy.node import Node
 from bt_orchestrator.asking.handler import RequestHandler
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.limits import QUEUE_PAGE, fitting
-from bt_orchestrator.model.requests import About
+from bt_orchestrator.model.requests import MOVE, About
 from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.model.wish import STOP_AFTER
 from bt_orchestrator.ros.services.order_requests import asked_change, asked_order
-from bt_orchestrator.ros.services.serving import by, serve, tell
+from bt_orchestrator.ros.services.senders import Senders
+from bt_orchestrator.ros.services.serving import serve, tell
 from bt_orchestrator.ros.types.job_messages import job_message
 from bt_orchestrator.runtime.overview import Overview
 
@@ -35,9 +36,15 @@ class QueueServices:
     """Requests become commands in the one inbox of the cell; nothing is decided here."""
 
     def __init__(
-        self, node: Node, handler: RequestHandler, overview: Overview, state: CellState
+        self,
+        node: Node,
+        handler: RequestHandler,
+        senders: Senders,
+        overview: Overview,
+        state: CellState,
     ) -> None:
         self._handler = handler
+        self._senders = senders
         self._overview = overview
         self._state = state
         serve(node, SubmitOrder, 'submit_order', self._submit)
@@ -49,7 +56,9 @@ class QueueServices:
         serve(node, QueueList, 'queue/list', self._list)
 
     async def _submit(self, request: Any, response: Any) -> None:
-        answer = await self._handler.add([asked_order(request)], by(request), None, held=False)
+        answer = await self._handler.add(
+            [asked_order(request)], self._senders.by(request), None, held=False
+        )
         tell(response, answer)
         for of_order in answer.orders:
             response.job, response.findings = of_order.job, of_order.findings
@@ -57,7 +66,9 @@ class QueueServices:
     async def _add(self, request: Any, response: Any) -> None:
         orders = [asked_order(order) for order in request.orders]
         position = request.position or None
-        answer = await self._handler.add(orders, by(request), position, held=request.held)
+        answer = await self._handler.add(
+            orders, self._senders.by(request), position, held=request.held
+        )
         tell(response, answer)
         response.answers = [
             OrderAnswer(job=one.job, message=one.message, findings=one.findings)
@@ -65,24 +76,29 @@ class QueueServices:
         ]
 
     async def _update(self, request: Any, response: Any) -> None:
-        answer = await self._handler.update(request.job, asked_change(request), by(request))
+        answer = await self._handler.update(
+            request.job, asked_change(request), self._senders.by(request)
+        )
         tell(response, answer)
         for of_order in answer.orders:
             response.findings = of_order.findings
 
     async def _move(self, request: Any, response: Any) -> None:
-        await self._tell(request, response, 'move', position=request.position)
+        await self._tell(request, response, MOVE.word, position=request.position)
 
     async def _command(self, request: Any, response: Any) -> None:
         await self._tell(request, response, request.command)
 
     async def _tell(self, request: Any, response: Any, word: str, **given: Any) -> None:
         job = request.job
-        tell(response, await self._handler.give(About.JOB, word, by(request), job=job, **given))
+        tell(
+            response,
+            await self._handler.give(About.JOB, word, self._senders.by(request), job=job, **given),
+        )
 
     async def _stop_after(self, request: Any, response: Any) -> None:
         word = STOP_AFTER + request.after
-        tell(response, await self._handler.give(About.CELL, word, by(request)))
+        tell(response, await self._handler.give(About.CELL, word, self._senders.by(request)))
 
     async def _list(self, request: Any, response: Any) -> None:
         list_queue(self._state, self._overview, request, response)

@@ -16,7 +16,12 @@ from bt_orchestrator_interfaces.msg import FailureReport, ItemReport, JobStatus
 from rclpy.action.server import ActionServer, CancelResponse, GoalResponse
 from rclpy.node import Node
 
-from bt_orchestrator.asking.orders import answer_to_refused, refused_orders, wanted_orders
+from bt_orchestrator.asking.orders import (
+    answer_to_refused,
+    check_sender,
+    refused_orders,
+    wanted_orders,
+)
 from bt_orchestrator.deadlines import NS_PER_S
 from bt_orchestrator.errors import NotRead, Refused
 from bt_orchestrator.model.allowance import Allowance
@@ -27,17 +32,17 @@ from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.job_commands import AddJobs, ControlJob
 from bt_orchestrator.model.jobs.job_record import FailureRecord, ItemRecord, JobRecord
 from bt_orchestrator.model.limits import QUEUE_SHOWN, REFUSED_GOALS
+from bt_orchestrator.model.requests import ADD
 from bt_orchestrator.replies import begin
 from bt_orchestrator.report.jobs import JobFold
 from bt_orchestrator.ros.qos import SERVICES
 from bt_orchestrator.ros.services.expected_ends import ExpectedEnds
 from bt_orchestrator.ros.services.order_reader import OrderReader
 from bt_orchestrator.ros.services.order_requests import asked_order, written_order
-from bt_orchestrator.ros.services.serving import by
+from bt_orchestrator.ros.services.senders import Senders
 from bt_orchestrator.ros.spare_log import SpareLog
 from bt_orchestrator.ros.stamps import to_time
 from bt_orchestrator.ros.types.job_messages import job_message
-from bt_orchestrator.runtime.command_record import ADD
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.runtime.overview import Overview
 from bt_orchestrator.script.orders.desk import Reading
@@ -74,8 +79,10 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
         overview: Overview,
         orders: OrderReader,
         expected: ExpectedEnds,
+        senders: Senders,
     ) -> None:
         self._host = node
+        self._senders = senders
         self._orchestrator = orchestrator
         self._overview = overview
         self._orders = orders
@@ -158,8 +165,9 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
             self._refuse(handle, f'internal error, see the log of the node: {error!r}')
 
     async def _queue_or_refuse(self, handle: Any) -> None:
-        goal, who = handle.request, by(handle.request, 'run_job')
+        goal, who = handle.request, self._senders.by(handle.request, 'run_job')
         try:
+            check_sender(ADD, who)
             order = asked_order(goal.order)
             wanted = written_order(goal.text) if goal.text else wanted_orders([order])
             async with self._orders.read(wanted) as reading:
@@ -195,7 +203,7 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
 
     async def _note(self, who: By, why: str) -> Answer:
         """Put on record that nothing was queued."""
-        return await self._orchestrator.carry_out(RefusedRequest(ADD, who, why))
+        return await self._orchestrator.carry_out(RefusedRequest(ADD.word, who, why))
 
     async def _cancel(self, handle: Any) -> CancelResponse:
         """Abort the job of a goal; the goal ends when the last item has left the line."""
@@ -205,7 +213,7 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
         job, served = next(found, ('', None))
         if served is None:
             return CancelResponse.REJECT
-        who = By(served.by.who, served.by.origin, 'the goal was cancelled')
+        who = self._senders.of_cancel(served.by)
         command = ControlJob('abort', job, who)
         # rclpy asks its own coroutines again and again; this one goes on in its turn.
         answer = await begin(self._orchestrator.carry_out(command))

@@ -8,16 +8,20 @@ from bt_orchestrator_interfaces.srv import AnswerHold, Command, RemoveItem
 from rclpy.node import Node
 
 from bt_orchestrator.asking.handler import RequestHandler
-from bt_orchestrator.model.requests import About
+from bt_orchestrator.model.requests import REMOVE_ITEM, About
 from bt_orchestrator.model.state import CellState
-from bt_orchestrator.ros.services.serving import by, serve, tell
+from bt_orchestrator.ros.services.senders import Senders
+from bt_orchestrator.ros.services.serving import serve, tell
 
 
 class Services:
     """The services that are about cell and items; nothing is decided here."""
 
-    def __init__(self, node: Node, handler: RequestHandler, state: CellState) -> None:
+    def __init__(
+        self, node: Node, handler: RequestHandler, senders: Senders, state: CellState
+    ) -> None:
         self._handler = handler
+        self._senders = senders
         self._state = state
         serve(node, AnswerHold, 'answer_hold', self._answer)
         serve(node, RemoveItem, 'remove_item', self._remove)
@@ -25,13 +29,17 @@ class Services:
 
     async def _answer(self, request: Any, response: Any) -> None:
         answer = await self._handler.give(
-            About.HOLD, request.answer, by(request), hold=request.hold, results=request.results
+            About.HOLD,
+            request.answer,
+            self._senders.by(request),
+            hold=request.hold,
+            results=request.results,
         )
         tell(response, answer)
 
     async def _remove(self, request: Any, response: Any) -> None:
         answer = await self._handler.give(
-            About.ITEM, 'remove_item', by(request), item=request.item
+            About.ITEM, REMOVE_ITEM.word, self._senders.by(request), item=request.item
         )
         tell(response, answer)
 
@@ -39,7 +47,7 @@ class Services:
         answer = await self._handler.give(
             About.CELL,
             request.command,
-            by(request),
+            self._senders.by(request),
             hold=request.hold,
             everyones=request.everyones,
             belt=request.belt,

@@ -7,7 +7,6 @@ from typing import Any
 
 from rclpy.node import Node
 
-from bt_orchestrator.model.by import By
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.limits import MESSAGE, cut
 from bt_orchestrator.replies import Steps, begin
@@ -37,11 +36,3 @@ def serve(node: Node, kind: Any, name: str, handle: Callable[[Any, Any], Steps[N
 def tell(response: Any, answer: Answer) -> None:
     """Put an answer into a response."""
     response.accepted, response.message = answer.accepted, answer.message
-
-
-def by(request: Any, otherwise: str = 'service') -> By:
-    """Return who asks, from where, and why.
-
-    :param otherwise: where from, if the request does not say it
-    """
-    return By(request.who, request.origin or otherwise, request.reason)

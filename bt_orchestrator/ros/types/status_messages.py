@@ -8,6 +8,7 @@ from typing import Any, Generic, TypeVar
 from bt_orchestrator_interfaces import msg
 
 from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import (
     BeltStatus,
@@ -82,6 +83,7 @@ class StatusWriter:
             state=status.state.value,
             stop_after=status.stop_after,
             stopped_by=wish.who,
+            stopped_known=wish.known,
             stopped_with=wish.command,
             stopped_why=wish.reason,
             stopped_at=to_time(wish.time),
@@ -95,6 +97,9 @@ class StatusWriter:
             ],
             stop_reason=status.stop_reason.value if status.stop_reason else '',
             stop_message=status.stop_message,
+            unauthenticated_role=(
+                status.unauthenticated_role.value if status.unauthenticated_role else ''
+            ),
             commands=status.commands,
             belt_moving=status.belt.moving,
             belt_running=[task_message(task) for task in status.belt.running],
@@ -127,6 +132,7 @@ def cell_status(message: msg.Status) -> CellStatus:
         stop_after=message.stop_after,
         wish=_wish(message),
         waits_for=message.waits_for,
+        unauthenticated_role=_role(message.unauthenticated_role),
         commands=tuple(message.commands),
         journal_failure=message.journal_failure,
         disk_wait=message.disk_wait,
@@ -153,4 +159,9 @@ def _wish(message: msg.Status) -> Wish | None:
         message.stopped_by,
         message.stopped_why,
         from_time(message.stopped_at),
+        message.stopped_known,
     )
+
+
+def _role(word: str) -> Role | None:
+    return Role(word) if word else None

@@ -107,7 +107,7 @@ class Pauses(Attack):
         requests = map(self._request, itertools.cycle(('pause', 'resume')))
         for answer in peer.ask_all(Command, 'command', _while_there_is_time(peer, requests)):
             peer.count('accepted', int(answer is not None and answer.accepted))
-        last = Command.Request(command='resume', who=_WHO, everyones=True)
+        last = Command.Request(command='resume', who=_WHO, reason='attack is over', everyones=True)
         peer.ask(Command, 'command', last)
 
     def _request(self, command: str) -> Command.Request:
@@ -129,7 +129,9 @@ class History(Attack):
             if answer is not None and len(answer.events) > 1000:
                 peer.complain(f'get_events answers with {len(answer.events)} events')
         for word in ('clear', 'next', 'abort', 'remove', 'pause'):
-            request = QueueCommand.Request(command=word, job=garbage.text(peer.drawn), who=_WHO)
+            request = QueueCommand.Request(
+                command=word, job=garbage.text(peer.drawn), who=_WHO, reason='attack'
+            )
             answer = peer.ask(QueueCommand, 'queue/command', request)
             if answer is not None and answer.accepted:
                 peer.complain(f'queue/command {word} of a job that never was is accepted')

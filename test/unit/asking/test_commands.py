@@ -6,18 +6,18 @@ from typing import Any
 
 import pytest
 from fakes.line import TYPES, Line
+from fakes.operator import engineer
 
 from bt_orchestrator.asking.commands import command, command_of
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model import cell_commands as c
 from bt_orchestrator.model.belt_statement import AsShown, Slots
-from bt_orchestrator.model.by import By
 from bt_orchestrator.model.commands import AnswerHold, RemoveItem
 from bt_orchestrator.model.jobs.job_commands import ControlJob, MoveJob, RunNext, StopAfter
 from bt_orchestrator.model.requests import TABLE, About, Kind, Parameter, ask
 from bt_orchestrator.runtime.command_record import decided
 
-ANN = By('Ann', 'test', 'because')
+ANN = engineer('Ann', 'test', 'because')
 STATE = Line().begin().state
 
 OF_KIND: dict[Kind, object] = {Kind.TEXT: 'it', Kind.WHOLE: 2}

@@ -11,6 +11,8 @@ from bt_orchestrator.diagnosis.domain import (
     domain,
     domain_id,
     domains_in_use,
+    is_local,
+    keep_to_this_computer,
     other_domains,
     reach,
 )
@@ -71,6 +73,34 @@ def test_domain(text: str | None, verdict: Verdict, number: int) -> None:
 def test_reach(variables: dict[str, str], verdict: Verdict, words: str) -> None:
     check = reach(variables)
     assert (check.verdict, check.found) == (verdict, words)
+
+
+@pytest.mark.parametrize(
+    ('variables', 'said', 'is_near'),
+    [
+        ({}, 'LOCALHOST', True),
+        ({'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}, 'LOCALHOST', True),
+        ({'ROS_AUTOMATIC_DISCOVERY_RANGE': 'OFF'}, 'OFF', True),
+        ({'ROS_AUTOMATIC_DISCOVERY_RANGE': 'SUBNET'}, 'SUBNET', False),
+        ({'ROS_AUTOMATIC_DISCOVERY_RANGE': 'SYSTEM_DEFAULT'}, 'SYSTEM_DEFAULT', False),
+        ({'ROS_LOCALHOST_ONLY': '1', 'ROS_STATIC_PEERS': '10.0.0.2'}, None, True),
+        ({'ROS_LOCALHOST_ONLY': '0'}, None, False),
+        ({'ROS_STATIC_PEERS': '10.0.0.2'}, None, False),
+        (
+            {'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST', 'ROS_STATIC_PEERS': '10.0.0.2'},
+            'LOCALHOST',
+            False,
+        ),
+        ({'ROS_DISCOVERY_SERVER': '10.0.0.2:11811'}, None, False),
+    ],
+)
+def test_who_keeps_to_this_computer(
+    variables: dict[str, str], said: str | None, *, is_near: bool
+) -> None:
+    keep_to_this_computer(variables)
+    assert variables.get('ROS_AUTOMATIC_DISCOVERY_RANGE') == said
+    assert is_local(variables, 'rmw_fastrtps_cpp') is is_near
+    assert not is_local(variables, 'rmw_zenoh_cpp')
 
 
 def test_domains_that_others_are_in() -> None:

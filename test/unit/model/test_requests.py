@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import pytest
+from fakes.operator import engineer
 
-from bt_orchestrator.model.by import By
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.requests import (
@@ -19,7 +19,7 @@ from bt_orchestrator.model.requests import (
 )
 from bt_orchestrator.model.roles import Role
 
-ANN = By('Ann', 'test', 'because')
+ANN = engineer('Ann', 'test', 'because')
 
 
 def words(role: Role) -> set[str]:

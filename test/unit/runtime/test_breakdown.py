@@ -13,6 +13,7 @@ from fakes.operator import ann
 
 from bt_orchestrator.errors import JournalFailed
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.by import By
 from bt_orchestrator.model.cell_commands import (
     Abort,
     CellCommand,
@@ -27,6 +28,7 @@ from bt_orchestrator.model.goal import GoalRequest, GoalStatus
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.sim.clock import VirtualClock
@@ -141,6 +143,14 @@ def test_9_1_without_a_journal_abort_cancels_every_goal() -> None:
     plant.advance()
     assert plant.gateway.ended(running) == {GoalStatus.CANCELED}
     assert list(plant.disk.read()) == kept
+
+
+def test_7_1_an_abort_of_somebody_who_may_not_cancels_nothing() -> None:
+    plant = Plant()
+    plant.fill_disk()
+    answer = plant.orchestrator.ask(Abort(By('Eve', '', 'a try', Role.VIEW)))
+    assert (answer.accepted, 'cell.abort is for the role' in answer.message) == (False, True)
+    assert not plant.gateway.cancels
 
 
 def test_9_1_nothing_shown_claims_that_the_abort_is_on_record() -> None:

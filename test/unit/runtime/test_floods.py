@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 from fakes.action_types import FakeActionTypes
 from fakes.line import THREE, Line
+from fakes.operator import engineer
 
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.cell_commands import Abort, Pause, Resume, Stop
@@ -94,7 +95,7 @@ def cell(tmp_path: Path) -> Iterator[Cell]:
 
 
 def by(who: str = 'Eve', reason: str = 'no reason', origin: str = 'a flood') -> By:
-    return By(who, origin, reason)
+    return engineer(who, origin, reason)
 
 
 @pytest.mark.parametrize(

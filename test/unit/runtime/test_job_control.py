@@ -169,10 +169,13 @@ def _let_it_drain(run: VirtualRun) -> None:
 
 def test_every_word_of_a_command_asks_for_its_method() -> None:
     verbs = {verb: method for verb, (method, _, _) in CONTROLS.items()}
-    assert verbs == {
-        **{m.verb: m for m in METHODS if m not in (STORE, STORE_AND_START, UPDATE)},
-        'remove': CANCEL,
-    }
+    assert verbs == {m.verb: m for m in METHODS if m not in (STORE, STORE_AND_START, UPDATE)}
+
+
+def test_another_word_is_recorded_as_the_one_of_the_table() -> None:
+    run = _queued()
+    assert run.control('remove', 'K').accepted
+    assert run.all('operator.decided')[-1]['answer'] == 'cancel'
 
 
 def test_an_unknown_word_is_refused_with_the_known_ones() -> None:

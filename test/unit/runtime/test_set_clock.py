@@ -6,9 +6,9 @@ import pytest
 from fakes.action_types import FakeActionTypes
 from fakes.clocks import SetClock
 from fakes.line import Line, with_section
+from fakes.operator import ann
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.by import By
 from bt_orchestrator.model.cell_commands import Pause
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
@@ -195,6 +195,6 @@ def test_7_2_the_time_in_a_state_is_that_which_has_passed(step_s: float) -> None
 def test_2_4_a_step_is_recorded_before_what_is_stamped_by_the_new_clock() -> None:
     run = SetLine('#1=hang', 'timeout: 10').go(until=WORK_AT)
     run.clock.ahead_s = HOUR_S
-    run.orchestrator.ask(Pause(By('Ann', 'a test', 'it is so')))
+    run.orchestrator.ask(Pause(ann('it is so')))
     last = [type(event) for event in run.store.read() if event.time > HOUR_S / 2]
     assert last[:2] == [e.ClockStepped, e.OperatorDecided]

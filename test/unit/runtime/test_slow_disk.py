@@ -14,11 +14,13 @@ from fakes.operator import ann
 
 from bt_orchestrator.errors import JournalFailed
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.by import By
 from bt_orchestrator.model.cell_commands import Abort, Pause, Resume
 from bt_orchestrator.model.commands import Answer, Command, Shutdown
 from bt_orchestrator.model.goal import GoalRequest, GoalStatus
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.roles import Role
 from bt_orchestrator.replies import Reply, begin
 from bt_orchestrator.runtime.commits import PATIENCE_S
 from bt_orchestrator.runtime.orchestrator import Orchestrator
@@ -274,6 +276,18 @@ def test_9_1_what_cancels_every_goal_does_not_wait_for_the_disk(command: Command
     ]
     assert isinstance(told[0], e.TaskCancelRequested)  # nobody else cancelled it
     assert 'cancelled by somebody else' not in str(told)
+
+
+def test_7_1_an_abort_of_somebody_who_may_not_cancels_nothing() -> None:
+    plant = Plant(fault='#1=hang')
+    goal = plant.until_working()
+    slow(plant).put(Pause(ann()))
+    answer = plant.put(Abort(By('Eve', '', 'a try', Role.VIEW)))
+    plant.advance()
+    assert goal.end is None
+    plant.disk_answers()
+    assert not answer.value.accepted
+    assert goal.end is None
 
 
 def test_a_thread_waits_for_the_disk() -> None:

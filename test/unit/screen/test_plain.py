@@ -79,7 +79,7 @@ def test_who_stopped_the_cell_is_told_when_it_changes() -> None:
     for _ in range(2):
         view.on_status(statuses.status(wish=Wish('stop'), waits_for='start'))
     view.on_status(statuses.status())
-    assert said == ['an operator said stop; orders wait for start']
+    assert said == ['somebody said stop; orders wait for start']
 
 
 def test_a_hold_is_told_with_what_to_type() -> None:

@@ -92,9 +92,11 @@ def test_every_state_in_which_a_cell_waits_for_somebody_names_commands_it_takes(
             assert choice.name in [*verbs, 'submit'], packml
 
 
-def stopped(command: str = 'stop', who: str = '', why: str = '', **wish: float) -> CellStatus:
+def stopped(
+    command: str = 'stop', who: str = '', why: str = '', known: str = 'local user', **wish: float
+) -> CellStatus:
     waits_for = 'reset and start' if command == 'stop' else ''
-    return statuses.status(wish=Wish(command, who, why, **wish), waits_for=waits_for)
+    return statuses.status(wish=Wish(command, who, why, known=known, **wish), waits_for=waits_for)
 
 
 def test_who_stopped_the_cell_is_said_with_what_lets_it_work_again() -> None:
@@ -105,7 +107,9 @@ def test_who_stopped_the_cell_is_said_with_what_lets_it_work_again() -> None:
     assert words_of[1] == f'  {said}'
     soon = stopped('stop_after_job', 'Ann')
     assert words.stopped(soon) == 'Ann said stop after job; orders wait for a start after that'
-    assert words.stopped(stopped()) == 'an operator said stop; orders wait for reset and start'
+    assert words.stopped(stopped()) == 'somebody said stop; orders wait for reset and start'
+    claimed = words.stopped(stopped('stop', 'Ann', known='ros unauthenticated'))
+    assert claimed.startswith('somebody who claims to be Ann said stop; ')
 
 
 def test_a_stop_to_come_is_said() -> None:

@@ -1,0 +1,69 @@
+"""A request with its arguments, checked against the table."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from bt_orchestrator.model.by import By
+from bt_orchestrator.model.requests.request import Kind, Parameter, Request
+from bt_orchestrator.model.requests.table import REQUESTS
+
+
+class BadArguments(ValueError):
+    """Arguments that a request does not have, or that it lacks; says what was expected."""
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A request, what it is about, and who makes it."""
+
+    request: Request
+    by: By
+    arguments: Mapping[str, object] = field(default_factory=dict)
+    """By name; parameters that were not said are left out."""
+
+
+def ask(name: str, by: By, **arguments: object) -> Asked:
+    """Return a request with its arguments; those that are None are left out.
+
+    :param name: in `REQUESTS`, for instance hold.retry
+    :raises BadArguments: it has other parameters, one is missing, or a value is none of its kind
+    """
+    request = REQUESTS.get(name)
+    if request is None:
+        raise BadArguments(f'there is no request {name!r}; one of {", ".join(REQUESTS)}')
+    known = {parameter.name: parameter for parameter in request.parameters}
+    given = {key: value for key, value in arguments.items() if value is not None}
+    for key in given:
+        if key not in known:
+            expected = ', '.join(known) or 'nothing'
+            raise BadArguments(f'{name} takes {expected}; found {key}')
+    for parameter in request.parameters:
+        _check(name, parameter, given)
+    return Asked(request, by, given)
+
+
+_TYPES: Mapping[Kind, tuple[type, ...]] = {
+    Kind.TEXT: (str,),
+    Kind.WHOLE: (int,),
+    Kind.YES_NO: (bool,),
+    Kind.TEXTS: (list, tuple),
+    Kind.VALUES: (Mapping,),
+    Kind.ORDERS: (list, tuple),
+}
+
+
+def _check(name: str, parameter: Parameter, given: Mapping[str, object]) -> None:
+    if parameter.name not in given:
+        if parameter.is_required:
+            raise BadArguments(f'{name} needs {parameter.name}: {parameter.meaning}')
+        return
+    value = given[parameter.name]
+    is_bool_for_whole = parameter.kind is Kind.WHOLE and isinstance(value, bool)
+    if not isinstance(value, _TYPES[parameter.kind]) or is_bool_for_whole:
+        expected = f'{parameter.name} of {name} is {parameter.kind.value}'
+        raise BadArguments(f'{expected} ({parameter.meaning}); found {value!r}')
+    if parameter.choices and value not in parameter.choices:
+        choices = ', '.join(parameter.choices)
+        raise BadArguments(f'{parameter.name} of {name} is one of {choices}; found {value!r}')

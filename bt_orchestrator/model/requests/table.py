@@ -1,0 +1,218 @@
+"""Everything that can be asked, row by row."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from bt_orchestrator.model import failures
+from bt_orchestrator.model.jobs import job_control
+from bt_orchestrator.model.jobs.job_control import Method
+from bt_orchestrator.model.packml import VERBS, Cause
+from bt_orchestrator.model.requests.request import NAMED, About, Kind, Parameter, Request, Why
+from bt_orchestrator.model.roles import Role
+from bt_orchestrator.model.wish import AFTER, NEVER, STOP_AFTER
+
+_ENGINEERS = frozenset({Role.ENGINEER})
+_OPERATORS = frozenset({Role.OPERATE, Role.ENGINEER})
+_PLANNERS = frozenset({Role.MES, Role.ENGINEER})
+_BOTH = _OPERATORS | _PLANNERS
+
+
+def _request(
+    about: About,
+    word: str,
+    effect: str,
+    roles: frozenset[Role],
+    *parameters: Parameter,
+    why: Why = Why.FIRST,
+    is_confirmed: bool = False,
+    also: tuple[str, ...] = (),
+) -> Request:
+    subject = (NAMED[about],) if about in NAMED else ()
+    return Request(word, about, effect, roles, (*subject, *parameters), why, is_confirmed, also)
+
+
+# --- the cell (semantics 7.2, 7.3) --------------------------------------------------------------
+
+_HOLD = Parameter('hold', Kind.TEXT, 'release this pause or hold of the cell, whoever paused')
+_EVERYONES = Parameter('everyones', Kind.YES_NO, 'release every pause of a person, whoever paused')
+_BELT = Parameter('belt', Kind.TEXTS, 'every slot, as in 1=WO-1/3 and 2=empty')
+_AS_SHOWN = Parameter('as_shown', Kind.WHOLE, 'the belt is as the status with this seq shows it')
+
+CELL: Mapping[Cause, Request] = {
+    Cause.RESET: _request(
+        About.CELL,
+        VERBS[Cause.RESET],
+        'gets a cell that is Stopped or Complete ready to start',
+        _OPERATORS,
+    ),
+    Cause.START: _request(
+        About.CELL, VERBS[Cause.START], 'lets a cell that is Idle begin to work', _OPERATORS
+    ),
+    Cause.HOLD: _request(
+        About.CELL,
+        VERBS[Cause.HOLD],
+        'starts nothing more; what runs goes on to its end',
+        _OPERATORS,
+        why=Why.AFTERWARDS,
+    ),
+    Cause.UNHOLD: _request(
+        About.CELL,
+        VERBS[Cause.UNHOLD],
+        'lets the cell go on after a pause, or after a restart',
+        _OPERATORS,
+        _HOLD,
+        _EVERYONES,
+    ),
+    Cause.STOP: _request(
+        About.CELL,
+        VERBS[Cause.STOP],
+        'finishes the cycles in hand, then stops; orders wait for a start',
+        _OPERATORS,
+        why=Why.AFTERWARDS,
+    ),
+    Cause.ABORT: _request(
+        About.CELL,
+        VERBS[Cause.ABORT],
+        'cancels every goal now; items and queue are kept',
+        _OPERATORS,
+        why=Why.AFTERWARDS,
+    ),
+    Cause.CLEAR: _request(
+        About.CELL,
+        VERBS[Cause.CLEAR],
+        'says what stands on the belt of a cell that was aborted; it is Stopped then',
+        _ENGINEERS,
+        _BELT,
+        _AS_SHOWN,
+        is_confirmed=True,
+    ),
+}
+
+STOP_AFTERS: Mapping[str, Request] = {
+    after: _request(About.CELL, STOP_AFTER + after, effect, _OPERATORS)
+    for after, effect in (
+        *(
+            (after, f'begins no more {after}s, lets the line run empty, then stops')
+            for after in AFTER
+        ),
+        (NEVER, 'takes back that the line runs empty and stops'),
+    )
+}
+"""By the word for after what."""
+
+# --- the queue and its jobs (semantics 6.6) -----------------------------------------------------
+
+ADD = _request(
+    About.QUEUE, 'add', 'queues work orders in this order, all or none', _BOTH,
+    Parameter('orders', Kind.ORDERS, 'work orders', is_required=True),
+    Parameter('position', Kind.WHOLE, 'place of the first, from 1; the end unless it is said'),
+    Parameter('held', Kind.YES_NO, 'keep them from starting'),
+    why=Why.NEVER,
+)  # fmt: skip
+
+MOVE = _request(
+    About.JOB, 'move', 'puts a queued job at another place', _OPERATORS,
+    Parameter('position', Kind.WHOLE, 'place in the queue, from 1', is_required=True),
+)  # fmt: skip
+NEXT = _request(
+    About.JOB, 'next', 'puts a queued job in front of all others, and releases it', _OPERATORS
+)
+
+
+def _of_method(
+    method: Method, roles: frozenset[Role], *parameters: Parameter, is_confirmed: bool = False
+) -> Request:
+    return _request(
+        About.JOB, method.verb, method.meaning, roles, *parameters, is_confirmed=is_confirmed,
+        also=method.also,
+    )  # fmt: skip
+
+
+UPDATE = _of_method(
+    job_control.UPDATE,
+    _PLANNERS,
+    Parameter('quantity', Kind.WHOLE, 'items to make'),
+    Parameter('params', Kind.VALUES, 'parameters of the script'),
+    Parameter('script', Kind.TEXT, 'name of a script; the node reads it anew', roles=_ENGINEERS),
+    Parameter('priority', Kind.WHOLE, 'the higher the more urgent'),
+    Parameter('start', Kind.TEXT, 'when it should begin, with time zone; none: take it away'),
+    Parameter('due', Kind.TEXT, 'when it should have ended, with time zone; none: take it away'),
+    Parameter('details', Kind.VALUES, 'JSON of the customer; empty: take it away'),
+)
+
+JOB: tuple[tuple[Method, Request], ...] = (
+    (job_control.START, _of_method(job_control.START, _BOTH)),
+    (job_control.REVOKE_START, _of_method(job_control.REVOKE_START, _BOTH)),
+    (job_control.UPDATE, UPDATE),
+    (job_control.PAUSE, _of_method(job_control.PAUSE, _BOTH)),
+    (job_control.RESUME, _of_method(job_control.RESUME, _BOTH)),
+    (job_control.STOP, _of_method(job_control.STOP, _BOTH)),
+    (job_control.ABORT, _of_method(job_control.ABORT, _ENGINEERS, is_confirmed=True)),
+    (job_control.CANCEL, _of_method(job_control.CANCEL, _PLANNERS, is_confirmed=True)),
+    # It changes only what is listed, and whoever ordered a job has to be able to tick it off.
+    (job_control.CLEAR, _of_method(job_control.CLEAR, _BOTH)),
+)
+
+# --- items and holds (semantics 7.1) ------------------------------------------------------------
+
+REMOVE_ITEM = _request(
+    About.ITEM, 'remove_item', 'records that an item was taken off the belt by hand; it leaves an '
+    'empty position', _ENGINEERS, is_confirmed=True,
+)  # fmt: skip
+
+_RESULTS = Parameter(
+    'results', Kind.VALUES, 'result fields of the task, for later tasks that refer to them'
+)
+
+ANSWERS: Mapping[str, Request] = {
+    request.word: request
+    for request in (
+        _request(About.HOLD, failures.RETRY, 'tries the task once more', _OPERATORS),
+        _request(
+            About.HOLD, failures.MARK_DONE, 'the task was done: its item goes on as after success',
+            _OPERATORS, _RESULTS,
+        ),
+        _request(
+            About.HOLD, failures.SKIP, 'the item goes on without the task; its flags count as '
+            'performed', _OPERATORS,
+        ),
+        _request(
+            About.HOLD, failures.REJECT, 'the item is rejected: later tasks are skipped, and it '
+            'leaves the line as scrap', _OPERATORS, is_confirmed=True,
+        ),
+        _request(
+            About.HOLD, failures.ABORT_JOB, 'ends the job of the item: its goals are cancelled, '
+            'its items on the line are rejected and drain', _ENGINEERS, is_confirmed=True,
+        ),
+    )
+}  # fmt: skip
+
+TABLE: tuple[Request, ...] = (
+    *CELL.values(),
+    *STOP_AFTERS.values(),
+    ADD,
+    MOVE,
+    NEXT,
+    *(request for _, request in JOB),
+    REMOVE_ITEM,
+    *ANSWERS.values(),
+)
+"""All requests, in the order of the documentation."""
+
+REQUESTS: Mapping[str, Request] = {request.name: request for request in TABLE}
+"""By name."""
+
+_WORDS = {
+    (request.about, word): request for request in TABLE for word in (request.word, *request.also)
+}
+
+
+def of_word(about: About, word: str) -> Request | None:
+    """Return the request that a word stands for; None: there is none."""
+    return _WORDS.get((about, word))
+
+
+def words_about(about: About) -> tuple[str, ...]:
+    """Return every word that stands for a request."""
+    return tuple(word for one, word in _WORDS if one is about)

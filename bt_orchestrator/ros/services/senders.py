@@ -1,0 +1,62 @@
+"""Who asks over ROS, and what they may: ROS itself says of nobody who it is (docs/security.md)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from bt_orchestrator.diagnosis.domain import is_local
+from bt_orchestrator.model.by import By, Known
+from bt_orchestrator.model.limits import NAME, cut
+from bt_orchestrator.model.roles import Role
+from bt_orchestrator.node_parameters import AUTO, NodeParameters
+
+_ROLES = {role.value: role for role in Role}
+_DOORS = {known.value: known for known in Known if known.is_door}
+
+
+class Senders:
+    """Tells the role of everybody who asks."""
+
+    def __init__(
+        self, parameters: NodeParameters, environment: Mapping[str, str], middleware: str
+    ) -> None:
+        """Decide whom to trust, for as long as the node runs.
+
+        :param environment: variables that say how far ROS reaches
+        :param middleware: name of the RMW implementation
+        """
+        self.is_local = is_local(environment, middleware)
+        self.unauthenticated = _unauthenticated(parameters, is_local=self.is_local)
+        self.trusts_doors = parameters.trust_local_doors and self.is_local
+
+    def by(self, request: Any, otherwise: str = 'service') -> By:
+        """Return who asks, from where, why, and with which role.
+
+        :param otherwise: where from, if the request does not say it
+        """
+        origin = request.origin or otherwise
+        said = (request.who, origin, request.reason)
+        door = _DOORS.get(request.known)
+        if self.trusts_doors and door is not None:
+            # A role that this node does not know may do nothing.
+            return By(*said, _ROLES.get(request.role, Role.VIEW), door)
+        return By(*said, self.unauthenticated, Known.ROS, _claims(request))
+
+    def of_cancel(self, goal_by: By) -> By:
+        """Return who cancels a goal: ROS does not say that it is who gave it."""
+        who, origin = goal_by.who, goal_by.origin
+        return By(who, origin, 'the goal was cancelled', self.unauthenticated, Known.ROS)
+
+
+def _unauthenticated(parameters: NodeParameters, *, is_local: bool) -> Role:
+    if parameters.unauthenticated_role == AUTO:
+        return Role.ENGINEER if is_local else Role.VIEW
+    return Role(parameters.unauthenticated_role)
+
+
+def _claims(request: Any) -> str:
+    if not request.role:
+        return ''
+    how = f' ({request.known})' if request.known else ''
+    return cut(f'{request.role}{how}', NAME)

@@ -1,0 +1,76 @@
+"""Which request of the table a command is, and whether its sender may make it (semantics 7.1)."""
+
+from __future__ import annotations
+
+from bt_orchestrator.model.cell_commands import CellCommand
+from bt_orchestrator.model.codec import digest
+from bt_orchestrator.model.commands import AnswerHold, Command, RemoveItem
+from bt_orchestrator.model.jobs.job_commands import (
+    AddJobs,
+    ControlJob,
+    MoveJob,
+    RunNext,
+    StopAfter,
+    UpdateJob,
+)
+from bt_orchestrator.model.requests import (
+    ADD,
+    CELL,
+    MOVE,
+    NEXT,
+    REMOVE_ITEM,
+    STOP_AFTERS,
+    UPDATE,
+    About,
+    Request,
+    of_word,
+    refusal,
+)
+from bt_orchestrator.model.state import CellState
+
+
+def request_of(command: Command) -> Request | None:
+    """Return the request that a command is.
+
+    None: it is none of the table, as what the engine asks of itself, and unknown words.
+    """
+    match command:
+        case AnswerHold(_, answer):
+            return of_word(About.HOLD, answer)
+        case RemoveItem():
+            return REMOVE_ITEM
+        case CellCommand():
+            return CELL[command.cause]
+        case AddJobs():
+            return ADD
+        case MoveJob():
+            return MOVE
+        case RunNext():
+            return NEXT
+        case UpdateJob():
+            return UPDATE
+        case ControlJob(verb):
+            return of_word(About.JOB, verb)
+        case StopAfter(after):
+            return STOP_AFTERS.get(after)
+    return None
+
+
+def not_allowed(command: Command, state: CellState) -> str | None:
+    """Say why the sender of a command may not give it; None: they may.
+
+    A command without a sender is a plan's, of a virtual run.
+    """
+    request, by = request_of(command), getattr(command, 'by', None)
+    if request is None or by is None:
+        return None
+    return refusal(request, by, _restricted(command, state))
+
+
+def _restricted(command: Command, state: CellState) -> tuple[str, ...]:
+    """Return the parameters in use that not everybody may give who may make the request."""
+    if not isinstance(command, UpdateJob):
+        return ()
+    now = state.jobs.get(command.job.id)
+    changes = now is not None and now.digest != digest(command.job.script)
+    return ('script',) if changes else ()

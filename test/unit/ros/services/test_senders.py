@@ -1,0 +1,72 @@
+"""Who asks over ROS: what counts, and what is only claimed."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from bt_orchestrator.model.by import By, Known
+from bt_orchestrator.model.limits import NAME
+from bt_orchestrator.model.roles import Role
+from bt_orchestrator.node_parameters import NodeParameters
+from bt_orchestrator.ros.services.senders import Senders
+
+HERE = {'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
+EVERYWHERE = {'ROS_AUTOMATIC_DISCOVERY_RANGE': 'SUBNET'}
+
+
+def asked(environment: dict[str, str], role: str = '', known: str = '', **parameters: Any) -> By:
+    senders = Senders(NodeParameters(**parameters), environment, 'rmw_fastrtps_cpp')
+    request = SimpleNamespace(who='Ann', origin='', reason='why', role=role, known=known)
+    return senders.by(request)
+
+
+@pytest.mark.parametrize(
+    ('environment', 'parameter', 'role'),
+    [
+        (HERE, 'auto', Role.ENGINEER),
+        (EVERYWHERE, 'auto', Role.VIEW),
+        (HERE, 'mes', Role.MES),
+        (EVERYWHERE, 'operate', Role.OPERATE),
+    ],
+)
+def test_the_role_of_everybody(environment: dict[str, str], parameter: str, role: Role) -> None:
+    by = asked(environment, unauthenticated_role=parameter)
+    assert by == By('Ann', 'service', 'why', role, Known.ROS)
+
+
+def test_what_a_door_asserts_is_a_claim() -> None:
+    by = asked(EVERYWHERE, 'engineer', 'page login', trust_local_doors=True)
+    assert (by.role, by.known, by.claims) == (Role.VIEW, Known.ROS, 'engineer (page login)')
+    by = asked(HERE, 'operate', 'page login')
+    assert (by.role, by.known, by.claims) == (Role.ENGINEER, Known.ROS, 'operate (page login)')
+
+
+def test_a_door_on_this_computer_is_believed_where_the_node_is_told_so() -> None:
+    by = asked(HERE, 'operate', 'page login', trust_local_doors=True)
+    assert (by.role, by.known, by.claims) == (Role.OPERATE, Known.PAGE_LOGIN, '')
+    by = asked(HERE, 'mes', 'opc ua user', trust_local_doors=True)
+    assert (by.role, by.known) == (Role.MES, Known.OPC_UA_USER)
+
+
+def test_a_role_that_there_is_not_may_do_nothing() -> None:
+    assert asked(HERE, 'root', 'page login', trust_local_doors=True).role is Role.VIEW
+
+
+@pytest.mark.parametrize('known', ['', 'local user', 'ros unauthenticated', 'trust me'])
+def test_what_is_no_door_asserts_nothing(known: str) -> None:
+    by = asked(HERE, 'engineer', known, trust_local_doors=True, unauthenticated_role='view')
+    assert (by.role, by.known) == (Role.VIEW, Known.ROS)
+
+
+def test_a_claim_is_cut() -> None:
+    assert len(asked(HERE, 'x' * 10_000).claims) <= NAME
+
+
+def test_who_cancels_a_goal_need_not_be_who_gave_it() -> None:
+    senders = Senders(NodeParameters(unauthenticated_role='mes'), HERE, '')
+    given = By('Ann', 'page', 'why', Role.ENGINEER, Known.PAGE_LOGIN)
+    by = senders.of_cancel(given)
+    assert (by.who, by.role, by.known) == ('Ann', Role.MES, Known.ROS)
