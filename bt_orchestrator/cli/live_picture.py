@@ -35,7 +35,8 @@ def saved_status(path: Path) -> CellStatus:
         return from_plain(CellStatus, found)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise CannotRead(
-            f'{path} holds no status of a cell ({error!r}); expected what status --json prints'
+            f'{path} holds no status of a cell ({error!r}); expected what status --json of this '
+            'version prints'
         ) from error
 
 

@@ -7,10 +7,17 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from bt_orchestrator_interfaces.msg import CellDescription
 from cell_processes import CellProcesses, StartCell, run_verb
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from node_watcher import NodeWatcher
 from rcl_interfaces.srv import DescribeParameters, GetParameters
+
+from bt_orchestrator.ros.qos import LATCHED
+from bt_orchestrator.ros.types.action_types import InstalledActionTypes
+from bt_orchestrator.ros.types.description_messages import cell_description
+from bt_orchestrator.runtime.overview import description_of
+from bt_orchestrator.script.cell_file import read_cell
 
 pytestmark = pytest.mark.every_distro
 
@@ -48,6 +55,16 @@ def test_who_comes_late_gets_the_last_status(small_cell: CellProcesses) -> None:
     small_cell.stop()
 
 
+def test_who_comes_late_is_told_what_exists(small_cell: CellProcesses) -> None:
+    told: list[Any] = []
+    node, name = small_cell.watch.ros.node, small_cell.watch.name
+    node.create_subscription(CellDescription, f'{name}/cell', told.append, LATCHED)
+    small_cell.watch.ros.spin_until(lambda: told, 'the description of the cell')
+    cell = read_cell(small_cell.cell, InstalledActionTypes())
+    assert cell_description(told[0]) == description_of(cell)
+    small_cell.stop()
+
+
 def test_events_are_numbered_without_gaps_and_in_time(small_cell: CellProcesses) -> None:
     small_cell.run_small(quantity=4)
     small_cell.watch.until_ended('WO-1')
@@ -69,6 +86,7 @@ def test_the_status_follows_the_events(small_cell: CellProcesses) -> None:
     )
     (task,) = status.sections[1].running
     assert (task.id, task.name, task.goal) == ('work', 'TASK_B', started['goal'])
+    assert (task.component, task.expected_s) == ('worker', 1200.0), 'nominal, nothing was seen yet'
     assert 'TASK_B' in task.feedback
     assert status.sections[1].slot == status.sections[1].item == 'WO-1/1'
     assert [c.name for c in status.components if c.task] == ['worker']
