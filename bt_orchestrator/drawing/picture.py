@@ -47,7 +47,8 @@ class Picture:
             source = graphviz.Source(self.dot, engine=self.engine)
             return bytes(source.pipe(format=kind, neato_no_op=2 if self.has_places else None))
         except graphviz.ExecutableNotFound:
-            hint = 'install Graphviz (`apt install graphviz`), or ask for a .dot file'
+            others = 'a .svg or .dot file' if self.svg else 'a .dot file'
+            hint = f'install Graphviz (`apt install graphviz`), or ask for {others}'
             raise CannotDraw(
                 f'the program `dot` draws the picture and is missing; {hint}'
             ) from None
