@@ -18,7 +18,8 @@ from attack.garbage import LONG, fields
 from bt_orchestrator.cli.main import main
 from bt_orchestrator.model.action_type import TASK_RESULT, ActionType
 from bt_orchestrator.model.cell import Component
-from bt_orchestrator.sim import controller
+from bt_orchestrator.model.goal import GoalEnd, GoalStatus
+from bt_orchestrator.sim.controller import Controller
 from bt_orchestrator.sim.results import simulated_result
 
 NASTY = 'nasty'
@@ -42,7 +43,12 @@ def make_tricky(flag: Path, drawn: random.Random) -> None:
             hurting['message'] = drawn.choice('a☃"\\') * LONG
         return {**plain, **hurting, **({TASK_RESULT: True} if TASK_RESULT in plain else {})}
 
-    controller.simulated_result = result  # type: ignore[attr-defined]
+    def success(controller: Controller[Any], task: str) -> GoalEnd:
+        # Made anew for every goal: a controller itself makes it once a task.
+        fields_now = result(controller._component, controller._type, task)
+        return GoalEnd(GoalStatus.SUCCEEDED, fields_now)
+
+    Controller._success = success  # type: ignore[method-assign, assignment]
 
 
 if __name__ == '__main__':
