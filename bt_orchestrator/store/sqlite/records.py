@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import sqlite3
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
 from bt_orchestrator.errors import DamagedRecord, JournalUnusable
-from bt_orchestrator.model.jobs.job_record import JobRecord, job_from_plain
 from bt_orchestrator.model.records import (
     Damage,
     Extent,
@@ -20,8 +19,8 @@ from bt_orchestrator.model.records import (
     Wanted,
 )
 from bt_orchestrator.ports import Snapshot
-from bt_orchestrator.store.sqlite import looking, snapshots
-from bt_orchestrator.store.sqlite.checks import check_of, check_of_event
+from bt_orchestrator.store.sqlite import looking, snapshots, summaries
+from bt_orchestrator.store.sqlite.checks import check_of_event
 from bt_orchestrator.store.sqlite.database import has_log, unchanging, unusable_otherwise
 from bt_orchestrator.store.sqlite.mark import mark_of, read_mark
 from bt_orchestrator.store.sqlite.schema import history_of, kept_from, schema_of
@@ -97,19 +96,17 @@ class SqliteRecords:
         """
         if self._schema < _HAS_SUMMARIES:
             return Summaries((), (), None)
-        query, values = _summaries_query(self._schema, after, newest_first=newest_first)
-        most = max(1, min(most, looking.MOST))
         with unusable_otherwise(self._path):
-            rows = self._database.execute(query, (*values, most + 1)).fetchall()
-            jobs: list[JobRecord] = []
-            damage: list[Damage] = []
-            for _, name, text, check in rows[:most]:
-                if check is None or check == check_of(0, text):
-                    jobs.append(job_from_plain(json.loads(text)))
-                else:
-                    damage.append(self._bad_summary(name))
-        rest = JobPlace(rows[most - 1][0], _text_of(rows[most - 1][1])) if rows[most:] else None
-        return Summaries(jobs, damage, rest)
+            found = summaries.page(
+                self._database,
+                after,
+                max(1, min(most, looking.MOST)),
+                newest_first=newest_first,
+                has_checks=self._schema >= _CHECKED,
+            )
+        where = f'in the journal {self._path}'
+        damage = [one._replace(what=f'{one.what} {where}') for one in found.damage]
+        return replace(found, damage=damage)
 
     def state_before(self, seq: int) -> Snapshot | None:
         """Return the newest sound state at an event or before it; None: there is none.
@@ -152,10 +149,6 @@ class SqliteRecords:
             'was',
             damaged.last + 1 - damaged.first,
         )
-
-    def _bad_summary(self, name: bytes) -> Damage:
-        job = name.decode(errors='replace')
-        return Damage(f'the summary of job {job!r} is damaged in the journal {self._path}')
 
     def _gone(self, history: str) -> Iterator[Damage]:
         """Compare the end with the mark, which is written later and never ahead."""
@@ -208,29 +201,6 @@ class _Known(NamedTuple):
 
 _HAS_SUMMARIES = 2
 """The schema from which on states are kept, and something of jobs that ended."""
-
-
-def _summaries_query(
-    schema: int, after: JobPlace | None, *, newest_first: bool
-) -> tuple[str, tuple[object, ...]]:
-    """Return the query, which ends with a limit, and the values before that."""
-    check = 'checksum' if schema >= _CHECKED else 'NULL'
-    compare, order = ('<', 'DESC') if newest_first else ('>', 'ASC')
-    name = 'CAST(job AS BLOB)'  # a damaged one need not be a text
-    where = '' if after is None else f'WHERE (queued, {name}) {compare} (?, ?)'
-    values = () if after is None else (after.queued, after.job.encode(errors=_AS_IT_IS))
-    query = (
-        f'SELECT queued, {name}, CAST(summary AS BLOB), {check} FROM jobs {where} '
-        f'ORDER BY queued {order}, {name} {order} LIMIT ?'
-    )
-    return query, values
-
-
-_AS_IT_IS = 'surrogateescape'
-
-
-def _text_of(name: bytes) -> str:
-    return name.decode(errors=_AS_IT_IS)
 
 
 def _sound(schema: int, checked_from: int) -> str:

@@ -10,12 +10,10 @@ from pathlib import Path
 from uuid import uuid4
 
 from bt_orchestrator.errors import JournalFailed, JournalUnusable
-from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.events import Event
-from bt_orchestrator.model.jobs.job_record import JobRecord, job_to_plain
+from bt_orchestrator.model.jobs.job_record import JobRecord
 from bt_orchestrator.ports import Snapshot
-from bt_orchestrator.store.sqlite import opening, retention, rows, snapshots
-from bt_orchestrator.store.sqlite.checks import check_of
+from bt_orchestrator.store.sqlite import opening, retention, rows, snapshots, summaries
 from bt_orchestrator.store.sqlite.database import (
     has_log,
     log_size,
@@ -182,15 +180,11 @@ class SqliteStore:
 
         :raises JournalFailed: neither is kept
         """
-        texts = [(job.job, job.queued, json_of(job_to_plain(job))) for job in ended]
-        summaries = [(*row, check_of(0, row[-1].encode())) for row in texts]
         with self._writable():
             self._is_said_unclosed = self._is_said_unclosed or begin_to_write(self._database)
         with self._writing():
             snapshots.keep_snapshot(self._database, snapshot)
-            self._database.executemany(
-                'INSERT OR REPLACE INTO jobs VALUES (?, ?, ?, ?)', summaries
-            )
+            summaries.keep(self._database, ended)
         self._mark.sync()
 
     # --- retention --------------------------------------------------------------------------

@@ -1,0 +1,60 @@
+"""What is kept of jobs that ended, for the time when their events are gone."""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+from collections.abc import Sequence
+
+from bt_orchestrator.model.codec import json_of
+from bt_orchestrator.model.jobs.job_record import JobRecord, job_from_plain, job_to_plain
+from bt_orchestrator.model.records import Damage, JobPlace, Summaries
+from bt_orchestrator.store.sqlite.checks import check_of
+
+
+def keep(database: sqlite3.Connection, ended: Sequence[JobRecord]) -> None:
+    """Write what stays of jobs, in place of what was said of them before."""
+    texts = [(job.job, job.queued, json_of(job_to_plain(job))) for job in ended]
+    rows = [(*row, check_of(0, row[-1].encode())) for row in texts]
+    database.executemany('INSERT OR REPLACE INTO jobs VALUES (?, ?, ?, ?)', rows)
+
+
+def page(
+    database: sqlite3.Connection,
+    after: JobPlace | None,
+    most: int,
+    *,
+    newest_first: bool,
+    has_checks: bool,
+) -> Summaries:
+    """Return the next jobs, as they were queued.
+
+    :param has_checks: False: the file is of a program that knew none
+    """
+    compare, order = ('<', 'DESC') if newest_first else ('>', 'ASC')
+    name = 'CAST(job AS BLOB)'  # a damaged one need not be a text
+    where = '' if after is None else f'WHERE (queued, {name}) {compare} (?, ?)'
+    values = () if after is None else (after.queued, after.job.encode(errors=_AS_IT_IS))
+    check = 'checksum' if has_checks else 'NULL'
+    query = (
+        f'SELECT queued, {name}, CAST(summary AS BLOB), {check} FROM jobs {where} '
+        f'ORDER BY queued {order}, {name} {order} LIMIT ?'
+    )
+    rows = database.execute(query, (*values, most + 1)).fetchall()
+    jobs: list[JobRecord] = []
+    damage: list[Damage] = []
+    for _, job, text, checksum in rows[:most]:
+        if checksum is None or checksum == check_of(0, text):
+            jobs.append(job_from_plain(json.loads(text)))
+        else:
+            damage.append(
+                Damage(f'the summary of job {job.decode(errors="replace")!r} is damaged')
+            )
+    rest = None
+    if rows[most:]:
+        queued, job = rows[most - 1][:2]
+        rest = JobPlace(queued, job.decode(errors=_AS_IT_IS))
+    return Summaries(jobs, damage, rest)
+
+
+_AS_IT_IS = 'surrogateescape'
