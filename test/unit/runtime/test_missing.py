@@ -13,6 +13,7 @@ from fakes.plant import Plant
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell_commands import Resume
+from bt_orchestrator.store.sqlite.mark import mark_of
 
 
 @pytest.fixture
@@ -78,6 +79,30 @@ def test_9_2_missing_events_hold_the_cell_until_somebody_has_looked(plant: Plant
     plant.end()
     plant.start(auto_resume=True)
     assert plant.holds() == []
+    plant.end()
+
+
+def test_9_2_a_file_that_was_copied_alone_holds_the_cell(plant: Plant) -> None:
+    """As scripts make backups while a node runs; here it is another computer that starts on it."""
+    plant.add('BEFORE')
+    plant.go()
+    alone = plant.path.read_bytes()
+    plant.add('LOST')
+    plant.go()
+    history = plant.store.history
+    plant.end()
+    mark_of(plant.path).unlink()
+    plant.path.write_bytes(alone)
+    plant.start(auto_resume=True)
+    plant.go()
+    plant.add('NEXT')
+    assert_waits(plant)
+    (hold,) = plant.state.holds.values()
+    assert 'may be missing: the node that wrote the journal did not close it' in hold.message
+    release(plant)
+    assert 'NEXT' in plant.state.ended
+    assert 'LOST' not in plant.state.ended
+    assert plant.store.history != history
     plant.end()
 
 
