@@ -65,7 +65,7 @@ class Servers(Protocol):
         """Tell whether the component's action server was there at the last look, for show."""
 
     def rivals(self, component: str) -> Sequence[str]:
-        """Return where the servers of a component's action are at this moment, if several are.
+        """Return where the servers of a component's action are, if several are known now.
 
         Nothing is sent then: a request waits as if there were no server, and `drain` has told of
         it, or will (`SeenContest`). None of them is believed that it does not know a goal.

@@ -44,7 +44,7 @@ class RosClock:
 
     def now(self) -> float:
         """Return seconds since the epoch, or the simulated time."""
-        if self._clock.ros_time_is_active:
+        if self._is_simulated:
             return float(self._clock.now().nanoseconds / NS_PER_S)
         return time.time()  # the same, at a tenth of the cost
 

@@ -22,7 +22,7 @@ from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.limits import PLACE, cut
 from bt_orchestrator.ros.executor.handles import subscription
-from bt_orchestrator.ros.qos import LATCHED, publisher
+from bt_orchestrator.ros.qos import LATCHED, publisher, subscribe
 from bt_orchestrator.ros.stamps import to_time
 
 TOPIC = 'identity'
@@ -86,7 +86,7 @@ class Presence:
                 found(f'{name} also runs elsewhere: {where(other)}; stop one of the two')
 
         self._publisher = publisher(self._node, Identity, f'~/{TOPIC}', LATCHED)
-        self._node.create_subscription(Identity, f'~/{TOPIC}', heard, _FROM_ALL)
+        subscribe(self._node, Identity, f'~/{TOPIC}', heard, _FROM_ALL)
         self.own.cell, self.own.history = cell.name, history
         self._publisher.publish(self.own)
 

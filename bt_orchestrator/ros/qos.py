@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
-from rclpy.event_handler import PublisherEventCallbacks
+from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
@@ -42,3 +43,11 @@ def publisher(node: Node, kind: Any, name: str, qos: QoSProfile | int) -> Any:
     """
     quiet = PublisherEventCallbacks(use_default_callbacks=False)
     return node.create_publisher(kind, name, qos, event_callbacks=quiet)
+
+
+def subscribe(
+    node: Node, kind: Any, name: str, callback: Callable[[Any], None], qos: QoSProfile
+) -> None:
+    """Subscribe for good, likewise without rclpy's handlers of events."""
+    quiet = SubscriptionEventCallbacks(use_default_callbacks=False)
+    node.create_subscription(kind, name, callback, qos, event_callbacks=quiet)

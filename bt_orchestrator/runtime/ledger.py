@@ -63,7 +63,7 @@ class Ledger:
     def record(self, events: Iterable[Event]) -> None:
         """Stamp and apply events, in order, each before the next one is taken."""
         self.look_at_clock()
-        now = self.now
+        now = self._wall.now
         for event in events:
             self._add(event, now)
 
@@ -71,7 +71,7 @@ class Ledger:
         """Record that somebody set the wall clock, if so; before what is stamped by it."""
         step_s = self._wall.step_s()
         if step_s:
-            self._add(ClockStepped(seconds=step_s), self.now)
+            self._add(ClockStepped(seconds=step_s), self._wall.now)
 
     def _add(self, event: Event, now: float) -> None:
         stamped = event.stamped(self.state.seq + 1, now)

@@ -16,6 +16,8 @@ class WallClock:
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
+        self.now = 0.0
+        """As it was at the last look."""
         self._ahead_s = self._look()
 
     def step_s(self) -> float:
@@ -28,4 +30,5 @@ class WallClock:
         return step_s if abs(step_s) >= STEP_S else 0.0
 
     def _look(self) -> float:
-        return self._clock.now() - self._clock.steady()
+        self.now = self._clock.now()
+        return self.now - self._clock.steady()

@@ -9,6 +9,7 @@ from functools import partial
 from typing import Any
 
 import pytest
+from action_msgs.srv import CancelGoal
 from rclpy.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup
 from rclpy.context import Context
 from rclpy.executors import Executor, SingleThreadedExecutor
@@ -18,8 +19,10 @@ from rclpy.timer import Timer
 from rclpy.waitable import NumberOfEntities, Waitable
 from std_msgs.msg import Empty
 
+from bt_orchestrator.ros.actions.questions import Questions
 from bt_orchestrator.ros.executor.executors import spin_once
 from bt_orchestrator.ros.executor.lean_executor import LeanExecutor
+from bt_orchestrator.ros.executor.parted import PartedWaitable
 
 pytestmark = pytest.mark.every_distro
 
@@ -306,6 +309,43 @@ class TestLeanExecutor:
         done: list[int] = []
         executor.create_task(lambda: done.append(1))
         spin_until(executor, lambda: done, 'the task')
+
+
+def test_a_service_client_is_waited_for_while_it_awaits_an_answer(
+    context: Context, node: Node
+) -> None:
+    """A node has many, most of which await nothing; the middleware looks at each in each wait."""
+    asked: list[Any] = []
+
+    def answer(request: Any, response: Any) -> Any:
+        asked.append(request)
+        return response
+
+    node.create_service(CancelGoal, 'cancel', answer)
+    client = Questions(node, CancelGoal, 'cancel')
+    waitable = CountedRuns(node, node.get_logger(), [client])
+    executor = LeanExecutor(context=context)
+    executor.add_node(node)
+    spin_until(executor, client.is_served, 'the service')
+    client.tell(CancelGoal.Request())
+    spin_until(executor, lambda: asked, 'the request')
+    spin_once(executor, 0.3)  # the answer comes, and wakes nobody
+    assert waitable.runs == 0
+    answers: list[Any] = []
+    client.ask(CancelGoal.Request(), answers.append)
+    spin_until(executor, lambda: answers, 'the answer')
+    assert len(answers) == 1
+    executor.shutdown()
+
+
+class CountedRuns(PartedWaitable):
+    """Counts its turns in which something came that was asked for."""
+
+    runs = 0
+
+    def run(self) -> None:
+        self.runs += 1
+        super().run()
 
 
 def test_events_executor_waits_and_keeps_its_timers(context: Context, node: Node) -> None:

@@ -16,7 +16,9 @@ from thread_servers import ThreadServers
 
 from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.goal import RESULT_CHECK_S, GoalStatus, SeenContest
+from bt_orchestrator.ros.actions import rivals
 from bt_orchestrator.ros.actions.goal import RosGoal
+from bt_orchestrator.ros.actions.goal_client import GoalClient
 
 
 @pytest.fixture
@@ -131,6 +133,28 @@ def test_9_3_a_no_of_the_second_server_hides_not_the_end_that_the_first_one_tell
     bench.run_for(2 * RESULT_CHECK_S)
     ends.set()
     assert end_of(bench, adopted) is GoalStatus.SUCCEEDED
+
+
+def test_2_5_before_a_goal_and_not_before_a_decision_the_graph_is_gone_through(
+    bench: RosBench, servers: ThreadServers, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    serve(servers)
+    bench.run_until(lambda: bench.gateway.available('arm'), 'the server')
+    monkeypatch.setattr(rivals, 'LOOK_S', 0.0)  # the last look is too old
+    looks: list[GoalClient] = []
+
+    def count(client: GoalClient) -> int:
+        looks.append(client)
+        return 1
+
+    monkeypatch.setattr(GoalClient, 'count_servers', count)
+    assert not bench.gateway.rivals('arm')
+    assert not looks
+    bench.gateway.send(goal_request('arm'))
+    assert len(looks) == 1
+    monkeypatch.setattr(rivals, 'LOOK_S', 60.0)  # it is young enough
+    bench.gateway.send(goal_request('arm'))
+    assert len(looks) == 1
 
 
 def end_of(bench: RosBench, goal: RosGoal) -> GoalStatus:

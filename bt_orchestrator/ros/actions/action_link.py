@@ -94,8 +94,8 @@ class ActionLink:
 
     @property
     def rivals(self) -> Sequence[str]:
-        """All servers that are in the ROS graph now, if several are."""
-        return self._rivals.look()
+        """All servers that are in the ROS graph, if several are; see `Rivals.glance`."""
+        return self._rivals.glance()
 
     def look(self) -> SeenContest | None:
         """Look who is there, once a second; return what has changed since the last time."""
@@ -173,7 +173,7 @@ class ActionLink:
     def _send_waiting(self) -> None:
         if not self._goals.waiting or not self.available:
             return
-        several = self.rivals
+        several = self._rivals.look()
         for goal in tuple(self._goals.waiting):
             # What was sent before is asked for; nothing new goes to two servers.
             if goal.adopted or not several:

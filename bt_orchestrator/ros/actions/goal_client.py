@@ -18,6 +18,7 @@ from unique_identifier_msgs.msg import UUID
 from bt_orchestrator.ros.actions.last_message import LastMessage
 from bt_orchestrator.ros.actions.questions import Answered, Question, Questions
 from bt_orchestrator.ros.actions.server_status import ServerStatus
+from bt_orchestrator.ros.executor.handles import count_services
 from bt_orchestrator.ros.executor.parted import PartedWaitable
 
 
@@ -39,8 +40,9 @@ class GoalClient(PartedWaitable):
         wire = action_class.Impl
         self.node = node
         self.status = ServerStatus(node, name)
-        self._goal_request = wire.SendGoalService.Request
-        self._result_request = wire.GetResultService.Request
+        self._goal_request = wire.SendGoalService.Request()
+        self._result_request = wire.GetResultService.Request()
+        """Filled anew for each goal: they are written out when they are sent."""
         self._goals = Questions(node, wire.SendGoalService, f'{name}/_action/send_goal')
         results = f'{name}/_action/get_result'
         self._results = Questions(node, wire.GetResultService, results, _knows_the_goal)
@@ -69,11 +71,11 @@ class GoalClient(PartedWaitable):
         return self._is_whole
 
     def count_servers(self, node: Node | None = None) -> int:
-        """Count the servers, those too that publish no status. Takes some microseconds.
+        """Count the servers, those too that publish no status. Goes through the whole ROS graph.
 
         :param node: another one that looks, in place of the client's own
         """
-        takers = int((node or self.node).count_services(self._taking))
+        takers = count_services(node or self.node, self._taking)
         told = self.status.publishers if node is None else node.count_publishers(self._telling)
         return max(takers, int(told))
 
@@ -96,7 +98,8 @@ class GoalClient(PartedWaitable):
 
         :param answered: called with the answer, which has `accepted`
         """
-        return self._goals.ask(self._goal_request(goal_id=goal_id, goal=goal), answered)
+        self._goal_request.goal_id, self._goal_request.goal = goal_id, goal
+        return self._goals.ask(self._goal_request, answered)
 
     def feedback(self, goal_id: UUID) -> Any:
         """Return the feedback of a goal of any client; None: the last message is not about it."""
@@ -111,7 +114,8 @@ class GoalClient(PartedWaitable):
         :param answered: called with each answer, which has `status` and `result`: that a goal is
             unknown leaves the question open, for another server of the name may know it
         """
-        question = self._results.ask(self._result_request(goal_id=goal_id), answered)
+        self._result_request.goal_id = goal_id
+        question = self._results.ask(self._result_request, answered)
         self._asked.setdefault(bytes(goal_id.uuid), []).append(question)
 
     def request_cancel(self, goal_id: UUID) -> None:

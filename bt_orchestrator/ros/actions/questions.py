@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Sequence, Sized
 from functools import partial
 from typing import Any
 
@@ -59,6 +59,11 @@ class Questions:
 
     def __len__(self) -> int:
         return len(self._open)
+
+    @property
+    def awaited(self) -> Sized:
+        """Return the questions that are open. What else is answered is dropped with the next."""
+        return self._open
 
     def ask(self, request: Any, answered: Answered) -> Question:
         """Send a request.

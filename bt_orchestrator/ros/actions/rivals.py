@@ -21,6 +21,9 @@ RIVALS_FRESH_S = 1.0
 TRIAL_S = 10.0
 """Shortest time between two fresh looks of one action; a participant is made for each."""
 
+LOOK_S = 0.02
+"""How old a look may be; discovery takes longer to find a server."""
+
 MOST_TOLD = 16
 """So many servers are told of: there may be any number, and what is told is kept."""
 
@@ -42,14 +45,29 @@ class Rivals:
         self._tried_s = -math.inf
         self._tried_ids: Sequence[str] | None = None
         self._seen_s = -math.inf
+        self._looked_s = -math.inf
+
+    def glance(self) -> tuple[str, ...]:
+        """Return the same as `look`, by the last look while one server at most tells its status.
+
+        A look goes through the whole graph, which takes 0.15 ms in a node at work; this does not.
+        """
+        return self.look() if self._clients.current.status.publishers > 1 else self._names
 
     def look(self) -> tuple[str, ...]:
         """Return all servers that are there now, if there are several; else nothing."""
+        now = time.monotonic()
+        if now - self._looked_s >= LOOK_S:
+            self._looked_s = now
+            self._look(now)
+        return self._names
+
+    def _look(self, now: float) -> None:
         client = self._clients.current
         if client.count_servers() < 2:
             self._names, self._ids, self._trial = (), (), None
-            return ()
-        self._seen_s = time.monotonic()
+            return
+        self._seen_s = now
         publishers = client.status.publishers_info()
         ids = sorted(map(endpoint_id, publishers))
         # The names of nodes come a moment after what they serve.
@@ -57,7 +75,6 @@ class Rivals:
             self._ids = ids
             names = (*owners(publishers), *_without_status(client, len(publishers)))
             self._names = names[:MOST_TOLD]
-        return self._names
 
     def look_afresh(self) -> None:
         """Find out whether all but one are dead; to be called once a second."""
@@ -72,7 +89,7 @@ class Rivals:
             trial, self._trial = self._trial, None
             if self._clients.current.count_servers(trial) == 1:
                 self._clients.renew(trial)
-                self._names = ()
+                self._names, self._looked_s = (), -math.inf
 
     def seen_within(self, seconds: float) -> bool:
         """Tell whether there were several now, or a moment ago."""

@@ -23,6 +23,16 @@ def subscription(node: Node, message_class: Any, topic: str, qos: QoSProfile) ->
         return _rclpy.Subscription(node.handle, message_class, topic, profile)
 
 
+def count_services(node: Node, full_name: str) -> int:
+    """Count the servers of a service in the ROS graph.
+
+    rclpy's own method works the name out and proves it each time, which takes longer.
+    """
+    with node.handle:
+        counted: Any = node.handle
+        return int(counted.get_count_services(full_name))
+
+
 def service_client(node: Node, service_class: Any, name: str) -> Any:
     """Return a service client's handle: used within `with`, and destroyed when not in use."""
     check_for_type_support(service_class)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Sequence, Sized
 from typing import Any, Protocol
 
 from rclpy.impl.rcutils_logger import RcutilsLogger
@@ -21,6 +21,10 @@ class Part(Protocol):
     @property
     def handle(self) -> Any:
         """What `handles` returned."""
+
+    @property
+    def awaited(self) -> Sized:
+        """Return what holds the questions that are open: always the same. Empty: none are."""
 
     def take(self) -> Sequence[Call]:
         """Take all that came, each with what is to be called."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence, Sized
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -24,6 +24,8 @@ TIMER = 'timer'
 SUBSCRIPTION = 'subscription'
 CLIENT = 'client'
 SERVICE = 'service'
+
+_LISTS = ('_Node__waitables', '_timers', '_subscriptions', '_guards', '_clients', '_services')
 
 
 class Member(NamedTuple):
@@ -47,6 +49,9 @@ class WaitList:
     rclpy gathers the entities anew for each wait, asks each whether it may run, locks it, and
     makes a wait set for them; all that takes longer than the wait itself. What is destroyed
     while it is in this list goes when the list is closed.
+
+    Of the parts of a `PartedWaitable` those are waited for that await something: most service
+    clients of a node await nothing at a given moment, and the middleware looks at each one.
     """
 
     def __init__(self, nodes: Sequence[Node], own: Sequence[Any], context: Context) -> None:
@@ -57,13 +62,15 @@ class WaitList:
         members = [
             Member(_kind(e, kind), e, n) for n in nodes for kind, es in _kinds(n) for e in es
         ]
-        self._entities = [one.entity for one in members]
+        self._nodes = list(nodes)
+        self._gathered = [(live, list(live)) for n in nodes for live in _lists(n)]
         self._groups = {one.entity.callback_group: one.entity for one in members}
         self._waitables = [one for one in members if one.kind == WAITABLE]
         self._guards = [one.entity for one in members if one.kind == GUARD]
         self._simple: dict[int, Member] = {}
         self._parted: dict[int, tuple[Member, Part]] = {}
         self._adds: list[tuple[Any, Callable[[], Any]]] = []
+        self._part_adds: list[tuple[Any, Sized, Callable[[], Any]]] = []
         self._held: list[Any] = []
         self._waits = threading.RLock()
         self._context: Any = context.handle
@@ -75,9 +82,7 @@ class WaitList:
 
     def is_of(self, nodes: Sequence[Node]) -> bool:
         """Tell whether the nodes still have these entities, and no others."""
-        return self._entities == [
-            entity for node in nodes for _, entities in _kinds(node) for entity in entities
-        ]
+        return self._nodes == nodes and all(live == then for live, then in self._gathered)
 
     def wait(self, timeout_ns: int) -> list[Member]:
         """Wait until something is ready, and return that in the order in which it is to run.
@@ -93,6 +98,9 @@ class WaitList:
             for group, add in self._adds:
                 if group not in busy:
                     add()
+            for group, awaited, add in self._part_adds:
+                if awaited and group not in busy:
+                    add()
             self._set.wait(timeout_ns)
             return self._ready(busy)
 
@@ -103,6 +111,7 @@ class WaitList:
                 handle.__exit__(None, None, None)
             self._held.clear()
             self._adds.clear()
+            self._part_adds.clear()
 
     def _take_in(self, one: Member) -> None:
         entity, group = one.entity, one.entity.callback_group
@@ -111,7 +120,9 @@ class WaitList:
         elif one.kind == PARTED:
             for part in entity.parts:
                 self._parted[part.handle.pointer] = one, part
-                self._hold(group, part.handle, self._adder(CLIENT, part.handle))
+                if self._holds(part.handle):
+                    add = self._adder(CLIENT, part.handle)
+                    self._part_adds.append((group, part.awaited, add))
         else:
             self._simple[entity.handle.pointer] = one
             self._hold(group, entity.handle, self._adder(one.kind, entity.handle))
@@ -121,12 +132,17 @@ class WaitList:
 
     def _hold(self, group: Any, handle: Any, add: Callable[[], Any]) -> None:
         """Keep something from being destroyed, and remember how it is put into the wait set."""
+        if self._holds(handle):
+            self._adds.append((group, add))
+
+    def _holds(self, handle: Any) -> bool:
+        """Keep something from being destroyed; tell whether it was not before."""
         try:
             handle.__enter__()
         except _rclpy.InvalidHandle:
-            return  # destroyed, and not forgotten yet
+            return False  # destroyed, and not forgotten yet
         self._held.append(handle)
-        self._adds.append((group, add))
+        return True
 
     def _ready(self, busy: set[Any]) -> list[Member]:
         parted: dict[Member, list[Part]] = {}
@@ -149,6 +165,11 @@ class WaitList:
             if one.entity.callback_group not in busy and one.entity.is_ready(self._set)
         ]
         return [*parted, *others, *simple]
+
+
+def _lists(node: Node) -> Sequence[list[Any]]:
+    """Return where rclpy keeps the entities of a node: to gather them each time takes longer."""
+    return [vars(node)[name] for name in _LISTS]
 
 
 def _kinds(node: Node) -> Sequence[tuple[str, Iterator[Any]]]:
