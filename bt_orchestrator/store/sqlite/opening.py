@@ -102,6 +102,7 @@ def to_read(path: Path, reached: Reached | None) -> sqlite3.Connection | None:
     try:
         version = schema_of(database, path)
         if version == SCHEMA:
+            _look_where_a_run_writes(database)
             return database
         # An older one is about to be changed, which takes longer than looking at all of it.
         (found,) = database.execute('PRAGMA quick_check(1)').fetchone()
@@ -112,6 +113,15 @@ def to_read(path: Path, reached: Reached | None) -> sqlite3.Connection | None:
         raise
     database.close()
     return None
+
+
+def _look_where_a_run_writes(database: sqlite3.Connection) -> None:
+    """See that SQLite can read the pages which the first events and orders are written to.
+
+    What else a run writes, states and summaries, it can do without.
+    """
+    for table in ('events', 'queued', 'history', 'unclosed'):
+        database.execute(f'SELECT max(rowid) FROM {table}').fetchone()
 
 
 def to_write(path: Path, synchronous: str) -> sqlite3.Connection:

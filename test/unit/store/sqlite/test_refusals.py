@@ -115,6 +115,20 @@ def overwrite(file: Path, first: int, last: int | None = None) -> None:
     file.write_bytes(whole)
 
 
+@pytest.mark.parametrize('table', ['events', 'queued', 'history', 'unclosed'])
+def test_a_table_that_every_run_writes_is_looked_at_first(tmp_path: Path, table: str) -> None:
+    """With a block of the disk that is lost the line would stop at its first event, or order."""
+    path = ended(tmp_path)
+    database = sqlite3.connect(path)
+    query = 'SELECT rootpage FROM sqlite_schema WHERE name = ?'
+    (page,) = database.execute(query, (table,)).fetchone()
+    (size,) = database.execute('PRAGMA page_size').fetchone()
+    database.close()
+    overwrite(path, (page - 1) * size, page * size)
+    with refused_untouched(path, 'cannot be used: database disk image is malformed'):
+        start(path)
+
+
 @EVERY_END
 def test_a_newer_schema(made: Made, tmp_path: Path) -> None:
     path = made(tmp_path)
