@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 from fakes.action_types import FakeActionTypes
-from fakes.shipped import REFERENCE_CELL, REFERENCE_ORDER, STUCK, TREES
+from fakes.shipped import REFERENCE_CELL, REFERENCE_ORDER, ROOT, STUCK, TREES
 
 from bt_orchestrator.cli.simulate import add_arguments, simulate
 from bt_orchestrator.cli.wrong_use import WrongUse
@@ -204,11 +204,13 @@ def test_options_that_cannot_be_had_are_wrong_use(option: str, value: str, what:
         simulated(REFERENCE_ORDER, option, value)
 
 
-def test_the_chart_is_written(tmp_path: Path) -> None:
+def test_the_chart_in_the_docs_is_what_is_drawn(tmp_path: Path) -> None:
     chart = tmp_path / 'chart.svg'
     assert simulated(REFERENCE_ORDER, '--gantt', chart) == 0
 
     assert 'WO-1001/3' in chart.read_text(encoding='utf-8')
+    shown = ROOT / 'docs' / 'simulate_reference.svg'
+    assert chart.read_bytes() == shown.read_bytes(), 'see simulate.md for the command'
 
 
 def test_the_chart_goes_up_to_where_the_run_got(stuck: Path, tmp_path: Path) -> None:
