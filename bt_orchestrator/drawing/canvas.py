@@ -46,7 +46,7 @@ class LineLabel:
 class Canvas(Protocol):
     """One picture. Names are unique in it, and are those of the parts in the file.
 
-    `about` says more, line by line, when somebody points at a part.
+    `about` is shown, line by line, when a reader points at a part.
     """
 
     def frame(

@@ -89,7 +89,7 @@ class Page:
         self.columns: list[Column] = []
         self._tops: list[float] = []
         self._gutter_ends: dict[Place, float] = {}
-        top = self._header_bottom
+        top, widest = self._header_bottom, max(self.legend.right, self.title.right)
         for r, row in enumerate(rows):
             top += self._lanes.band(r)
             self._tops.append(top)
@@ -100,11 +100,13 @@ class Page:
                 self._gutter_ends[r, p] = left
                 self.columns.append(one.moved(left, top, height))
                 right = left + one.width
-            self._gutter_ends[r, len(row)] = right + self._lanes.gutter((r, len(row)))
+            last = (r, len(row))
+            self._gutter_ends[last] = right + self._lanes.gutter(last)
+            widest = max(widest, self._gutter_ends[last] if self._lanes.has_lines(last) else right)
             top += height
         self._tops.append(top + self._lanes.band(len(rows)))
-        widest = max(*self._gutter_ends.values(), self.legend.right, self.title.right)
-        self.width, self.height = widest, self._tops[-1]
+        self.width = widest
+        self.height = self._tops[-1] if self._lanes.has_lines_above(len(rows)) else top
 
     def frame(self, one: Column) -> Box:
         """Return the frame of a section."""

@@ -68,6 +68,14 @@ class Lanes:
         """Return the height of the band above a row."""
         return BAND + LANE * self._used['band', row]
 
+    def has_lines(self, place: Place) -> bool:
+        """Tell whether a line runs in the gutter left of a place."""
+        return self._used[place] > 0
+
+    def has_lines_above(self, row: int) -> bool:
+        """Tell whether a line runs in the band above a row."""
+        return self._used['band', row] > 0
+
     @property
     def margin(self) -> float:
         """Width of the left edge."""

@@ -69,7 +69,7 @@ class SectionLoad:
     utilisation: float
     """Busy time as a part of the total, 0 to 1."""
     waits: tuple[WaitLoad, ...] = ()
-    """The rest of the time, the longest first; empty where nobody looked."""
+    """The rest of the time, the longest first; empty if no waits were recorded."""
 
     @property
     def busy_per_cycle_s(self) -> float:

@@ -94,7 +94,7 @@ class ForecastFold:
     def forecast(self, cell: Cell, waits: Waits = NO_WAITS) -> Forecast:
         """Say what follows from the events so far; a task that still runs counts until now.
 
-        :param waits: of the same run, if somebody looked
+        :param waits: of the same run, if they were recorded
         """
         by_list: _SpansByList = defaultdict(list)
         by_component: dict[str, list[Span]] = defaultdict(list)

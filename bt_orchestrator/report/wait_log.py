@@ -57,7 +57,7 @@ class Waits:
 
 
 NO_WAITS = Waits()
-"""Of a run that nobody looked at."""
+"""Of a run whose waits were not recorded."""
 
 
 class WaitLog:
