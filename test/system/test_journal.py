@@ -18,6 +18,9 @@ from program_process import ProgramProcess
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.store.sqlite.store import SqliteStore
 
+ROOM = 4096
+"""Bytes of a file on a disk that is full: so much of the log beside a journal is long written."""
+
 
 def start(start_cell: StartCell, path: Path) -> CellProcesses:
     cell = start_cell(run_options=['--journal', str(path), '--auto-resume'])
@@ -86,8 +89,7 @@ def test_a_full_disk_is_told_and_a_restart_goes_on(start_cell: StartCell, tmp_pa
     )
     cell.run_small(task='TASK_C', quantity=3)
     cell.watch.until('task.started', task='work')
-    room = path.with_name(path.name + '-wal').stat().st_size
-    resource.prlimit(cell.node.pid, resource.RLIMIT_FSIZE, (room, room))
+    resource.prlimit(cell.node.pid, resource.RLIMIT_FSIZE, (ROOM, ROOM))
 
     status = cell.watch.until_status(lambda s: s.journal_failure, 'the failure of the journal')
     assert 'cannot be written' in status.journal_failure
@@ -116,8 +118,7 @@ def broken_at_work(start_cell: StartCell, path: Path) -> tuple[CellProcesses, st
     cell.run_small(task='TASK_B')
     goal = str(cell.watch.until('task.started', task='work')['goal'])
     cell.watch.ros.spin_until(lambda: cell.goals(event='started', goal=goal), 'the goal to run')
-    room = path.with_name(path.name + '-wal').stat().st_size
-    resource.prlimit(cell.node.pid, resource.RLIMIT_FSIZE, (room, room))
+    resource.prlimit(cell.node.pid, resource.RLIMIT_FSIZE, (ROOM, ROOM))
     return cell, goal
 
 
