@@ -45,6 +45,7 @@ VERBS: Mapping[str, tuple[str, str]] = {
     'abort': ('cell_command', 'cancel every goal of a cell now; items and queue are kept'),
     'clear': ('clear', 'say what stands on the belt of a cell that was aborted'),
     'completion': ('completion', 'what makes bash, zsh or fish complete command lines'),
+    'user': ('user', 'who may log in at pages and OPC UA servers, with which role'),
     'doctor': ('doctor', 'what this machine and a cell on it lack, and what to do about it'),
     'remove-item': ('remove_item', 'record that an item was taken off the belt by hand'),
 }

@@ -1,0 +1,131 @@
+"""The verb `user`: who may log in at pages and OPC UA servers."""
+
+from __future__ import annotations
+
+import argparse
+import getpass
+import json
+import os
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.model.roles import Role
+from bt_orchestrator.users.file import UsersFile, default_file
+from bt_orchestrator.users.passwords import BadPassword, check
+
+DESCRIPTION = """\
+Users of pages and OPC UA servers, each with a role (docs/security.md). Passwords are asked for on
+the terminal, twice; where there is none, one line of the standard input is the password.
+
+  user list                  names and roles
+  user add NAME --role ROLE  add a user
+  user role NAME ROLE        give a user another role
+  user remove NAME           remove a user"""
+
+EPILOG = """\
+exit status: 0 done, 1 refused (the file is as it was), 2 wrong use"""
+
+_ROLES = tuple(role.value for role in Role)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of the verb."""
+    parser.description = DESCRIPTION
+    parser.epilog = EPILOG
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.add_argument('action', choices=tuple(_ACTIONS), help='what to do')
+    parser.add_argument('what', nargs='*', metavar='WHAT', help='a user; role: a role too')
+    parser.add_argument('--role', choices=_ROLES, help='add: what the user may do')
+    parser.add_argument(
+        '--users',
+        type=Path,
+        metavar='FILE',
+        help='file of users (default: ~/.config/bt_orchestrator/users.yaml)',
+    )
+    parser.add_argument('--json', action='store_true', help='list: one JSON object')
+
+
+def run(args: argparse.Namespace) -> int:
+    """Carry out the verb; returns the exit status."""
+    return _ACTIONS[args.action](args, UsersFile(args.users or default_file(os.environ)))
+
+
+def _list(args: argparse.Namespace, users: UsersFile) -> int:
+    _expect(args, 0, 'nothing')
+    roles = {name: user.role.value for name, user in users.read().items()}
+    if args.json:
+        print(
+            json.dumps({'users': [{'name': name, 'role': role} for name, role in roles.items()]})
+        )
+        return 0
+    width = max(map(len, roles), default=0)
+    for name, role in roles.items():
+        print(f'{name:<{width}}  {role}')
+    if not roles:
+        print('there are no users')
+    return 0
+
+
+def _add(args: argparse.Namespace, users: UsersFile) -> int:
+    (name,) = _expect(args, 1, 'one name')
+    if args.role is None:
+        raise WrongUse(f'user add: --role is one of {", ".join(_ROLES)}')
+    try:
+        users.add(name, Role(args.role), _password(name))
+    except BadPassword as error:
+        raise WrongUse(f'user add: {error}') from error
+    print(f'{name} has the role {args.role}')
+    return 0
+
+
+def _remove(args: argparse.Namespace, users: UsersFile) -> int:
+    (name,) = _expect(args, 1, 'one name')
+    users.remove(name)
+    print(f'{name} is removed')
+    return 0
+
+
+def _role(args: argparse.Namespace, users: UsersFile) -> int:
+    name, role = _expect(args, 2, 'a name and a role')
+    if role not in _ROLES:
+        raise WrongUse(f'user role: a role is one of {", ".join(_ROLES)}; found {role!r}')
+    users.change_role(name, Role(role))
+    print(f'{name} has the role {role}')
+    return 0
+
+
+_ACTIONS: Mapping[str, Callable[[argparse.Namespace, UsersFile], int]] = {
+    'list': _list,
+    'add': _add,
+    'role': _role,
+    'remove': _remove,
+}
+
+
+def _password(name: str) -> str:
+    """Ask for a new password.
+
+    :raises WrongUse: none came, or two that differ
+    """
+    if not sys.stdin.isatty():
+        line = sys.stdin.readline()
+        if not line:
+            raise WrongUse('user add: no password came; give it as one line of the standard input')
+        return line.rstrip('\r\n')
+    try:
+        first = getpass.getpass(f'password of {name}: ')
+        check(first)  # before somebody types it again
+        if getpass.getpass('the same again: ') != first:
+            raise WrongUse('user add: the two passwords differ; nothing was changed')
+    except EOFError:
+        raise WrongUse('user add: no password came; nothing was changed') from None
+    return first
+
+
+def _expect(args: argparse.Namespace, count: int, what: str) -> list[str]:
+    if len(args.what) != count:
+        found = ' '.join(args.what) or 'nothing'
+        raise WrongUse(f'user {args.action}: expected {what}, found {found}')
+    return list(args.what)

@@ -1,0 +1,130 @@
+"""The verb `user`: passwords come from the terminal, or from one line of the standard input."""
+
+from __future__ import annotations
+
+import io
+import json
+import termios
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from pseudo_terminal import PseudoTerminal
+
+from bt_orchestrator.cli.main import main
+from bt_orchestrator.model.roles import Role
+from bt_orchestrator.users.file import UsersFile
+
+PASSWORD = 'correct horse'
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / 'users.yaml'
+
+
+def user(path: Path, *words: str, typed: str = '') -> int:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr('sys.stdin', io.StringIO(typed))
+        return main(['user', *words, '--users', str(path)])
+
+
+def test_add_list_role_remove(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert user(path, 'list') == 0
+    assert user(path, 'add', 'ann', '--role', 'operate', typed=f'{PASSWORD}\n') == 0
+    assert user(path, 'add', 'mes', '--role', 'mes', typed='another one') == 0
+    assert user(path, 'role', 'ann', 'engineer') == 0
+    assert UsersFile(path).verify('ann', PASSWORD) is Role.ENGINEER
+    assert UsersFile(path).verify('mes', 'another one') is Role.MES
+    assert user(path, 'list') == 0
+    assert capsys.readouterr().out.splitlines() == [
+        'there are no users',
+        'ann has the role operate',
+        'mes has the role mes',
+        'ann has the role engineer',
+        'ann  engineer',
+        'mes  mes',
+    ]
+    assert user(path, 'remove', 'mes') == 0
+    capsys.readouterr()
+    assert user(path, 'list', '--json') == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told == {'users': [{'name': 'ann', 'role': 'engineer'}]}
+
+
+@pytest.mark.parametrize(
+    ('words', 'typed', 'status', 'said'),
+    [
+        (('add', 'bob', '--role', 'view'), '', 2, 'no password came'),
+        (('add', 'bob', '--role', 'view'), 'short\n', 2, '8 to 200 characters; found 5'),
+        (('add', 'bob'), PASSWORD, 2, '--role is one of view, mes, operate, engineer'),
+        (('add', '--role', 'view'), PASSWORD, 2, 'expected one name, found nothing'),
+        (('add', 'ann', '--role', 'view'), PASSWORD, 1, 'ann is there already'),
+        (('role', 'ann', 'root'), '', 2, "one of view, mes, operate, engineer; found 'root'"),
+        (('role', 'ann'), '', 2, 'expected a name and a role, found ann'),
+        (('remove', 'bob'), '', 1, 'there is no user bob; there are: ann'),
+    ],
+)
+def test_what_is_refused_changes_nothing(
+    path: Path,
+    capsys: pytest.CaptureFixture[str],
+    words: tuple[str, ...],
+    typed: str,
+    status: int,
+    said: str,
+) -> None:
+    assert user(path, 'add', 'ann', '--role', 'operate', typed=PASSWORD) == 0
+    before = path.read_bytes()
+    assert user(path, *words, typed=typed) == status
+    assert said in capsys.readouterr().err
+    assert path.read_bytes() == before
+
+
+def test_a_file_that_others_may_read_is_told(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert user(path, 'add', 'ann', '--role', 'operate', typed=PASSWORD) == 0
+    path.chmod(0o644)
+    assert user(path, 'list') == 1
+    assert 'chmod 600' in capsys.readouterr().err
+
+
+@pytest.fixture
+def terminal(path: Path) -> Iterator[PseudoTerminal]:
+    words = ['user', 'add', 'ann', '--role', 'operate', '--users', str(path)]
+    terminal = PseudoTerminal(words)
+    yield terminal
+    terminal.close()
+
+
+def test_on_a_terminal_it_asks_twice_and_shows_nothing(
+    path: Path, terminal: PseudoTerminal
+) -> None:
+    terminal.until_shows('password of ann:')
+    terminal.press(f'{PASSWORD}\n')
+    terminal.until_shows('the same again:')
+    terminal.press(f'{PASSWORD}\n')
+    assert terminal.wait() == 0
+    assert b'correct' not in terminal.raw
+    assert termios.tcgetattr(terminal._slave) == terminal.modes
+    assert UsersFile(path).verify('ann', PASSWORD) is Role.OPERATE
+
+
+def test_two_that_differ_are_refused(path: Path, terminal: PseudoTerminal) -> None:
+    terminal.until_shows('password of ann:')
+    terminal.press(f'{PASSWORD}\n')
+    terminal.until_shows('the same again:')
+    terminal.press('another one\n')
+    assert terminal.wait() == 2
+    assert b'the two passwords differ; nothing was changed' in terminal.raw
+    assert not path.exists()
+
+
+def test_the_end_of_input_leaves_the_terminal_as_it_was(
+    path: Path, terminal: PseudoTerminal
+) -> None:
+    terminal.until_shows('password of ann:')
+    terminal.press('\x04')  # Ctrl-D, on an empty line
+    assert terminal.wait() == 2
+    assert termios.tcgetattr(terminal._slave) == terminal.modes
+    assert not path.exists()
