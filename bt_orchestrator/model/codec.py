@@ -105,11 +105,14 @@ def known_event(record: Mapping[str, Any]) -> e.Event | None:
     kind = event_types().get(record['event'])
     if kind is None:
         return None
-    names = {field.name for field in dataclasses.fields(kind)}
     try:
-        return from_plain(kind, {key: record[key] for key in record.keys() & names})
+        return from_plain(kind, {key: record[key] for key in _fields_in(record, kind)})
     except (AttributeError, KeyError, TypeError, ValueError):
         return None
+
+
+def _fields_in(record: Mapping[str, Any], kind: type) -> set[str]:
+    return record.keys() & (hints_of(kind).keys() - {'event'})
 
 
 @lru_cache(maxsize=1)
@@ -215,8 +218,21 @@ def _read(kind: Any, value: Any) -> Any:
 def _read_dataclass(kind: type, value: Any) -> Any:
     if kind is Template:
         return _read_free(value)
-    hints = hints_of(kind)
-    return kind(**{key: _read(hints[key], member) for key, member in value.items()})
+    hints, as_it_is = hints_of(kind), _as_it_is(kind)
+    read = {k: v if k in as_it_is else _read(hints[k], v) for k, v in value.items()}
+    return kind(**read)
+
+
+@lru_cache(maxsize=256)
+def _as_it_is(kind: type) -> frozenset[str]:
+    """Return the fields whose values JSON carries as they are: most fields of most events."""
+    plain = {str, int, float, bool, type(None)}
+    return frozenset(
+        name
+        for name, hint in hints_of(kind).items()
+        if {*(typing.get_args(hint) or (hint,))} <= plain
+        and typing.get_origin(hint) in (None, types.UnionType, typing.Union)
+    )
 
 
 def _read_free(value: Any) -> Any:
