@@ -41,6 +41,9 @@ _EVERY = 1 << 62
 
 SYNCHRONOUS = ('FULL', 'NORMAL')
 
+PATIENCE_AT_THE_END_MS = 1000
+"""So long a node that ends waits for another program that keeps the file locked."""
+
 
 class SqliteStore:
     """A journal in a file. Implements `ports.Journal`.
@@ -230,6 +233,7 @@ class SqliteStore:
         """Say in the file that everything is in it, if that is so."""
         try:
             files.check()
+            self._database.execute(f'PRAGMA busy_timeout = {PATIENCE_AT_THE_END_MS}')
             end_to_write(self._database)
         except (sqlite3.Error, JournalUnusable) as error:
             log.warning('the journal %s is left as one that was not closed: %s', self._path, error)

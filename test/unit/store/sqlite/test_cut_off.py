@@ -161,6 +161,20 @@ def test_a_node_that_has_lost_its_files_does_not_close_it(path: Path, copy: Path
     assert said_of(path).startswith('events after event 15 may be missing')
 
 
+def test_a_file_that_somebody_keeps_locked_is_not_said_to_be_closed(
+    path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    store = SqliteStore(path)
+    store.append(events(11, 15))
+    with closing(sqlite3.connect(path, isolation_level=None)) as locking:
+        locking.execute('BEGIN IMMEDIATE')
+        store.close()
+    assert 'is left as one that was not closed: database is locked' in caplog.text
+    assert said_of(path) == ''
+    mark_of(path).unlink()
+    assert 'may be missing' in said_of(path)
+
+
 def test_a_reader_that_has_it_open_hides_no_loss(path: Path, copy: Path) -> None:
     """The log stays after the node has closed the journal, and holds what the file lacks."""
     store = SqliteStore(path)
