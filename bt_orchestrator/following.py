@@ -62,9 +62,9 @@ class Follower:
     def fetched(self, page: EventPage) -> None:
         """Take in what was in the journal after the number of `next_fetch`."""
         self._is_asked_for = False
+        self._must_wait = page.history != self._history or not page.events
         if page.history != self._history:
             return  # by another node already, which is heard of in its own words
-        self._must_wait = not page.events
         first = page.events[0].seq if page.events else page.first_seq
         if first > self._last + 1:
             lost, self._last = self._last + 1, first - 1

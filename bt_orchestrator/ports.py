@@ -395,6 +395,11 @@ class CellLink(Protocol):
     """The door to one running cell: all that people and machines outside see of it and ask of it.
 
     All calls come from one thread. Whatever happens between them is kept for the next `turn`.
+
+    Where another thread runs a loop of its own (asyncio, say), one thread has the door and calls
+    `turn` again and again; its listener hands each fact, all of them frozen, to the loop with
+    `call_soon_threadsafe`, and the loop hands requests over in a queue that this thread empties
+    between two turns. Two threads that want to ask at the same time have a door each.
     """
 
     @property
@@ -416,6 +421,8 @@ class CellLink(Protocol):
     def follow(self, listener: Listener, after_seq: int | None = None, history: str = '') -> None:
         """Tell a listener everything from an event on, without gaps, across restarts of the node.
 
+        Each call adds a listener. Nothing is told before the next `turn`.
+
         :param after_seq: last event that the listener knows; None: only what happens from now on
         :param history: that `after_seq` counts in; empty: that of now. If the cell has another
             one, `on_history` comes first and everything from its first event
@@ -425,7 +432,10 @@ class CellLink(Protocol):
     def turn(self, within_s: float) -> None:
         """Handle what comes within a time: here listeners are called.
 
-        Nothing is raised while the node is away: then `silent_s` grows.
+        It returns early when it has told something. Nothing is raised while the node is away:
+        then `silent_s` grows. A listener may close the door.
+
+        :raises NodeUnreachable: the node is there, and says that it cannot read its journal
         """
 
     @property
@@ -433,7 +443,8 @@ class CellLink(Protocol):
         """For how long nothing was heard of the node, seconds.
 
         It says something once a second, whether anything happens or not. So a small number means
-        that there are no news, and a number of some seconds that the node is away.
+        that there are no news, and a number of some seconds that the node is away. It counts
+        while somebody follows.
         """
 
     def events_after(self, seq: int, most: int = 0) -> EventPage:
@@ -447,6 +458,7 @@ class CellLink(Protocol):
         """Return jobs of the queue in their order.
 
         :param after: the last job that is known; empty: from the first
+        :raises CommandRefused: that job is not in the queue (any more)
         :raises NodeUnreachable: it does not answer
         """
 

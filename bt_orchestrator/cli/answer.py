@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import argparse
 
-from bt_orchestrator.cli.node_options import add_node_options, add_who_options, call_and_print
+from bt_orchestrator.cli.door import ask_and_print
+from bt_orchestrator.cli.node_options import add_node_options, add_who_options
 from bt_orchestrator.cli.wrong_use import WrongUse
-from bt_orchestrator.script.given_results import results_of, results_text
+from bt_orchestrator.script.given_results import results_of
 
 ANSWERS = ('retry', 'mark_done', 'skip', 'reject', 'abort_job')
 
@@ -30,13 +31,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns 1 when the answer was refused."""
-    from bt_orchestrator_interfaces.srv import AnswerHold
-
     try:
-        results = results_text(results_of(args.result))
+        results = results_of(args.result) or None
     except ValueError as error:
         raise WrongUse(f'answer: {error}') from error
-    request = AnswerHold.Request(
-        hold=args.hold, answer=args.answer, results=results, who=args.who, reason=args.reason
-    )
-    return call_and_print(args, AnswerHold, 'answer_hold', request)
+    return ask_and_print(args, f'hold.{args.answer}', hold=args.hold, results=results)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from typing import Any
 
-from bt_orchestrator.cli.node_options import add_node_options, add_who_options, call_and_print
+from bt_orchestrator.cli.door import ask_and_print
+from bt_orchestrator.cli.node_options import add_node_options, add_who_options
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -20,12 +20,4 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns 1 when it was refused."""
-    return command_cell(args)
-
-
-def command_cell(args: argparse.Namespace, **fields: Any) -> int:
-    """Give the command that the verb is named for, with further fields of its request."""
-    from bt_orchestrator_interfaces.srv import Command
-
-    request = Command.Request(command=args.verb, who=args.who, reason=args.reason, **fields)
-    return call_and_print(args, Command, 'command', request)
+    return ask_and_print(args, f'cell.{args.verb}')

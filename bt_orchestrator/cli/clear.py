@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import re
 
-from bt_orchestrator.cli.cell_command import command_cell
+from bt_orchestrator.cli.door import ask_and_print
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options
 
 DESCRIPTION = """\
@@ -33,8 +33,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns 1 when it was refused."""
     # A comma may be part of an order's id.
-    belt = re.split(r',(?=\s*\d+\s*=)', args.belt) if args.belt else []
-    return command_cell(args, belt=belt, as_shown=args.as_shown)
+    belt = re.split(r',(?=\s*\d+\s*=)', args.belt) if args.belt else None
+    return ask_and_print(args, 'cell.clear', belt=belt, as_shown=args.as_shown or None)
 
 
 def _seq(word: str) -> int:

@@ -19,6 +19,7 @@ from bt_orchestrator.cli.demo_dialogue import Dialogue
 from bt_orchestrator.cli.demo_folder import DemoFolder, DemoRecord, default_folder
 from bt_orchestrator.cli.demo_programs import READY_S, DemoPrograms
 from bt_orchestrator.cli.demo_show import DemoShow, Interrupted
+from bt_orchestrator.cli.door import open_door
 from bt_orchestrator.cli.folders import add_trees_option, shipped
 from bt_orchestrator.cli.journal_file import open_records
 from bt_orchestrator.cli.numbers import factor
@@ -167,16 +168,14 @@ def _show(
     :raises ProgramFailed: the tree node has gone
     :raises Interrupted: somebody wants an end
     """
-    from bt_orchestrator.ros.link.client import NodeClient
-
     with ExitStack() as stack:
         viewer = stack.enter_context(live_or(lambda: EventLines(shell, say), shell))
         keyboard = person_at_keyboard() if asks and sys.stdout.isatty() else None
         keys = None if keyboard is None else stack.enter_context(Keys(keyboard))
         dialogue = stack.enter_context(Dialogue(shell, keys))
         show = DemoShow(programs, viewer, dialogue, stop)
-        client = stack.enter_context(NodeClient(DEFAULT_NODE, READY_S, show.look))
-        return show.follow(client, read_order(Path(record.order)).order, asks=asks)
+        door = stack.enter_context(open_door(DEFAULT_NODE, READY_S, show.look))
+        return show.follow(door, read_order(Path(record.order)).order, asks=asks)
 
 
 def _sum_up(folder: DemoFolder, cell: Cell, job: str) -> int:

@@ -2,24 +2,30 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from bt_orchestrator.cli.demo_dialogue import Dialogue
-from bt_orchestrator.cli.demo_programs import DemoPrograms
+from bt_orchestrator.cli.demo_programs import READY_S, DemoPrograms
+from bt_orchestrator.cli.door import STEP_S, Ignoring
+from bt_orchestrator.cli.node_options import origin
+from bt_orchestrator.cli.order_request import for_node
 from bt_orchestrator.cli.programs import ProgramFailed
-from bt_orchestrator.cli.submit import submit
-from bt_orchestrator.cli.watch import follow_events
+from bt_orchestrator.errors import NodeUnreachable
+from bt_orchestrator.model.by import By
 from bt_orchestrator.model.events import Event, JobAborted, JobCompleted
 from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.jobs.order import WorkOrder
 from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.requests import ask
+from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import CellStatus, JobStatus
+from bt_orchestrator.ports import CellLink
 from bt_orchestrator.screen.plain import EventLines
 from bt_orchestrator.stop_signals import StopSignals
 
-if TYPE_CHECKING:  # they need rich and rclpy, which take their time
-    from bt_orchestrator.ros.link.client import NodeClient
+if TYPE_CHECKING:  # it needs rich, which takes its time
     from bt_orchestrator.screen.live import LiveView
 
 
@@ -27,7 +33,7 @@ class Interrupted(Exception):
     """Somebody wants the demo to end."""
 
 
-class DemoShow:
+class DemoShow(Ignoring):
     """One order on a line whose programs run."""
 
     def __init__(
@@ -60,42 +66,54 @@ class DemoShow:
         self._viewer.refresh()
 
     def follow(
-        self, client: NodeClient, order: WorkOrder, *, asks: bool
-    ) -> tuple[str, Sequence[Any]]:
+        self, door: CellLink, order: WorkOrder, *, asks: bool
+    ) -> tuple[str, Sequence[Hold]]:
         """Give the order unless it is there, and look until nothing goes on.
 
         :param asks: a hold does not end the demo
         :return: the id of its job, and what is held
         """
-        client.on_status(self._on_status)
-        client.wait_until(self._all_are_there, 'every action server at the node')
-        follow_events(client, self._viewer, self._on_event)
-        self._job = self._ordered(client, order)
+        door.follow(self)
+        self._wait_for_servers(door)
+        self._job = self._ordered(door, order)
         while not self._is_over(asks=asks):
-            client.spin()
+            door.turn(STEP_S)
         return self._job, self._status.holds
 
-    def _on_status(self, status: CellStatus) -> None:
+    def on_status(self, status: CellStatus) -> None:
         """Show a status that knows the order: what a cell without one waits for is no news."""
         self._heard = status
         if self._job and self._of_job() is not None:
             self._viewer.on_status(status)
 
-    def _on_event(self, event: Event) -> None:
+    def on_event(self, event: Event) -> None:
+        """Show what happened, and notice the end of a job."""
+        self._viewer.on_event(event)
         if isinstance(event, JobCompleted | JobAborted):
             self._ended.add(event.job)
+
+    def _wait_for_servers(self, door: CellLink) -> None:
+        deadline = time.monotonic() + READY_S
+        while not self._all_are_there():
+            if time.monotonic() > deadline:
+                raise NodeUnreachable(
+                    f'every action server at the node did not come within {READY_S:g} s'
+                )
+            door.turn(STEP_S)
 
     def _all_are_there(self) -> bool:
         return self._heard is not None and all(c.available for c in self._heard.components)
 
-    def _ordered(self, client: NodeClient, order: WorkOrder) -> str:
+    def _ordered(self, door: CellLink, order: WorkOrder) -> str:
         """Return the id of the order's job, which a resumed demo has already."""
         if order.order in {job.id for job in self._status.jobs}:
             return str(order.order)
-        answer = submit(client, order)
+        answer = door.ask(ask('queue.add', By('', origin(), ''), orders=[for_node(order)]))
+        findings = [finding for one in answer.orders for finding in one.findings]
         if not answer.accepted:
-            raise ProgramFailed('\n'.join([answer.message, *answer.findings]))
-        return str(answer.job)
+            raise ProgramFailed('\n'.join([answer.message, *findings]))
+        (queued,) = answer.orders
+        return queued.job
 
     def _is_over(self, *, asks: bool) -> bool:
         """Tell whether the job has ended, or nothing goes on and nobody is asked."""

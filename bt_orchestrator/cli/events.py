@@ -13,11 +13,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import IO
 
+from bt_orchestrator.cli.door import STEP_S, Ignoring, open_door
 from bt_orchestrator.cli.journal_file import open_records, say_damage
 from bt_orchestrator.cli.moments import add_period_options
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.numbers import whole
 from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.model.codec import to_text
+from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.report.exports import OUTPUTS
 from bt_orchestrator.report.reading import Reading, removed
@@ -96,35 +99,47 @@ def _refuse_contradictions(args: argparse.Namespace) -> None:
 
 
 def _of_node(args: argparse.Namespace, stop: StopSignals) -> int:
-    from bt_orchestrator.ros.link.client import NodeClient
-    from bt_orchestrator.ros.link.event_follower import EventFollower
-
-    left = args.count
-    with NodeClient(args.node, args.timeout) as client:
+    with open_door(args.node, args.timeout) as door:
         after_seq = args.since_seq
         if args.last is not None:
-            after_seq = max(client.status().seq - args.last, 0)
-        follower = EventFollower(client, after_seq, _say_removed, _say_anew)
-        quiet_at: float | None = time.monotonic() + QUIET_S
-        while not stop.requested and left != 0:
-            if quiet_at is not None and time.monotonic() >= quiet_at:
-                quiet_at = None
-                print(f'waiting for events of {client.name}; Ctrl-C ends', file=sys.stderr)
-            for message in follower.take():
-                quiet_at = None
-                print(message.record, flush=True)
-                left = None if left is None else left - 1
-                if left == 0:
-                    break
-            else:
-                client.spin()
+            # A status tells of events a moment after they have happened.
+            newest = door.events_after(door.status().seq, 1).last_seq
+            after_seq = max(newest - args.last, 0)
+        printer = _Printer(args.count)
+        door.follow(printer, after_seq)
+        quiet_at = time.monotonic() + QUIET_S
+        while not stop.requested and printer.left != 0:
+            if printer.is_quiet and time.monotonic() >= quiet_at:
+                printer.is_quiet = False
+                print(f'waiting for events of {door.name}; Ctrl-C ends', file=sys.stderr)
+            door.turn(STEP_S)
     return 0
 
 
-def _say_anew(history: str) -> None:
-    print(
-        f'the node has another journal (history {history}); from its beginning:', file=sys.stderr
-    )
+class _Printer(Ignoring):
+    """Prints each event, as many as are wanted."""
+
+    def __init__(self, count: int | None) -> None:
+        self.left = count
+        """None: all."""
+        self.is_quiet = True
+        """Nothing has come yet, and nothing was said of that."""
+
+    def on_event(self, event: Event) -> None:
+        """Print it."""
+        if self.left != 0:
+            self.is_quiet = False
+            print(to_text(event), flush=True)
+            self.left = None if self.left is None else self.left - 1
+
+    def on_gap(self, first: int, last: int) -> None:
+        """Say what will never be printed."""
+        _say_removed(first, last)
+
+    def on_history(self, history: str) -> None:
+        """Say that the numbers begin anew."""
+        what = f'the node has another journal (history {history}); from its beginning:'
+        print(what, file=sys.stderr)
 
 
 def _say_removed(first: int, last: int) -> None:

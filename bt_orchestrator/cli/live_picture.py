@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from bt_orchestrator.cli.door import STEP_S, Ignoring, open_door
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.codec import from_plain
 from bt_orchestrator.model.jobs.isa95 import OVER
@@ -45,10 +46,8 @@ def node_status(node: str, timeout_s: float) -> CellStatus:
 
     :raises NodeUnreachable: it does not answer
     """
-    from bt_orchestrator.ros.link.client import NodeClient
-
-    with NodeClient(node, timeout_s) as client:
-        return client.status()
+    with open_door(node, timeout_s) as door:
+        return door.status()
 
 
 def follow(
@@ -59,22 +58,26 @@ def follow(
     :param every_s: shortest time between two drawings
     :raises NodeUnreachable: it does not answer
     """
-    from bt_orchestrator.ros.link.client import NodeClient
-
-    received: list[CellStatus] = []
-    course = Course(script)
-    with StopSignals() as stop, NodeClient(node, timeout_s) as client:
-        client.on_status(received.append)
-        client.wait_until(lambda: bool(received), f'the status of {node}')
+    newest, course = _Newest(), Course(script)
+    with StopSignals() as stop, open_door(node, timeout_s) as door:
+        door.follow(newest)
         drawn_at = -every_s
         while not stop.requested and not course.is_over:
-            if received and time.monotonic() >= drawn_at + every_s:
+            if newest.status is not None and time.monotonic() >= drawn_at + every_s:
                 drawn_at = time.monotonic()
-                status = received[-1]
-                received.clear()
+                status, newest.status = newest.status, None
                 draw(status)
                 course.look(status)
-            client.spin()
+            door.turn(STEP_S)
+
+
+class _Newest(Ignoring):
+    """Keeps the last status that came."""
+
+    status: CellStatus | None = None
+
+    def on_status(self, status: CellStatus) -> None:
+        self.status = status
 
 
 class Course:

@@ -6,8 +6,6 @@ import argparse
 import getpass
 import os
 import socket
-import sys
-from typing import Any
 
 from bt_orchestrator.cli.numbers import node_name, seconds
 from bt_orchestrator.screen.advice import DEFAULT_NODE, PROGRAM
@@ -43,15 +41,3 @@ def origin() -> str:
     """Say where a command comes from: this program on this computer, and over which terminal."""
     over = os.environ.get('SSH_CONNECTION', '').partition(' ')[0]
     return f'{PROGRAM} at {socket.gethostname()}{f" from {over}" if over else ""}'
-
-
-def call_and_print(args: argparse.Namespace, kind: Any, service: str, request: Any) -> int:
-    """Call a service that accepts or refuses, and print its answer; returns 1 if it refused."""
-    from bt_orchestrator.ros.link.client import NodeClient
-
-    request.origin = origin()
-    with NodeClient(args.node, args.timeout) as client:
-        response = client.call(kind, service, request)
-        # Before it leaves the graph: what the node has done is told, whatever becomes of that.
-        print(response.message, file=sys.stdout if response.accepted else sys.stderr, flush=True)
-    return 0 if response.accepted else 1

@@ -1,22 +1,20 @@
-"""Priority, start, due and details of an order on the command line, as fields of requests."""
+"""Priority, start, due and details of an order on the command line."""
 
 from __future__ import annotations
 
 import argparse
 import re
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from bt_orchestrator.cli.wrong_use import WrongUse
-from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.jobs.order import Terms
 from bt_orchestrator.script.field_types import Misfit
 from bt_orchestrator.script.instants import instant
+from bt_orchestrator.script.orders.asked import NONE
 from bt_orchestrator.script.orders.terms import Wrong, details_of, wrong_terms
 from bt_orchestrator.script.script_keys import ORDER
-
-NONE = 'none'
-"""What is written where a job is to have none any more."""
 
 
 def add_term_options(parser: argparse.ArgumentParser) -> None:
@@ -40,31 +38,15 @@ def add_term_options(parser: argparse.ArgumentParser) -> None:
 
 
 def changed_terms(args: argparse.Namespace) -> dict[str, Any]:
-    """Return the fields of a change (srv/QueueUpdate) that were asked for."""
-    from bt_orchestrator.ros.stamps import to_time
-
-    fields: dict[str, Any] = {}
-    if args.priority is not None:
-        fields['priority'] = [args.priority]
-    for name in ('start', 'due'):
-        time = getattr(args, name)
-        if time is not None:
-            fields[name] = [to_time(time)]
-    if args.details:
-        fields['details'] = _details(args.details)
-    return fields
-
-
-def given_terms(terms: Terms) -> dict[str, Any]:
-    """Return the fields of an order (msg/WorkOrder)."""
-    from bt_orchestrator.ros.stamps import to_moment
-
-    return {
-        'priority': terms.priority,
-        'start': to_moment(terms.start),
-        'due': to_moment(terms.due),
-        'details': json_of(terms.details) if terms.details else '',
+    """Return the arguments of the request job.update that were said."""
+    details = _details(args.details) if args.details else None
+    said = {
+        'priority': args.priority,
+        'start': args.start,
+        'due': args.due,
+        'details': details,
     }
+    return {name: value for name, value in said.items() if value is not None}
 
 
 def _priority(text: str) -> int:
@@ -79,19 +61,17 @@ def _priority(text: str) -> int:
     return int(text)
 
 
-def _moment(text: str) -> float:
-    """Return seconds since the epoch; 0.0 for none."""
-    if text == NONE:
-        return 0.0
-    time = instant(text)
+def _moment(text: str) -> str:
+    """Return a time as it was written, or `none`."""
+    time = None if text == NONE else instant(text)
     if isinstance(time, Misfit):
         raise argparse.ArgumentTypeError(f'expected {time.needed}, found {text!r}; {time.hint}')
-    return time
+    return text
 
 
-def _details(text: str) -> str:
+def _details(text: str) -> Mapping[str, object]:
     if text == NONE:
-        return '{}'
+        return {}
     try:
         written = text if text.lstrip().startswith('{') else Path(text).read_text('utf-8')
     except (OSError, ValueError) as error:
@@ -101,7 +81,8 @@ def _details(text: str) -> str:
     wrong = details if isinstance(details, Wrong) else _first_mistake(Terms(details=details))
     if wrong is not None:
         raise WrongUse(f'queue update: {wrong.what}; {wrong.hint}')
-    return json_of(details)
+    assert not isinstance(details, Wrong)
+    return details
 
 
 def _first_mistake(terms: Terms) -> Wrong | None:

@@ -4,20 +4,23 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Protocol
 
-from bt_orchestrator.cli.node_options import add_node_options, add_who_options, origin
+from bt_orchestrator.cli.door import ask_and_print, asked, open_door
+from bt_orchestrator.cli.node_options import add_node_options, add_who_options
 from bt_orchestrator.cli.numbers import whole_32
-from bt_orchestrator.cli.order_request import add_request, key_values, script_name, show_orders
+from bt_orchestrator.cli.order_request import orders_in, script_name, show_orders
 from bt_orchestrator.cli.order_terms import add_term_options, changed_terms
 from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.status import CellStatus, JobStatus
+from bt_orchestrator.model.wish import STOP_AFTER
+from bt_orchestrator.ports import QueuePage
 from bt_orchestrator.screen.words import job_terms
 
 CONTROLS = (
@@ -94,11 +97,9 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _list(args: argparse.Namespace) -> int:
-    from bt_orchestrator.ros.link.client import NodeClient
-
-    with NodeClient(args.node, args.timeout) as client:
-        status = client.status()
-        status = changed(status, jobs=(*status.jobs, *others(client, status)))
+    with open_door(args.node, args.timeout) as door:
+        status = door.status()
+        status = changed(status, jobs=(*status.jobs, *others(door, status)))
     if args.json:
         jobs = [to_plain(job, whole=True) for job in status.jobs]
         print(json.dumps({'stop_after': status.stop_after, 'jobs': jobs}))
@@ -107,29 +108,30 @@ def _list(args: argparse.Namespace) -> int:
     return 0
 
 
-class _Client(Protocol):
-    def call(self, kind: Any, service: str, request: Any) -> Any: ...
+class _Queue(Protocol):
+    """What of `ports.CellLink` tells the queue."""
+
+    def queue(self, after: str = '', most: int = 0) -> QueuePage: ...
 
 
-def others(client: _Client, status: CellStatus) -> list[JobStatus]:
+def others(door: _Queue, status: CellStatus) -> list[JobStatus]:
     """Return the jobs of the queue that a status does not list."""
-    from bt_orchestrator_interfaces.srv import QueueList
-
-    from bt_orchestrator.ros.types.job_messages import job_status
-
     listed = [job.id for job in status.jobs if job.position]
     if status.queued <= len(listed):
         return []
     known, after = set(listed), listed[-1]
     found: list[JobStatus] = []
     while True:
-        answer = client.call(QueueList, 'queue/list', QueueList.Request(after=after))
-        if answer.accepted and not answer.jobs:
+        try:
+            page = door.queue(after)
+        except CommandRefused:
+            # What began behind a job that has left the queue meanwhile, begins with the first one.
+            page = door.queue(after := '')
+        if not page.jobs:
             return found
-        # What began behind a job that has left the queue meanwhile, begins with the first one.
-        after = answer.jobs[-1].id if answer.accepted else ''
-        found += [job_status(job) for job in answer.jobs if job.id not in known]
-        known.update(job.id for job in answer.jobs)
+        after = page.jobs[-1].id
+        found += [job for job in page.jobs if job.id not in known]
+        known.update(job.id for job in page.jobs)
 
 
 def lines(status: CellStatus) -> Iterator[str]:
@@ -171,11 +173,11 @@ def _has_ended(job: JobStatus) -> bool:
 def _add(args: argparse.Namespace) -> int:
     if not args.what:
         raise WrongUse('queue add: name at least one order')
-    from bt_orchestrator_interfaces.srv import QueueAdd
-
-    request = add_request([Path(name) for name in args.what])
-    request.position, request.held = args.at, args.held
-    return show_orders(_call(args, QueueAdd, 'add', request), as_json=args.json)
+    orders = orders_in([Path(name) for name in args.what])
+    request = asked(args, 'queue.add', orders=orders, position=args.at or None, held=args.held)
+    with open_door(args.node, args.timeout) as door:
+        answer = door.ask(request)
+    return show_orders(answer, as_json=args.json)
 
 
 def _move(args: argparse.Namespace) -> int:
@@ -184,9 +186,7 @@ def _move(args: argparse.Namespace) -> int:
         position = whole_32(place)
     except argparse.ArgumentTypeError as error:
         raise WrongUse(f'queue move: the place: {error}') from None
-    from bt_orchestrator_interfaces.srv import QueueMove
-
-    return _ask(args, QueueMove, 'move', job=job, position=position)
+    return _ask(args, 'job.move', job=job, position=position)
 
 
 def _update(args: argparse.Namespace) -> int:
@@ -198,31 +198,26 @@ def _update(args: argparse.Namespace) -> int:
             'queue update: say what to change: --quantity, --param, --script, --priority, '
             '--start, --due or --details'
         )
-    from bt_orchestrator_interfaces.srv import QueueUpdate
-
     changes = {
-        'quantity': args.quantity,
-        'script': script_name(args.script),
-        'params': key_values(params),
+        'quantity': args.quantity or None,
+        'script': script_name(args.script) or None,
+        'params': params or None,
         **terms,
     }
-    return _ask(args, QueueUpdate, 'update', job=job, **changes)
+    return _ask(args, 'job.update', job=job, **changes)
 
 
 def _stop_after(args: argparse.Namespace) -> int:
     (after,) = _expect(args, 1, 'one of item, job, never')
     if after not in AFTER:
         raise WrongUse(f'queue stop-after: one of {", ".join(AFTER)}; found {after!r}')
-    from bt_orchestrator_interfaces.srv import QueueStopAfter
-
-    return _ask(args, QueueStopAfter, 'stop_after', after=after)
+    return _ask(args, f'cell.{STOP_AFTER}{after}')
 
 
 def _control(args: argparse.Namespace) -> int:
     (job,) = _expect(args, 1, 'one job')
-    from bt_orchestrator_interfaces.srv import QueueCommand
-
-    return _ask(args, QueueCommand, 'command', command=args.action, job=job)
+    word = 'cancel' if args.action == 'remove' else args.action
+    return _ask(args, f'job.{word}', job=job)
 
 
 _ASK: Mapping[str, Callable[[argparse.Namespace], int]] = {
@@ -247,21 +242,5 @@ def _pair(text: str) -> tuple[str, str]:
     return name, value
 
 
-def _call(args: argparse.Namespace, kind: Any, service: str, request: Any) -> Any:
-    from bt_orchestrator.ros.link.client import NodeClient
-
-    request.who, request.origin, request.reason = args.who, origin(), args.reason or ''
-    with NodeClient(args.node, args.timeout) as client:
-        return client.call(kind, f'queue/{service}', request)
-
-
-def _ask(args: argparse.Namespace, kind: Any, service: str, **fields: Any) -> int:
-    response = _call(args, kind, service, kind.Request(**fields))
-    findings = list(getattr(response, 'findings', ()))
-    if args.json:
-        plain = {'accepted': response.accepted, 'message': response.message}
-        print(json.dumps({**plain, 'findings': findings}))
-    else:
-        stream = sys.stdout if response.accepted else sys.stderr
-        print('\n'.join([response.message, *findings]), file=stream)
-    return 0 if response.accepted else 1
+def _ask(args: argparse.Namespace, name: str, **given: Any) -> int:
+    return ask_and_print(args, name, as_json=args.json, **given)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from bt_orchestrator.cli.node_options import add_node_options, add_who_options, call_and_print
+from bt_orchestrator.cli.door import ask_and_print
+from bt_orchestrator.cli.node_options import add_node_options, add_who_options
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -19,7 +20,4 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns 1 when it was refused."""
-    from bt_orchestrator_interfaces.srv import RemoveItem
-
-    request = RemoveItem.Request(item=args.item, who=args.who, reason=args.reason)
-    return call_and_print(args, RemoveItem, 'remove_item', request)
+    return ask_and_print(args, 'item.remove_item', item=args.item)

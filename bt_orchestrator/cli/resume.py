@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from bt_orchestrator.cli.cell_command import command_cell
+from bt_orchestrator.cli.door import ask_and_print
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options
 from bt_orchestrator.model.pauses import NAMED
 
@@ -32,4 +32,4 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns 1 when it was refused."""
-    return command_cell(args, hold=args.hold, everyones=args.all)
+    return ask_and_print(args, 'cell.resume', hold=args.hold or None, everyones=args.all)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 
+from bt_orchestrator.cli.door import open_door
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.past_status import add_past_options, past_lines, status_at
 from bt_orchestrator.cli.wrong_use import WrongUse
@@ -29,10 +30,8 @@ def run(args: argparse.Namespace) -> int:
         return _past(args)
     if args.journal is not None or args.cell is not None:
         raise WrongUse('status: --journal and --cell are for --at; without it the node is asked')
-    from bt_orchestrator.ros.link.client import NodeClient
-
-    with NodeClient(args.node, args.timeout) as client:
-        status = client.status()
+    with open_door(args.node, args.timeout) as door:
+        status = door.status()
     if args.json:
         print(json.dumps(to_plain(status, whole=True)))
     else:

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
+from bt_orchestrator.cli.door import STEP_S, Ignoring, open_door
 from bt_orchestrator.cli.node_options import add_node_options
-from bt_orchestrator.model.codec import from_record
 from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.screen.advice import Shell
+from bt_orchestrator.screen.tree_view import printable
 from bt_orchestrator.screen.viewer import Viewer
 from bt_orchestrator.stop_signals import StopSignals
 
@@ -45,45 +46,48 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns the exit status."""
-    from bt_orchestrator.ros.link.client import NodeClient
-
     with ExitStack() as stack:
         stop = stack.enter_context(StopSignals())
-        client = stack.enter_context(NodeClient(args.node, args.timeout))
-        client.status()  # a node that is not there, or has another name, is said at once
-        viewer = stack.enter_context(_viewer(args, client.name))
-        streams = _streams(args, client, viewer)
-        follow(client, viewer)
+        door = stack.enter_context(open_door(args.node, args.timeout))
+        door.status()  # a node that is not there, or has another name, is said at once
+        viewer = stack.enter_context(_viewer(args, door.name))
+        if args.tree:
+            door.watch_tree(lambda tree: viewer.on_tree(printable(tree)))
+        if args.blackboard:
+            door.watch_blackboard(viewer.on_blackboard)
+        door.follow(Watching(viewer))
         while not stop.requested:
-            for stream in streams:
-                stream.look()
-            client.spin()
+            door.turn(STEP_S)
             viewer.refresh()
     return 0
 
 
-def follow(client: Any, viewer: Viewer, also: Callable[[Event], object] | None = None) -> None:
-    """Tell a viewer everything that a node says from now on.
+class Watching(Ignoring):
+    """Tells a viewer what happens from now on.
 
-    :param also: is told every event, too
-    :raises NodeUnreachable: it is not there
+    Of a node with another journal that is what comes after its first status, and not all that has
+    ever happened there.
     """
-    client.on_status(viewer.on_status)
-    follow_events(client, viewer, also)
 
+    def __init__(self, viewer: Viewer) -> None:
+        self._viewer = viewer
+        self._known: int | None = 0
+        """Last event that is no news; None: to be heard with the next status."""
 
-def follow_events(
-    client: Any, viewer: Viewer, also: Callable[[Event], object] | None = None
-) -> None:
-    """Tell a viewer every event from now on, as `follow` does."""
+    def on_status(self, status: CellStatus) -> None:
+        """Show how the cell stands."""
+        if self._known is None:
+            self._known = status.seq
+        self._viewer.on_status(status)
 
-    def on_event(message: Any) -> None:
-        event = from_record(json.loads(message.record))
-        if also is not None:
-            also(event)
-        viewer.on_event(event)
+    def on_event(self, event: Event) -> None:
+        """Show what happened."""
+        if self._known is not None and event.seq > self._known:
+            self._viewer.on_event(event)
 
-    client.on_event(on_event)
+    def on_history(self, history: str) -> None:  # noqa: ARG002 - the port's
+        """Begin anew."""
+        self._known = None
 
 
 @contextmanager
@@ -120,23 +124,3 @@ def _viewer(args: argparse.Namespace, node: str) -> Iterator[Viewer]:
 def say(text: str) -> None:
     """Print a line at once."""
     print(text, flush=True)
-
-
-def _streams(args: argparse.Namespace, client: Any, viewer: Viewer) -> list[Any]:
-    """Return what has to be asked of the inspection server."""
-    if not (args.tree or args.blackboard):
-        return []
-    from bt_orchestrator.ros.link.inspection_streams import blackboard_stream, tree_stream
-    from bt_orchestrator.screen.tree_view import tree_of
-
-    def on_tree(behaviours: Any) -> None:
-        tree = tree_of(behaviours)
-        if tree is not None:
-            viewer.on_tree(tree)
-
-    streams = []
-    if args.tree:
-        streams.append(tree_stream(client.node, client.name, on_tree))
-    if args.blackboard:
-        streams.append(blackboard_stream(client.node, client.name, viewer.on_blackboard))
-    return streams

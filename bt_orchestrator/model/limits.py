@@ -118,6 +118,9 @@ REFUSALS = Share(64e3, 300.0)
 QUEUE_SHOWN = 100
 """So many jobs of the queue are told of in a status, and are looked ahead at."""
 
+EVENTS_PAGE = 200
+"""Most events in one answer: reading them keeps the tick thread for a few milliseconds."""
+
 QUEUE_PAGE = 500
 """Most jobs of the queue in one answer."""
 

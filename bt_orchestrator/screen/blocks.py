@@ -9,11 +9,12 @@ from textwrap import wrap
 
 from rich.text import Text
 
+from bt_orchestrator.model.branch import Branch, Outcome
 from bt_orchestrator.screen import words
 from bt_orchestrator.screen.columns import Cell, end_of, line, widest
 from bt_orchestrator.screen.fit import stay
 from bt_orchestrator.screen.glyphs import Glyphs
-from bt_orchestrator.screen.tree_view import Branch, Status, Twig, twigs
+from bt_orchestrator.screen.tree_view import Twig, twigs
 from bt_orchestrator.screen.view import CellView, HoldRow, JobRow, Row, Slot, Weight
 
 NARROW = 60
@@ -25,10 +26,10 @@ GOOD, CARE, BAD, QUIET = 'green', 'yellow', 'bold red', 'dim'
 
 STATE_STYLES = {'Execute': GOOD, 'Held': BAD, 'Holding': BAD, 'Aborted': BAD, 'Aborting': BAD}
 STATUS_STYLES = {
-    Status.RUNNING: CARE,
-    Status.SUCCESS: GOOD,
-    Status.FAILURE: BAD,
-    Status.INVALID: QUIET,
+    Outcome.RUNNING: CARE,
+    Outcome.SUCCESS: GOOD,
+    Outcome.FAILURE: BAD,
+    Outcome.INVALID: QUIET,
 }
 
 

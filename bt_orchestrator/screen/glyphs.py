@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from bt_orchestrator.screen.tree_view import Status
+from bt_orchestrator.model.branch import Outcome
 from bt_orchestrator.screen.view import Weight
 
 
@@ -33,13 +33,13 @@ class Glyphs(NamedTuple):
         signs = {Weight.HELD: self.held, Weight.WORKING: self.working}
         return signs.get(weight, self.waiting)
 
-    def of_status(self, status: Status) -> str:
+    def of_status(self, status: Outcome) -> str:
         """Return the sign of a behaviour's status."""
         return {
-            Status.RUNNING: self.working,
-            Status.SUCCESS: self.success,
-            Status.FAILURE: self.failure,
-            Status.INVALID: self.waiting,
+            Outcome.RUNNING: self.working,
+            Outcome.SUCCESS: self.success,
+            Outcome.FAILURE: self.failure,
+            Outcome.INVALID: self.waiting,
         }[status]
 
 

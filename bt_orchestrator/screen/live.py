@@ -10,12 +10,12 @@ from rich.console import Console, Group
 from rich.live import Live
 from rich.text import Text
 
+from bt_orchestrator.model.branch import Branch
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.screen import words
 from bt_orchestrator.screen.advice import Shell
 from bt_orchestrator.screen.picture import Picture
-from bt_orchestrator.screen.tree_view import Branch
 from bt_orchestrator.screen.view import CellView, cell_view
 from bt_orchestrator.screen.viewer import Hearing
 

@@ -6,11 +6,11 @@ import json
 import time
 from collections.abc import Callable, Mapping
 
+from bt_orchestrator.model.branch import Branch
 from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.status import CellStatus
-from bt_orchestrator.screen.tree_view import Branch
 from bt_orchestrator.screen.viewer import Hearing
 
 

@@ -9,11 +9,11 @@ from textwrap import wrap
 from rich.console import Console, ConsoleOptions, RenderResult
 from rich.text import Text
 
+from bt_orchestrator.model.branch import Branch
 from bt_orchestrator.screen import blocks, words
 from bt_orchestrator.screen.blocks import Block
 from bt_orchestrator.screen.fit import heights
 from bt_orchestrator.screen.glyphs import ASCII, UNICODE, Glyphs
-from bt_orchestrator.screen.tree_view import Branch
 from bt_orchestrator.screen.view import CellView
 
 DISPLAYED = ('holds', 'next', 'troubles', 'jobs', 'body', 'blackboard', 'flags')

@@ -7,11 +7,12 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.branch import Branch
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.screen import words
 from bt_orchestrator.screen.advice import Shell, hold_advice, next_choices, next_lines
 from bt_orchestrator.screen.progress import Progress
-from bt_orchestrator.screen.tree_view import Branch, paths
+from bt_orchestrator.screen.tree_view import paths
 from bt_orchestrator.screen.viewer import Hearing
 
 

@@ -2,50 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from enum import IntEnum
-from typing import Protocol, SupportsBytes, SupportsIndex
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
+from bt_orchestrator.model.branch import Branch, Outcome
 from bt_orchestrator.screen.fit import stay
 from bt_orchestrator.screen.words import one_line
 
-DECORATOR = 6
-"""What a snapshot calls a decorator (py_trees_ros_interfaces/msg/Behaviour.DECORATOR)."""
+WEIGHTS = {Outcome.RUNNING: 1, Outcome.FAILURE: 1, Outcome.SUCCESS: 2, Outcome.INVALID: 3}
 
 
-class Status(IntEnum):
-    """What a behaviour came to in its last tick; INVALID: it was not ticked."""
-
-    INVALID = 1
-    RUNNING = 2
-    SUCCESS = 3
-    FAILURE = 4
-
-    @property
-    def word(self) -> str:
-        """The status for a person."""
-        return self.name.lower()
-
-
-WEIGHTS = {Status.RUNNING: 1, Status.FAILURE: 1, Status.SUCCESS: 2, Status.INVALID: 3}
-
-
-@dataclass(frozen=True)
-class Branch:
-    """A behaviour with what is below it."""
-
-    name: str
-    status: Status
-    words: str
-    is_decorator: bool
-    children: tuple[Branch, ...]
-
-    @property
-    def weight(self) -> int:
-        """How much it matters; what works or waits itself comes first."""
-        works = any(child.status is Status.RUNNING for child in self.children)
-        return 0 if self.status is Status.RUNNING and not works else WEIGHTS[self.status]
+def weight_of(branch: Branch) -> int:
+    """Return how much a behaviour matters; what works or waits itself comes first."""
+    works = any(child.status is Outcome.RUNNING for child in branch.children)
+    return 0 if branch.status is Outcome.RUNNING and not works else WEIGHTS[branch.status]
 
 
 @dataclass(frozen=True)
@@ -56,64 +26,13 @@ class Twig:
     branch: Branch
 
 
-class Id(Protocol):
-    """Names a behaviour (unique_identifier_msgs/msg/UUID)."""
-
-    @property
-    def uuid(self) -> Iterable[SupportsIndex] | SupportsBytes:
-        """Its bytes."""
-
-
-class Behaviour(Protocol):
-    """A behaviour of a snapshot (py_trees_ros_interfaces/msg/Behaviour)."""
-
-    @property
-    def own_id(self) -> Id:
-        """What names it."""
-
-    @property
-    def parent_id(self) -> Id:
-        """What names the one above it; of the root something unknown."""
-
-    @property
-    def child_ids(self) -> Sequence[Id]:
-        """What names those below it."""
-
-    @property
-    def name(self) -> str:
-        """What it is called."""
-
-    @property
-    def type(self) -> int:
-        """What kind it is, for instance DECORATOR."""
-
-    @property
-    def status(self) -> int:
-        """What it came to."""
-
-    @property
-    def message(self) -> str:
-        """Its words."""
-
-
-def tree_of(behaviours: Sequence[Behaviour]) -> Branch | None:
-    """Return the tree of a snapshot."""
-    by_id = {bytes(behaviour.own_id.uuid): behaviour for behaviour in behaviours}
-    parents = (bytes(behaviour.parent_id.uuid) for behaviour in behaviours)
-    for behaviour, parent in zip(behaviours, parents, strict=True):
-        if parent not in by_id:
-            return _branch(behaviour, by_id)
-    return None
-
-
-def _branch(behaviour: Behaviour, by_id: Mapping[bytes, Behaviour]) -> Branch:
-    children = (by_id[bytes(child.uuid)] for child in behaviour.child_ids)
-    return Branch(
-        name=one_line(behaviour.name),
-        status=Status(behaviour.status),
-        words=one_line(behaviour.message),
-        is_decorator=behaviour.type == DECORATOR,
-        children=tuple(_branch(child, by_id) for child in children),
+def printable(branch: Branch) -> Branch:
+    """Return a tree whose texts steer no terminal."""
+    return replace(
+        branch,
+        name=one_line(branch.name),
+        words=one_line(branch.words),
+        children=tuple(map(printable, branch.children)),
     )
 
 
@@ -136,7 +55,7 @@ def twigs(root: Branch, room: int) -> tuple[list[Twig], int]:
     for shown in (_live, _essential):
         if len(lines) > room:
             lines = list(shown(root, 0))
-    places = stay([twig.branch.weight for twig in lines], room)
+    places = stay([weight_of(twig.branch) for twig in lines], room)
     return [lines[place] for place in places], total - len(places)
 
 
@@ -149,19 +68,19 @@ def _all(branch: Branch, depth: int) -> Iterator[Twig]:
 def _live(branch: Branch, depth: int) -> Iterator[Twig]:
     """Yield what runs with its children, and of all else only the top."""
     yield Twig(depth, branch)
-    if branch.status is Status.RUNNING:
+    if branch.status is Outcome.RUNNING:
         for child in branch.children:
             yield from _live(child, depth + 1)
 
 
 def _essential(branch: Branch, depth: int) -> Iterator[Twig]:
     """Yield what runs or failed, without decorators whose child says it."""
-    ticked = [child for child in branch.children if child.status is not Status.INVALID]
+    ticked = [child for child in branch.children if child.status is not Outcome.INVALID]
     if branch.is_decorator and ticked:
         yield from _essential(ticked[0], depth)
         return
     yield Twig(depth, branch)
-    if branch.status is Status.RUNNING:
+    if branch.status is Outcome.RUNNING:
         for child in ticked:
-            if child.status is not Status.SUCCESS:
+            if child.status is not Outcome.SUCCESS:
                 yield from _essential(child, depth + 1)

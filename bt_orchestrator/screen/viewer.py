@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Protocol
 
+from bt_orchestrator.model.branch import Branch
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.status import CellStatus
-from bt_orchestrator.screen.tree_view import Branch
 
 SILENT_S = 3.0
 """A node that said nothing for so long is said to be away: it says something once a second."""

@@ -15,13 +15,15 @@ from fakes.virtual_run import BY, VirtualRun
 
 from bt_orchestrator.cli.order_terms import add_term_options, changed_terms
 from bt_orchestrator.cli.queue import others
+from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model.jobs.job_commands import AddJobs, UpdateJob
 from bt_orchestrator.model.jobs.order import Job, Terms
 from bt_orchestrator.model.snapshot import state_from_plain, state_to_plain
+from bt_orchestrator.ports import QueuePage
 from bt_orchestrator.report.pace import expected_ends_s
 from bt_orchestrator.ros.services.expected_ends import nearest
 from bt_orchestrator.ros.services.queue_services import list_queue
-from bt_orchestrator.ros.stamps import to_time
+from bt_orchestrator.ros.types.job_messages import job_status
 from bt_orchestrator.runtime.overview import Overview
 from bt_orchestrator.screen import words
 from bt_orchestrator.screen.advice import Shell
@@ -63,12 +65,14 @@ class Asked:
         self._cancelled = list(cancelled)
         self.asked = 0
 
-    def call(self, kind: Any, service: str, request: Any) -> Any:
-        assert (kind, service) == (QueueList, 'queue/list')
+    def queue(self, after: str = '', most: int = 0) -> QueuePage:
         if self._cancelled:
             assert self.run.control('cancel', self._cancelled.pop(0)).accepted
         self.asked += 1
-        return list_page(self.run, request)
+        response = list_page(self.run, QueueList.Request(after=after, most=most))
+        if not response.accepted:
+            raise CommandRefused(response.message)
+        return QueuePage(tuple(map(job_status, response.jobs)), response.queued)
 
 
 @pytest.mark.parametrize('cancelled', [(), ('Q-7',), ('Q-100', 'Q-600'), ('Q-100', 'Q-500')])
@@ -157,15 +161,12 @@ def test_what_is_changed_of_priority_times_and_details(tmp_path: Path) -> None:
 
     assert changed() == {}
     assert changed('--priority', '-5', '--details', ' {"a": 1}') == {
-        'priority': [-5],
-        'details': '{"a": 1}',
+        'priority': -5,
+        'details': {'a': 1},
     }
-    assert changed('--details', str(tmp_path / 'details.json')) == {'details': '{"lot": 7}'}
-    assert changed('--details', 'none', '--start', 'none', '--due', '2026-05-18T06:00Z') == {
-        'details': '{}',
-        'start': [to_time(0.0)],
-        'due': [to_time(1779084000.0)],
-    }
+    assert changed('--details', str(tmp_path / 'details.json')) == {'details': {'lot': 7}}
+    said = changed('--details', 'none', '--start', 'none', '--due', '2026-05-18T06:00Z')
+    assert said == {'details': {}, 'start': 'none', 'due': '2026-05-18T06:00Z'}
 
 
 def test_a_forecast_is_asked_about_the_first_jobs() -> None:

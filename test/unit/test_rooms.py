@@ -20,6 +20,12 @@ INSIDERS = ('ros/executor', 'ros/actions')
 UNASKED_CANCEL = ('sim/controllers/task_server.py', '_update_state')
 """A simulated server that cancels on its own account, for which rclpy has no public call."""
 
+SURFACES = ('cli/', 'screen/', 'drawing/')
+"""What people see and type."""
+
+DOOR = ('cli/door.py', 'bt_orchestrator.ros.link.ros_link')
+"""The one place where the door of a real node is opened."""
+
 
 def rooms() -> list[Path]:
     return sorted({file.parent for file in FILES})
@@ -39,6 +45,48 @@ def test_only_executor_and_actions_use_the_inside_of_rclpy() -> None:
         for inside in used_of_the_inside(file.read_text())
     }
     assert found == {UNASKED_CANCEL}, 'move it there, or use what rclpy documents'
+
+
+def test_people_see_a_cell_through_its_door_alone() -> None:
+    found = {
+        (name, outside)
+        for name, file in ((file.relative_to(PACKAGE).as_posix(), file) for file in FILES)
+        if name.startswith(SURFACES)
+        for outside in behind_the_door(file.read_text())
+    }
+    assert found == {DOOR}, 'ask and follow through ports.CellLink'
+
+
+@pytest.mark.parametrize(
+    ('text', 'outside'),
+    [
+        ('from bt_orchestrator_interfaces.msg import Status', 'bt_orchestrator_interfaces.msg'),
+        ('def f():\n    import std_msgs.msg', 'std_msgs.msg'),
+        ('from diagnostic_msgs.msg import KeyValue', 'diagnostic_msgs.msg'),
+        ('from bt_orchestrator.ros.link import client', 'bt_orchestrator.ros.link'),
+    ],
+)
+def test_what_is_behind_the_door_is_seen(text: str, outside: str) -> None:
+    assert list(behind_the_door(text)) == [outside]
+
+
+def behind_the_door(text: str) -> Iterator[str]:
+    """Yield the modules of ROS messages that a module imports, and those of the link."""
+    for node in ast.walk(ast.parse(text)):
+        match node:
+            case ast.Import(names):
+                found = [alias.name for alias in names]
+            case ast.ImportFrom(str(module)):
+                found = [module]
+            case _:
+                continue
+        yield from (name for name in found if _is_message_module(name))
+
+
+def _is_message_module(name: str) -> bool:
+    package = name.partition('.')[0]
+    is_of_messages = package.endswith(('_msgs', '_interfaces'))
+    return is_of_messages or name.startswith('bt_orchestrator.ros.link')
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from typing import Any
 import rclpy
 from bt_orchestrator_interfaces.msg import CellDescription as CellDescription_
 from bt_orchestrator_interfaces.msg import Event, Status
-from bt_orchestrator_interfaces.srv import GetEvents
+from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
@@ -47,11 +47,16 @@ class NodeClient:
         self._told: CellStatus | None = None
 
     def __enter__(self) -> NodeClient:
-        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+        # One of its own: a process may look at several nodes.
+        self._context = Context()
+        rclpy.init(context=self._context, signal_handler_options=SignalHandlerOptions.NO)
         self._node = Node(
-            'bt_orchestrator_client', start_parameter_services=False, enable_rosout=False
+            'bt_orchestrator_client',
+            context=self._context,
+            start_parameter_services=False,
+            enable_rosout=False,
         )
-        self._executor = SingleThreadedExecutor()
+        self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
         self._identities = Listener(self._node, f'{self._name}/{TOPIC}')
         return self
@@ -62,7 +67,7 @@ class NodeClient:
         self._identities.close()
         self._executor.shutdown()
         self._node.destroy_node()
-        rclpy.try_shutdown()
+        self._context.try_shutdown()
 
     def _tell_of_twins(self) -> None:
         """Say so if several nodes answer: who asks hears one of them, and commands reach all."""
@@ -88,7 +93,7 @@ class NodeClient:
 
         :raises NodeUnreachable: it is not there, or does not answer
         """
-        client: Any = create_client(self._node, kind, f'{self._name}/{service}')
+        client = self.service(kind, service)
         try:
             self.wait_until(client.service_is_ready, f'the service {self._name}/{service}')
             self._be_known()
@@ -97,6 +102,10 @@ class NodeClient:
             return future.result()
         finally:
             self._node.destroy_client(client)
+
+    def service(self, kind: Any, service: str) -> Any:
+        """Return a client of one of the node's services."""
+        return create_client(self._node, kind, f'{self._name}/{service}')
 
     def status(self) -> CellStatus:
         """Return how the cell stands, as the node has told last.
@@ -111,16 +120,6 @@ class NodeClient:
         :raises NodeUnreachable: nothing came
         """
         return cell_description(self._latched(CellDescription_, 'cell'))
-
-    def events_after(self, seq: int) -> Any:
-        """Return events from the journal of the node (srv/GetEvents): as many as it gives at once.
-
-        :raises NodeUnreachable: it does not answer, or cannot read its journal
-        """
-        answer = self.call(GetEvents, 'get_events', GetEvents.Request(after_seq=seq))
-        if not answer.accepted:
-            raise NodeUnreachable(f'{self._name} cannot tell its events: {answer.message}')
-        return answer
 
     def on_status(self, callback: Callable[[CellStatus], object]) -> None:
         """Call back with the status of now, and with the newest one after each `spin`."""
@@ -188,9 +187,9 @@ class NodeClient:
                 )
             self.spin()
 
-    def spin(self) -> None:
-        """Handle what comes within STEP_S."""
-        self._executor.spin_once(timeout_sec=STEP_S)
+    def spin(self, within_s: float = STEP_S) -> None:
+        """Handle what comes within a time, and within STEP_S."""
+        self._executor.spin_once(timeout_sec=min(within_s, STEP_S))
         self._tell()
         if self._meanwhile is not None:
             self._meanwhile()

@@ -13,6 +13,8 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from std_msgs.msg import String
 
+from bt_orchestrator.model.branch import Branch
+from bt_orchestrator.ros.link.snapshot_tree import tree_of
 from bt_orchestrator.ros.qos import LATCHED, create_client
 
 ASK_AGAIN_S = 3.0
@@ -81,8 +83,14 @@ class InspectionStream:
         self._was_there = is_there
 
 
-def tree_stream(node: Node, server: str, hear: Callable[[Any], None]) -> InspectionStream:
-    """Return a stream that calls back with every list of behaviours, when it has changed."""
+def tree_stream(node: Node, server: str, hear: Callable[[Branch], None]) -> InspectionStream:
+    """Return a stream that calls back with the tree, when it has changed."""
+
+    def hear_tree(message: Any) -> None:
+        tree = tree_of(message.behaviours)
+        if tree is not None:
+            hear(tree)
+
     on_change = SnapshotStreamParameters(snapshot_period=sys.float_info.max)
     kind = _Kind(
         'snapshot_streams/open',
@@ -92,7 +100,7 @@ def tree_stream(node: Node, server: str, hear: Callable[[Any], None]) -> Inspect
         BehaviourTree,
         LATCHED,
     )
-    return InspectionStream(node, server, kind, lambda message: hear(message.behaviours))
+    return InspectionStream(node, server, kind, hear_tree)
 
 
 def blackboard_stream(

@@ -9,14 +9,11 @@ from bt_orchestrator_interfaces.srv import GetEvents
 from rclpy.node import Node
 
 from bt_orchestrator.errors import DamagedRecord, OrchestratorError
-from bt_orchestrator.model.limits import EVENTS_BYTES, fitting
+from bt_orchestrator.model.limits import EVENTS_BYTES, EVENTS_PAGE, fitting
 from bt_orchestrator.ports import EventStore
 from bt_orchestrator.ros.services.event_message import event_message
 from bt_orchestrator.ros.services.serving import serve
 from bt_orchestrator.runtime.orchestrator import Orchestrator
-
-MOST = 200
-"""Most events of one answer: reading them keeps the tick thread for a few milliseconds."""
 
 
 class EventsService:
@@ -29,7 +26,7 @@ class EventsService:
         serve(node, GetEvents, 'get_events', self._answer)
 
     async def _answer(self, request: Any, response: Any) -> None:
-        most = min(request.most or MOST, MOST)
+        most = min(request.most or EVENTS_PAGE, EVENTS_PAGE)
         try:
             # What was removed or is damaged cannot be told; a client sees that from first_seq.
             response.first_seq, response.events = self._readable(request.after_seq, most)

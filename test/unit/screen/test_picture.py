@@ -11,11 +11,11 @@ from fakes import statuses
 from rich.cells import cell_len
 from rich.console import Console
 
+from bt_orchestrator.model.branch import Branch, Outcome
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.status import BeltStatus, CellStatus
 from bt_orchestrator.screen.advice import Shell
 from bt_orchestrator.screen.picture import Picture
-from bt_orchestrator.screen.tree_view import Branch, Status
 from bt_orchestrator.screen.view import cell_view
 
 NODE = '/bt_orchestrator'
@@ -170,10 +170,10 @@ def nasty() -> CellStatus:
 
 @pytest.mark.parametrize(('width', 'height'), SIZES)
 def test_nothing_is_wider_or_higher_than_the_terminal(width: int, height: int) -> None:
-    leaf = Branch('b' * 200, Status.RUNNING, 'w' * 200, is_decorator=False, children=())
+    leaf = Branch('b' * 200, Outcome.RUNNING, 'w' * 200, is_decorator=False, children=())
     tree = leaf
     for _ in range(30):
-        tree = Branch('b', Status.RUNNING, '', is_decorator=True, children=(tree, leaf))
+        tree = Branch('b', Outcome.RUNNING, '', is_decorator=True, children=(tree, leaf))
     for status in (statuses.status(), nasty(), statuses.long_line(20, 3, 4)):
         for about in ({}, {'tree': tree, 'blackboard': {'k' * 100: 'v' * 100}, 'silent_s': 9.0}):
             lines = picture(status, **about).lines(width, height)
@@ -203,9 +203,9 @@ def test_a_terminal_without_unicode_gets_ascii() -> None:
 
 
 def test_the_tree_and_the_blackboard() -> None:
-    leaf = Branch('pick', Status.RUNNING, 'running at /arm', is_decorator=False, children=())
-    done = Branch('home', Status.SUCCESS, '', is_decorator=False, children=())
-    root = Branch('cell', Status.RUNNING, '', is_decorator=False, children=(done, leaf))
+    leaf = Branch('pick', Outcome.RUNNING, 'running at /arm', is_decorator=False, children=())
+    done = Branch('home', Outcome.SUCCESS, '', is_decorator=False, children=())
+    root = Branch('cell', Outcome.RUNNING, '', is_decorator=False, children=(done, leaf))
     found = drawn(picture(statuses.status(), tree=root, blackboard={'/cell/belt': 'at rest'}))
     assert '  ▶ pick  running  running at /arm' in found
     assert '  ✓ home  success' in found

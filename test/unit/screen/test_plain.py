@@ -8,13 +8,13 @@ import pytest
 from fakes import statuses
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.branch import Branch, Outcome
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.wish import Wish
 from bt_orchestrator.screen import machine, plain, words
 from bt_orchestrator.screen.advice import Shell
 from bt_orchestrator.screen.machine import JsonView
 from bt_orchestrator.screen.plain import EventLines, PlainView
-from bt_orchestrator.screen.tree_view import Branch, Status
 
 NODE = Shell()
 
@@ -44,9 +44,9 @@ def raised() -> e.HoldRaised:
     )
 
 
-def branch(status: Status) -> Branch:
+def branch(status: Outcome) -> Branch:
     leaf = Branch('work', status, '', is_decorator=False, children=())
-    return Branch('cell', Status.RUNNING, '', is_decorator=False, children=(leaf,))
+    return Branch('cell', Outcome.RUNNING, '', is_decorator=False, children=(leaf,))
 
 
 def test_the_first_status_is_told_and_then_only_what_changes() -> None:
@@ -108,7 +108,7 @@ def test_events_alone() -> None:
     said: list[str] = []
     view = EventLines(NODE, said.append)
     view.on_status(statuses.status())
-    view.on_tree(branch(Status.RUNNING))
+    view.on_tree(branch(Outcome.RUNNING))
     view.on_blackboard({'k': 'v'})
     view.refresh()
     assert said == []
@@ -162,8 +162,8 @@ def test_a_node_that_goes_away_and_comes_back(clock: Time) -> None:
 def test_changes_of_tree_and_blackboard() -> None:
     said: list[str] = []
     view = PlainView(NODE, said.append)
-    view.on_tree(branch(Status.RUNNING))
-    view.on_tree(branch(Status.SUCCESS))
+    view.on_tree(branch(Outcome.RUNNING))
+    view.on_tree(branch(Outcome.SUCCESS))
     view.on_blackboard({'/cell/belt': 'moving', '/cell/beat': '1'})
     view.on_blackboard({'/cell/belt': 'at rest'})
     assert said == [
@@ -190,7 +190,7 @@ def test_machines_get_what_is_different(clock: Time) -> None:
     )
     view.on_status(statuses.status(seq=8))
     view.on_event(raised())
-    view.on_tree(branch(Status.SUCCESS))
+    view.on_tree(branch(Outcome.SUCCESS))
     view.on_blackboard({'/cell/belt': 'moving'})
     for clock.now_s in (3.1, 9.0):
         view.refresh()

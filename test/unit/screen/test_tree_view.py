@@ -2,23 +2,17 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-from typing import Any
-from uuid import UUID, uuid5
-
-from bt_orchestrator.screen.tree_view import Branch, Status, paths, tree_of, twigs
-
-DECORATOR, OTHER = 6, 1
-_NAMES = UUID(int=1)
+from bt_orchestrator.model.branch import Branch, Outcome
+from bt_orchestrator.screen.tree_view import paths, printable, twigs
 
 
-def branch(name: str, status: Status, *children: Branch, is_decorator: bool = False) -> Branch:
+def branch(name: str, status: Outcome, *children: Branch, is_decorator: bool = False) -> Branch:
     return Branch(name, status, '', is_decorator, children)
 
 
 def sample() -> Branch:
     """Return a tree of which one leaf runs below two decorators, and one waits."""
-    run, done, new, bad = Status.RUNNING, Status.SUCCESS, Status.INVALID, Status.FAILURE
+    run, done, new, bad = Outcome.RUNNING, Outcome.SUCCESS, Outcome.INVALID, Outcome.FAILURE
     work = branch('work', run)
     retry = branch('retry', run, work, is_decorator=True)
     guarded = branch('flags', run, retry, is_decorator=True)
@@ -67,35 +61,10 @@ def test_what_works_or_waits_itself_stays_to_the_last() -> None:
 
 
 def test_every_behaviour_has_a_path() -> None:
-    assert dict(paths(sample()))['/cell/section 2/flags/retry/work'].status is Status.RUNNING
+    assert dict(paths(sample()))['/cell/section 2/flags/retry/work'].status is Outcome.RUNNING
 
 
-def message(name: str, parent: str, *children: str, kind: int = OTHER) -> Any:
-    def own(of: str) -> Any:
-        return SimpleNamespace(uuid=list(uuid5(_NAMES, of).bytes if of else bytes(16)))
-
-    return SimpleNamespace(
-        name=name,
-        own_id=own(name),
-        parent_id=own(parent),
-        child_ids=[own(child) for child in children],
-        status=2,
-        message='words\nof it',
-        type=kind,
-    )
-
-
-def test_a_snapshot_becomes_a_tree() -> None:
-    root = tree_of(
-        [
-            message('root', '', 'a', 'b'),
-            message('a', 'root', 'c', kind=DECORATOR),
-            message('c', 'a'),
-            message('b', 'root'),
-        ]
-    )
-    assert root is not None
-    assert [child.name for child in root.children] == ['a', 'b']
-    assert root.children[0].is_decorator
-    assert root.children[0].children[0].words == 'words of it'
-    assert tree_of([]) is None
+def test_what_is_shown_steers_no_terminal() -> None:
+    tree = Branch('a', Outcome.RUNNING, 'words\nof it', False, (branch('b\x1b', Outcome.SUCCESS),))
+    shown = printable(tree)
+    assert (shown.words, shown.children[0].name) == ('words of it', 'b\ufffd')

@@ -1,0 +1,85 @@
+"""The door to a running node, and asking through it: the one place where verbs meet ROS 2."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from bt_orchestrator.cli.node_options import origin
+from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.model.by import By
+from bt_orchestrator.model.commands import Answer
+from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.requests import Asked, BadArguments, ask
+from bt_orchestrator.model.status import CellStatus
+
+STEP_S = 0.1
+"""Longest time between two looks at whether to stop."""
+
+if TYPE_CHECKING:  # it needs rclpy, which takes its time
+    from bt_orchestrator.ros.link.ros_link import RosLink
+
+
+def open_door(
+    node: str, timeout_s: float, meanwhile: Callable[[], object] | None = None
+) -> RosLink:
+    """Open the door to a node (`ports.CellLink`); a context that closes it.
+
+    :param timeout_s: longest time to wait for the node and for each of its answers
+    :param meanwhile: called again and again while it waits; what it raises ends the waiting
+    """
+    from bt_orchestrator.ros.link.ros_link import RosLink
+
+    return RosLink(node, timeout_s, meanwhile)
+
+
+def asked(args: argparse.Namespace, name: str, **given: Any) -> Asked:
+    """Return a request of whoever typed a verb (`model.requests`).
+
+    :raises WrongUse: it has other arguments
+    """
+    try:
+        return ask(name, By(args.who, origin(), args.reason or ''), **given)
+    except BadArguments as error:
+        raise WrongUse(f'{args.verb}: {error}') from error
+
+
+def ask_and_print(
+    args: argparse.Namespace, name: str, *, as_json: bool = False, **given: Any
+) -> int:
+    """Ask something of a node and print its answer; returns 1 if it was refused."""
+    request = asked(args, name, **given)
+    with open_door(args.node, args.timeout) as door:
+        answer = door.ask(request)
+        # Before it leaves the graph: what the node has done is told, whatever becomes of that.
+        _show(answer, as_json=as_json)
+    return 0 if answer.accepted else 1
+
+
+def _show(answer: Answer, *, as_json: bool) -> None:
+    findings = [finding for order in answer.orders for finding in order.findings]
+    if as_json:
+        plain = {'accepted': answer.accepted, 'message': answer.message}
+        print(json.dumps({**plain, 'findings': findings}), flush=True)
+    else:
+        stream = sys.stdout if answer.accepted else sys.stderr
+        print('\n'.join([answer.message, *findings]), file=stream, flush=True)
+
+
+class Ignoring:
+    """A listener (`ports.Listener`) to which nothing matters; base of those that want less."""
+
+    def on_status(self, status: CellStatus) -> None:
+        """Take no note."""
+
+    def on_event(self, event: Event) -> None:
+        """Take no note."""
+
+    def on_gap(self, first: int, last: int) -> None:
+        """Take no note."""
+
+    def on_history(self, history: str) -> None:
+        """Take no note."""

@@ -1,0 +1,32 @@
+"""A behaviour tree as facts: what each behaviour came to, and what is below it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+
+class Outcome(IntEnum):
+    """What a behaviour came to in its last tick; INVALID: it was not ticked."""
+
+    INVALID = 1
+    RUNNING = 2
+    SUCCESS = 3
+    FAILURE = 4
+
+    @property
+    def word(self) -> str:
+        """The outcome for a person."""
+        return self.name.lower()
+
+
+@dataclass(frozen=True)
+class Branch:
+    """A behaviour with what is below it."""
+
+    name: str
+    status: Outcome
+    words: str
+    """Its feedback message."""
+    is_decorator: bool
+    children: tuple[Branch, ...]

@@ -1,0 +1,105 @@
+"""The door to a cell in virtual time."""
+
+from __future__ import annotations
+
+from bt_orchestrator.errors import CommandRefused
+from bt_orchestrator.following import Follower
+from bt_orchestrator.model.commands import Answer
+from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.limits import EVENTS_PAGE, QUEUE_PAGE
+from bt_orchestrator.model.requests import Asked
+from bt_orchestrator.model.status import CellDescription, CellStatus
+from bt_orchestrator.ports import EventPage, Listener, QueuePage
+from bt_orchestrator.replies import begin
+from bt_orchestrator.runtime.overview import description_of
+from bt_orchestrator.sim.virtual_node import VirtualNode
+
+
+class VirtualLink:
+    """Sees one virtual node. Implements `ports.CellLink`; time passes in `turn`."""
+
+    def __init__(self, node: VirtualNode) -> None:
+        self._node = node
+        self._heard: list[tuple[str, Event]] = []
+        self._followers: list[tuple[Listener, Follower]] = []
+        self._heard_at = node.clock.steady()
+        self._is_closed = False
+        node.add(self)
+
+    @property
+    def name(self) -> str:
+        """Name of the node."""
+        return self._node.name
+
+    def status(self) -> CellStatus:
+        """Return how the cell stands."""
+        return self._node.running.overview.status(self._node.clock.now())
+
+    def description(self) -> CellDescription:
+        """Return what exists in the cell."""
+        return description_of(self._node.running.engine.state.cell)
+
+    def follow(self, listener: Listener, after_seq: int | None = None, history: str = '') -> None:
+        """Tell a listener what happens, in `turn`."""
+        now = self.status()
+        last = now.seq if after_seq is None else after_seq
+        known = now.history if after_seq is None else history or now.history
+        self._followers.append((listener, Follower(listener, known, last)))
+
+    def turn(self, within_s: float) -> None:
+        """Let time pass, and tell what happened."""
+        self._node.pass_time(within_s)
+        heard, self._heard = self._heard, []
+        if self._node.is_on:
+            self._heard_at = self._node.clock.steady()
+        for listener, follower in list(self._followers):
+            for history, event in heard:
+                if not self._is_closed:
+                    follower.heard(history, event)
+            if self._node.is_on and not self._is_closed:
+                self._catch_up(listener, follower)
+
+    @property
+    def silent_s(self) -> float:
+        """For how long the node has been off, seconds."""
+        return self._node.clock.steady() - self._heard_at
+
+    def events_after(self, seq: int, most: int = 0) -> EventPage:
+        """Return events from the journal."""
+        running = self._node.running
+        store, kept = running.store, running.engine.kept_seq
+        events = tuple(store.read(seq, min(most or EVENTS_PAGE, EVENTS_PAGE)))
+        return EventPage(store.history, events, store.first_seq(), kept)
+
+    def queue(self, after: str = '', most: int = 0) -> QueuePage:
+        """Return jobs of the queue."""
+        running = self._node.running
+        jobs, overview = running.engine.state.jobs, running.overview
+        place = jobs.place(after)
+        if after and not place:
+            raise CommandRefused(f'{after} is not in the queue')
+        page = jobs.queue(place + 1, min(most or QUEUE_PAGE, QUEUE_PAGE))
+        return QueuePage(tuple(map(overview.job, page)), jobs.waiting)
+
+    def ask(self, asked: Asked) -> Answer:
+        """Ask something of the cell."""
+        return begin(self._node.running.handler.carry_out(asked)).value
+
+    def close(self) -> None:
+        """Leave."""
+        if not self._is_closed:
+            self._is_closed = True
+            self._followers.clear()
+            self._node.remove(self)
+
+    def hear(self, history: str, event: Event) -> None:
+        """Keep an event for the next turn."""
+        self._heard.append((history, event))
+
+    def _catch_up(self, listener: Listener, follower: Follower) -> None:
+        status = self.status()
+        follower.told(status.history, status.seq)
+        while (after := follower.next_fetch()) is not None and not self._is_closed:
+            follower.fetched(self.events_after(after))
+        if not self._is_closed:
+            listener.on_status(status)

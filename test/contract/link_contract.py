@@ -1,0 +1,405 @@
+"""What every CellLink does, whatever is at its other end (see ports.py).
+
+Subclass it and say how a bench is made.
+"""
+
+from __future__ import annotations
+
+import itertools
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from contract.link_bench import LinkBench, Seen, forget_events, restored_copy
+from ros_domain import kept_domain
+
+from bt_orchestrator.errors import CommandRefused, NodeUnreachable
+from bt_orchestrator.model.by import By, Known
+from bt_orchestrator.model.commands import Answer
+from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.jobs.order import WorkOrder
+from bt_orchestrator.model.limits import EVENTS_PAGE, QUEUE_PAGE
+from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.requests import ask
+from bt_orchestrator.model.roles import Role
+from bt_orchestrator.ports import CellLink
+
+ANN = By('Ann', 'contract', 'because', Role.ENGINEER, Known.LOCAL_USER)
+
+PATIENCE_S = 60.0
+"""How long a busy machine may take."""
+
+SILENT_S = 3.0
+"""After so long a node is away; one that is there says something once a second."""
+
+_numbers = itertools.count(1)
+
+
+def new_id() -> str:
+    """Return the id of an order that no other one has."""
+    return f'O-{next(_numbers)}'
+
+
+def asked_of(link: CellLink, name: str, **given: Any) -> Answer:
+    return link.ask(ask(name, ANN, **given))
+
+
+def add(link: CellLink, *names: str, script: str = 'small', held: bool = True) -> Answer:
+    orders = [WorkOrder(script, name, 1) for name in names]
+    return asked_of(link, 'queue.add', orders=orders, held=held)
+
+
+def turn_until(link: CellLink, condition: Callable[[], Any], what: str) -> None:
+    """Handle what comes until a condition holds; fails if it does not in time."""
+    deadline = time.monotonic() + PATIENCE_S
+    while not condition():
+        assert time.monotonic() < deadline, f'no {what}'
+        link.turn(0.1)
+
+
+def happen(link: CellLink, count: int = 1) -> int:
+    """Let some events happen; returns the number of the last one so far."""
+    for _ in range(count):
+        assert add(link, new_id()).accepted
+    return link.events_after(link.status().seq - 1).last_seq
+
+
+def told_until(link: CellLink, seen: Seen, last: int) -> None:
+    turn_until(link, lambda: seen.seqs[-1:] >= [last], f'event {last}')
+
+
+def assert_complete(seen: Seen, first: int) -> None:
+    assert seen.seqs == list(range(first, first + len(seen.seqs))), 'each once and in order'
+
+
+class LinkContract(ABC):
+    """The contract; one bench serves all tests, each with doors of its own."""
+
+    @staticmethod
+    @abstractmethod
+    def make_bench(folder: Path) -> LinkBench:
+        """Return a bench whose node runs."""
+
+    @pytest.fixture(scope='class')
+    @classmethod
+    def shared_bench(cls, tmp_path_factory: pytest.TempPathFactory) -> Iterator[LinkBench]:
+        with kept_domain():
+            bench = cls.make_bench(tmp_path_factory.mktemp('link'))
+            yield bench
+            bench.close()
+
+    @pytest.fixture
+    def bench(self, shared_bench: LinkBench) -> LinkBench:
+        """Give the bench with its node at work, whatever a test before has done."""
+        if not shared_bench.is_on:
+            shared_bench.start(shared_bench.journal)
+        return shared_bench
+
+    @pytest.fixture
+    def link(self, bench: LinkBench) -> Iterator[CellLink]:
+        link = bench.link()
+        yield link
+        link.close()
+
+    # --- how it stands ----------------------------------------------------------------------
+
+    def test_the_status_says_which_cell_it_is_and_how_it_stands(self, link: CellLink) -> None:
+        happen(link)
+        status = link.status()
+        assert link.name == '/bt_orchestrator'
+        assert (status.cell, len(status.sections), len(status.components)) == ('link_cell', 2, 3)
+        assert status.seq > 0
+        assert status.history
+        assert status.state in PackmlState
+
+    def test_the_description_says_what_there_is(self, link: CellLink) -> None:
+        cell = link.description()
+        assert (cell.cell, cell.sections, cell.conveyor) == ('link_cell', 2, 'conveyor')
+        named = {one.name: one for one in cell.components}
+        assert set(named) == {'conveyor', 'feeder', 'breaker'}
+        assert named['feeder'].durations_s == {'TASK_A': 0.2}
+        assert named['breaker'].sections == (2,)
+
+    # --- following --------------------------------------------------------------------------
+
+    def test_from_now_on(self, link: CellLink) -> None:
+        known = happen(link)
+        seen = Seen()
+        link.follow(seen)
+        last = happen(link, 3)
+        told_until(link, seen, last)
+        assert_complete(seen, known + 1)
+        turn_until(link, lambda: seen.status and seen.status.seq >= last, 'status')
+
+    def test_from_an_event_on_that_is_known(self, link: CellLink) -> None:
+        known = happen(link)
+        last = happen(link, 2)
+        seen = Seen()
+        link.follow(seen, known, link.status().history)
+        told_until(link, seen, last)
+        assert_complete(seen, known + 1)
+        assert (seen.histories, seen.gaps) == ([], [])
+
+    def test_events_are_those_of_the_journal(self, link: CellLink) -> None:
+        known = happen(link)
+        seen = Seen()
+        link.follow(seen)
+        told_until(link, seen, happen(link, 2))
+        assert list(link.events_after(known).events)[: len(seen.events)] == seen.events
+
+    def test_each_listener_has_a_beginning_of_its_own(self, link: CellLink) -> None:
+        first, second = Seen(), Seen()
+        known = happen(link)
+        link.follow(first)
+        last = happen(link)
+        link.follow(second, known)
+        for seen in (first, second):
+            told_until(link, seen, last)
+            assert_complete(seen, known + 1)
+
+    @pytest.mark.parametrize('every', [1, 2, 3])
+    def test_messages_that_are_lost(self, bench: LinkBench, link: CellLink, every: int) -> None:
+        known = happen(link)
+        seen = Seen()
+        link.follow(seen)
+        bench.lose(link, lambda event: event.seq % every == 0)
+        told_until(link, seen, happen(link, 3))
+        assert_complete(seen, known + 1)
+        assert seen.gaps == []
+
+    @pytest.mark.parametrize('is_killed', [True, False])
+    def test_a_node_that_comes_back(
+        self, bench: LinkBench, link: CellLink, is_killed: bool
+    ) -> None:
+        known = happen(link)
+        seen = Seen()
+        link.follow(seen)
+        told_until(link, seen, happen(link))
+        if is_killed:
+            bench.kill()
+        else:
+            bench.stop()
+        link.turn(0.2)
+        bench.start(bench.journal)
+        told_until(link, seen, happen(link, 2))
+        assert_complete(seen, known + 1)
+        assert (seen.histories, seen.gaps) == ([], [])
+
+    def test_a_node_with_another_journal(self, bench: LinkBench, link: CellLink) -> None:
+        before = link.status().history
+        known = happen(link)
+        seen = Seen()
+        link.follow(seen)
+        bench.kill()
+        bench.start(None)
+        last = happen(link, 2)
+        told_until(link, seen, last)
+        assert seen.histories == [link.status().history] != [before]
+        assert_complete(seen, 1)
+        self._begin_with_what_is_gone(link, known, before, last)
+        bench.kill()
+
+    def _begin_with_what_is_gone(
+        self, link: CellLink, known: int, history: str, last: int
+    ) -> None:
+        seen = Seen()
+        link.follow(seen, known, history)
+        told_until(link, seen, last)
+        assert seen.histories == [link.status().history]
+        assert_complete(seen, 1)
+
+    def test_a_journal_that_was_brought_back(self, bench: LinkBench, link: CellLink) -> None:
+        before = link.status().history
+        known = happen(link)
+        seen = Seen()
+        link.follow(seen)
+        bench.stop()
+        copy = bench.journal.with_name(f'{new_id()}.sqlite3')
+        restored_copy(bench.journal, copy)
+        bench.start(copy)
+        told_until(link, seen, happen(link))
+        assert seen.histories == [link.status().history] != [before]
+        assert seen.seqs[0] <= known, 'it goes on from there, and all of it is told'
+        assert_complete(seen, seen.seqs[0])
+        bench.stop()
+
+    def test_events_that_were_removed(self, bench: LinkBench, link: CellLink) -> None:
+        last = happen(link, 2)
+        bench.stop()
+        forget_events(bench.journal, bench.cell(), last)
+        bench.start(bench.journal)
+        first = link.events_after(0).first_seq
+        assert 1 < first <= last
+        seen = Seen()
+        link.follow(seen, 0)
+        told_until(link, seen, happen(link))
+        assert seen.gaps == [(1, first - 1)]
+        assert_complete(seen, first)
+
+    def test_whoever_has_left_hears_nothing_more(self, bench: LinkBench) -> None:
+        link, other = bench.link(), bench.link()
+
+        class Leaving(Seen):
+            def on_event(self, event: Event) -> None:
+                super().on_event(event)
+                link.close()
+
+        seen = Leaving()
+        link.follow(seen)
+        last = happen(other, 2)
+        turn_until(link, lambda: seen.events, 'event')
+        assert len(seen.events) == 1
+        still = Seen()
+        other.follow(still, last - 1)
+        told_until(other, still, last)
+        other.close()
+        other.close()
+
+    # --- silence ----------------------------------------------------------------------------
+
+    def test_silence_is_not_the_same_as_no_news(self, bench: LinkBench, link: CellLink) -> None:
+        seen = Seen()
+        link.follow(seen)
+        for _ in range(15):
+            link.turn(0.1)
+        turn_until(link, lambda: link.silent_s < SILENT_S / 2, 'sign of life')
+        bench.kill()
+        turn_until(link, lambda: link.silent_s > SILENT_S, 'silence')
+        bench.start(bench.journal)
+        turn_until(link, lambda: link.silent_s < SILENT_S / 2, 'sign of life')
+
+    def test_nobody_waits_for_ever_for_a_node_that_is_away(self, bench: LinkBench) -> None:
+        link = bench.link(timeout_s=1.0)
+        link.follow(Seen())
+        bench.kill()
+        for call in (
+            link.status,
+            link.description,
+            link.queue,
+            lambda: link.events_after(0),
+            lambda: link.follow(Seen()),
+            lambda: asked_of(link, 'cell.pause'),
+        ):
+            with pytest.raises(NodeUnreachable, match='/bt_orchestrator'):
+                call()
+        link.turn(0.1)
+        link.close()
+
+    # --- pages ------------------------------------------------------------------------------
+
+    def test_a_page_of_events(self, link: CellLink) -> None:
+        last = happen(link, 3)
+        page = link.events_after(last - 3, 2)
+        assert [event.seq for event in page.events] == [last - 2, last - 1]
+        assert (page.history, page.last_seq) == (link.status().history, last)
+        assert link.events_after(last).events == ()
+        first = link.events_after(0).first_seq
+        assert len(link.events_after(first - 1).events) <= EVENTS_PAGE
+
+    def test_pages_of_a_long_queue(self, link: CellLink) -> None:
+        for _ in range(3):
+            assert add(link, *(new_id() for _ in range(200))).accepted
+        names: list[str] = []
+        while page := link.queue(names[-1] if names else '').jobs:
+            assert len(page) <= QUEUE_PAGE
+            names += [job.id for job in page]
+        whole = link.queue(most=7)
+        assert whole.queued == len(names) == len(set(names)) > QUEUE_PAGE
+        assert [job.id for job in whole.jobs] == names[:7]
+        assert [job.position for job in whole.jobs] == [1, 2, 3, 4, 5, 6, 7]
+        with pytest.raises(CommandRefused, match='NOBODY is not in the queue'):
+            link.queue('NOBODY')
+        for name in names:
+            assert asked_of(link, 'job.cancel', job=name).accepted
+
+    # --- asking -----------------------------------------------------------------------------
+
+    def test_what_was_asked_is_seen_in_the_events_after_its_answer(self, link: CellLink) -> None:
+        before, name = happen(link), new_id()
+        seen = Seen()
+        link.follow(seen)
+        answer = add(link, name)
+        assert answer.accepted
+        assert [one.job for one in answer.orders] == [name]
+        after = [event.event for event in link.events_after(before).events]
+        assert 'job.queued' in after, 'it is on record when the answer comes'
+        turn_until(link, lambda: seen.of('job.queued', job=name), 'event')
+        assert seen.of('operator.decided', who='Ann', origin='contract', reason='because')
+        assert asked_of(link, 'job.move', job=name, position=1).accepted
+        changed = asked_of(link, 'job.update', job=name, quantity=3, priority=2)
+        assert changed.accepted, changed
+        turn_until(link, lambda: seen.of('job.updated', job=name), 'event')
+        (job,) = (one for one in link.queue(most=1).jobs)
+        assert (job.id, job.quantity, job.priority) == (name, 3, 2)
+        assert asked_of(link, 'job.cancel', job=name).accepted
+
+    @pytest.mark.parametrize(
+        ('name', 'given', 'said'),
+        [
+            ('cell.clear', {}, 'either every slot, as in 1=WO-1/3 and 2=empty'),
+            ('cell.clear', {'belt': ['1=O-1/1']}, 'clear'),
+            ('cell.stop_after_never', {}, 'no stop was asked for'),
+            ('hold.retry', {'hold': 'X'}, 'there is no hold X; holds now: '),
+            ('hold.mark_done', {'hold': 'X', 'results': {'a': 1}}, 'about no task that can have'),
+            ('item.remove_item', {'item': 'X/1'}, 'X/1 is not on the belt; on it: '),
+            ('job.pause', {'job': 'X'}, 'there is no job X; jobs now: '),
+            ('job.move', {'job': 'X', 'position': 1}, 'X is not there; in the queue: '),
+            ('job.update', {'job': 'X', 'quantity': 2}, 'X is not there; in the queue: '),
+            ('job.update', {'job': 'X', 'start': 'soon'}, '`start` must be '),
+            ('queue.add', {'orders': []}, 'name at least one order'),
+        ],
+    )
+    def test_a_refusal_says_why_and_is_on_record(
+        self, link: CellLink, name: str, given: dict[str, Any], said: str
+    ) -> None:
+        before = happen(link)
+        answer = asked_of(link, name, **given)
+        assert not answer.accepted
+        assert said in answer.message
+        if name != 'job.update' or 'start' not in given:
+            (event,) = link.events_after(before).events
+            assert event.event == 'operator.refused'
+            assert vars(event)['message'] == answer.message
+
+    def test_orders_with_mistakes(self, link: CellLink) -> None:
+        before, good = happen(link), new_id()
+        orders = [WorkOrder('small', good, 1), WorkOrder('smal', new_id(), 1)]
+        answer = asked_of(link, 'queue.add', orders=orders)
+        assert (answer.accepted, answer.message) == (False, 'refused with 1 finding')
+        fits, wrong = answer.orders
+        assert good in fits.message
+        assert fits.findings == ()
+        (finding,) = wrong.findings
+        assert 'small' in finding, 'the nearest name is offered'
+        events = link.events_after(before).events
+        assert {event.event for event in events} == {'operator.refused'}, 'none is queued'
+
+    def test_an_id_is_used_once(self, link: CellLink) -> None:
+        name = new_id()
+        assert add(link, name).accepted
+        answer = add(link, name)
+        assert not answer.accepted
+        (one,) = answer.orders
+        assert one.job == ''
+        assert name in one.message
+
+    def test_a_hold_is_answered(self, link: CellLink) -> None:
+        seen = Seen()
+        link.follow(seen)
+        assert add(link, new_id(), held=False).accepted
+        turn_until(link, lambda: seen.of('hold.raised', task='break'), 'hold')
+        turn_until(link, lambda: seen.status and seen.status.holds, 'hold in the status')
+        (hold,) = link.status().holds
+        assert (hold.task, hold.component, hold.answers[0]) == ('break', 'breaker', 'retry')
+        refused = asked_of(link, 'hold.mark_done', hold=hold.id, results={'measurement': 'much'})
+        assert not refused.accepted
+        assert 'measurement' in refused.message
+        done = asked_of(link, 'hold.mark_done', hold=hold.id, results={'measurement': 3.5})
+        assert done.accepted, done.message
+        turn_until(link, lambda: seen.of('task.marked_done', task='break'), 'decision')
+        (event,) = seen.of('task.marked_done', task='break')
+        assert vars(event)['results'] == {'measurement': 3.5}
+        turn_until(link, lambda: seen.of('job.completed'), 'end of the job')

@@ -1,0 +1,58 @@
+"""Every request of the table has its call of a service, which says who asks."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from bt_orchestrator.model.by import By, Known
+from bt_orchestrator.model.jobs.order import WorkOrder
+from bt_orchestrator.model.requests import TABLE, Kind, Parameter, ask
+from bt_orchestrator.model.roles import Role
+from bt_orchestrator.ros.link.requests import Call, call_of
+
+ANN = By('Ann', 'test', 'because')
+
+OF_KIND: dict[Kind, object] = {
+    Kind.TEXT: 'none',
+    Kind.WHOLE: 7,
+    Kind.YES_NO: True,
+    Kind.TEXTS: ['1=empty'],
+    Kind.VALUES: {'a': 1.5},
+    Kind.ORDERS: [WorkOrder('boxes', 'WO-1', 2, {'lot': 'A7'})],
+}
+
+
+def value(parameter: Parameter) -> object:
+    return parameter.choices[0] if parameter.choices else OF_KIND[parameter.kind]
+
+
+def call(name: str, by: By = ANN, **given: Any) -> Call:
+    return call_of(ask(name, by, **given))
+
+
+@pytest.mark.parametrize('request_', TABLE, ids=lambda request: request.name)
+def test_a_request_with_all_its_arguments_is_a_call(request_: Any) -> None:
+    given: dict[str, Any] = {p.name: value(p) for p in request_.parameters}
+    sent = call(request_.name, **given).request
+    assert (sent.who, sent.origin, sent.reason) == ('Ann', 'test', 'because')
+    assert (sent.role, sent.known) == ('', ''), 'nobody but a door says who somebody is'
+    words = str(sent)
+    for parameter in request_.parameters:
+        assert str(given[parameter.name]) in words or parameter.kind not in (Kind.TEXT, Kind.WHOLE)
+
+
+def test_a_request_without_arguments_asks_for_nothing_more() -> None:
+    sent = call('job.update', job='J', quantity=3).request
+    assert (sent.script, sent.params, sent.details) == ('', [], '')
+    assert list(sent.priority) == list(sent.start) == []
+    sent = call('queue.add', orders=[WorkOrder('boxes')]).request
+    assert (sent.position, sent.held, sent.orders[0].order) == (0, False, '')
+    assert call('hold.mark_done', hold='1').request.results == ''
+
+
+def test_a_door_says_how_it_knows_who_asks() -> None:
+    by = By('Ann', 'page', 'because', Role.OPERATE, Known.PAGE_LOGIN)
+    sent = call('cell.pause', by).request
+    assert (sent.role, sent.known) == ('operate', 'page login')
