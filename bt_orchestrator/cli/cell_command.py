@@ -1,4 +1,4 @@
-"""The verbs that command a running cell: `reset`, `start`, `pause`, `stop`, `abort`."""
+"""The verbs `reset` and `start`, and what they have in common with `pause`, `stop` and `abort`."""
 
 from __future__ import annotations
 
@@ -7,13 +7,14 @@ import argparse
 from bt_orchestrator.cli.door import ask_and_print
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options
 
+DESCRIPTION = """\
+Command the cell of a running tree node. What each command does in which state is in
+docs/operating.md; one that is not possible now is refused with those that are."""
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of these verbs."""
-    parser.description = (
-        'Command the cell of a running tree node. What each command does in which state is in '
-        'docs/operating.md; one that is not possible now is refused with those that are.'
-    )
+    parser.description = DESCRIPTION
     add_who_options(parser)
     add_node_options(parser)
 

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from types import ModuleType
 from typing import Any
 
+from bt_orchestrator.cli.asked_verbs import in_one_line, request_of, what_to_know
 from bt_orchestrator.cli.command_parser import CommandParser
 from bt_orchestrator.cli.mistakes import print_mistakes
 from bt_orchestrator.cli.wrong_use import WrongUse
@@ -37,19 +38,20 @@ VERBS: Mapping[str, tuple[str, str]] = {
     'history': ('history', 'the jobs of a journal and what became of them'),
     'journal': ('journal', 'bring a backup of a journal back'),
     'answer': ('answer', 'decide about something that is held'),
-    'reset': ('cell_command', 'get a cell that is Stopped or Complete ready to start'),
-    'start': ('cell_command', 'let a cell that is Idle begin to work'),
-    'pause': ('cell_command', 'let a cell start nothing more; what runs goes on to its end'),
-    'resume': ('resume', 'let a cell go on after a pause, or after a restart'),
-    'stop': ('cell_command', 'let a cell finish the cycles in hand and stop'),
-    'abort': ('cell_command', 'cancel every goal of a cell now; items and queue are kept'),
-    'clear': ('clear', 'say what stands on the belt of a cell that was aborted'),
+    'reset': ('cell_command', ''),
+    'start': ('cell_command', ''),
+    'pause': ('at_once', ''),
+    'resume': ('resume', ''),
+    'stop': ('at_once', ''),
+    'abort': ('at_once', ''),
+    'clear': ('clear', ''),
     'completion': ('completion', 'what makes bash, zsh or fish complete command lines'),
     'user': ('user', 'who may log in at pages and OPC UA servers, with which role'),
     'doctor': ('doctor', 'what this machine and a cell on it lack, and what to do about it'),
-    'remove-item': ('remove_item', 'record that an item was taken off the belt by hand'),
+    'remove-item': ('remove_item', ''),
 }
-"""Module and one line of help of each verb; a module has `add_arguments` and `run`."""
+"""Module and one line of help of each verb; empty: it is in the table of requests. A module has
+`add_arguments` and `run`."""
 
 TAKE_ROS_ARGUMENTS = ('run', 'sim-cell', 'demo')
 """Verbs that are ROS 2 nodes: --ros-args is for them, up to -- or the end."""
@@ -121,6 +123,8 @@ def parsed(words: Sequence[str]) -> argparse.Namespace:
     if verb in VERBS and own_words[0] == verb:
         parser = CommandParser(prog=f'{PROGRAM} {verb}')
         _module(verb).add_arguments(parser)
+        if not VERBS[verb][1]:
+            parser.epilog = what_to_know(request_of(verb))
         # Options may stand anywhere, as in `queue add --held ORDER`.
         args = parser.parse_intermixed_args(own_words[1:])
         args.verb = verb
@@ -167,11 +171,16 @@ def _parser_of_verbs(with_options_of: str | None = None) -> argparse.ArgumentPar
     )
     parser.add_argument('--version', action=_Version, help='print the version and exit')
     verbs = parser.add_subparsers(dest='verb', metavar='VERB', required=True)
-    for name, (_, help_line) in VERBS.items():
-        verb = verbs.add_parser(name, help=help_line)
+    for name in VERBS:
+        verb = verbs.add_parser(name, help=help_line(name))
         if name == with_options_of:
             _module(name).add_arguments(verb)
     return parser
+
+
+def help_line(verb: str) -> str:
+    """Return what a verb does."""
+    return VERBS[verb][1] or in_one_line(request_of(verb))
 
 
 def _module(verb: str) -> ModuleType:

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Protocol
 
+from bt_orchestrator.cli.asked_verbs import in_one_line
 from bt_orchestrator.cli.door import ask_and_print, asked, open_door
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options
 from bt_orchestrator.cli.numbers import whole_32
@@ -18,48 +19,54 @@ from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.jobs.isa95 import OVER
+from bt_orchestrator.model.requests import (
+    ADD,
+    MOVE,
+    STOP_AFTERS,
+    UPDATE,
+    About,
+    Request,
+    of_word,
+    words_about,
+)
 from bt_orchestrator.model.status import CellStatus, JobStatus
-from bt_orchestrator.model.wish import STOP_AFTER
 from bt_orchestrator.ports import QueuePage
 from bt_orchestrator.screen.words import job_terms
 
-CONTROLS = (
-    'hold',
-    'release',
-    'next',
-    'remove',
-    'pause',
-    'resume',
-    'stop',
-    'abort',
-    'cancel',
-    'clear',
-)
-AFTER = ('item', 'job', 'never')
+CONTROLS = tuple(word for word in words_about(About.JOB) if word not in (MOVE.word, UPDATE.word))
+"""What is asked of one job and takes nothing else."""
+
+STOP_AFTER = 'stop-after'
 
 DESCRIPTION = """\
 List and change the queue of a running tree node. Without an action: the jobs on the line, then the
-queue in order.
+queue in order. After each action is who may ask for it (docs/security.md).
+"""
 
-  queue add ORDER...         queue work orders, all or none; --at N, --held
-  queue move JOB N           put a queued job at place N, counted from 1
-  queue next JOB             put it in front of all others, and release it
-  queue update JOB           change it: --quantity, --param NAME=VALUE, --script, --priority,
-                             --start, --due, --details
-  queue hold|release JOB     keep a queued job from starting, or let it start in its turn
-  queue remove|cancel JOB    take a queued job out
-  queue pause|resume JOB     let a running job begin no more items, or go on
-  queue stop JOB             end a job early: items on the line are finished
-  queue abort JOB            end a job now: items on the line are rejected and drain
-  queue clear JOB            list an ended job no more
-  queue stop-after WHAT      item or job: run the line empty, then stop; never: take that back"""
+
+def description() -> str:
+    """Return what can be done, from the table of requests."""
+    rows = [
+        ('add ORDER...', f'{in_one_line(ADD)}; --at N, --held'),
+        ('move JOB N', in_one_line(MOVE)),
+        ('update JOB', f'{in_one_line(UPDATE)}; --quantity, --param NAME=VALUE, --script, ...'),
+        *((f'{word} JOB', in_one_line(_control_of(word))) for word in CONTROLS),
+        *((f'{STOP_AFTER} {after}', in_one_line(one)) for after, one in STOP_AFTERS.items()),
+    ]
+    return '\n'.join([DESCRIPTION, *(f'  queue {what:<17} {does}' for what, does in rows)])
+
+
+def _control_of(word: str) -> Request:
+    request = of_word(About.JOB, word)
+    assert request is not None
+    return request
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of the verb."""
-    parser.description = DESCRIPTION
+    parser.description = description()
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    actions = ('list', 'add', 'move', 'update', *CONTROLS, 'stop-after')
+    actions = ('list', ADD.word, MOVE.word, UPDATE.word, *CONTROLS, STOP_AFTER)
     parser.add_argument(
         'action', nargs='?', default='list', choices=actions, help='what to do (default: list)'
     )
@@ -90,7 +97,7 @@ def run(args: argparse.Namespace) -> int:
     if args.action == 'list':
         _expect(args, 0, 'nothing')
         return _list(args)
-    if args.action != 'add' and not args.reason:
+    if args.action != ADD.word and not args.reason:
         raise WrongUse(f'queue {args.action}: say why, with --reason TEXT')
     ask = _ASK.get(args.action, _control)
     return ask(args)
@@ -208,23 +215,22 @@ def _update(args: argparse.Namespace) -> int:
 
 
 def _stop_after(args: argparse.Namespace) -> int:
-    (after,) = _expect(args, 1, 'one of item, job, never')
-    if after not in AFTER:
-        raise WrongUse(f'queue stop-after: one of {", ".join(AFTER)}; found {after!r}')
-    return _ask(args, f'cell.{STOP_AFTER}{after}')
+    (after,) = _expect(args, 1, f'one of {", ".join(STOP_AFTERS)}')
+    if after not in STOP_AFTERS:
+        raise WrongUse(f'queue stop-after: one of {", ".join(STOP_AFTERS)}; found {after!r}')
+    return _ask(args, STOP_AFTERS[after].name)
 
 
 def _control(args: argparse.Namespace) -> int:
     (job,) = _expect(args, 1, 'one job')
-    word = 'cancel' if args.action == 'remove' else args.action
-    return _ask(args, f'job.{word}', job=job)
+    return _ask(args, _control_of(args.action).name, job=job)
 
 
 _ASK: Mapping[str, Callable[[argparse.Namespace], int]] = {
-    'add': _add,
-    'move': _move,
-    'update': _update,
-    'stop-after': _stop_after,
+    ADD.word: _add,
+    MOVE.word: _move,
+    UPDATE.word: _update,
+    STOP_AFTER: _stop_after,
 }
 
 

@@ -7,7 +7,8 @@ from collections.abc import Iterator, Mapping
 from bt_orchestrator.model.cell import Cell, Component
 from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.limits import QUEUE_SHOWN
-from bt_orchestrator.model.packml import VERBS, Cause, possible_in
+from bt_orchestrator.model.packml import Cause
+from bt_orchestrator.model.requests import CELL, Request, of_cell
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.state import JobState
 from bt_orchestrator.model.status import (
@@ -75,7 +76,7 @@ class Overview:
             wish=state.wish,
             waits_for=way_to_work(state.packml) if state.stopped_by is not None else '',
             unauthenticated_role=self._unauthenticated_role,
-            commands=tuple(VERBS[cause] for cause in self._possible()),
+            commands=tuple(request.word for request in self._possible()),
             journal_failure=engine.broken or '',
             disk_wait=engine.disk_wait,
             belt=BeltStatus(state.indexing, in_flight.of_belt(), waits_of(tree.belt)),
@@ -117,11 +118,11 @@ class Overview:
     def _in_flight(self) -> TasksInFlight:
         return TasksInFlight(self._engine, self._durations)
 
-    def _possible(self) -> tuple[Cause, ...]:
+    def _possible(self) -> tuple[Request, ...]:
         """Return what the cell may be told; without a journal only to cancel its goals."""
         if self._engine.broken:
-            return (Cause.ABORT,)
-        return possible_in(self._engine.state.packml)
+            return (CELL[Cause.ABORT],)
+        return of_cell(self._engine.state.packml)
 
     def _component(self, component: Component) -> ComponentStatus:
         engine, name = self._engine, component.name

@@ -7,15 +7,13 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple, Protocol
 
 from bt_orchestrator.model.jobs.isa95 import OVER
-from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.packml import Cause, PackmlState
+from bt_orchestrator.model.requests import CELL, About, Request, of_hold
 from bt_orchestrator.model.status import CellStatus
 
 PROGRAM = 'bt-orchestrator'
 
 DEFAULT_NODE = '/bt_orchestrator'
-
-OTHER_VERBS = {'remove_item': 'remove-item {item}', 'resume': 'resume --hold {hold}'}
-"""Answers that are given by a verb of their own; all others by `answer`."""
 
 WHY = '--reason "WHY"'
 
@@ -84,9 +82,18 @@ def hold_advice(hold: Question, shell: Shell) -> list[str]:
 
 def hold_choices(hold: Question) -> tuple[Choice, ...]:
     """Return the answers that a hold offers."""
-    about = {'hold': hold.id, 'item': shlex.quote(hold.item or '')}
-    verbs = ((word, OTHER_VERBS.get(word, f'answer {{hold}} {word}')) for word in hold.answers)
-    return tuple(Choice(word, verb.format(**about)) for word, verb in verbs)
+    return tuple(Choice(one.word, _typed(one, hold)) for one in of_hold(hold.answers))
+
+
+def _typed(request: Request, hold: Question) -> str:
+    """Return the verb by which somebody answers a hold."""
+    verb = request.word.replace('_', '-')
+    match request.about:
+        case About.ITEM:
+            return f'{verb} {shlex.quote(hold.item or "")}'
+        case About.CELL:
+            return f'{verb} --hold {hold.id}'
+    return f'answer {hold.id} {request.word}'
 
 
 def next_choices(status: CellStatus) -> tuple[Choice, ...]:
@@ -100,18 +107,23 @@ def next_choices(status: CellStatus) -> tuple[Choice, ...]:
 def _next_choices(status: CellStatus) -> Iterator[Choice]:
     waits = any(job.state not in OVER for job in status.jobs)
     if status.state is PackmlState.ABORTED:
-        shown = f'clear --as-shown {status.seq}'
-        yield Choice('clear', shown, 'if the belt is as shown here')
-        each = 'clear --belt 1=ITEM,2=empty'
-        yield Choice('clear', each, 'else: every slot as it really is', is_complete=False)
+        clear = CELL[Cause.CLEAR].word
+        shown = f'{clear} --as-shown {status.seq}'
+        yield Choice(clear, shown, 'if the belt is as shown here')
+        each = f'{clear} --belt 1=ITEM,2=empty'
+        yield Choice(clear, each, 'else: every slot as it really is', is_complete=False)
     elif status.state is PackmlState.IDLE and waits:
-        yield Choice('start', 'start', 'lets the cell begin to work')
+        yield _to_cell(CELL[Cause.START])
     elif status.state in _WAITING_FOR_ORDERS:
         if not waits and not status.waits_for:
             order, effect = 'submit ORDER.yaml', 'gives it a work order'
             yield Choice('submit', order, effect, needs_reason=False, is_complete=False)
         if status.state is PackmlState.STOPPED or waits:
-            yield Choice('reset', 'reset', 'gets the cell ready to start')
+            yield _to_cell(CELL[Cause.RESET])
+
+
+def _to_cell(request: Request) -> Choice:
+    return Choice(request.word, request.word, request.effect)
 
 
 def next_lines(status: CellStatus, shell: Shell) -> list[str]:

@@ -6,20 +6,21 @@ import argparse
 import importlib
 from collections.abc import Iterator
 
-from bt_orchestrator.cli.main import PROGRAM, VERBS
+from bt_orchestrator.cli.main import PROGRAM, VERBS, help_line
 from bt_orchestrator.node_parameters import MOST_JOBS, NodeParameters, Words, described
 from tables.markdown import cell, table
 
 
 def verbs() -> Iterator[str]:
     """Yield the table of all verbs."""
-    rows = ((f'`{name}`', cell(line)) for name, (_, line) in VERBS.items())
+    rows = ((f'`{name}`', cell(help_line(name))) for name in VERBS)
     yield from table(('verb', 'does'), rows)
 
 
 def options_of_the_verbs() -> Iterator[str]:
     """Yield what every verb takes."""
-    for name, (module, line) in VERBS.items():
+    for name, (module, _) in VERBS.items():
+        line = help_line(name)
         yield f'### `{PROGRAM} {name}`'
         yield ''
         yield f'{line[0].upper()}{line[1:]}.'

@@ -43,11 +43,11 @@ CELL: Mapping[Cause, Request] = {
     Cause.RESET: _request(
         About.CELL,
         VERBS[Cause.RESET],
-        'gets a cell that is Stopped or Complete ready to start',
+        'gets the cell ready to start',
         _OPERATORS,
     ),
     Cause.START: _request(
-        About.CELL, VERBS[Cause.START], 'lets a cell that is Idle begin to work', _OPERATORS
+        About.CELL, VERBS[Cause.START], 'lets the cell begin to work', _OPERATORS
     ),
     Cause.HOLD: _request(
         About.CELL,
