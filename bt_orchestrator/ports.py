@@ -367,6 +367,18 @@ class EventPage(NamedTuple):
     """The newest that the node has kept."""
 
 
+class Moment(NamedTuple):
+    """One moment of a cell, from which a virtual run may begin."""
+
+    cell: Cell
+    plain_state: Mapping[str, Any]
+    """Of `model.snapshot`."""
+    now_s: float
+    """On the clock of the state."""
+    observed_s: Mapping[str, Mapping[str, float]] = {}
+    """Seconds that tasks took, by component and task constant."""
+
+
 class QueuePage(NamedTuple):
     """Jobs of the queue that follow each other."""
 
@@ -462,6 +474,14 @@ class CellLink(Protocol):
         :raises NodeUnreachable: it does not answer
         """
 
+    def moment(self) -> Moment:
+        """Return the state of now, for a virtual run that begins with it.
+
+        Of a long queue it has the first jobs (`model.limits`).
+
+        :raises NodeUnreachable: it does not answer, or cannot tell its state at this moment
+        """
+
     def ask(self, asked: Asked) -> Answer:
         """Ask something of the cell and wait for its answer, which is on record by then.
 
@@ -480,18 +500,6 @@ class Past(Protocol):
 
         :raises NotKept: that event is not in the journal, or what came before it
         """
-
-
-class Moment(NamedTuple):
-    """One moment of a cell, from which a virtual run may begin."""
-
-    cell: Cell
-    plain_state: Mapping[str, Any]
-    """Of `model.snapshot`."""
-    now_s: float
-    """On the clock of the state."""
-    observed_s: Mapping[str, Mapping[str, float]] = {}
-    """Seconds that tasks took, by component and task constant."""
 
 
 class ExpectedJob(NamedTuple):

@@ -5,8 +5,9 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from typing import TYPE_CHECKING, Any, cast
 
 from bt_orchestrator.cli.node_options import origin
 from bt_orchestrator.cli.wrong_use import WrongUse
@@ -33,7 +34,21 @@ def open_door(
     """
     from bt_orchestrator.ros.link.ros_link import RosLink
 
-    return RosLink(node, timeout_s, meanwhile)
+    return RosLink(node, timeout_s, meanwhile) if _other is None else cast('RosLink', _other)
+
+
+_other: object | None = None
+
+
+@contextmanager
+def instead_of_a_door(other: AbstractContextManager[object]) -> Iterator[None]:
+    """Let verbs open something else: it has what they use of a door, and a node need not be."""
+    global _other  # noqa: PLW0603 - verbs are called one after another
+    _other = other
+    try:
+        yield
+    finally:
+        _other = None
 
 
 def asked(args: argparse.Namespace, name: str, **given: Any) -> Asked:

@@ -31,6 +31,7 @@ VERBS: Mapping[str, tuple[str, str]] = {
     'run': ('run', 'the tree node of a cell: takes orders and runs them'),
     'demo': ('demo', 'a simulated cell, its tree node and one order, with live progress'),
     'submit': ('submit', 'give a running node work orders'),
+    'what-if': ('what_if', 'when jobs would end after some requests, before anybody makes them'),
     'queue': ('queue', 'list the jobs of a running node, and change what is done when'),
     'status': ('status', 'how the cell of a running node stands'),
     'watch': ('watch', 'a running node on the terminal, as it changes'),

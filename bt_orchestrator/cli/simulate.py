@@ -10,8 +10,8 @@ from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.check import add_cell_options, as_json
 from bt_orchestrator.cli.folders import script_folders
 from bt_orchestrator.cli.numbers import seconds
+from bt_orchestrator.cli.side_by_side import change_lines, plain_change, what_if_jobs
 from bt_orchestrator.cli.virtual_run import RunOptions, lines_of, plain, run_jobs
-from bt_orchestrator.cli.what_if import change_lines, plain_change, what_if_jobs
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.ports import ActionTypes

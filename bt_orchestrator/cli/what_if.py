@@ -1,66 +1,141 @@
-"""Two virtual runs side by side: the orders as they are, and with another cell file or script."""
+"""The verb `what-if`: when jobs would end after some requests, before anybody makes them."""
 
 from __future__ import annotations
 
+import argparse
+import contextlib
+import importlib
+import io
+import json
+import shlex
 from collections.abc import Iterator, Sequence
-from pathlib import Path
-from typing import Any
 
-from bt_orchestrator.cli import bootstrap
-from bt_orchestrator.cli.virtual_run import Run, lines_of, plain
+from bt_orchestrator.cli.door import instead_of_a_door, open_door
+from bt_orchestrator.cli.folders import add_trees_option, script_folders
+from bt_orchestrator.cli.node_options import add_node_options
+from bt_orchestrator.cli.what_if_process import WhatIfProcess
 from bt_orchestrator.cli.wrong_use import WrongUse
-from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.ports import ActionTypes
-from bt_orchestrator.report.comparison import changes, comparison_lines
-from bt_orchestrator.script.file_kind import FileKind, file_kind
-from bt_orchestrator.script.script_file import read_script
-from bt_orchestrator.sim.simulation import Outcome
+from bt_orchestrator.model.commands import Answer
+from bt_orchestrator.model.requests import Asked
+from bt_orchestrator.ports import Consequence
+from bt_orchestrator.report.tables import table
+
+DESCRIPTION = """\
+Work out when the jobs of a running cell would end after some requests, with the engine itself in
+virtual time. Nothing is asked of the cell, and the line does not notice. Each request is one word
+of this command line, written as it would be typed, without a reason:
+
+  what-if 'queue next WO-7'
+  what-if 'submit rush.yaml' 'queue hold WO-3'
+  what-if 'answer 3 skip'
+
+New orders are read here, with the scripts of --trees or of the folder trees."""
 
 
-def what_if_jobs(
-    file: Path,
-    orders: Sequence[Path],
-    cell_file: Path,
-    folders: Sequence[Path],
-    types: ActionTypes,
-    scripts: Sequence[str],
-) -> tuple[Cell, list[bootstrap.Given]]:
-    """Read the orders again, for the cell or with the script that a file describes.
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of the verb."""
+    parser.description = DESCRIPTION
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.epilog = 'exit status: 0 worked out, 1 a request would be refused, 2 wrong use'
+    parser.add_argument('--json', action='store_true', help='one JSON object')
+    add_trees_option(parser)
+    add_node_options(parser)
+    parser.add_argument(
+        'requests', nargs='+', metavar='REQUEST', help='a verb with its words, in quotes'
+    )
 
-    :param scripts: names of the scripts that the orders ask for
-    :raises Refused: with every mistake in all files
-    :raises WrongUse: it is not clear which script it would take the place of
+
+def run(args: argparse.Namespace) -> int:
+    """Carry out the verb; returns the exit status."""
+    requests = [asked for text in args.requests for asked in _asked(text)]
+    with open_door(args.node, args.timeout) as door:
+        moment = door.moment()
+    with contextlib.closing(WhatIfProcess(moment, script_folders(args.trees))) as process:
+        found = process.ask(requests)
+    if args.json:
+        print(json.dumps(_plain(found)))
+    else:
+        print('\n'.join(_lines(found)))
+    return 1 if found.refusals else 0
+
+
+class _Collecting:
+    """A door behind which nobody is: it notes what is asked."""
+
+    def __init__(self) -> None:
+        self.asked: list[Asked] = []
+
+    def __enter__(self) -> _Collecting:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        """Keep what was noted."""
+
+    def ask(self, asked: Asked) -> Answer:
+        """Note a request."""
+        self.asked.append(asked)
+        return Answer(True, '')
+
+
+def _asked(text: str) -> Sequence[Asked]:
+    """Return what a verb would ask.
+
+    :raises WrongUse: it asks nothing
     """
-    if file_kind(file) is FileKind.CELL:
-        return bootstrap.load_jobs(orders, file, folders, types)
-    name = read_script(file, bootstrap.load_cell(cell_file, types), types).name
-    asked = list(dict.fromkeys(scripts))
-    if name not in asked and len(asked) > 1:
-        raise WrongUse(
-            f'{file} is script {name}, and the orders ask for {", ".join(asked)}; '
-            'give it the name of the one whose place it takes'
-        )
-    instead = bootstrap.Replacement(name if name in asked else asked[0], file)
-    return bootstrap.load_jobs(orders, cell_file, folders, types, instead)
+    from bt_orchestrator.cli.main import VERBS, parsed
+
+    try:
+        words = shlex.split(text)
+    except ValueError as error:
+        raise WrongUse(f'what-if: {text!r}: {error}') from error
+    if not words or words[0] not in VERBS:
+        raise WrongUse(f'what-if: expected a verb with its words, found {text!r}')
+    module = importlib.import_module(f'bt_orchestrator.cli.{VERBS[words[0]][0]}')
+    parser = argparse.ArgumentParser()
+    module.add_arguments(parser)
+    if '--reason' not in parser.format_usage():
+        raise WrongUse(f'what-if: {text!r} asks nothing of the cell')
+    reason = [] if '--reason' in words else ['--reason', 'what if']
+    args = parsed([*words, *reason])
+    door = _Collecting()
+    try:
+        with instead_of_a_door(door), contextlib.redirect_stdout(io.StringIO()):
+            module.run(args)
+    except AttributeError as error:
+        if error.obj is not door:
+            raise
+    if not door.asked:
+        raise WrongUse(f'what-if: {text!r} asks nothing of the cell')
+    return door.asked
 
 
-def change_lines(before: Run, after: Run) -> Iterator[str]:
-    """Yield the comparison as text; what did not end is told in full."""
-    for name, done in (('before', before), ('after', after)):
-        if done.outcome is not Outcome.FINISHED:
-            yield f'{name}:'
-            yield from (f'  {line}' for line in lines_of(done))
-            yield ''
-    yield from comparison_lines(before.forecast, after.forecast)
+def _lines(found: Consequence) -> Iterator[str]:
+    yield from table(('job', 'ends in', 'would end in', 'change'), list(_rows(found)))
+    yield from (f'would be refused: {refusal}' for refusal in found.refusals)
 
 
-def plain_change(before: Run, after: Run) -> dict[str, Any]:
-    """Return the comparison as data that JSON can carry."""
-    found = changes(before.forecast, after.forecast)
+def _rows(found: Consequence) -> Iterator[tuple[str, ...]]:
+    before, after = dict(found.before), dict(found.after)
+    for job in dict.fromkeys([*after, *before]):
+        then = _figure(after[job]) if job in after else 'not at all'
+        now = _figure(before[job]) if job in before else 'new'
+        yield job, now, then, _change(before.get(job), after.get(job))
+
+
+def _figure(seconds: float | None) -> str:
+    return 'unknown' if seconds is None else f'{seconds:.1f} s'
+
+
+def _change(before: float | None, after: float | None) -> str:
+    if before is None or after is None:
+        return '-'
+    return '=' if abs(after - before) < 0.05 else f'{after - before:+.1f} s'
+
+
+def _plain(found: Consequence) -> dict[str, object]:
+    """Return what JSON can carry."""
     return {
-        'ok': before.outcome is after.outcome is Outcome.FINISHED,
-        'before': plain(before),
-        'after': plain(after),
-        'changes': [{**one._asdict(), 'percent': one.percent} for one in found],
-        'findings': [],
+        'before': [one._asdict() for one in found.before],
+        'after': [one._asdict() for one in found.after],
+        'refusals': list(found.refusals),
     }

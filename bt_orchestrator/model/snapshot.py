@@ -11,6 +11,7 @@ can still be read, as events can.
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import json
 import types
@@ -25,6 +26,8 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import from_plain, hints_of, text_of, to_plain
 from bt_orchestrator.model.initialization import Preparation
 from bt_orchestrator.model.jobs.live_jobs import LiveJobs
+from bt_orchestrator.model.jobs.order_ids import OrderIds
+from bt_orchestrator.model.limits import QUEUE_SHOWN
 from bt_orchestrator.model.packml import VERBS, Cause, PackmlState
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState, JobState
@@ -70,6 +73,16 @@ def text_of_objects(objects: Iterable[Any]) -> str:
     return ', '.join(
         text_of(one) if isinstance(one, Script) else json.dumps(one) for one in objects
     )
+
+
+def nearest(state: CellState) -> CellState:
+    """Return what a virtual run has to know: of a long queue the first jobs, no past."""
+    near = copy.copy(state)
+    near.jobs = LiveJobs(state.jobs.first(QUEUE_SHOWN))
+    used = {job.digest for job in near.jobs.values()}
+    near.scripts = {name: script for name, script in state.scripts.items() if name in used}
+    near.ended, near.order_ids = {}, OrderIds()
+    return near
 
 
 _NOTHING: Mapping[int, Any] = MappingProxyType({})

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import json
+
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.following import Follower
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.limits import EVENTS_PAGE, QUEUE_PAGE
 from bt_orchestrator.model.requests import Asked
+from bt_orchestrator.model.snapshot import nearest, state_to_text
 from bt_orchestrator.model.status import CellDescription, CellStatus
-from bt_orchestrator.ports import EventPage, Listener, QueuePage
+from bt_orchestrator.ports import EventPage, Listener, Moment, QueuePage
 from bt_orchestrator.replies import begin
 from bt_orchestrator.runtime.overview import description_of
 from bt_orchestrator.sim.virtual_node import VirtualNode
@@ -80,6 +83,12 @@ class VirtualLink:
             raise CommandRefused(f'{after} is not in the queue')
         page = jobs.queue(place + 1, min(most or QUEUE_PAGE, QUEUE_PAGE))
         return QueuePage(tuple(map(overview.job, page)), jobs.waiting)
+
+    def moment(self) -> Moment:
+        """Return the state of now."""
+        state = self._node.running.engine.state
+        plain = json.loads(state_to_text(nearest(state)))
+        return Moment(state.cell, plain, self._node.clock.now())
 
     def ask(self, asked: Asked) -> Answer:
         """Ask something of the cell."""

@@ -123,6 +123,16 @@ class LinkContract(ABC):
         assert named['feeder'].durations_s == {'TASK_A': 0.2}
         assert named['breaker'].sections == (2,)
 
+    def test_a_moment_is_what_a_virtual_run_begins_with(
+        self, bench: LinkBench, link: CellLink
+    ) -> None:
+        name = new_id()
+        assert add(link, name).accepted
+        moment = link.moment()
+        assert moment.cell == bench.cell()
+        assert name in moment.plain_state['state']['jobs']
+        assert moment.now_s == pytest.approx(link.status().stamp, abs=PATIENCE_S)
+
     # --- following --------------------------------------------------------------------------
 
     def test_from_now_on(self, link: CellLink) -> None:

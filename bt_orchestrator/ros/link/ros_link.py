@@ -8,17 +8,18 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from bt_orchestrator_interfaces.srv import GetEvents, QueueList
+from bt_orchestrator_interfaces.srv import GetEvents, GetState, QueueList
 
 from bt_orchestrator.errors import CommandRefused, NodeUnreachable
 from bt_orchestrator.following import Follower
 from bt_orchestrator.model.branch import Branch
-from bt_orchestrator.model.codec import from_record
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.codec import from_plain, from_record
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.requests import Asked
 from bt_orchestrator.model.status import CellDescription, CellStatus
-from bt_orchestrator.ports import EventPage, Listener, QueuePage
+from bt_orchestrator.ports import EventPage, Listener, Moment, QueuePage
 from bt_orchestrator.ros.link.client import NodeClient
 from bt_orchestrator.ros.link.event_fetches import EventFetches
 from bt_orchestrator.ros.link.requests import answer_of, call_of
@@ -104,6 +105,14 @@ class RosLink:
         if not answer.accepted:
             raise CommandRefused(answer.message)
         return QueuePage(tuple(map(job_status, answer.jobs)), answer.queued)
+
+    def moment(self) -> Moment:
+        """Return the state of now."""
+        answer = self._client.call(GetState, 'get_state', GetState.Request())
+        if not answer.accepted:
+            raise NodeUnreachable(f'{self.name} cannot tell its state: {answer.message}')
+        cell = from_plain(Cell, json.loads(answer.cell))
+        return Moment(cell, json.loads(answer.state), answer.now, json.loads(answer.observed))
 
     # --- asking -----------------------------------------------------------------------------
 

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import copy
 import time
 from collections.abc import Mapping
 
 from rclpy.node import Node
 
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.jobs.live_jobs import LiveJobs
-from bt_orchestrator.model.jobs.order_ids import OrderIds
 from bt_orchestrator.model.limits import QUEUE_SHOWN
-from bt_orchestrator.model.snapshot import state_to_text
+from bt_orchestrator.model.snapshot import nearest, state_to_text
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import Foresight
 from bt_orchestrator.report.pace import expected_ends_s
@@ -88,16 +85,6 @@ class ExpectedEnds:
             now_s = self._node.get_clock().now().nanoseconds / 1e9
             text = state_to_text(nearest(state))
             self._foresight.ask(text, self._durations.seconds(), now_s)
-
-
-def nearest(state: CellState) -> CellState:
-    """Return what a forecast has to know: of a long queue the first jobs, of the past nothing."""
-    near = copy.copy(state)
-    near.jobs = LiveJobs(state.jobs.first(QUEUE_SHOWN))
-    used = {job.digest for job in near.jobs.values()}
-    near.scripts = {name: script for name, script in state.scripts.items() if name in used}
-    near.ended, near.order_ids = {}, OrderIds()
-    return near
 
 
 def _waits(state: CellState) -> bool:
