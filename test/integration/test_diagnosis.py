@@ -10,6 +10,7 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
+from bt_orchestrator_interfaces.msg import Status
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Bool, String
 from test_msgs.action import Fibonacci
@@ -124,6 +125,17 @@ def test_a_node_that_runs_alone(servers: ThreadServers) -> None:
     checks = about_node('/thread_servers')
     assert checks['tree node'].found == '/thread_servers runs'
     assert checks['clock'] == Check('clock', Verdict.OK, 'of the computer')
+
+
+@pytest.mark.parametrize(('role', 'verdict'), [('engineer', Verdict.OK), ('view', Verdict.WARN)])
+def test_the_role_of_everybody_is_told(
+    servers: ThreadServers, role: str, verdict: Verdict
+) -> None:
+    publisher = servers.node.create_publisher(Status, '/thread_servers/status', LATCHED)
+    publisher.publish(Status(unauthenticated_role=role))
+    check = about_node('/thread_servers')['role over ROS']
+    assert check.verdict is verdict
+    assert f'has the role {role}' in check.found
 
 
 def test_two_nodes_of_one_name(servers: ThreadServers) -> None:

@@ -14,7 +14,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from bt_orchestrator.ros.identity import twins_in_words
-from bt_orchestrator.ros.qos import create_client
+from bt_orchestrator.ros.qos import LATCHED, create_client
 
 STEP_S = 0.1
 
@@ -91,6 +91,16 @@ class Graph:
     def twins(self, name: str) -> str:
         """Say where all are that answer as a tree node of a name, if there are several."""
         return twins_in_words(self._node, name)
+
+    def latched(self, kind: Any, topic: str, timeout_s: float) -> Any:
+        """Return the last message of a latched topic; None if none comes in time."""
+        received: list[Any] = []
+        subscription = self._node.create_subscription(kind, topic, received.append, LATCHED)
+        try:
+            self.wait(lambda: bool(received), timeout_s)
+        finally:
+            self._node.destroy_subscription(subscription)
+        return received[-1] if received else None
 
     def call(self, kind: Any, service: str, request: Any, timeout_s: float) -> Any:
         """Call a service; None if it does not answer in time."""

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from bt_orchestrator_interfaces.msg import Status
 from rcl_interfaces.srv import GetParameters
 
-from bt_orchestrator.diagnosis.check import Check, fail, ok
+from bt_orchestrator.diagnosis.check import Check, fail, ok, warn
+from bt_orchestrator.model.roles import Role
 from bt_orchestrator.ros.actions.endpoints import names
 from bt_orchestrator.ros.diagnosis.graph import Graph
 
@@ -30,12 +32,28 @@ def tree_node(graph: Graph, node: str, *, expected: bool, timeout_s: float) -> I
         yield fail('tree node', words, remedy)
     elif count:
         yield ok('tree node', f'{node} runs')
+        yield from _role(graph, node, timeout_s)
     elif expected:
         remedy = 'start it (bt-orchestrator run), in this domain, or name another one with --node'
         yield fail('tree node', f'no node {node}', remedy)
     else:
         yield ok('tree node', f'no {node} runs; nothing is in the way of one')
     yield _clock(graph, node if count else None, timeout_s)
+
+
+def _role(graph: Graph, node: str, timeout_s: float) -> Iterator[Check]:
+    """Say what everybody may ask of the node: over ROS nobody is known."""
+    topic = f'{node}/status'
+    status = graph.latched(Status, topic, timeout_s) if graph.publishers(topic) else None
+    role = '' if status is None else status.unauthenticated_role
+    if not role:
+        return
+    found = f'everybody in the ROS domain has the role {role} (unauthenticated_role)'
+    if role == Role.VIEW.value:
+        remedy = 'every command over ROS is refused: give the node --unauthenticated-role, if'
+        yield warn('role over ROS', found, f'{remedy} all who hear it may command it')
+    else:
+        yield ok('role over ROS', found)
 
 
 def _clock(graph: Graph, node: str | None, timeout_s: float) -> Check:
