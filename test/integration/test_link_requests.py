@@ -1,16 +1,19 @@
-"""Every request of the table has its call of a service, which says who asks."""
+"""Every request of the table has its call of a service; what the node says is read, or refused."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import pytest
+from bt_orchestrator_interfaces.msg import Event
 
+from bt_orchestrator.errors import NodeUnreachable
 from bt_orchestrator.model.by import By, Known
 from bt_orchestrator.model.jobs.order import WorkOrder
 from bt_orchestrator.model.requests import TABLE, Kind, Parameter, ask
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.ros.link.requests import Call, call_of
+from bt_orchestrator.ros.link.ros_link import event_of
 
 ANN = By('Ann', 'test', 'because')
 
@@ -56,3 +59,11 @@ def test_a_door_says_how_it_knows_who_asks() -> None:
     by = By('Ann', 'page', 'because', Role.OPERATE, Known.PAGE_LOGIN)
     sent = call('cell.pause', by).request
     assert (sent.role, sent.known) == ('operate', 'page login')
+
+
+@pytest.mark.parametrize(
+    'record', ['{"seq": 7, "time": 0, "event": "new.kind"}', '{"event": "job.held", "new": 1}', '']
+)
+def test_an_event_of_another_version_is_no_traceback(record: str) -> None:
+    with pytest.raises(NodeUnreachable, match=r'event 7 \(.*is the tree node of another version'):
+        event_of(Event(seq=7, event='new.kind', record=record))

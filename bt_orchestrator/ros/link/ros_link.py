@@ -226,5 +226,14 @@ class RosLink:
 
 
 def event_of(message: Any) -> Event:
-    """Return the event of a message (bt_orchestrator_interfaces/msg/Event)."""
-    return from_record(json.loads(message.record))
+    """Return the event of a message (bt_orchestrator_interfaces/msg/Event).
+
+    :raises NodeUnreachable: it is none that this program knows
+    """
+    try:
+        return from_record(json.loads(message.record))
+    except (KeyError, TypeError, ValueError) as error:
+        raise NodeUnreachable(
+            f'event {message.seq} ({message.event}) cannot be read ({error!r}); is the tree node '
+            'of another version than this program?'
+        ) from error
