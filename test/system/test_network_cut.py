@@ -36,6 +36,8 @@ class Computers:
         words = ['sim-cell', '--cell', str(cell), '--log', str(self.log), '--speed', str(SPEED)]
         self.sim = ProgramProcess(words, folder, 'sim', within=network.within(1))
         words = ['run', '--cell', str(cell), '--trees', str(folder), '--auto-resume']
+        # Whoever is on a network may not command a node by itself.
+        words += ['--unauthenticated-role', 'mes']
         self._node_words = [*words, '--journal', str(self._journal)]
         self.node = self.start_node()
         self.sim.wait_ready()
