@@ -99,6 +99,10 @@ def _gone_on_with(store: SqliteStore) -> str:
     said = [hold.message for hold in state.holds.values() if hold.reason == 'missing']
     started = len(state.running)
     for _ in range(MOST_STEPS):
+        if _reason_to_stop(orchestrator):
+            # Of a part that no start reads: the line is Held and says why, nothing more is sent.
+            orchestrator.close()
+            return '; '.join([*said, _reason_to_stop(orchestrator)])
         for hold in list(state.holds.values()):
             by = ann('looked at it')
             offered = Resume(by, hold.id) if hold.is_pause else None
@@ -106,10 +110,11 @@ def _gone_on_with(store: SqliteStore) -> str:
             done = orchestrator.ask(offered or answer)
             assert done.accepted, done.message
         orchestrator.settle()
+        if _reason_to_stop(orchestrator):
+            continue
         if not state.jobs or not (clock.advance() or state.holds):
             break
         orchestrator.settle()
-    assert orchestrator.broken is None, orchestrator.broken
     assert not state.jobs, f'stuck with {list(state.jobs)}, {started} goals at the start'
     # Those before may be damaged: a newer snapshot led past them.
     assert [event.seq for event in store.read(found)] == list(range(found + 1, state.seq + 1))
@@ -117,6 +122,10 @@ def _gone_on_with(store: SqliteStore) -> str:
     assert frozen(again) == frozen(state), 'the next start finds another state'
     orchestrator.close()
     return '; '.join(said)
+
+
+def _reason_to_stop(orchestrator: Orchestrator) -> str:
+    return orchestrator.broken or ''
 
 
 def _misread(case: Case, path: Path) -> str:
