@@ -1,8 +1,8 @@
 """A process of low priority that answers questions, one after another.
 
-It shares nothing with the one that asks: what takes long there, or ends it, stops nobody here.
-Each question and each answer is its length and so many bytes. The first question sets the process
-up; its answer says that it is ready.
+It shares nothing with the process that asks: if it is slow or crashes, the caller goes on. Each
+question and each answer is sent as its length followed by its bytes. The first question sets the
+process up; its answer says that it is ready.
 """
 
 from __future__ import annotations
@@ -25,23 +25,23 @@ from pathlib import Path
 from bt_orchestrator.errors import OrchestratorError
 
 START_WITHIN_S = 30.0
-"""Longest time until a process that was started is ready; that of a busy machine."""
+"""Longest time until a new process is ready, on a busy machine."""
 
 FAREWELL_S = 2.0
-"""Longest time for which the end of a process that was killed is waited for."""
+"""Longest wait for the end of a process that was killed."""
 
 MOST_MEMORY = 4 << 30
-"""Bytes of addresses that such a process may have; what wants more of them is a mistake."""
+"""Limit of the process's address space, bytes; more than this is a defect."""
 
 FIRST_TO_GO = b'800'
-"""Where memory runs out, the kernel ends a process like this before the one that asks."""
+"""If memory runs out, the kernel ends this process before the one that asks."""
 
 _LENGTH = struct.Struct('!Q')
 _MOST_AT_ONCE = 1 << 20
 
 
 class ChildFailed(OrchestratorError):
-    """The process cannot be started, or has ended without an answer."""
+    """The process cannot be started, or ended without an answer."""
 
 
 class ChildTooLate(ChildFailed):
@@ -49,14 +49,14 @@ class ChildTooLate(ChildFailed):
 
 
 def framed(message: bytes) -> bytes:
-    """Return a question or an answer as it goes through the pipe."""
+    """Return a question or an answer as it is sent through the pipe."""
     return _LENGTH.pack(len(message)) + message
 
 
 class ChildProcess:
-    """Asks a module's process; one that ended is started anew by the next question.
+    """Sends questions to a module's process; the next question restarts one that ended.
 
-    Everything but `close` is called by one thread.
+    All methods except `close` are called from one thread.
     """
 
     def __init__(self, module: str, setup: bytes) -> None:
@@ -74,7 +74,7 @@ class ChildProcess:
 
     @property
     def pid(self) -> int | None:
-        """Number of the process; None: there is none."""
+        """Process id; None: there is no process."""
         return None if self._process is None else self._process.pid
 
     def ready(self) -> None:
@@ -98,13 +98,13 @@ class ChildProcess:
         return self._exchange(question, within_s)
 
     def close(self) -> None:
-        """End the process for good; may be called by any thread."""
+        """End the process for good; may be called from any thread."""
         with self._closing:
             self._closed = True
             process = self._process
         if process is None:
             return
-        process.kill()  # whoever waits for its answer sees that it has ended
+        process.kill()  # a thread that waits for its answer sees that it has ended
         if self._asking.acquire(timeout=FAREWELL_S):
             _end(process)
             self._asking.release()
@@ -143,7 +143,7 @@ class ChildProcess:
             raise ChildFailed(f'the process ended {self._give_up(process)}') from error
 
     def _give_up(self, process: subprocess.Popen[bytes]) -> str:
-        """End a process that is of no use any more, and say how it ended."""
+        """End a process that failed, and say how it ended."""
         _end(process)
         self._process = None
         code = process.returncode
@@ -153,7 +153,7 @@ class ChildProcess:
 
 
 class _Exchange:
-    """One question and its answer, through pipes that never block."""
+    """One question and its answer, through non-blocking pipes."""
 
     def __init__(self, process: subprocess.Popen[bytes], until: float) -> None:
         assert process.stdin is not None
@@ -173,7 +173,7 @@ class _Exchange:
         return bytes(self._got[_LENGTH.size : size])
 
     def _size(self) -> int | None:
-        """Return how many bytes the answer has with its length in front; None: not known yet."""
+        """Return the size of the answer with its length prefix, bytes; None: not known yet."""
         if len(self._got) < _LENGTH.size:
             return None
         return _LENGTH.size + int(_LENGTH.unpack_from(self._got)[0])
@@ -201,7 +201,7 @@ def _end(process: subprocess.Popen[bytes]) -> None:
     for pipe in (process.stdin, process.stdout):
         if pipe is not None:
             pipe.close()
-    # Where it waits for a disk that does not answer, it ends with that.
+    # If it hangs in a disk access, it ends when the disk answers.
     with contextlib.suppress(subprocess.TimeoutExpired):
         process.wait(FAREWELL_S)
 
@@ -217,22 +217,22 @@ def _signal_name(number: int) -> str:
 
 
 def be_modest(nice: int) -> None:
-    """Let everything else on the machine come first; called before anything is loaded.
+    """Give this process the lowest priority; called before anything is loaded.
 
-    :param nice: 19 takes only what nobody else wants
+    :param nice: 19 uses only idle processor time
     """
     os.nice(nice)
     _, hard = resource.getrlimit(resource.RLIMIT_AS)
     most = MOST_MEMORY if hard == resource.RLIM_INFINITY else min(hard, MOST_MEMORY)
     resource.setrlimit(resource.RLIMIT_AS, (most, most))
-    with contextlib.suppress(OSError):  # it is not allowed everywhere, and only a precaution
+    with contextlib.suppress(OSError):  # not allowed everywhere, and only a precaution
         Path('/proc/self/oom_score_adj').write_bytes(FIRST_TO_GO)
 
 
 def serve(answer: Callable[[bytes], bytes]) -> None:
-    """Answer questions until nobody is left to ask, and then end whatever is being worked on.
+    """Answer questions until the other end is closed, then stop any work in progress.
 
-    :param answer: raises nothing; what it prints goes where errors go
+    :param answer: raises nothing; what it prints goes to stderr
     """
     out = os.dup(sys.stdout.fileno())
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
@@ -243,7 +243,7 @@ def serve(answer: Callable[[bytes], bytes]) -> None:
 
 
 def _listen(questions: queue.SimpleQueue[bytes]) -> None:
-    """Take in questions; their end is the end of the process, in the middle of an answer too."""
+    """Read questions; when they end, the process ends, even while it works on an answer."""
     with open(sys.stdin.fileno(), 'rb', closefd=False) as file:
         while len(length := file.read(_LENGTH.size)) == _LENGTH.size:
             questions.put(file.read(_LENGTH.unpack(length)[0]))

@@ -10,20 +10,20 @@ Callback = Callable[[], None]
 NS_PER_S = 1_000_000_000
 
 _FEW = 64
-"""Cancelled deadlines that are not worth a clean-up."""
+"""With no more cancelled deadlines than this, there is no clean-up."""
 
 
 def instant_ns(time_s: float) -> int:
-    """Return the nanosecond that a time in seconds means.
+    """Convert a time in seconds to integer nanoseconds.
 
-    A sum of seconds may lie a rounding beside the time that a clock says there; as nanoseconds
-    both are the same. Clocks ring at this instant, so whoever asks `has_come` then hears yes.
+    A sum of seconds may differ from the clock's time by a rounding error; as nanoseconds both are
+    equal. Clocks call back at this instant, so `has_come` is true then.
     """
     return round(time_s * NS_PER_S)
 
 
 def has_come(due_s: float, now_s: float) -> bool:
-    """Tell whether a time has come, as the clock that is to ring then sees it."""
+    """Tell whether a time has come, with the same rounding as the clock's callbacks."""
     return instant_ns(due_s) <= instant_ns(now_s)
 
 
@@ -45,7 +45,7 @@ class Deadline:
 
 
 class Deadlines:
-    """Deadlines in order of time; those of one instant in the order they were added.
+    """Deadlines in order of time; equal times in the order they were added.
 
     Times are integer nanoseconds, so that 1.5 s + 1.0 s and 2.5 s are the same instant.
     Cancelled ones are dropped when they reach the top or when they are more than half.

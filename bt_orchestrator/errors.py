@@ -1,4 +1,4 @@
-"""What can go wrong in a way that a caller can act on."""
+"""Errors that a caller can handle."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def counted(number: int, what: str) -> str:
 
 
 _TOLD, _LONGEST = 3, 300
-"""Mistakes that are told in short, and the characters of each."""
+"""For `in_short`: the number of mistakes shown, and the maximum characters of each."""
 
 
 class Refused(OrchestratorError):
@@ -47,7 +47,7 @@ class Refused(OrchestratorError):
         super().__init__('\n'.join(str(finding) for finding in self.findings))
 
     def __reduce__(self) -> tuple[type[Refused], tuple[Sequence[Finding]]]:
-        """Let one process tell another of it; an exception is made from its text otherwise."""
+        """Make it picklable: by default an exception is rebuilt from its text alone."""
         return Refused, (self.findings,)
 
     @property
@@ -57,7 +57,7 @@ class Refused(OrchestratorError):
 
     @property
     def in_short(self) -> str:
-        """How many mistakes there are, and the first of them without their hints."""
+        """The number of mistakes, and the first of them without their hints."""
         first = self.findings[:_TOLD]
         places = [f'{one.file}:{one.line}:{one.column}: {one.what}' for one in first]
         more = len(self.findings) - len(first)
@@ -81,16 +81,16 @@ class JournalUnusable(OrchestratorError):
 
 
 class JournalFailed(OrchestratorError):
-    """Events could not be made durable; what they would have done is not done."""
+    """Events could not be made durable; their effects were not carried out."""
 
 
 class DamagedRecord(OrchestratorError):
-    """An event in the journal is not what was written; those before it are as they were."""
+    """An event in the journal is damaged; the events before it are intact."""
 
     def __init__(self, first: int, last: int, what: str) -> None:
         """Name the events that cannot be read.
 
-        :param what: how they are, in a word or two
+        :param what: the kind of damage, in a word or two
         """
         self.first = first
         self.last = last
@@ -101,7 +101,7 @@ class DamagedRecord(OrchestratorError):
 
 
 class JournalMismatch(OrchestratorError):
-    """The journal's unfinished work does not fit the cell that is to be run."""
+    """The journal's unfinished work does not fit the configured cell."""
 
 
 class CommandRefused(OrchestratorError):
@@ -110,7 +110,7 @@ class CommandRefused(OrchestratorError):
     def __init__(self, message: str, each: Sequence[str] = ()) -> None:
         """Refuse.
 
-        :param each: for a command about several things, what is to be said of each
+        :param each: one message per job, for a command about several jobs
         """
         super().__init__(message)
         self.each = tuple(each)
@@ -136,4 +136,4 @@ class NodeUnreachable(OrchestratorError):
 
 
 class NotKept(OrchestratorError):
-    """A past moment cannot be had: its events are not in the journal any more, or not yet."""
+    """A past state is not available: its events are removed from the journal, or not yet in it."""

@@ -1,4 +1,4 @@
-"""The events of a cell without gaps, whatever was lost on the way."""
+"""Follow the events of a cell without gaps, although messages may be lost."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from bt_orchestrator.model.events import Event
 from bt_orchestrator.ports import EventPage, Listener
 
 MOST_AHEAD = 1_000
-"""Events that are kept until those before them have come; others are fetched later."""
+"""Events that are buffered while earlier ones are missing; further ones are fetched later."""
 
 
 class Follower:
-    """Tells one listener every event once, in order: what is heard, and what has to be fetched.
+    """Passes every event to one listener once and in order, whether received or fetched.
 
-    A number that jumps, or a status that is further on, tells of a gap: then `next_fetch` says
-    what to ask for. Numbers count within one history: where another one is heard of, the cell has
-    another journal, and everything begins anew. Nothing here waits.
+    A jump in the numbers, or a status with a later number, shows a gap: `next_fetch` then says
+    what to fetch. Numbers count within one history: a new history means that the cell has another
+    journal, and following restarts from its first event. Nothing here blocks.
     """
 
     def __init__(self, listener: Listener, history: str, last: int) -> None:
@@ -27,14 +27,14 @@ class Follower:
         self._history = history
         self._last = last
         self._newest = last
-        """Nobody has spoken of a later event."""
+        """The highest event number that was received or reported."""
         self._ahead: dict[int, Event] = {}
-        """Heard before what is in front of them."""
+        """Received events whose predecessors are still missing."""
         self._left: set[str] = set()
-        """Histories of nodes that are gone; their last words may still come."""
+        """Histories of nodes that are gone; late messages of them may still arrive."""
         self._is_asked_for = False
         self._must_wait = False
-        """The last fetch brought nothing: the next one follows when something is heard."""
+        """The last fetch returned nothing: the next one waits for a new message."""
 
     def heard(self, history: str, event: Event) -> None:
         """Take in an event, the next one or not."""
@@ -49,9 +49,9 @@ class Follower:
         self._goes_on(history, seq)
 
     def next_fetch(self) -> int | None:
-        """Return the event after which others have to be fetched now; None: there is no need.
+        """Return the number after which events must be fetched now; None: no fetch is needed.
 
-        It is not said again before `fetched` or `not_fetched`.
+        It is not returned again before `fetched` or `not_fetched` is called.
         """
         is_complete = self._last >= self._newest or self._last + 1 in self._ahead
         if is_complete or self._is_asked_for or self._must_wait:
@@ -60,11 +60,11 @@ class Follower:
         return self._last
 
     def fetched(self, page: EventPage) -> None:
-        """Take in what was in the journal after the number of `next_fetch`."""
+        """Take in the journal page that `next_fetch` asked for."""
         self._is_asked_for = False
         self._must_wait = page.history != self._history or not page.events
         if page.history != self._history:
-            return  # by another node already, which is heard of in its own words
+            return  # already of another node, whose own messages report it
         first = page.events[0].seq if page.events else page.first_seq
         if first > self._last + 1:
             lost, self._last = self._last + 1, first - 1
@@ -74,11 +74,11 @@ class Follower:
         self._tell_next()
 
     def not_fetched(self) -> None:
-        """Take note that the node did not answer."""
+        """Note that the node did not answer."""
         self._is_asked_for, self._must_wait = False, True
 
     def _goes_on(self, history: str, seq: int) -> bool:
-        """Tell whether a history is the present one, which a new one becomes."""
+        """Tell whether a history is the present one; a new one becomes the present one."""
         if history in self._left:
             return False
         if history != self._history:

@@ -1,4 +1,4 @@
-"""What gateways hand to the tick: goals, state readings and contests, oldest first."""
+"""News from the gateways for the tick: goals, state readings and contests, oldest first."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from bt_orchestrator.ports import Told
 class News:
     """The queue behind `ActionGateway.drain`.
 
-    A goal that has two news between two drains (accepted, then ended) is listed once, at the place
-    of the later one: it is an object, and says both.
+    A goal that was accepted and ended between two drains is listed once, at the place of the later
+    news: the goal object shows both.
     """
 
     def __init__(self) -> None:
@@ -20,11 +20,11 @@ class News:
         self._wake: Callable[[], None] = _ignore
 
     def listen(self, wake: Callable[[], None]) -> None:
-        """Name the function to call when something was added that has consequences."""
+        """Set the function to call when news with consequences is added."""
         self._wake = wake
 
     def add(self, entry: Told) -> None:
-        """List something new; that a goal was accepted can wait, as nothing follows from it."""
+        """Add news; an acceptance does not wake the tick, as nothing follows from it."""
         # By identity: two equal state readings are two readings, and values may be unhashable.
         self._entries.pop(id(entry), None)
         self._entries[id(entry)] = entry
@@ -38,4 +38,4 @@ class News:
 
 
 def _ignore() -> None:
-    """Stand for the wake function until one is named."""
+    """Placeholder until a wake function is set."""

@@ -1,4 +1,4 @@
-"""What a tree node can be told when it starts.
+"""The start parameters of a tree node.
 
 One table: the node's ROS parameters, the options of `run`, and their page are made from it.
 """
@@ -20,20 +20,20 @@ AUTO = 'auto'
 
 
 MOST_JOBS = 2**31 - 1
-"""As good as no limit."""
+"""In practice no limit."""
 
 
 class BadParameter(OrchestratorError):
-    """A parameter has a value that it cannot have."""
+    """A parameter has a value that is not allowed."""
 
 
 @dataclass(frozen=True)
 class Words:
-    """What a user has to know of a parameter."""
+    """The description of a parameter for users."""
 
     meaning: str
     choices: tuple[str, ...] = ()
-    """The values of a string that there are; empty: any."""
+    """The allowed values of a string; empty: any."""
     low: float | None = None
     high: float | None = None
     """The range of a number."""
@@ -153,9 +153,9 @@ class NodeParameters:
     ] = BUILTIN
 
     def __post_init__(self) -> None:
-        """Refuse what is none of the choices.
+        """Refuse a value that is not one of the choices.
 
-        :raises BadParameter: says which there are
+        :raises BadParameter: the message lists the choices
         """
         for name, words in described():
             found = getattr(self, name)
@@ -165,6 +165,6 @@ class NodeParameters:
 
 
 def described() -> Iterator[tuple[str, Words]]:
-    """Yield every parameter by name, in the order for readers."""
+    """Yield every parameter with its name, in the order of the documentation."""
     for name, hint in get_type_hints(NodeParameters, include_extras=True).items():
         yield name, get_args(hint)[1]

@@ -1,4 +1,4 @@
-"""The seams: what the orchestrator needs from the outside world, and nothing about how.
+"""The ports: what the orchestrator needs from outside, independent of the implementation.
 
 Every implementation of a port passes the contract tests of that port (test/contract).
 """
@@ -36,7 +36,7 @@ class Goal(Protocol):
 
     @property
     def accepted(self) -> bool:
-        """True once the server said yes."""
+        """True once the server accepted the goal."""
 
     @property
     def end(self) -> GoalEnd | None:
@@ -55,45 +55,45 @@ class Goal(Protocol):
 
 
 Told = Goal | StateReading | SeenContest
-"""What a gateway may have to tell."""
+"""News of a gateway."""
 
 
 class Servers(Protocol):
-    """What is seen of the action servers without asking them anything."""
+    """What is known of the action servers without a request to them."""
 
     def available(self, component: str) -> bool:
-        """Tell whether the component's action server was there at the last look, for show."""
+        """Tell whether the component's action server was seen at the last check; for show."""
 
     def rivals(self, component: str) -> Sequence[str]:
-        """Return where the servers of a component's action are, if several are known now.
+        """Return the nodes that serve a component's action, if several are known now.
 
-        Nothing is sent then: a request waits as if there were no server, and `drain` has told of
-        it, or will (`SeenContest`). None of them is believed that it does not know a goal.
+        Nothing is sent then: a request waits as if there were no server, and `drain` reports it
+        (`SeenContest`). An answer "unknown goal" from any of them is ignored.
         """
 
     def server(self, component: str) -> str | None:
         """Return an id of the instance of the component's server that was seen last.
 
-        A server that was restarted has another one, and the goals of the one before are unknown
-        to it. It may be out of date, which only makes a proof fail that it is needed for
-        (semantics 9.2). None: no server was seen, or several with one name.
+        A restarted server has another id and does not know the goals of the earlier instance. The
+        id may be out of date; then only the proof that needs it fails (semantics 9.2). None: no
+        server was seen, or several with one name.
         """
 
 
 class ActionGateway(Servers, Protocol):
-    """The one way to the robots. All calls come from the tick thread."""
+    """The only access to the robots. All calls come from the tick thread."""
 
     def listen(self, wake: Callable[[], None]) -> None:
-        """Name the function that is called whenever `drain` has an end or a state topic.
+        """Set the function that is called whenever `drain` has an end or a state reading.
 
-        That a goal was accepted waits for the next call: nothing follows from it.
+        An acceptance alone does not call it: nothing follows from it.
         """
 
     def send(self, request: GoalRequest) -> Goal:
         """Send one goal; returns at once, whatever the server does.
 
-        A request whose server is not there waits for it, for the gateway's server timeout, and
-        ends UNAVAILABLE after that.
+        A request without a server waits for one for the gateway's server timeout, then it ends
+        UNAVAILABLE.
         """
 
     def adopt(self, request: GoalRequest) -> Goal:
@@ -137,33 +137,33 @@ class Timer(Protocol):
 
 
 class Clock(Protocol):
-    """Time as a port: no logic reads a wall clock or sleeps."""
+    """Time as a port: no other code reads a wall clock or sleeps."""
 
     def now(self) -> float:
         """Seconds: since the epoch in a real run, from 0 in a virtual one.
 
-        For records. Somebody may set it, forward or back, so nothing is waited for by it.
+        For records only. It may be set forward or back, so no deadline uses it.
         """
 
     def steady(self) -> float:
-        """Seconds that nobody sets, from some beginning of this process's own."""
+        """Seconds of a monotonic clock, from an arbitrary start in this process."""
 
     def call_at(self, time: float, callback: Callable[[], None]) -> Timer:
         """Call back once, in the tick thread, when `steady()` has reached `time`."""
 
     def uptime(self) -> Uptime | None:
-        """How long the machine has been up, for other processes to compare with theirs.
+        """How long the machine has been up, comparable between processes.
 
-        None: it does not tell, or goes by another time.
+        None: not available, or the clock does not run in real time.
         """
 
 
 class Snapshot(NamedTuple):
-    """What the state was after an event."""
+    """The state after an event."""
 
     seq: int
     stamp: str
-    """Which program wrote it, for which cell."""
+    """Program and cell that it was written by and for."""
     state: str
     """As JSON."""
 
@@ -173,46 +173,46 @@ class EventStore(Protocol):
 
     @property
     def history(self) -> str:
-        """Name the history that the events are of: random, and of no other journal.
+        """Return the id of the history of the events: random, unique to this journal.
 
-        Numbers of events say something only within one.
+        Event numbers are valid only within one history.
         """
 
     @property
     def is_restored(self) -> bool:
-        """Tell whether this history goes on from a copy of another one (semantics 9.2)."""
+        """Tell whether this history continues a copy of another one (semantics 9.2)."""
 
     def missing(self, after: int) -> str:
-        """Tell, in words, what was written after an event and is not to be had; empty: nothing.
+        """Say what was written after an event and is lost; empty: nothing.
 
         :raises JournalUnusable: it cannot be read
         """
 
     def go_on_after(self, seq: int) -> None:
-        """Let another history begin after an event, with the next `append`.
+        """Begin a new history after an event, with the next `append`.
 
-        What is missing was told to others under its numbers, and these get other events now.
+        Others have seen the lost events under their numbers, which new events now reuse.
         """
 
     def append(self, events: Sequence[Event]) -> None:
         """Make the events durable, all or none.
 
-        :param events: one or more, with the numbers that come next
-        :raises JournalFailed: none of them is
+        :param events: one or more, with the next numbers
+        :raises JournalFailed: none of them is durable
         """
 
     def read(self, after: int = 0, most: int = -1) -> Iterable[Event]:
         """Return the events with a seq greater than `after`, oldest first.
 
-        Errors come when it is read so far.
+        Errors are raised when the iteration reaches them.
 
         :param most: so many at most; -1: all
-        :raises DamagedRecord: the next one cannot be read; those before it are as they were
-        :raises JournalUnusable: nothing can be read any more
+        :raises DamagedRecord: the next one cannot be read; those before it are intact
+        :raises JournalUnusable: nothing more can be read
         """
 
     def first_seq(self) -> int:
-        """Return the seq of the first event that is kept, or that is to come.
+        """Return the seq of the first event that is kept; if none is, of the next one.
 
         :raises JournalUnusable: it cannot be read
         """
@@ -221,31 +221,31 @@ class EventStore(Protocol):
         """Return states to start from, newest first. Each is a cache and may be ignored."""
 
     def beginning(self) -> Snapshot | None:
-        """Return the state that replay begins with; None: with the first event of all.
+        """Return the state that replay begins with; None: it begins with the first event.
 
         :raises JournalUnusable: it is damaged, or cannot be read
         """
 
 
 class Journal(EventStore, Protocol):
-    """A journal that outlives its orchestrator, and is kept short for the next one."""
+    """A journal that outlives its process, and is kept short for the next start."""
 
     def save(self, snapshot: Snapshot, ended: Sequence[JobRecord] = ()) -> None:
-        """Keep a state to start from, and what is to stay of jobs that ended.
+        """Store a state to start from, and the summaries of jobs that ended.
 
-        :raises JournalFailed: neither is kept
+        :raises JournalFailed: neither is stored
         """
 
     def first_needed(self, live: Collection[str], keep_jobs: int) -> int:
         """Return the seq of the first event of any live job, or of the last `keep_jobs` others.
 
-        0: there are not more jobs than that.
+        0: there are no more jobs than that.
 
         :raises JournalFailed: it cannot be read
         """
 
     def begin_with(self, snapshot: Snapshot) -> None:
-        """Let replay begin with a state: events up to it may be removed.
+        """Make replay begin with a state: events up to it may be removed.
 
         :raises JournalFailed: nothing has changed
         """
@@ -258,28 +258,28 @@ class Journal(EventStore, Protocol):
         """
 
     def close(self) -> None:
-        """Let others have it."""
+        """Close it and release its lock."""
 
 
 class Records(Protocol):
-    """A journal as its readers see it, while it is written or when nobody has it.
+    """A journal as its readers see it, with or without a running writer.
 
-    Nothing in it changes by reading. Each answer is of one moment and takes short, so that nobody
-    who writes has to wait. What is damaged or missing is in the answer, never left out silently.
-    Items are a fold of the records of their job (`report.reading`). One thread at a time.
+    Reading changes nothing. Each answer is consistent and quick, so the writer never has to wait.
+    Damaged or missing records are reported in the answer, never silently left out. Items are a
+    fold of the records of their job (`report.reading`). One thread at a time.
     """
 
     def extent(self) -> Extent:
-        """Tell how far it reaches.
+        """Return the range of events in it.
 
         :raises JournalUnusable: it cannot be read
         """
 
     def page(self, wanted: Wanted, most: int = 1000) -> Page:
-        """Return the next of the records that are wanted; go on with `Page.rest`.
+        """Return the next wanted records; continue with `Page.rest`.
 
-        There may be fewer than `most`, or none, on a page that is not the last: a page ends as
-        well when much was looked at.
+        A page that is not the last may have fewer than `most` records, or none: it also ends after
+        a limit of records read.
 
         :raises JournalUnusable: it cannot be read
         """
@@ -287,41 +287,41 @@ class Records(Protocol):
     def summaries(
         self, after: JobPlace | None = None, most: int = 1000, *, newest_first: bool = False
     ) -> Summaries:
-        """Return what is kept of jobs that ended, their events or not, as they were queued.
+        """Return the summaries of jobs that ended, with or without events, in queue order.
 
-        :param after: where to go on (`Summaries.rest`); None: with the first of them
+        :param after: where to continue (`Summaries.rest`); None: from the first
         :raises JournalUnusable: it cannot be read
         """
 
     def state_before(self, seq: int) -> Snapshot | None:
-        """Return a state from which the moment after an event can be had by few events.
+        """Return a stored state from which few events lead to the state after an event.
 
-        None: there is none; then replay begins with the first event of all, if that is kept.
+        None: there is none; then replay begins with the first event, if that is kept.
 
         :raises JournalUnusable: it cannot be read
         """
 
     def close(self) -> None:
-        """Let go of it."""
+        """Close it."""
 
 
 class Writing(Protocol[_Result_co]):
-    """Something that is being written."""
+    """A write in progress."""
 
     def has_ended(self, within_s: float = 0.0) -> bool:
-        """Tell whether it has ended, well or not; wait for that for so long at most."""
+        """Tell whether it has ended, successfully or not; wait at most `within_s` for that."""
 
     def result(self) -> _Result_co:
-        """Return what it returned once it has ended, or raise what it raised."""
+        """Return its result once it has ended, or raise its error."""
 
 
 class Writer(Protocol):
-    """Who waits for a disk, so that others need not: one thing after the other, in their order."""
+    """Carries out disk writes one after another, in order, so that callers need not wait."""
 
     def begin(self, write: Callable[[], _Result]) -> Writing[_Result]:
-        """Have something written.
+        """Begin a write.
 
-        Whoever was told that it has not ended is woken when it has.
+        A caller that saw `has_ended` return False is woken when it has ended.
 
         :param write: uses the journal, and nothing that changes meanwhile
         """
@@ -331,22 +331,22 @@ class EventSink(Protocol):
     """An output of the event stream; one that fails never stops the cell."""
 
     def publish(self, events: Sequence[Event]) -> None:
-        """Hand on events that are durable, oldest first."""
+        """Publish durable events, oldest first."""
 
 
 class Foresight(Protocol):
-    """Works out when jobs will end, apart from the tick thread."""
+    """Forecasts when jobs end, outside the tick thread."""
 
     def ask(self, state: str, observed_s: Mapping[str, Mapping[str, float]], now_s: float) -> None:
-        """Ask for a forecast from a state on; returns at once. A later question replaces it.
+        """Request a forecast from a state; returns at once. A later request replaces it.
 
         :param state: of `model.snapshot`, as JSON
-        :param observed_s: seconds that tasks took, by component and task constant
+        :param observed_s: task durations in seconds, by component and task constant
         """
 
     @property
     def ends_s(self) -> Mapping[str, float]:
-        """When each live job will end, by the last forecast; those unknown are left out."""
+        """When each live job will end, by the last forecast; unknown ones are left out."""
 
     def close(self) -> None:
         """Stop working."""
@@ -356,57 +356,57 @@ class Foresight(Protocol):
 
 
 class EventPage(NamedTuple):
-    """Events of one history that follow each other."""
+    """Consecutive events of one history."""
 
     history: str
     events: Sequence[Event]
-    """Oldest first; empty: there are no more, for now."""
+    """Oldest first; empty: there are no more yet."""
     first_seq: int
-    """The oldest that can be had; those before it were removed, or are damaged."""
+    """The oldest that is available; earlier ones were removed, or are damaged."""
     last_seq: int
-    """The newest that the node has kept."""
+    """The newest durable one."""
 
 
 class Moment(NamedTuple):
-    """One moment of a cell, from which a virtual run may begin."""
+    """A state of a cell from which a virtual run can begin."""
 
     cell: Cell
     plain_state: Mapping[str, Any]
     """Of `model.snapshot`."""
     now_s: float
-    """On the clock of the state."""
+    """Time of the state, on its clock."""
     observed_s: Mapping[str, Mapping[str, float]] = {}
     """Seconds that tasks took, by component and task constant."""
 
 
 class QueuePage(NamedTuple):
-    """Jobs of the queue that follow each other."""
+    """Consecutive jobs of the queue."""
 
     jobs: Sequence[JobStatus]
     queued: int
-    """How many there are in the whole queue."""
+    """Length of the whole queue."""
 
 
 class Listener(Protocol):
-    """Is told what happens in a cell: called from within `CellLink.turn`, in one thread."""
+    """Receives what happens in a cell: called from `CellLink.turn`, in one thread."""
 
     def on_status(self, status: CellStatus) -> None:
-        """Take in how the cell stands: the latest, not each one that there was."""
+        """Receive the latest status of the cell; intermediate ones may be skipped."""
 
     def on_event(self, event: Event) -> None:
-        """Take in what happened: every event, in the order of their numbers, each once."""
+        """Receive every event once, in the order of their numbers."""
 
     def on_gap(self, first: int, last: int) -> None:
-        """Learn that events are lost for good: they were removed, or are damaged."""
+        """Receive the range of events that are lost for good: removed, or damaged."""
 
     def on_history(self, history: str) -> None:
-        """Learn that the cell has another journal: numbers begin anew, what was known is void."""
+        """The cell has another journal: numbers restart, and what was known is void."""
 
 
 class CellLink(Protocol):
-    """The door to one running cell: all that people and machines outside see of it and ask of it.
+    """The door to one running cell: everything that clients see of it and request from it.
 
-    All calls come from one thread. Whatever happens between them is kept for the next `turn`.
+    All calls come from one thread. What happens between calls is kept for the next `turn`.
 
     Where another thread runs a loop of its own (asyncio, say), one thread has the door and calls
     `turn` again and again; its listener hands each fact, all of them frozen, to the loop with
@@ -419,32 +419,32 @@ class CellLink(Protocol):
         """Name of the cell's tree node, for instance /bt_orchestrator."""
 
     def status(self) -> CellStatus:
-        """Return how the cell stands.
+        """Return the status of the cell.
 
         :raises NodeUnreachable: nothing is heard of it
         """
 
     def description(self) -> CellDescription:
-        """Return what exists in the cell.
+        """Return the parts of the cell.
 
         :raises NodeUnreachable: nothing is heard of it
         """
 
     def follow(self, listener: Listener, after_seq: int | None = None, history: str = '') -> None:
-        """Tell a listener everything from an event on, without gaps, across restarts of the node.
+        """Send a listener everything from an event on, without gaps, across restarts of the node.
 
-        Each call adds a listener. Nothing is told before the next `turn`.
+        Each call adds a listener. It is first called in the next `turn`.
 
         :param after_seq: last event that the listener knows; None: only what happens from now on
-        :param history: that `after_seq` counts in; empty: that of now. If the cell has another
-            one, `on_history` comes first and everything from its first event
+        :param history: history of `after_seq`; empty: the present one. If the cell has another
+            one, `on_history` is called first, then everything from its first event
         :raises NodeUnreachable: nothing is heard of the node
         """
 
     def turn(self, within_s: float) -> None:
-        """Handle what comes within a time: here listeners are called.
+        """Handle what arrives within a time: this calls the listeners.
 
-        It returns early when it has told something. Nothing is raised while the node is away:
+        It returns early when it has called a listener. Nothing is raised while the node is away:
         then `silent_s` grows. A listener may close the door.
 
         :raises NodeUnreachable: the node is there, and says that it cannot read its journal
@@ -452,24 +452,23 @@ class CellLink(Protocol):
 
     @property
     def silent_s(self) -> float:
-        """For how long nothing was heard of the node, seconds.
+        """Seconds since the last message of the node.
 
-        It says something once a second, whether anything happens or not. So a small number means
-        that there are no news, and a number of some seconds that the node is away. It counts
-        while somebody follows.
+        The node sends a message once a second, whether anything happens or not. So after some
+        seconds of silence the node is away. It counts while there is a listener.
         """
 
     def events_after(self, seq: int, most: int = 0) -> EventPage:
-        """Return events from the journal of the cell, as many as it gives at once.
+        """Return events from the journal of the cell, as many as fit in one answer.
 
-        :param most: not more than so many; 0: as many as it gives
+        :param most: maximum number; 0: as many as fit
         :raises NodeUnreachable: it does not answer, or cannot read its journal
         """
 
     def queue(self, after: str = '', most: int = 0) -> QueuePage:
-        """Return jobs of the queue in their order.
+        """Return jobs of the queue, in order.
 
-        :param after: the last job that is known; empty: from the first
+        :param after: the job before the first to return; empty: from the first
         :raises CommandRefused: that job is not in the queue (any more)
         :raises NodeUnreachable: it does not answer
         """
@@ -483,22 +482,22 @@ class CellLink(Protocol):
         """
 
     def ask(self, asked: Asked) -> Answer:
-        """Ask something of the cell and wait for its answer, which is on record by then.
+        """Send a request to the cell and wait for its answer, which is then on record.
 
-        :raises NodeUnreachable: it does not answer; then nobody knows whether it was done
+        :raises NodeUnreachable: it does not answer; whether it was carried out is unknown
         """
 
     def close(self) -> None:
-        """Leave; the cell does not notice."""
+        """Disconnect; the cell is not affected."""
 
 
 class Past(Protocol):
-    """Any past moment of a cell, from its journal."""
+    """Any past state of a cell, from its journal."""
 
     def status_at(self, seq: int) -> CellStatus:
-        """Return how the cell stood after an event, with the reasons why it waited.
+        """Return the status of the cell after an event, with the reasons why it waited.
 
-        :raises NotKept: that event is not in the journal, or what came before it
+        :raises NotKept: that event, or what came before it, is not in the journal
         """
 
 
@@ -507,23 +506,23 @@ class ExpectedJob(NamedTuple):
 
     job: str
     ends_s: float | None
-    """Seconds from the moment that was asked about; None: not at all, as things stand."""
+    """Seconds from the given moment; None: it does not end in the present situation."""
 
 
 class Consequence(NamedTuple):
-    """What some requests would do."""
+    """The effects of some requests."""
 
     before: Sequence[ExpectedJob]
     after: Sequence[ExpectedJob]
     refusals: Sequence[str]
-    """Of requests that would be refused, in their order; empty: none."""
+    """Messages of the requests that would be refused, in order; empty: none."""
 
 
 class WhatIf(Protocol):
-    """What would become of jobs after some requests, by the engine that runs the cell."""
+    """Predicts the effect of requests on jobs, with the engine that runs the cell."""
 
     def ask(self, requests: Sequence[Asked]) -> Consequence:
-        """Work out when jobs end as things are, and when after these requests.
+        """Predict when jobs end without and with these requests.
 
-        :raises NotKept: the state to start from cannot be had
+        :raises NotKept: the state to start from is not available
         """

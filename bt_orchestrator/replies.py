@@ -1,8 +1,8 @@
 """Replies that may come later, and steps that wait for them, all in one thread.
 
-`begin` runs a coroutine without an event loop: where it awaits a reply that is there it goes on at
-once, so that the ordinary case is plain calls in their order. It goes on in the call that gives
-the reply; an executor of rclpy would ask it again in each of its turns.
+`begin` runs a coroutine without an event loop: if an awaited reply is there it continues at once,
+so the usual case is plain calls in order. Otherwise it continues in the call that gives the reply;
+an rclpy executor would poll it in each of its turns.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from typing import Any, Generic, TypeVar
 _T = TypeVar('_T')
 
 Steps = Coroutine['Reply[Any]', None, _T]
-"""A coroutine that awaits nothing but replies, and others of its kind."""
+"""A coroutine that awaits only replies, and other such coroutines."""
 
 
 class Reply(Generic[_T]):
-    """A value that is there, or is given once, later."""
+    """A value that is given once, now or later."""
 
     def __init__(self) -> None:
         self._values: list[_T] = []
@@ -35,7 +35,7 @@ class Reply(Generic[_T]):
         return self._values[0]
 
     def give(self, value: _T) -> None:
-        """Give it to all who wait, in the order in which they came."""
+        """Give it to all that wait, in the order of their requests."""
         assert not self._values, 'a reply is given once'
         self._values.append(value)
         calls, self._calls = self._calls, []
@@ -43,24 +43,24 @@ class Reply(Generic[_T]):
             call(value)
 
     def then(self, call: Callable[[_T], object]) -> None:
-        """Call with it as soon as it is there: now, or when it is given."""
+        """Call a function with the value: now, or when it is given."""
         if self._values:
             call(self._values[0])
         else:
             self._calls.append(call)
 
     def __await__(self) -> Generator[Reply[Any], None, _T]:
-        while not self._values:  # rclpy asks its coroutines again and again
+        while not self._values:  # rclpy polls its coroutines
             yield self
         return self.value
 
 
 def begin(steps: Steps[_T]) -> Reply[_T]:
-    """Run steps as far as the replies are there that they await, and on as others come.
+    """Run steps until they await a reply that is not there, and continue when it comes.
 
-    What they raise is raised where they stand: here, or where a reply is given.
+    An exception is raised where they run: here, or in the call that gives a reply.
 
-    :return: what they return, once they have ended
+    :return: their result, once they have ended
     """
     ended: Reply[_T] = Reply()
 

@@ -1,4 +1,4 @@
-"""SIGINT and SIGTERM as a request, also while the main thread waits in the middleware."""
+"""SIGINT and SIGTERM as a stop request, also while the main thread waits in the middleware."""
 
 from __future__ import annotations
 
@@ -12,16 +12,15 @@ _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
 class StopSignals:
-    """A context in which the stop signals ask the process to end instead of ending it.
+    """A context in which stop signals set a request instead of ending the process.
 
-    A Python signal handler runs in the main thread, and not while that waits in a library; so a
-    thread of its own reads what the interpreter writes at every signal. To be entered in the main
-    thread.
+    Python runs signal handlers in the main thread, but not while it waits in a library; so a
+    separate thread reads what the interpreter writes at every signal. Enter it in the main thread.
     """
 
     def __init__(self) -> None:
         self.count = 0
-        """How many stop signals came."""
+        """Number of stop signals received."""
         self._wake: Callable[[], object] = _nothing
 
     def __enter__(self) -> StopSignals:
@@ -43,11 +42,11 @@ class StopSignals:
 
     @property
     def requested(self) -> bool:
-        """Whether a stop signal came."""
+        """Whether a stop signal was received."""
         return self.count > 0
 
     def notify(self, wake: Callable[[], object]) -> None:
-        """Name what is called, in another thread, at a stop signal; at once if one came."""
+        """Set a function to call, in another thread, at a stop signal; at once if one came."""
         self._wake = wake
         if self.requested:
             wake()
@@ -60,8 +59,8 @@ class StopSignals:
 
 
 def _noted(number: int, frame: FrameType | None) -> None:
-    """Stand as the handler, without which the interpreter would write nothing."""
+    """Empty handler: without a handler the interpreter would write nothing."""
 
 
 def _nothing() -> None:
-    """Stand for the wake function until one is named."""
+    """Placeholder until a wake function is set."""

@@ -1,1 +1,1 @@
-"""Why a line cannot get stuck, or where it would: decided without a run (semantics 8.2)."""
+"""The proof that a line cannot get stuck, or where it would, without a run (semantics 8.2)."""

@@ -1,8 +1,7 @@
-"""The circle of waits in which a line stands still, in the words that the line itself would use.
+"""The circle of waits in a deadlocked line, in the words of the running line.
 
-Every part of the cell stands at something that it cannot do, which waits for another part, or for
-another track of the same group. Followed from the belt on, the waits come back to a place that was
-met before.
+Every part of the cell is blocked by something that waits for another part, or for another track of
+the same group. Followed from the belt, the waits return to an earlier place.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from bt_orchestrator.proof.standstill import Standstill
 
 
 class Stand(NamedTuple):
-    """One part of the cell that stands still, and what for."""
+    """One blocked part of the cell, and what it waits for."""
 
     section: int | None
     """None: it is the belt."""
@@ -33,7 +32,7 @@ class Stand(NamedTuple):
 
 
 def circle_of_waits(script: Operations, line: Precedence, still: Standstill) -> tuple[Stand, ...]:
-    """Return the shortest circle of who waits for whom; the belt, if it is in it, comes last."""
+    """Return the shortest circle of waits; the belt, if it is in it, comes last."""
     return min(
         (_circle(script, line, still, *turn) for turn in _of_belt(script, line, still)), key=len
     )
@@ -42,9 +41,9 @@ def circle_of_waits(script: Operations, line: Precedence, still: Standstill) -> 
 def _circle(
     script: Operations, line: Precedence, still: Standstill, wait: Wait, turn: Operation
 ) -> tuple[Stand, ...]:
-    """Follow the waits, from one of the belt's for a turn on, until a place comes back.
+    """Follow the waits, starting with a turn the belt waits for, until a place repeats.
 
-    A place is the belt or an operation: the tracks of a group stand at several.
+    A place is the belt or an operation: the tracks of a group are at several.
     """
     belt = Stand(None, wait)
     met: dict[Operation | None, Stand] = {None: belt}
@@ -61,7 +60,7 @@ def _circle(
 def _of_belt(
     script: Operations, line: Precedence, still: Standstill
 ) -> Iterator[tuple[Wait, Operation]]:
-    """Yield which turns of the beat never become complete, with the waits for them."""
+    """Yield the turns of the beat that are never completed, with the belt's waits for them."""
     for number, turn in script.turns.items():
         item = line.item(turn, still.beat)
         if not still.never(turn, item):
@@ -77,7 +76,7 @@ def _of_belt(
 
 
 def _standing(line: Precedence, still: Standstill, operation: Operation) -> Operation:
-    """Return what an operation waits for in its list, which the list itself would let happen."""
+    """Return the first blocked operation of a list up to this one."""
     while (before := _before_in_list(line, still, operation)) is not None:
         operation = before
     return operation
@@ -96,7 +95,7 @@ def _before_in_list(line: Precedence, still: Standstill, operation: Operation) -
 def _wait(
     script: Operations, line: Precedence, still: Standstill, operation: Operation
 ) -> tuple[Wait, Operation | None]:
-    """Say what an operation waits for: a flag, and for whom; or what the belt brings."""
+    """Say what an operation waits for: a flag and its task, or the move of the belt."""
     item = still.first_never[operation]
     for relation in reversed(line.before[operation]):
         flag, other = relation.dependency, relation.before

@@ -1,7 +1,7 @@
 """The proof that scripts cannot get stuck, and the refusal of those that can (semantics 8.2).
 
 By 3.2, 4.1, 4.2 and 5.2 data never changes the flag and belt operations, and durations only change
-when and not whether. So what must come before what is the same in every run, and decides without
+when they happen, not whether. So the order relations are the same in every run, and decide without
 one; docs/deadlock_proof.md has the argument and its conditions.
 """
 
@@ -25,9 +25,9 @@ class Deadlock:
 
     script: str
     item: int
-    """The last item that the source begins, counted from 1."""
+    """The last item that the source can begin, counted from 1."""
     beat: int
-    """The one that the belt cannot end."""
+    """The beat that the belt cannot end."""
     circle: tuple[Stand, ...]
     remedy: str
     """The smallest change of one flag that frees the line; empty: there is none."""
@@ -58,7 +58,7 @@ class Deadlock:
 def deadlock(script: Script) -> Deadlock | None:
     """Return how a script gets stuck; None: it is proven that it cannot."""
     if not script.dependencies:
-        return None  # nothing waits for anything but the belt, and the belt for what ends
+        return None  # everything waits only for the belt, and the belt for what always ends
     operations = Operations(script)
     line = Precedence([operations])
     still = first_standstill(line)

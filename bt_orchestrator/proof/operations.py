@@ -1,7 +1,7 @@
-"""The operations of one script, each of which stands for that operation of every item.
+"""The operations of one script; each one represents that operation for every item.
 
-Only what another section can wait for is an operation: tasks with flags, and what ties them to the
-belt. Everything else in a list takes time, and ends.
+Only what another section can wait for is an operation: tasks with flags, and their relations to
+the belt. Everything else in a list takes time, and always ends.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ class Operation(NamedTuple):
     """Unique; ascending along the belt, and along each list."""
     section: int
     task: str = ''
-    """A task with a flag; empty: the begin of a cycle, or a moment between two steps."""
+    """A task with a flag; empty: the begin of a cycle, or a point between two steps."""
     follows_move: bool = False
     """It comes after the move that brings its item (semantics 3.3, 3.7)."""
 
@@ -32,13 +32,13 @@ class Relation(NamedTuple):
     before: Operation
     after: Operation
     items: int
-    """By so many items the second is later: 0 is the same item, 1 the next one."""
+    """Item offset of the second: 0 is the same item, 1 the next one."""
     dependency: Dependency | None = None
-    """The lateral dependency that wants it so; None: a section's list does."""
+    """The lateral dependency that requires it; None: a section's list does."""
 
 
 class Operations:
-    """What a script's lists do for one item, and in which order."""
+    """The operations of a script for one item, and their order."""
 
     def __init__(self, script: Script, first_number: int = 0) -> None:
         self.source, self.sink = script.source, script.sink
@@ -46,12 +46,12 @@ class Operations:
         self.begins: dict[int, Operation] = {}
         """By section: the begin of its cycle."""
         self.turns: dict[int, Operation] = {}
-        """By section: what completes its turn, so that the belt may move (semantics 3.5, 3.8)."""
+        """By section: the operation that completes its turn (semantics 3.5, 3.8)."""
         self.ends: dict[int, Operation] = {}
         """By section: the end of its cycle."""
         self.of_task: dict[str, Operation] = {}
         self.order: list[Relation] = []
-        """As the lists want it, for one item."""
+        """The order required by the lists, for one item."""
         self.flags = {one.flag: one for one in script.dependencies}
         self._first_number = first_number
         self._flagged = {*script.upstream_of, *script.downstream_of}
@@ -59,7 +59,7 @@ class Operations:
             self._add_list(script.sections[section])
 
     def changed(self, dependency: Dependency) -> Operations:
-        """Return the same with other counts of one flag."""
+        """Return a copy with other counts of one flag."""
         found = copy(self)
         found.flags = {**self.flags, dependency.flag: dependency}
         return found
@@ -84,7 +84,7 @@ class Operations:
         self.ends[section] = last
 
     def _add_step(self, section: int, step: Step, begin: Operation) -> Iterator[Operation]:
-        """Add what the tracks of a step do; yields the last of each that does anything."""
+        """Add the operations of a step's tracks; yield the last one of each track that has any."""
         for track in step.tracks:
             flagged = [task.id for task in track if task.id in self._flagged]
             if flagged:
@@ -96,7 +96,7 @@ class Operations:
     def _join(
         self, section: int, ends: Iterable[Operation], *, follows_move: bool = False
     ) -> Operation:
-        """Add the moment at which several things have ended."""
+        """Add the point at which several operations have ended."""
         joined = self._add(section, follows_move=follows_move)
         for end in ends:
             self._in_order([end, joined])

@@ -1,4 +1,4 @@
-"""What must come before what on a line: one graph for all items, of one script or of several.
+"""The order relations of a line: one graph for all items, of one script or of several.
 
 docs/deadlock_proof.md says why these relations decide.
 """
@@ -18,14 +18,14 @@ class Precedence:
     def __init__(self, scripts: Sequence[Operations]) -> None:
         """Relate scripts whose items may follow each other in any order.
 
-        Where they share a flag they agree about its counts (semantics 4.1).
+        Scripts that share a flag have the same counts for it (semantics 4.1).
         """
         self.operations = [operation for one in scripts for operation in one.all]
         self.turns = [turn for one in scripts for turn in one.turns.values()]
         self.first = min(one.source for one in scripts)
         """The first section with work."""
         self.length = max(one.sink for one in scripts) - self.first
-        """So many moves carry an item from there to the last one."""
+        """Number of moves from there to the last section with work."""
         self.after: Mapping[Operation, list[Relation]] = defaultdict(list)
         """By operation: the relations to what must come later."""
         self.before: Mapping[Operation, list[Relation]] = defaultdict(list)
@@ -45,7 +45,7 @@ class Precedence:
 
 
 def _of_cycles(scripts: Sequence[Operations]) -> Iterator[Relation]:
-    """Let a section end each cycle before it begins the next."""
+    """Yield the relations that a section ends each cycle before it begins the next."""
     for one, following in product(scripts, repeat=2):
         for section, end in one.ends.items():
             if section in following.begins:
@@ -53,10 +53,10 @@ def _of_cycles(scripts: Sequence[Operations]) -> Iterator[Relation]:
 
 
 def _of_flags(scripts: Sequence[Operations]) -> Iterator[Relation]:
-    """Let additions wait for room, and takings for a count (semantics 4.1).
+    """Yield the relations of flags: adding needs room, taking needs a count (semantics 4.1).
 
-    Of what was there initially and was added, all but `capacity` must be taken before the next
-    addition; of what is taken, `initial` were there without one. One item is of one script.
+    All but `capacity` of the initial and added counts must be taken before the next addition; the
+    first `initial` takings need no addition. Each item belongs to one script.
     """
     shared = [
         (one, other, flag)

@@ -1,6 +1,6 @@
-"""The smallest change of one flag that frees a line, found by trying (semantics 8.2).
+"""Find, by trial, the smallest change of one flag that frees a line (semantics 8.2).
 
-Or what was probably meant, if the flag points backward.
+Or the probable intention, if the flag points backward.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from bt_orchestrator.proof.standstill import gets_stuck
 def remedy(script: Operations, flags: Collection[str]) -> str:
     """Say in words what frees a script that gets stuck; empty: no change of one flag does.
 
-    :param flags: those of a circle: whatever becomes of the others, it stays
+    :param flags: the flags of a circle: changes of others do not break it
     """
     words = ''
     most = max(1, script.sink - script.source)  # no circle lacks more items than that
@@ -32,10 +32,10 @@ def remedy(script: Operations, flags: Collection[str]) -> str:
 
 
 def swapped(script: Operations, flags: Collection[str]) -> str:
-    """Name the flag whose ends look swapped; empty: none does.
+    """Return the flag whose ends look swapped; empty: none does.
 
-    Its downstream task comes first for every item, nothing is there for the first one to take, and
-    the other way round the script does not get stuck.
+    Its downstream task comes first for every item, its initial count is 0, and with its ends
+    swapped the script does not get stuck.
     """
     for flag in script.flags.values():
         up, down = script.of_task[flag.upstream], script.of_task[flag.downstream]
@@ -47,9 +47,9 @@ def swapped(script: Operations, flags: Collection[str]) -> str:
 
 
 def _smallest(script: Operations, flag: Dependency, most: int) -> tuple[int, Dependency] | None:
-    """Return by how much a flag must change at least to free the script, and what it is then.
+    """Return the smallest change of a flag that frees the script, and the changed flag.
 
-    No change does with less than if there were as much more room and as many more counts at once.
+    No change of room or count alone frees it below the amount at which both together would.
     """
 
     def does(more: int) -> bool:

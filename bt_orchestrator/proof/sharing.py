@@ -11,9 +11,9 @@ from bt_orchestrator.proof.deadlock import get_stuck_together
 
 
 def examine(new: Mapping[str, Script], live: Mapping[str, Script]) -> Sharing:
-    """Find out which of some new scripts fit to those of live jobs, and to those before them.
+    """Check new scripts against those of live jobs, and against the new ones before them.
 
-    Scripts are named by their digests.
+    Scripts are given by their digests.
     """
     known = dict(live)
     why_not: dict[str, str] = {}
@@ -31,7 +31,7 @@ def contradiction(
     """Say why a script cannot share its flags with those of other jobs.
 
     :param known: by digest
-    :param found: what somebody has found out before; used if it is about all of them
+    :param found: an earlier result of `examine`; used if it covers all of them
     """
     if not new.dependencies:
         return None
@@ -44,7 +44,7 @@ def contradiction(
 
 
 def _circle(new: Script, others: Mapping[str, Script]) -> str | None:
-    """Say with which scripts a line could get stuck, although with none of them alone."""
+    """Say with which scripts a line could get stuck, although none does alone."""
     flags = {dependency.flag for dependency in new.dependencies}
     sharing = [s for s in others.values() if not flags.isdisjoint(d.flag for d in s.dependencies)]
     if not sharing or not get_stuck_together([new, *others.values()]):

@@ -1,8 +1,8 @@
-"""Whether a line comes to a standstill, and where: read off what must come before what.
+"""Whether a line comes to a standstill, and where, derived from the order relations.
 
-What must come after something that never happens never happens. So a line gets stuck exactly if a
-move of the belt must come after itself, or an operation after itself for the same item;
-docs/deadlock_proof.md has the argument.
+An operation never happens if it must come after one that never happens. So a line gets stuck
+exactly if a move of the belt must come after itself, or an operation after itself for the same
+item; docs/deadlock_proof.md has the argument.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from bt_orchestrator.proof.precedence import Precedence
 
 
 class Standstill(NamedTuple):
-    """How far a line comes whose source always has items."""
+    """How far a line gets if its source always has items."""
 
     beat: int
     """The belt does not move at the end of this one."""
@@ -48,7 +48,7 @@ def first_standstill(line: Precedence) -> Standstill | None:
 
 
 def _knots(line: Precedence) -> set[Operation]:
-    """Return what must come after itself for the same item, and what must come after that."""
+    """Return operations that must follow themselves for the same item, and their successors."""
     order: TopologicalSorter[Operation] = TopologicalSorter()
     for operation in line.operations:
         order.add(operation, *(one.before for one in line.before[operation] if not one.items))
@@ -64,7 +64,7 @@ def _knots(line: Precedence) -> set[Operation]:
 def _follow(line: Precedence, beat: int, knots: Collection[Operation]) -> dict[Operation, int]:
     """Return, by operation, the first item for which it must come after the end of a beat.
 
-    Dijkstra's algorithm, with items for distances.
+    Dijkstra's algorithm, with items as distances.
 
     :param knots: operations that never happen at all
     """
@@ -88,5 +88,5 @@ def _follow(line: Precedence, beat: int, knots: Collection[Operation]) -> dict[O
 
 
 def _last_beat(line: Precedence, first_never: Mapping[Operation, int]) -> int:
-    """Return the first beat whose end must come after some turn that never becomes complete."""
+    """Return the first beat whose end must come after a turn that is never completed."""
     return min(line.beat(turn, first_never[turn]) for turn in line.turns)

@@ -1,4 +1,4 @@
-"""A writer that writes in the thread that asks it to."""
+"""A writer that writes in the caller's thread."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class AtOnce:
 
 
 class Written(Generic[_T]):
-    """What was written, or why not. Implements `ports.Writing`."""
+    """A completed write, or its error. Implements `ports.Writing`."""
 
     def __init__(self, write: Callable[[], _T]) -> None:
         """Write; what is raised is kept for `result`."""

@@ -14,10 +14,10 @@ log = logging.getLogger(__name__)
 
 
 class Breakdown:
-    """What is left of an engine without a journal (semantics 9.1).
+    """The engine's remaining functions without a journal (semantics 9.1).
 
-    It sends nothing and records nothing. `abort` and the end of the node cancel every goal whose
-    end is not known; every other command is refused.
+    It sends and records nothing. `abort` and the end of the node cancel every goal whose end is
+    not known; every other command is refused.
     """
 
     def __init__(
@@ -36,7 +36,7 @@ class Breakdown:
 
     @property
     def message(self) -> str:
-        """What is wrong, what becomes of the goals, and what to do."""
+        """The error, what happens to the goals, and what to do."""
         return (
             f'{self._failure}; nothing is sent any more, {self._of_goals()}. Make room or mend '
             'the file, and start the orchestrator again: it takes over from the journal'
@@ -61,7 +61,7 @@ class Breakdown:
         )
 
     def look(self) -> None:
-        """Take in which goals have ended; nobody else asks for news any more."""
+        """Note which goals have ended; nothing else drains the gateway any more."""
         self._gateway.drain()
         self._goals = self._open()
 

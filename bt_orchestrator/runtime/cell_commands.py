@@ -49,7 +49,7 @@ def carry_out(command: CellCommand, ledger: Ledger) -> str:
     return _ANSWERS[type(command)](state)
 
 
-# --- what follows from each; nothing is changed while these look ------------------------------
+# --- the events of each command; these functions change nothing -------------------------------
 
 
 def _reset(state: CellState, command: Reset) -> Iterator[e.Event]:
@@ -65,9 +65,9 @@ def _stop(state: CellState, command: Stop) -> Iterator[e.Event]:
 
 
 def _pause(state: CellState, command: Pause) -> Iterator[e.Event]:
-    """Raise a hold of its own; whether the cell becomes Held follows from the stop reason.
+    """Raise a hold for this pause; whether the cell becomes Held follows from the stop reason.
 
-    :raises CommandRefused: as many stand as may; the cell starts nothing for each of them
+    :raises CommandRefused: the maximum number of pauses is in effect
     """
     standing = sum(hold.reason == PAUSED for hold in state.pauses)
     if standing >= PAUSES:
@@ -115,13 +115,13 @@ _FOLLOWS: Mapping[type[CellCommand], Callable[[CellState, Any], Iterator[e.Event
 }
 
 
-# --- whose pauses -----------------------------------------------------------------------------
+# --- owners of pauses -------------------------------------------------------------------------
 
 
 def _to_release(state: CellState, command: Resume) -> list[Hold]:
-    """Return the pauses that a command releases.
+    """Return the pauses that the command releases.
 
-    :raises CommandRefused: there are none, or they are somebody else's
+    :raises CommandRefused: there are none, or others have requested them
     """
     if not state.pauses:
         raise CommandRefused(f'the cell is not paused; {_instead(state)}')
@@ -143,7 +143,7 @@ def _to_release(state: CellState, command: Resume) -> list[Hold]:
 
 
 def _is_meant(hold: Hold, command: Resume) -> bool:
-    """Tell whether a pause is meant by a command that names none."""
+    """Tell whether a command that names no pause refers to this one."""
     if hold.must_be_named:
         return False
     return command.everyones or hold.owner in ('', command.by.who or 'unknown')

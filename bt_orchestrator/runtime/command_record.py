@@ -1,4 +1,4 @@
-"""What is put on record of every command, carried out or refused: who, from where and why."""
+"""The record of every command, carried out or refused: who, from where and why."""
 
 from __future__ import annotations
 
@@ -23,20 +23,20 @@ from bt_orchestrator.runtime.requested import request_of
 
 
 def decided(command: OnRecord) -> Iterator[e.Event]:
-    """Yield the record of a command that is carried out; it stands in front of what it does."""
+    """Yield the record of a command that is carried out; it precedes the command's events."""
     if command.by is not None:
         verb, about = _what(command)
         yield e.OperatorDecided(answer=verb, **_said(command.by), **about)
 
 
 def decided_to_add(job: str, by: By | None) -> Iterator[e.Event]:
-    """Yield the record of one of the jobs that are added."""
+    """Yield the record for one added job."""
     if by is not None:
         yield e.OperatorDecided(answer=ADD.word, **_said(by), job=job)
 
 
 def refused(command: OnRecord, why: CommandRefused) -> Iterator[e.OperatorRefused]:
-    """Yield the record of a command that was not carried out; each of several jobs has its own."""
+    """Yield the record of a refused command, one for each job that it names."""
     if command.by is None:
         return
     verb, about = _what(command)
@@ -46,7 +46,7 @@ def refused(command: OnRecord, why: CommandRefused) -> Iterator[e.OperatorRefuse
 
 
 def _said(by: By) -> dict[str, Any]:
-    """Return what is recorded of who asks."""
+    """Return the recorded fields of the sender."""
     return {
         'who': by.who,
         'origin': by.origin,
@@ -58,7 +58,7 @@ def _said(by: By) -> dict[str, Any]:
 
 
 def _each(command: OnRecord, why: CommandRefused) -> list[tuple[str, str]]:
-    """Return the jobs that were to be added or changed, and what is to be said of each."""
+    """Return the jobs that were to be added or changed, with the message for each."""
     match command:
         case AddJobs(jobs):
             names = tuple(job.id for job in jobs)
@@ -73,7 +73,7 @@ def _each(command: OnRecord, why: CommandRefused) -> list[tuple[str, str]]:
 
 
 def _what(command: OnRecord) -> tuple[str, dict[str, Any]]:
-    """Return the word for a command, and the hold, job or item it is about."""
+    """Return the command's word, and the hold, job or item that it concerns."""
     request = request_of(command)
     match command:
         case AnswerHold(hold, word):

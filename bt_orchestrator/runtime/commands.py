@@ -27,7 +27,7 @@ from bt_orchestrator.runtime.requested import not_allowed
 def answer_to(command: Command, ledger: Ledger) -> str:
     """Carry out a command and return the answer's words.
 
-    :raises CommandRefused: its sender may not give it, or it cannot be carried out now; nothing
+    :raises CommandRefused: its sender has no permission, or it cannot be carried out now; nothing
         was recorded
     """
     if isinstance(command, Shutdown):
@@ -53,7 +53,7 @@ def answer_to(command: Command, ledger: Ledger) -> str:
 
 
 def _stand_for_a_twin(command: FoundTwin, ledger: Ledger) -> str:
-    """Start nothing more until somebody has looked; what runs goes on."""
+    """Start nothing more until an operator has checked the line; running goals continue."""
     state = ledger.state
     twins = [hold.message for hold in state.pauses if hold.reason == TWIN]
     if command.where not in twins and len(twins) < TWINS:
@@ -70,7 +70,7 @@ def _shut_down(ledger: Ledger) -> str:
     ledger.record([e.OrchestratorStopping()])
     if Cause.STOP in TRANSITIONS[state.packml]:
         ledger.record([transition(state.packml, Cause.STOP, SHUTDOWN)])
-    # What `abort` has cancelled stays in doubt.
+    # Goals cancelled by `abort` stay in doubt.
     running = [key for key, task in state.running.items() if task.cancel_cause != ABORT]
     ledger.record(effects.cancelled(state, running, SHUTDOWN))
     return f'{len(running)} goals are being cancelled'

@@ -1,4 +1,4 @@
-"""Events on their way to the disk, one settle's at a time (semantics 9.1)."""
+"""Commits of events to the disk, one settle at a time (semantics 9.1)."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from bt_orchestrator.replies import Reply
 log = logging.getLogger(__name__)
 
 AT_ONCE_S = 0.02
-"""So long a settle waits for its commit: nearly every one ends within it."""
+"""How long a settle waits for its commit; nearly every commit ends within it."""
 
 SLICE_S = 0.02
-"""So long commands are let go on one after the other; then others are served first."""
+"""Longest time to continue waiting commands in one settle, before other work."""
 
 PATIENCE_S = 15.0
-"""A commit that takes longer than this has failed, unless somebody says otherwise."""
+"""Default time after which a commit counts as failed."""
 
 
 class Commits:
-    """The commit that is under way, if there is one.
+    """The commit in progress, if any.
 
-    The first one may take all the time there is: nobody is served before it has ended.
+    The first one has no time limit: no client is served before it has ended.
     """
 
     def __init__(
@@ -48,30 +48,30 @@ class Commits:
         self._began = 0.0
         self._overdue: Timer | None = None
         self.events: Sequence[Event] = ()
-        """Those that are being written."""
+        """The events being written."""
         self._ended: Reply[None] = Reply()
         self._turns: deque[Reply[None]] = deque()
-        """Of commands that wait until one has ended, oldest first."""
+        """Turns of commands that wait for a commit to end, oldest first."""
         self._is_handing_out = False
 
     @property
     def is_pending(self) -> bool:
-        """Tell whether one is under way."""
+        """Tell whether a commit is in progress."""
         return self._writing is not None
 
     @property
     def is_owed(self) -> bool:
-        """Tell whether commands still wait for their turn, though nothing is under way."""
+        """Tell whether commands still wait for their turn, though no commit is in progress."""
         return bool(self._turns) and not self.is_pending and not self._is_handing_out
 
     @property
     def waited_s(self) -> float:
-        """For how long it has been under way; 0: none is."""
+        """Seconds since the commit began; 0: none is in progress."""
         return self._clock.steady() - self._began if self.is_pending else 0.0
 
     @property
     def in_words(self) -> str:
-        """What is waited for; empty: nothing is."""
+        """The commit that is waited for; empty: none."""
         if not self.is_pending:
             return ''
         return (
@@ -80,27 +80,27 @@ class Commits:
         )
 
     async def turn(self) -> None:
-        """Return when a command may be carried out: each in its turn, when none is under way."""
+        """Return when a command may be carried out: in order, when no commit is in progress."""
         if self.is_pending or self.is_owed:
             self._turns.append(turn := Reply[None]())
             await turn
 
     async def kept(self) -> None:
-        """Return when what was begun has ended, well or not, and its goals are sent."""
+        """Return when the commit has ended, successfully or not, and its goals are sent."""
         if self.is_pending:
             await self._ended
 
     def begin(self, events: Sequence[Event]) -> None:
-        """Let events be written."""
+        """Begin to write events."""
         assert not self.is_pending
         self.events, self._ended = events, Reply()
         self._began = self._clock.steady()
         self._writing = self._writer.begin(partial(self._store.append, events))
 
     def has_ended(self) -> bool:
-        """Tell whether the one under way has ended, or takes too long.
+        """Tell whether the commit has ended, or takes too long.
 
-        Waits for a moment when it is asked first; if it says no, a wake follows.
+        The first call waits for `AT_ONCE_S`; if it returns False, a wake follows.
         """
         assert self._writing is not None
         is_first_look = self._overdue is None and not self._is_handing_out
@@ -114,9 +114,9 @@ class Commits:
         return False
 
     def end(self) -> None:
-        """Take note that the one under way has ended; its events are durable.
+        """Conclude the commit that has ended; its events are durable.
 
-        :raises JournalFailed: they are not; or nobody knows, for it took too long
+        :raises JournalFailed: they are not; or that is unknown, as it took too long
         """
         assert self._writing is not None
         writing, self._writing = self._writing, None
@@ -138,11 +138,11 @@ class Commits:
         self._at_once_s = AT_ONCE_S
 
     def hand_out(self) -> None:
-        """Let those go on who wait: for the one that has ended, then for their turn.
+        """Continue what waits: for the commit that has ended, then for a turn.
 
-        Nobody's commit is waited for here, so that others are served between them. Thousands may
-        have come while the disk was slow, and an answer to a client that has gone takes 0.1 s:
-        what is left after a moment goes on in the next settle.
+        This waits for no commit, so that other work is done in between. Thousands may have queued
+        up while the disk was slow, and an answer to a client that has gone takes 0.1 s: after
+        `SLICE_S` the rest continues in the next settle.
         """
         self._is_handing_out = True
         until = self._clock.steady() + SLICE_S

@@ -1,4 +1,4 @@
-"""Who else has a part in a component, as events (semantics 2.5, 9.2)."""
+"""Contests: other clients or servers of a component, as events (semantics 2.5, 9.2)."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from bt_orchestrator.runtime.looks import in_utc, to_be_named
 def seen(state: CellState, news: SeenContest) -> Iterator[e.Event]:
     """Record what was seen, if it is another contest than before.
 
-    A goal of a task that goes on, or is in doubt, is nobody else's. One that the state does not
-    know and that ran before this orchestrator came says that the journal is not all there was.
+    The goal of a task that is in flight or in doubt is our own. A goal that the state does not
+    know and that ran before this orchestrator started shows that the journal is incomplete.
     """
     known = {task.goal for task in state.tasks.values()}
     before = state.contests.get(news.component, Contest())
@@ -33,7 +33,7 @@ def seen(state: CellState, news: SeenContest) -> Iterator[e.Event]:
 
 
 def _is_asked(state: CellState, goal: str) -> bool:
-    """Tell whether a hold is about a goal, perhaps of an earlier start."""
+    """Tell whether a hold concerns a goal, perhaps from an earlier start."""
     holds = (hold for hold in state.holds.values() if hold.reason == UNKNOWN_GOAL)
     return any(goal in hold.message for hold in holds)
 

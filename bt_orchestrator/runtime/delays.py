@@ -1,4 +1,4 @@
-"""Retries that wait for their time (semantics 2.6)."""
+"""Delays of retries (semantics 2.6)."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from bt_orchestrator.ports import Clock
 
 class _Delay(NamedTuple):
     not_before: float
-    """As it is recorded."""
+    """As recorded, on the wall clock."""
     until: float
     """On the steady clock."""
 
 
 class Delays:
-    """Until when each retry waits, on a clock that nobody sets.
+    """The end of each retry's delay, on the steady clock.
 
-    How far off it is, is reckoned once, when it is asked for first: by the time that the machine
-    has been up. Was it booted since, or is it another one, the delay begins anew. Where that was
-    not recorded the wall clock has to do, for no more than the task's delay.
+    The remaining time is computed once, at the first request, from the machine's uptime. After a
+    boot, or on another machine, the delay begins anew. If no uptime was recorded, the wall clock
+    is used, for no more than the task's delay.
     """
 
     def __init__(self, state: CellState, clock: Clock) -> None:
@@ -33,7 +33,7 @@ class Delays:
         self._found: dict[TaskKey, _Delay] = {}
 
     def left(self, key: TaskKey) -> float | None:
-        """Return until when a task waits, on the steady clock; None: it need not wait any more."""
+        """Return until when a task waits, on the steady clock; None: its delay is over."""
         not_before = self._state.tasks[key].not_before
         found = self._found.get(key)
         if found is None or found.not_before != not_before:

@@ -1,4 +1,4 @@
-"""What can be looked at: an engine at work, or one moment of the past."""
+"""What an overview can read: a running engine, or a past state."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ class Goals(Protocol):
     """The goals in flight."""
 
     def goal(self, goal_id: str) -> Goal | None:
-        """Return a goal; None: nothing is known of it."""
+        """Return a goal; None: it is not known."""
 
 
 class Engine(Protocol):
@@ -21,7 +21,7 @@ class Engine(Protocol):
 
     @property
     def state(self) -> CellState:
-        """What is so."""
+        """The state."""
 
     @property
     def tree(self) -> CellTree:
@@ -29,7 +29,7 @@ class Engine(Protocol):
 
     @property
     def gateway(self) -> Servers:
-        """What is seen of its robots."""
+        """Its action servers as seen."""
 
     @property
     def flights(self) -> Goals:
@@ -37,8 +37,8 @@ class Engine(Protocol):
 
     @property
     def broken(self) -> str | None:
-        """Why nothing is done any more."""
+        """Why the engine has stopped; None: it works."""
 
     @property
     def disk_wait(self) -> str:
-        """What the disk has not taken yet."""
+        """The write that the disk has not finished; empty: none."""

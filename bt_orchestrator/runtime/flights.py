@@ -1,4 +1,4 @@
-"""Goals in flight: sent, watched for their time limits, and turned into events when they end."""
+"""Goals in flight: sending, time limits, and the events of their ends."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _REASONS = {
 }
 
 _OF_CANCEL = {TIMEOUT: Reason.TIMEOUT, ABORT: Reason.IN_DOUBT}
-"""What the end of a cancelled goal means, by the cause of the cancel."""
+"""The reason recorded for a cancelled goal, by the cause of the cancel."""
 
 
 class Flights:
@@ -54,14 +54,13 @@ class Flights:
         self._wake = wake
         self._goals: dict[str, tuple[e.TaskKey, Goal]] = {}
         self._adopted: set[str] = set()
-        """Goals of an earlier orchestrator, of which nothing was heard yet."""
+        """Goals of an earlier orchestrator whose servers have not answered yet."""
         self._given_up: dict[str, tuple[e.TaskKey, Goal]] = {}
-        """In doubt: no end came in time, and the task is its operator's."""
+        """In doubt: no end came in time, and an operator decides about the task."""
         self._put_off: list[tuple[Goal, GoalEnd]] = []
-        """Goals of an earlier orchestrator that may be sent again, once nothing keeps the line
-        from starting."""
+        """Goals of an earlier orchestrator that may be sent again once no hold stops the line."""
         self._provably_lost: set[str] = set()
-        """Of those, and of which it is proven that they never arrived."""
+        """Those goals among them that provably never arrived."""
         self._timers: dict[str, Timer] = {}
         self._expired: list[str] = []
 
@@ -72,7 +71,7 @@ class Flights:
 
     @property
     def without_end(self) -> dict[str, tuple[e.TaskKey, Goal]]:
-        """Every goal of which no end has come, given up or not, by its UUID."""
+        """Every goal without an end, given up or not, by its UUID."""
         return self._given_up | self._goals
 
     def close(self) -> None:
@@ -82,7 +81,7 @@ class Flights:
         self._timers.clear()
 
     def cancel_all(self) -> None:
-        """Ask to cancel every goal of which no end has come, off the record."""
+        """Request the cancel of every goal without an end, off the record."""
         for _, goal in self.without_end.values():
             if goal.end is None:
                 goal.cancel()
@@ -90,7 +89,7 @@ class Flights:
     # --- before the tick --------------------------------------------------------------------
 
     def land(self) -> None:
-        """Record what the gateway has to tell, and the time limits that have passed."""
+        """Record the gateway's news, and the time limits that have passed."""
         put_off, self._put_off = self._put_off, []
         for goal, end in put_off:
             self._end(goal, end)
@@ -125,14 +124,14 @@ class Flights:
             self._ledger.record(effects.of_success(state, key))
 
     def _must_wait(self, key: e.TaskKey, goal: Goal, end: GoalEnd) -> bool:
-        """Tell whether a goal is to be sent again, and somebody has to look at the line first."""
+        """Tell whether a goal is to be sent again, but an operator must check the line first."""
         is_unknown = goal.request.id in self._adopted and not goal.accepted
         if not is_unknown or end.status is not GoalStatus.LOST:
             return False
         return self._may_go_again(key, end) and bool(self._ledger.state.pauses)
 
     def _forget_adopted(self, goal: Goal) -> bool:
-        """Tell whether a goal was adopted and its server never owned up to it."""
+        """Remove a goal from the adopted ones; tell whether its server had never confirmed it."""
         if goal.request.id not in self._adopted:
             return False
         self._adopted.remove(goal.request.id)
@@ -159,7 +158,7 @@ class Flights:
         self._ledger.record([doubt])
 
     def _of_unknown(self, key: e.TaskKey, end: GoalEnd) -> e.TaskEvent:
-        """Return what becomes of an adopted goal that its server does not know (9.2)."""
+        """Return the event for an adopted goal that its server does not know (9.2)."""
         running, task = self._ledger.state.running[key], self._task(key)
         assert running.goal is not None
         if self._may_go_again(key, end):
@@ -184,15 +183,15 @@ class Flights:
         if running.cancel_cause is not None or running.copied:
             return False
         if self._never_arrived(task.component, running, end):
-            self._provably_lost.add(running.goal)  # and will not arrive while somebody looks
+            self._provably_lost.add(running.goal)  # and will not arrive while the line is checked
         return task.repeatable or running.goal in self._provably_lost
 
     def _never_arrived(self, component: str, running: TaskState, end: GoalEnd) -> bool:
         """Tell whether it is proven that a goal never reached its server (semantics 9.2).
 
-        The very server that it was meant for does not know it, at a time at which it would
-        remember even a goal that had ended at once. That time is proven by a clock that nobody
-        sets. The wall clock has to agree, for servers forget by theirs.
+        The same server instance that it was sent to does not know it, at a time when it would
+        still remember even a goal that had ended at once. The steady clock proves that time. The
+        wall clock has to agree, because servers forget by theirs.
         """
         remembered_s = self._ledger.state.cell.components[component].result_timeout_s
         is_same = end.denied_by is not None and end.denied_by == running.server
@@ -203,7 +202,7 @@ class Flights:
     # --- after the commit -------------------------------------------------------------------
 
     def follow(self, event: e.Event) -> None:
-        """Do what a durable event asks for: send a goal, or cancel one."""
+        """Carry out a durable event: send a goal, or cancel one."""
         if isinstance(event, e.TaskStarted):
             request = GoalRequest(event.goal, event.component, event.name, event.args)
             self._goals[event.goal] = (event.key, self._gateway.send(request))
@@ -237,10 +236,10 @@ class Flights:
         return self._ledger.state.task(key) or index_task(self._ledger.state.cell)
 
     def _watch(self, key: e.TaskKey) -> None:
-        """Arm the time limit of a goal in flight, or the grace of one that is cancelled.
+        """Arm the time limit of a goal in flight, or the grace time of a cancelled one.
 
-        Of a goal that was sent before a boot, or from another machine, nobody knows how long ago
-        that was: its time begins anew.
+        If the goal was sent before a boot, or from another machine, its age is unknown: its time
+        begins anew.
         """
         running = self._ledger.state.tasks[key]
         timeout_s = self._task(key).timeout_s
@@ -272,7 +271,7 @@ def _of_reading(state: CellState, reading: StateReading) -> Iterator[e.Event]:
 
 
 def _of_end(state: CellState, key: e.TaskKey, end: GoalEnd) -> e.TaskEvent:
-    """Return what the end of a goal means for its task (semantics 2.2, 2.3)."""
+    """Return the event for the end of a goal (semantics 2.2, 2.3)."""
     task = state.running[key]
     assert task.goal is not None
     words = _foreign(end.message) if _is_foreign_cancel(task, end) else end.message

@@ -1,12 +1,11 @@
 """Keeping the journal short for the next start: snapshots and retention.
 
-None of it is on the way of a goal: it is done between settles, best when nothing happens, and in
-small pieces. What waits for the disk is left to the writer, and gone on with in a later turn. If
-it fails the cell goes on; only the next start takes longer.
+None of it delays a goal: it is done between settles, preferably when nothing happens, in small
+pieces. Disk writes are left to the writer, and the work continues in a later turn. If it fails the
+cell goes on; only the next start takes longer.
 
-A snapshot costs as much as the state is large, and what is kept of many jobs takes long to look
-through. So jobs that ended are looked after together: a line that ends one a second must not pay
-for each of them.
+The cost of a snapshot grows with the state, and searching the summaries of many jobs takes long.
+So ended jobs are handled in batches: a line that ends one a second must not pay for each.
 """
 
 from __future__ import annotations
@@ -30,22 +29,22 @@ log = logging.getLogger(__name__)
 _T = TypeVar('_T')
 
 SNAPSHOT_EVERY = 1000
-"""Events after which a quiet moment is used for a snapshot."""
+"""Events after which the next quiet moment is used for a snapshot."""
 
 SNAPSHOT_AT_LATEST = 5000
 """Events after which a snapshot is made on a line that is never quiet."""
 
 ENDED_TOGETHER = ENDED_KEPT // 2
-"""Jobs that ended after which a quiet moment is used to note them, and for what is too old."""
+"""Ended jobs after which the next quiet moment is used to store them and remove old events."""
 
 ENDED_AT_LATEST = ENDED_KEPT - 10
 """The same on a line that is never quiet: the state lists no more of them."""
 
 AT_REST = 20
-"""Quiet turns one after another in which nothing happens: then nobody minds, and all is noted."""
+"""Consecutive quiet turns after which everything is stored, whatever it costs."""
 
 KEEP_JOBS = 1000
-"""How many ended jobs keep their events, unless somebody says otherwise."""
+"""Default number of ended jobs that keep their events."""
 
 KEEP_ALL = -1
 
@@ -54,7 +53,7 @@ FAREWELL_S = 10.0
 
 
 class Housekeeping:
-    """Snapshots of one cell's state, and the end of old events. Called from the tick thread."""
+    """Makes snapshots and removes old events. Called from the tick thread."""
 
     def __init__(
         self,
@@ -63,7 +62,7 @@ class Housekeeping:
         keep_jobs: int = KEEP_JOBS,
         writer: Writer | None = None,
     ) -> None:
-        """Look after a journal.
+        """Prepare for a journal.
 
         :param keep_jobs: how many ended jobs keep their events, at least; KEEP_ALL: all
         :param writer: waits for the disk; None: the caller
@@ -78,16 +77,16 @@ class Housekeeping:
         )
         self._noted: set[str] = set()
         self._not_looked_after = 0
-        """Jobs noted since it was last looked for what is too old."""
+        """Jobs stored since the last check for events to remove."""
         self._remove_before = 0
         self._failed_seq = 0
-        """Where it failed last; it is tried again when something has happened since."""
+        """Last event at the last failure; there is no new attempt before the next event."""
         self._quiet_turns = 0
         self._next_turn: Reply[None] | None = None
-        """What a piece of work waits for that has been begun; None: there is none."""
+        """What the work in progress waits for; None: there is no work in progress."""
 
     def turn(self, *, quiet: bool) -> None:
-        """Do one small piece of what is due; the state is durable.
+        """Do one small piece of the due work; the state is durable.
 
         :param quiet: nothing happens at this moment
         """
@@ -99,7 +98,7 @@ class Housekeeping:
             begin(self._piece(quiet=quiet))
 
     def finish(self) -> None:
-        """Leave a snapshot to the next start, if the disk lets it."""
+        """Store a snapshot for the next start, if the disk allows it."""
         try:
             if self._state.seq > self._saved_seq:
                 text = StateText(self._state)
@@ -137,9 +136,9 @@ class Housekeeping:
 
     @property
     def _worth(self) -> int:
-        """Events that are worth a snapshot: it takes as long as to replay one for each job queued.
+        """Events that justify a snapshot: it takes as long as replaying one event per queued job.
 
-        So a job that ends in front of a long queue does not have all of it written.
+        So the end of a job does not cause a long queue to be written.
         """
         return self._state.jobs.waiting
 
@@ -150,9 +149,9 @@ class Housekeeping:
             self._remove_before = 0
 
     async def _save(self, first: int = 0) -> None:
-        """Keep a snapshot, and what is to stay of jobs that ended.
+        """Store a snapshot, and the summaries of jobs that ended.
 
-        :param first: event before which all others are to be removed then; 0: none are
+        :param first: events before this one are removed afterwards; 0: none are
         """
         text = StateText(self._state, check=first > 0)
         while not text.go_on():
@@ -174,7 +173,7 @@ class Housekeeping:
         return Snapshot(text.seq, self._stamp, text.text)
 
     async def _first_needed(self) -> int:
-        """Return the first event that has to stay; 0: those before it are gone, or all stay."""
+        """Return the first event to keep; 0: nothing has to be removed."""
         if self._keep_jobs == KEEP_ALL:
             return 0
         live = frozenset(self._state.jobs)
@@ -182,7 +181,7 @@ class Housekeeping:
         return first if first > self._journal.first_seq() else 0
 
     async def _written(self, write: Callable[[], _T]) -> _T:
-        """Have something written, and return what it returned, in whichever turn that is."""
+        """Write by the writer, and return the result in a later turn."""
         writing = self._writer.begin(write)
         while not writing.has_ended():
             await self._turn()

@@ -1,4 +1,4 @@
-"""Where commands come in: within their limits, each on record, and no more than the disk bears."""
+"""Where commands come in: each checked and recorded, at a rate that the disk can take."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ from bt_orchestrator.runtime.ledger import Ledger
 from bt_orchestrator.runtime.refusals import Refusals
 
 _MUST_WAIT = (AddJobs, UpdateJob, MoveJob, RunNext, StopAfter, Resume, Reset, Start, Clear)
-"""Commands that can be given without end. What stops, pauses or answers ends by itself: it is
-refused until one of these undoes it, and so is never kept waiting."""
+"""Commands that can be repeated without limit, so their rate is limited. A stop, pause or answer
+is refused until one of these undoes it, so it is never delayed."""
 
 _UNDO = (job_control.START.verb, job_control.RESUME.verb)
 """The same among the commands to a job."""
@@ -63,11 +63,11 @@ class Inbox:
             return Answer(accepted=False, message=str(why), each=why.each)
 
     def land(self) -> None:
-        """Take note of the time, at the beginning of a settle."""
+        """Record counted refusals that are due, at the beginning of a settle."""
         self._refusals.land()
 
     def _carry_out(self, command: OnRecord) -> str:
-        if not isinstance(command, RefusedRequest):  # which says more than a limit would
+        if not isinstance(command, RefusedRequest):  # it says more than a limit would
             _check_texts(command)
         if command.by is None:
             return answer_to(command, self._ledger)
@@ -98,7 +98,7 @@ def _check_left(by: By, left: float) -> None:
 
 
 def _check_texts(command: OnRecord) -> None:
-    """Refuse a command with a text that is too long to be kept."""
+    """Refuse a command with a text that is too long to record."""
     said = {} if command.by is None else vars(command.by)
     names = {field.name: getattr(command, field.name) for field in dataclasses.fields(command)}
     for name, text in {**names, **said}.items():

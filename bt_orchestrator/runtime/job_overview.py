@@ -1,4 +1,4 @@
-"""How a job stands: its place, its counts, its initialization."""
+"""The status of a job: its place, its counts, its initialization."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from bt_orchestrator.runtime.tasks_in_flight import TasksInFlight
 def job_status(
     state: CellState, job: JobState, in_flight: TasksInFlight, ends_s: Mapping[str, float]
 ) -> JobStatus:
-    """Return how a job stands, live or ended.
+    """Return the status of a job, live or ended.
 
     :param ends_s: in how many seconds jobs are expected to end
     """

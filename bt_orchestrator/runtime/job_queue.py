@@ -1,4 +1,4 @@
-"""What is done about the queue and its jobs: events, or a refusal (semantics 6.6, 7.2)."""
+"""Commands to the queue and its jobs: events, or a refusal (semantics 6.6, 7.2)."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ Events = Iterator[e.Event]
 
 
 def carry_out(command: JobCommand, state: CellState) -> tuple[str, list[e.Event]]:
-    """Return what is to be answered and recorded.
+    """Return the answer and the events.
 
     :raises CommandRefused: it cannot be carried out now
     """
@@ -74,7 +74,7 @@ def _update(command: UpdateJob, state: CellState) -> tuple[str, list[e.Event]]:
 
 
 def standing(state: CellState) -> Iterator[str]:
-    """Say that what was queued waits for an operator, if so (semantics 7.2)."""
+    """Say so if the queued jobs wait for an operator (semantics 7.2)."""
     if state.wish is not None:
         way = way_to_work(state.packml)
         soon = 'when it has stopped, ' if state.stopped_by is None else ''
@@ -172,7 +172,7 @@ CONTROLS: Mapping[str, _Control] = {
         (job_control.CLEAR, 'is listed no more', _clear),
     )
 }
-"""Method, what is answered, and what it does, by the word of the command."""
+"""By the command's word: the method, the answer, and the function that does it."""
 
 
 # --- the line runs empty --------------------------------------------------------------------
@@ -194,7 +194,7 @@ def _stop_after(command: StopAfter, state: CellState) -> tuple[str, list[e.Event
 
 
 def stop_when_empty(state: CellState) -> list[e.Event]:
-    """Stop a cell that is still, once its line has run empty as it was asked to."""
+    """Stop a cell that is still, once its line has run empty on request."""
     if state.stop_after is None or state.packml is not PackmlState.EXECUTE or not _is_empty(state):
         return []
     reason = f'stop after the current {state.stop_after}'
@@ -210,7 +210,7 @@ def _is_empty(state: CellState) -> bool:
 
 
 def _allowed(state: CellState, method: job_control.Method, name: str) -> JobState:
-    """Return a job of which something may be asked now."""
+    """Return a job whose state allows a method now."""
     job = state.jobs.get(name) or state.ended.get(name)
     if job is None:
         raise CommandRefused(_unknown(state, name))

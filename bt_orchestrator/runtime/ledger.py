@@ -31,7 +31,7 @@ class Ledger:
         """Open a ledger.
 
         :param follow: called with each event once it is applied
-        :param on_time: called when a time has come that `wake_at` was asked for
+        :param on_time: called at a time requested by `wake_at`
         """
         self.state = state
         self._clock = clock
@@ -51,7 +51,7 @@ class Ledger:
 
     @property
     def steady(self) -> float:
-        """Seconds of the clock that nobody sets."""
+        """Seconds of the steady clock, which is never set."""
         return self._clock.steady()
 
     @property
@@ -68,7 +68,7 @@ class Ledger:
             self._add(event, now)
 
     def look_at_clock(self) -> None:
-        """Record that somebody set the wall clock, if so; before what is stamped by it."""
+        """Record it if the wall clock was set, before the events stamped by it."""
         step_s = self._wall.step_s()
         if step_s:
             self._add(ClockStepped(seconds=step_s), self._wall.now)
@@ -85,11 +85,11 @@ class Ledger:
         return bool(self._pending)
 
     def pending_after(self, seq: int) -> list[Event]:
-        """Return what was recorded after an event, and not taken yet."""
+        """Return the events recorded after a number, and not taken yet."""
         return [event for event in self._pending if event.seq > seq]
 
     def take_pending(self) -> list[Event]:
-        """Return what was recorded since the last call."""
+        """Return the events recorded since the last call."""
         pending, self._pending = self._pending, []
         return pending
 
@@ -113,7 +113,7 @@ class Ledger:
         return until is not None
 
     def wake_at(self, time: float) -> None:
-        """Ask for a settle at a steady time; asking again for the same one changes nothing."""
+        """Request a settle at a steady time; a repeated request changes nothing."""
         if time not in self._armed:
             self._armed[time] = self._clock.call_at(time, lambda: self._expire(time))
 

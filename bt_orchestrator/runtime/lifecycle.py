@@ -1,4 +1,4 @@
-"""What becomes of the cell and its jobs by itself: ends, stop reasons, PackML states.
+"""Automatic changes of the cell and its jobs: job ends, stop reasons, PackML states.
 
 Semantics 6.1 and 7.2. The stop reason is recorded first; the state of the cell follows from it.
 """
@@ -25,11 +25,11 @@ class Outlook(NamedTuple):
     """What the last tick showed, beyond the state."""
 
     still: bool
-    """Nothing runs, and nothing can start before something changes."""
+    """No goal runs, and none can start before something changes."""
     unready: bool
-    """A cycle in hand could go on but for the readiness of a component."""
+    """A cycle in progress waits only for the readiness of a component."""
     starved: Starved | None
-    """The line waits for its source or sink, and has done so for a while."""
+    """The line has waited for its source or sink for a while."""
 
 
 def is_still(state: CellState, is_delayed: Callable[[e.TaskKey], bool], *, quiet: bool) -> bool:
@@ -51,14 +51,14 @@ _LAST_OF_A_JOB = (
 
 
 def may_end_a_job(event: e.Event) -> bool:
-    """Tell whether `jobs_ended` may have something to say after an event."""
+    """Tell whether `jobs_ended` may yield anything after an event."""
     if isinstance(event, e.TaskEvent):
         return event.section is None and event.job is not None  # initialization
     return isinstance(event, _LAST_OF_A_JOB)
 
 
 def jobs_ended(state: CellState) -> Iterator[e.JobCompleted | e.JobAborted]:
-    """Yield the end of every job of which nothing remains."""
+    """Yield the end of every job that has nothing left to do."""
     for job in state.jobs.at_work():
         if is_complete(state, job):
             kind = e.JobAborted if job.aborting else e.JobCompleted
@@ -81,7 +81,7 @@ def clear_oldest(state: CellState) -> Iterator[e.JobCleared]:
 
 
 def stop_reason_change(state: CellState, outlook: Outlook) -> e.StopReasonChanged | None:
-    """Return the stop reason that is due, unless it is recorded already (semantics 7.2)."""
+    """Return the due stop reason, unless it is recorded already (semantics 7.2)."""
     due, words = _due_reason(state, outlook)
     if due is state.stop_reason and words == state.stop_message:
         return None
@@ -90,7 +90,7 @@ def stop_reason_change(state: CellState, outlook: Outlook) -> e.StopReasonChange
 
 def _due_reason(state: CellState, outlook: Outlook) -> tuple[StopReason | None, str]:
     if state.stop_reason is StopReason.EMERGENCY:
-        return StopReason.EMERGENCY, state.stop_message  # until somebody clears the cell
+        return StopReason.EMERGENCY, state.stop_message  # until an operator clears the cell
     if state.holds:
         first = next(iter(state.holds.values()))
         return (StopReason.OPERATOR if first.owner else StopReason.OWN_FAULT), hold_name(first)
@@ -124,7 +124,7 @@ def next_mode(
     """Return the transition that is due.
 
     :param auto_start: the cell resets and starts by itself when an order arrives, unless an
-        operator wants it to stand
+        operator has stopped it
     """
     due = _by_stop_reason(state) or _by_itself(state, outlook, auto_start=auto_start)
     if due is None:
@@ -134,7 +134,7 @@ def next_mode(
 
 
 def transition(mode: PackmlState, cause: Cause, reason: str) -> e.CellStateChanged:
-    """Return the event of a transition that the table has."""
+    """Return the event of a transition in the table."""
     after = TRANSITIONS[mode][cause]
     return e.CellStateChanged(
         state=after.value, previous=mode.value, cause=cause.value, reason=reason
@@ -142,7 +142,7 @@ def transition(mode: PackmlState, cause: Cause, reason: str) -> e.CellStateChang
 
 
 class _Standstill(NamedTuple):
-    """A state in which the line stands, until what it stands for is over."""
+    """A state in which the line stands until its cause is over."""
 
     stands_for: Cause
     ended_by: Cause
@@ -186,12 +186,12 @@ _AUTOMATIC = {
 
 
 def _why_done(state: CellState, outlook: Outlook) -> str | None:
-    """Say why a state that ends by itself is through; None: it is not."""
+    """Say why an acting state is complete; None: it is not."""
     mode, wanted = state.packml, _wanted(state)
     if Cause.DONE not in TRANSITIONS[mode]:
         return None
     if mode is PackmlState.EXECUTE:
-        # Started before an order came, the cell waits for one.
+        # The cell was started before an order came, and waits for one.
         return 'every job ended' if state.had_work and not state.has_work else None
     if mode is PackmlState.ABORTING:
         return 'every goal ended' if outlook.still else None
@@ -205,7 +205,7 @@ def _why_done(state: CellState, outlook: Outlook) -> str | None:
 def _why_stopped(state: CellState, outlook: Outlook) -> str | None:
     if state.shutting_down:
         return None if state.running else 'every goal ended'
-    # A component that says it is busy for another moment must not leave a cycle unfinished.
+    # A component that is busy for another moment must not leave a cycle unfinished.
     finished = outlook.still and not outlook.unready
     return 'the cycles in hand are finished' if finished else None
 

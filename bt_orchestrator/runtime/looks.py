@@ -1,4 +1,4 @@
-"""Holds that ask somebody to look at the line (semantics 7.3)."""
+"""Holds that ask an operator to check the line (semantics 7.3)."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from bt_orchestrator.runtime.cell_commands import RESUME
 
 
 def to_be_named(state: CellState, reason: str, message: str) -> e.HoldRaised:
-    """Return a hold of the whole cell, which only naming it releases.
+    """Return a hold of the whole cell that is released only by its name.
 
     :param reason: one of `model.pauses.NAMED`
-    :param message: what is to be looked at
+    :param message: what the operator has to check
     """
     return e.HoldRaised(hold=state.next_hold, reason=reason, message=message, answers=(RESUME,))
 

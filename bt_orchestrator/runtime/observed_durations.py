@@ -1,4 +1,4 @@
-"""How long tasks really take here: what the nominal durations of a cell file cannot know."""
+"""Measured durations of tasks, in place of the nominal ones of the cell file."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from bt_orchestrator.report.task_spans import TaskSpan, TaskSpans
 log = logging.getLogger(__name__)
 
 KEPT = 9
-"""So many durations of each task are remembered, the last ones."""
+"""Number of durations kept of each task, the latest ones."""
 
 EVENTS_READ = 1000
-"""So many of the last events of a journal tell a node that starts how long tasks took before."""
+"""Number of the last events of a journal that a node reads for durations at its start."""
 
 
 def last_events(store: EventStore, last: int) -> Sequence[e.Event]:
-    """Return what a node that starts learns from; no state depends on it.
+    """Return the last events for the durations; no state depends on them.
 
     :param last: the last event of the journal
     """
@@ -44,7 +44,7 @@ class ObservedDurations:
         self._spans = TaskSpans()
         self._took_s: dict[tuple[str, str], deque[float]] = defaultdict(lambda: deque(maxlen=KEPT))
         self._usual_s: dict[tuple[str, str], float] = {}
-        """Of `_took_s`, once somebody has asked."""
+        """Cache of the medians of `_took_s`."""
 
     def publish(self, events: Sequence[e.Event]) -> None:
         """Take in the next events."""
@@ -53,12 +53,12 @@ class ObservedDurations:
             if span is not None:
                 self._learn(span)
             elif isinstance(event, (e.OrchestratorStarted, e.ClockStepped)):
-                # Nobody knows when within the pause it ended, or the clock is another one.
+                # It is unknown when within the pause it ended, or the clock is another one.
                 self._spans.forget()
 
     @property
     def kinds(self) -> int:
-        """How many tasks were seen, each counted once for its component."""
+        """Number of different tasks seen, counted per component."""
         return len(self._took_s)
 
     def seconds(self) -> Mapping[str, Mapping[str, float]]:
@@ -86,8 +86,8 @@ class ObservedDurations:
 def as_observed(cell: Cell, observed_s: Mapping[str, Mapping[str, float]]) -> Cell:
     """Return the cell with the durations that were seen.
 
-    Those not seen yet are as much longer, or shorter, than nominal as the others are. A component
-    that only an older cell file has is passed over.
+    Nominal durations of tasks not seen yet are scaled by the median ratio of the others. A
+    component that only an older cell file has is ignored.
     """
     ratios = [
         took_s / nominal_s

@@ -1,4 +1,4 @@
-"""What operators decide about holds and items (semantics 7.1)."""
+"""Operators' decisions about holds and items (semantics 7.1)."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from bt_orchestrator.runtime.command_record import decided
 
 
 def answer(state: CellState, command: AnswerHold, now: float) -> Iterator[e.Event]:
-    """Decide about a hold.
+    """Answer a hold.
 
     :raises CommandRefused: there is no such hold, or it does not offer that answer
     """
@@ -58,7 +58,7 @@ def remove(state: CellState, command: RemoveItem) -> Iterator[e.Event]:
 
 
 def released_with(state: CellState, item: str) -> Iterator[e.HoldReleased]:
-    """Release what held only because an item stood where it is not any more (semantics 3.6)."""
+    """Release the holds that existed only because of the removed item (semantics 3.6)."""
     for hold in [h for h in state.holds.values() if h.item == item and h.task is None]:
         yield e.HoldReleased(hold=hold.id)
 

@@ -1,11 +1,11 @@
-"""The orchestrator: one settle after another, whatever the outside world is.
+"""The orchestrator: one settle after another, for real and virtual cells alike.
 
 A settle is: drain commands and news into events, tick the tree until nothing changes, commit all
-of it as one transaction, then send the goals and hand the events to the outputs (architecture,
+events as one transaction, then send the goals and hand the events to the outputs (architecture,
 "One settle"). Live, recovery, simulation and checking all run this same code.
 
 A commit that takes longer than a moment is left pending: until it ends nothing is landed, ticked
-or sent, and the thread is free for those who only read. Then the settle goes on where it stopped.
+or sent, and the thread is free for readers. Then the settle continues where it stopped.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ log = logging.getLogger(__name__)
 _instances = itertools.count(1)
 
 MOST_TICKS = 100_000
-"""A settle that ticks more often than this is a defect of the rules, not a busy line."""
+"""More ticks than this in one settle are a defect of the rules, not a busy line."""
 
 
 class Orchestrator:
@@ -69,14 +69,14 @@ class Orchestrator:
         """Build the engine of a cell; nothing moves before the first settle.
 
         :param writer: waits for the store; None: the thread that settles
-        :param patience_s: a commit that takes longer has failed
-        :param wake: asks for a settle soon; called whenever there is something new
+        :param patience_s: a commit that takes longer counts as failed
+        :param wake: requests a settle soon; called whenever there is something new
         :param auto_start: the cell resets and starts by itself when an order arrives
         :param auto_resume: unfinished work in the journal goes on without `Resume`
         :raises JournalMismatch: the journal is of another cell
         """
         self.state = restore(cell, store)
-        for script in self.state.scripts.values():  # takes long, and nobody is served yet
+        for script in self.state.scripts.values():  # takes long, and no client is served yet
             script.work_out()
             text_of(script)
         self._store = store
@@ -93,23 +93,23 @@ class Orchestrator:
         self._commits = Commits(store, writer or AtOnce(), clock, wake, patience_s)
         self._settling = False
         self._look_for_ends = True
-        """Something happened that may have been the last of a job."""
+        """An event has occurred that may have ended a job."""
         self.breakdown: Breakdown | None = None
-        """What is left once the journal could not be written."""
+        """The remaining functions once the journal could not be written."""
         gateway.listen(wake)
         up = clock.uptime()
         boot = up.boot if up is not None else ''
         self._ledger.record(take_over(self.state, store, boot, auto_resume=auto_resume))
 
     def ask(self, command: Command) -> Answer:
-        """Carry out a command, settle, and return the answer; for a journal that never waits."""
+        """Carry out a command, settle, and return the answer; for journals without wait."""
         return begin(self.carry_out(command)).value
 
     async def carry_out(self, command: Command) -> Answer:
         """Carry out a command, settle, and return the answer for its sender once it is on disk.
 
-        While a commit is pending a command waits for its turn. One that cancels every goal does so
-        at once, and again in its turn: then it is on record why.
+        While a commit is pending a command waits for its turn. A command that cancels every goal
+        does so at once, and again in its turn, which records the reason.
         """
         must_wait = self.awaits_disk or self._commits.is_owed
         if must_wait and isinstance(command, (Abort, Shutdown)) and self._allows(command):
@@ -117,7 +117,7 @@ class Orchestrator:
         await self._commits.turn()
         if self.breakdown is None:
             answer = self._inbox.take(command)
-            self.settle()  # a refusal, too, is on record before its sender hears of it
+            self.settle()  # a refusal, too, is recorded before its sender gets it
             await self._commits.kept()
         return answer if self.breakdown is None else self._without_journal(command)
 
@@ -128,12 +128,12 @@ class Orchestrator:
 
     @property
     def disk_wait(self) -> str:
-        """What the disk is waited for, in words; empty: it is not."""
+        """What waits for the disk, in words; empty: nothing."""
         return self._commits.in_words
 
     @property
     def disk_wait_s(self) -> float:
-        """For how long it has been waited for, seconds."""
+        """How long the commit has waited for the disk, seconds."""
         return self._commits.waited_s
 
     @property
@@ -143,20 +143,20 @@ class Orchestrator:
 
     @property
     def broken(self) -> str | None:
-        """Why nothing is done any more: the journal could not be written."""
+        """Why the engine has stopped: the journal could not be written."""
         return None if self.breakdown is None else self.breakdown.message
 
     @property
     def awaits_ends(self) -> bool:
-        """Tell whether goals have not ended."""
+        """Tell whether there are goals without an end."""
         return bool(self.state.running if self.breakdown is None else self.breakdown.in_flight)
 
     def add_sink(self, sink: EventSink) -> None:
-        """Hand on events to another output, from the next commit on."""
+        """Add an output for events, from the next commit on."""
         self._sinks.append(sink)
 
     def settle(self) -> bool:
-        """Take in what is new and let the cell react until nothing changes.
+        """Take in commands and news, and let the cell react until nothing changes.
 
         :return: whether anything happened
         """
@@ -191,7 +191,7 @@ class Orchestrator:
         return not_allowed(command, self.state) is None
 
     def _without_journal(self, command: Command) -> Answer:
-        """Answer a command that cannot be put on record; who may not give it may not now."""
+        """Answer a command that cannot be recorded; permissions apply as always."""
         assert self.breakdown is not None
         why_not = not_allowed(command, self.state)
         if why_not is not None:
@@ -246,7 +246,7 @@ class Orchestrator:
     def _waits_for_readiness(self) -> Iterator[Subject]:
         state = self.state
         if not state.contests and all(reading.ready for reading in state.readings.values()):
-            return  # at rest this is asked at every heartbeat
+            return  # at rest this is called at every heartbeat
         yield from (one for one in unready(self.tree.root) if one.could_go_on)
 
     def _commit(self) -> bool:
@@ -269,9 +269,9 @@ class Orchestrator:
         return not self.awaits_disk and self.breakdown is None
 
     def _conclude(self) -> bool:
-        """Do what follows from a commit that has ended: send, and hand on.
+        """Do what follows from a commit that has ended: send goals, publish events.
 
-        :return: whether it has ended, well or not
+        :return: whether it has ended, successfully or not
         """
         if not self._commits.has_ended():
             return False
@@ -293,9 +293,9 @@ class Orchestrator:
         except OrchestratorError as error:
             log.error('the state shown may be ahead of the journal: %s', error)
         else:
-            # Everybody reads this object, and shall see nothing that was not kept.
+            # All readers share this object, and must see nothing that is not durable.
             vars(self.state).update(vars(durable))
-        # Held is what it is, and the one thing shown that cannot be written down.
+        # The cell is Held; this is the one shown fact that cannot be recorded.
         self.state.packml, self.state.packml_since = PackmlState.HELD, self._ledger.now
         self.state.stop_reason, self.state.stop_message = StopReason.OWN_FAULT, str(failed)
         for event in lost:

@@ -17,7 +17,7 @@ from bt_orchestrator.proof.sharing import contradiction
 from bt_orchestrator.runtime.command_record import decided_to_add
 
 FITS = 'fits, but was not queued because of the others'
-"""What is said of the good orders among some that were refused together."""
+"""The message for a valid order that was refused together with others."""
 
 
 def queue(
@@ -32,7 +32,7 @@ def queue(
     """Queue jobs, all or none.
 
     :param position: place of the first, from 1; None: the end
-    :param sharing: what was found out of their scripts and the live ones
+    :param sharing: known result of the check of their scripts against the live ones
     :raises CommandRefused: an id was used, or flags contradict those of a live job
     """
     _refuse_unless_all_fit(state, jobs, sharing)
@@ -46,7 +46,7 @@ def queue(
 
 
 def change(state: CellState, job: Job, sharing: Sharing | None = None) -> list[e.Event]:
-    """Let a queued job be another one.
+    """Replace the order of a queued job.
 
     :raises CommandRefused: its flags contradict those of another live job
     """
@@ -65,7 +65,7 @@ def _queued(job: Job, position: int | None, *, held: bool) -> e.JobQueued:
 
 
 def _ordered(job: Job) -> dict[str, Any]:
-    """Return all that an event says of an order."""
+    """Return the fields of an order in an event."""
     return {
         'job': job.id,
         'script': job.script.name,
@@ -96,7 +96,7 @@ def _refuse_unless_all_fit(state: CellState, jobs: Sequence[Job], sharing: Shari
 def _reasons(
     state: CellState, jobs: Sequence[Job], sharing: Sharing | None
 ) -> Iterator[str | None]:
-    """Yield for each job why it does not fit to those that live and those given before it."""
+    """Yield for each job why it does not fit the live jobs and the given jobs before it."""
     ids: set[str] = set()
     known = dict(state.scripts)
     why_not: dict[str, str | None] = {}

@@ -1,4 +1,4 @@
-"""How a cell stands, read off its engine: the one place where facts for watchers are made."""
+"""The status of a cell, read from its engine: the only source of the facts for clients."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ from bt_orchestrator.runtime.tasks_in_flight import TasksInFlight, feedback_of
 from bt_orchestrator.tree.reasons import waits_of
 
 ENDED_SHOWN = 10
-"""How many ended jobs a status still lists, the last ones."""
+"""Number of ended jobs that a status lists, the last ones."""
 
 _NO_ENDS: Mapping[str, float] = {}
 
 
 class Overview:
-    """Looks at a cell from outside; changes nothing."""
+    """Reads a cell from outside; changes nothing."""
 
     def __init__(
         self,
@@ -44,17 +44,18 @@ class Overview:
         durations: ObservedDurations | None = None,
         unauthenticated_role: Role | None = None,
     ) -> None:
-        """Look at a cell.
+        """Prepare to read a cell.
 
         :param durations: how long tasks took; None: only the nominal durations are known
-        :param unauthenticated_role: of everybody in the ROS domain; None: nobody comes over ROS
+        :param unauthenticated_role: role of all clients over ROS; None: there is no access over
+            ROS
         """
         self._engine = engine
         self._unauthenticated_role = unauthenticated_role
         self._durations = durations or ObservedDurations()
 
     def status(self, now_s: float, ends_s: Mapping[str, float] = _NO_ENDS) -> CellStatus:
-        """Return how the cell stands.
+        """Return the status of the cell.
 
         :param ends_s: in how many seconds jobs are expected to end
         """
@@ -95,14 +96,14 @@ class Overview:
         )
 
     def job(self, job: JobState, ends_s: Mapping[str, float] = _NO_ENDS) -> JobStatus:
-        """Return how a job stands, live or ended.
+        """Return the status of a job, live or ended.
 
         :param ends_s: in how many seconds jobs are expected to end
         """
         return job_status(self._engine.state, job, self._in_flight(), ends_s)
 
     def components(self) -> Iterator[ComponentStatus]:
-        """Yield how the components stand; also while nothing is recorded any more."""
+        """Yield the status of the components; also after the journal has failed."""
         for component in self._engine.state.cell.components.values():
             yield self._component(component)
 
@@ -119,7 +120,7 @@ class Overview:
         return TasksInFlight(self._engine, self._durations)
 
     def _possible(self) -> tuple[Request, ...]:
-        """Return what the cell may be told; without a journal only to cancel its goals."""
+        """Return the commands that are possible; without a journal only to cancel the goals."""
         if self._engine.broken:
             return (CELL[Cause.ABORT],)
         return of_cell(self._engine.state.packml)
@@ -143,7 +144,7 @@ class Overview:
         )
 
     def _contested(self, component: Component) -> str:
-        """Say who else has a part in a component; also while nothing is recorded any more."""
+        """Say who else uses or serves a component; also after the journal has failed."""
         rivals = self._engine.gateway.rivals(component.name)
         contests = self._engine.state.contests
         contest = Contest(tuple(rivals)) if rivals else contests.get(component.name)
@@ -151,7 +152,7 @@ class Overview:
 
 
 def description_of(cell: Cell) -> CellDescription:
-    """Return what exists in a cell."""
+    """Return the parts of a cell."""
     return CellDescription(
         cell=cell.name,
         sections=cell.conveyor.sections,

@@ -1,4 +1,4 @@
-"""Taking a cell over from its journal (semantics 9.2): not a special case, only a beginning."""
+"""Taking over a cell from its journal at every start (semantics 9.2)."""
 
 from __future__ import annotations
 
@@ -30,15 +30,15 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 
 _UNREADABLE = (AttributeError, IndexError, KeyError, TypeError, ValueError)
-"""What reading a state that is damaged, or of another program, may raise."""
+"""Errors that reading a damaged state, or one of another program version, may raise."""
 
 
 def restore(cell: Cell, store: EventStore) -> CellState:
-    """Return the state where the journal ends: that of a snapshot, and the events after it.
+    """Return the state at the end of the journal: a snapshot, and the events after it.
 
-    A snapshot is only a shorter way. One that cannot be used is ignored, and the events are
-    replayed from the beginning. If a record is damaged the state is that before its commit, unless
-    a snapshot leads past it; then also one of another program will do.
+    A snapshot only saves time. An unusable one is ignored, and the events are replayed from the
+    beginning. If a record is damaged the result is the state before its commit, unless there is a
+    later snapshot; then also one of another program version is accepted.
 
     :raises JournalMismatch: there is unfinished work, and the cell is not the one it was begun on
     :raises JournalUnusable: the journal cannot be read
@@ -54,7 +54,7 @@ def restore(cell: Cell, store: EventStore) -> CellState:
 
 
 def _past_the_damage(state: CellState, store: EventStore) -> CellState:
-    """Return a state that a snapshot of another program leads to; if there is none, this one."""
+    """Return a later state from a snapshot of another program version; if none, this one."""
     for snapshot in store.snapshots():
         if snapshot.seq <= state.seq:
             continue
@@ -69,10 +69,10 @@ def _past_the_damage(state: CellState, store: EventStore) -> CellState:
 
 
 def stamp(cell: Cell) -> str:
-    """Name the program and the cell that a snapshot is of; another one replays the events.
+    """Return an id of program and cell for a snapshot; with another id, events are replayed.
 
-    The program is named by the text of its rules: whatever changes in the fold or in the state,
-    nobody has to remember to count up a version.
+    The program's part is a digest of the source of its rules: no version has to be incremented by
+    hand when the fold or the state changes.
     """
     return f'{_program()}-{digest(cell)}'
 
@@ -83,7 +83,7 @@ def _program() -> str:
 
 
 def program_in(folder: Traversable) -> str:
-    """Name the program in a folder, and in those below it, by its text."""
+    """Return a digest of all source files in and below a folder."""
     rules = hashlib.sha256()
     for name, text in _sources(folder):
         rules.update(f'{name} {len(text)} '.encode() + text)
@@ -91,7 +91,7 @@ def program_in(folder: Traversable) -> str:
 
 
 def _sources(folder: Traversable, within: str = '') -> Iterator[tuple[str, bytes]]:
-    """Yield the path and the text of every source file, in an order that never changes."""
+    """Yield the path and the text of every source file, in a fixed order."""
     for entry in sorted(folder.iterdir(), key=lambda entry: entry.name):
         path = f'{within}/{entry.name}'
         if entry.is_dir():
@@ -125,7 +125,7 @@ def begin_with(cell: Cell, beginning: Snapshot) -> CellState:
 
 
 def _replay(state: CellState, events: Iterable[e.Event]) -> bool:
-    """Apply events, as far as they can be read; returns whether that was all of them."""
+    """Apply events as far as they can be read; return whether those were all."""
     damaged = False
     try:
         for event in events:
@@ -156,19 +156,19 @@ def _refuse_gap(state: CellState, event: e.Event) -> None:
 def take_over(
     state: CellState, store: EventStore, boot: str, *, auto_resume: bool
 ) -> Iterator[e.Event]:
-    """Note that a new orchestrator is there, and what it found.
+    """Record the start of a new orchestrator, and what it found.
 
     :param store: its journal
-    :param boot: of the machine that it runs on; empty: not known
-    :param auto_resume: go on at once; otherwise start nothing until somebody has looked and
-        releases the hold `restarted`, which stacks with every other one
+    :param boot: boot id of its machine; empty: not known
+    :param auto_resume: continue at once; otherwise start nothing until an operator has checked the
+        line and releases the hold `restarted`, which is independent of other holds
     """
     is_copy = store.is_restored and store.history != state.history
     missing = store.missing(state.seq)
     if missing:
         log.error('%s', missing)
         store.go_on_after(state.seq)
-    end = f'event {state.seq} of {in_utc(state.time)}'  # before what is recorded here
+    end = f'event {state.seq} of {in_utc(state.time)}'  # before the events of this take-over
     yield e.OrchestratorStarted(
         cell=state.cell.name,
         digest=digest(state.cell),
@@ -179,7 +179,7 @@ def take_over(
     )
     for name, component in state.cell.components.items():
         if component.state is not None and state.readings[name].ready:
-            yield e.ComponentStateChanged(component=name, ready=False)  # not heard of yet
+            yield e.ComponentStateChanged(component=name, ready=False)  # no message yet
     adopted = {key: task for key, task in state.running.items() if task.goal is not None}
     for key, task in adopted.items():
         assert task.goal is not None
@@ -197,7 +197,7 @@ def take_over(
 def _to_be_looked_at(
     state: CellState, ends_with: str, missing: str, *, is_copy: bool
 ) -> e.HoldRaised:
-    """Hold a line that may be further than its journal says."""
+    """Hold a line that may be ahead of its journal."""
     if is_copy:
         looked_at = (
             f'the journal is a copy that ends with {ends_with}. Compare belt and '
@@ -224,5 +224,5 @@ _STANDS = (
 
 
 def _would_go_on(state: CellState) -> bool:
-    """Tell whether the cell starts anything without a command."""
+    """Tell whether the cell would start anything without a command."""
     return state.packml not in _STANDS or state.wish is None

@@ -1,4 +1,4 @@
-"""Refused commands on record: the first ones singly, the many that follow as a number (7.1)."""
+"""The record of refused commands: the first ones singly, further ones as a count (7.1)."""
 
 from __future__ import annotations
 
@@ -23,23 +23,23 @@ from bt_orchestrator.model.limits import (
 from bt_orchestrator.runtime.ledger import Ledger
 
 TOLD_EVERY_S = 60.0
-"""Between two records of what was counted."""
+"""Seconds between two records of counted refusals."""
 
 _SENDERS = 5
-"""Of so many senders each has a record of its own then, all others one."""
+"""Number of senders with a count of their own; all others share one."""
 
 _COMMANDS, _ALL_OTHERS = 10, '...'
-"""So many commands are told apart in it, and the word for all others."""
+"""Number of commands counted separately in it, and the word for all others."""
 
 _LONGEST = {'who': WHO, 'origin': ORIGIN, 'reason': REASON, 'message': MESSAGE}
 
 _SHORT = 200
-"""Characters of the last message in the record of many."""
+"""Characters of the last message in a record of counted refusals."""
 
 
 @dataclass
 class _Counted:
-    """What was refused of one sender since the last record of it."""
+    """Refusals of one sender since the last record of them."""
 
     since: float
     commands: Counter[str] = field(default_factory=Counter)
@@ -52,7 +52,7 @@ class _Counted:
 
 
 class Refusals:
-    """Puts refusals on record, so that their records stay small whatever is asked how often."""
+    """Records refusals, and keeps the records few, however many requests there are."""
 
     def __init__(self, ledger: Ledger) -> None:
         self._ledger = ledger
@@ -61,7 +61,7 @@ class Refusals:
         self._tell_at: float | None = None
 
     def record(self, refusals: Iterable[e.OperatorRefused]) -> None:
-        """Put refusals on record, or count them where there are too many."""
+        """Record refusals, or count them if there are too many."""
         for refused in map(_shortened, refusals):
             sender, now = (refused.who, refused.origin), self._ledger.steady
             size = len(to_text(refused).encode())
@@ -72,7 +72,7 @@ class Refusals:
                 self._count(sender, refused)
 
     def land(self) -> None:
-        """Put on record what was counted, once it is time."""
+        """Record the counts, if they are due."""
         if self._tell_at is not None and self._ledger.steady >= self._tell_at:
             self.tell()
 

@@ -1,4 +1,4 @@
-"""Which request of the table a command is, and whether its sender may make it (semantics 7.1)."""
+"""The request of a command, and whether its sender has permission for it (semantics 7.1)."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from bt_orchestrator.model.state import CellState
 def request_of(command: Command) -> Request | None:
     """Return the request that a command is.
 
-    None: it is none of the table, as what the engine asks of itself, and unknown words.
+    None: it is not in the table, as the engine's own commands and unknown words.
     """
     match command:
         case AnswerHold(_, answer):
@@ -57,9 +57,9 @@ def request_of(command: Command) -> Request | None:
 
 
 def not_allowed(command: Command, state: CellState) -> str | None:
-    """Say why the sender of a command may not give it; None: they may.
+    """Say why the sender has no permission for a command; None: it has.
 
-    A command without a sender is a plan's, of a virtual run.
+    A command without a sender comes from the plan of a virtual run.
     """
     request, by = request_of(command), getattr(command, 'by', None)
     if request is None or by is None:
@@ -68,7 +68,7 @@ def not_allowed(command: Command, state: CellState) -> str | None:
 
 
 def _restricted(command: Command, state: CellState) -> tuple[str, ...]:
-    """Return the parameters in use that not everybody may give who may make the request."""
+    """Return the used parameters that need a higher role than the request itself."""
     if not isinstance(command, UpdateJob):
         return ()
     now = state.jobs.get(command.job.id)

@@ -1,4 +1,4 @@
-"""How a section stands: its slot, its cycle in hand, and what that has passed."""
+"""The status of a section: its slot, its current cycle, and the finished tasks of that."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ _FAILED = (Phase.FAILED, Phase.RETRYING, Phase.HELD)
 def section_status(
     state: CellState, section: SectionState, in_flight: TasksInFlight, waits: tuple[Wait, ...]
 ) -> SectionStatus:
-    """Return how a section stands.
+    """Return the status of a section.
 
-    :param waits: why it does not go on
+    :param waits: why it waits
     """
     slot, cycle = state.slot(section.number), section.cycle
     passed, failed = _passed(state, section.number, cycle)
@@ -48,7 +48,7 @@ def _item(item: ItemState) -> ItemStatus:
 def _passed(
     state: CellState, section: int, cycle: Cycle | None
 ) -> tuple[tuple[PassedTask, ...], tuple[str, ...]]:
-    """Return which tasks the cycle in hand has passed, and which failed."""
+    """Return the tasks that the current cycle has passed, and those that failed."""
     if cycle is None:
         return (), ()
     nonconforming = state.items[cycle.item].nonconforming
@@ -69,7 +69,7 @@ def _passed(
 def passed_task(task: str, progress: TaskState, *, is_nonconforming: bool = False) -> PassedTask:
     """Return how a task in phase DONE ended.
 
-    :param is_nonconforming: it made its item so; tells what a state of an older program does not
+    :param is_nonconforming: it made its item so; a state of an older version does not say it
     """
     end = progress.end or (End.CONTINUED if is_nonconforming else End.DONE)
     return PassedTask(task, end, _reason(progress))

@@ -1,4 +1,4 @@
-"""Whether the line waits for nothing but its source or its sink (semantics 7.2)."""
+"""Whether the line waits only for its source or its sink (semantics 7.2)."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from bt_orchestrator.runtime.ledger import Ledger
 from bt_orchestrator.tree.subject import Subject
 
 SUSPEND_AFTER_S = 1.0
-"""How long the line has to wait before it counts: a component that is busy for a moment after its
-task, as most say they are, is no reason to note anything."""
+"""How long the line has to wait before it counts: most components report busy for a moment after a
+task, which is not starvation."""
 
 
 class Starved(NamedTuple):
-    """For what the line waits."""
+    """The end of the line that is waited for."""
 
     reason: StopReason
     words: str
 
 
 class Starvation:
-    """Remembers since when the line waits for its source or sink."""
+    """Measures how long the line waits for its source or sink."""
 
     def __init__(self, ledger: Ledger) -> None:
         self._ledger = ledger
@@ -34,7 +34,7 @@ class Starvation:
     def look(self, unready: Sequence[Subject]) -> Starved | None:
         """Say for what the line has been waiting long enough; None: it has not.
 
-        :param unready: tasks that wait for their component, of a line in which all else waits
+        :param unready: tasks that wait for their component while nothing else can go on
         """
         now = self._ledger.steady
         found = find(self._ledger.state, unready) if unready else None
@@ -50,14 +50,14 @@ class Starvation:
 
 
 def find(state: CellState, unready: Iterable[Subject]) -> Starved | None:
-    """Say which end of the line is waited for; the sink, if both are (downstream first, 4.4)."""
+    """Return the end of the line that is waited for; of both, the sink (downstream first, 4.4)."""
     found = [one for one in (_at_an_end(state, subject) for subject in unready) if one is not None]
     blocked = [one for one in found if one.reason is StopReason.BLOCKED]
     return next(iter([*blocked, *found]), None)
 
 
 def _at_an_end(state: CellState, subject: Subject) -> Starved | None:
-    """Say at which end of the line a task waits; None: between them, or in initialization."""
+    """Return the end of the line where a task waits; None: between, or in initialization."""
     if subject.job is None or subject.section is None:
         return None
     script = state.script(subject.job)
@@ -68,6 +68,6 @@ def _at_an_end(state: CellState, subject: Subject) -> Starved | None:
         return None
     reason = StopReason.STARVED if at_source else StopReason.BLOCKED
     if state.readings[subject.task.component].ready:
-        return None  # it waits for something that is wrong, not for material
+        return None  # it waits because of a fault, not for material
     topic = state.cell.components[subject.task.component].state
     return Starved(reason, f'{subject.key} waits for {topic}')

@@ -1,4 +1,4 @@
-"""The tasks that have a goal in flight, as a status shows them."""
+"""The tasks with a goal in flight, as a status shows them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from bt_orchestrator.runtime.observed_durations import ObservedDurations
 
 
 class TasksInFlight:
-    """All of them at one moment, by where they run."""
+    """All of them at one moment, by place."""
 
     def __init__(self, engine: Engine, durations: ObservedDurations) -> None:
         self._engine = engine
@@ -72,7 +72,7 @@ class TasksInFlight:
 
 
 def feedback_of(flights: Goals, goal: str | None) -> str:
-    """Return the last feedback of a goal as one JSON object; of a long one a part."""
+    """Return the last feedback of a goal as a JSON object, shortened if it is long."""
     flight = flights.goal(goal) if goal else None
     feedback = flight.feedback if flight else None
     if feedback is None:

@@ -1,17 +1,17 @@
-"""Noticing that somebody set the wall clock (semantics 2.4)."""
+"""Detecting that the wall clock was set (semantics 2.4)."""
 
 from __future__ import annotations
 
 from bt_orchestrator.ports import Clock
 
 STEP_S = 1.0
-"""From this on it was set; what NTP does to a clock that is only slow, or fast, is far less."""
+"""A smaller step counts as slewing; NTP corrections of a slow or fast clock are far smaller."""
 
 
 class WallClock:
-    """Compares the wall clock with the steady one, at every look with the look before.
+    """Compares how far the wall clock and the steady clock have moved since the last look.
 
-    So a clock that is slewed is followed. One that is set by less than STEP_S counts as slewed.
+    So a slewed clock is followed. A step of less than STEP_S counts as slewing.
     """
 
     def __init__(self, clock: Clock) -> None:
@@ -21,10 +21,10 @@ class WallClock:
         self._ahead_s = self._look()
 
     def step_s(self) -> float:
-        """Return by how many seconds it was set since the last look; 0.0: it was not."""
+        """Return by how many seconds it was set since the last look; 0.0: it was not set."""
         ahead_s = self._look()
         if abs(ahead_s - self._ahead_s) >= STEP_S:
-            # Once more: the process may have stood still between the two clocks.
+            # Read again: the process may have been suspended between the two readings.
             ahead_s = self._look()
         step_s, self._ahead_s = ahead_s - self._ahead_s, ahead_s
         return step_s if abs(step_s) >= STEP_S else 0.0

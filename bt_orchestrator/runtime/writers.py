@@ -1,4 +1,4 @@
-"""Who waits for the disk: the caller, or a thread of its own (decision 0029)."""
+"""Writers: the caller's thread, or a separate thread, waits for the disk (decision 0029)."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ class AtOnce:
 
 
 class WriterThread:
-    """Writes in a thread of its own, one thing after the other. Implements `ports.Writer`.
+    """Writes in a separate thread, in order. Implements `ports.Writer`.
 
-    The thread ends no process late: one that hangs in a write to a dead disk is left behind.
+    The thread never delays the end of the process: one that hangs in a write is abandoned.
     """
 
     def __init__(self, wake: Callable[[], None]) -> None:
         """Start the thread.
 
-        :param wake: called in the thread when something has ended that was waited for
+        :param wake: called in the thread when a write has ended that was waited for
         """
         self._wake = wake
         self._todo: SimpleQueue[Writing[Any] | None] = SimpleQueue()
@@ -37,13 +37,13 @@ class WriterThread:
         self._thread.start()
 
     def begin(self, write: Callable[[], _T]) -> Writing[_T]:
-        """Have something written after all that was begun before."""
+        """Queue a write after all earlier ones."""
         writing = Writing(write, self._wake)
         self._todo.put(writing)
         return writing
 
     def close(self, within_s: float) -> bool:
-        """End after what was begun; tell whether it did so in time."""
+        """End after the queued writes; return whether that was in time."""
         self._todo.put(None)
         self._thread.join(within_s)
         return not self._thread.is_alive()
@@ -54,7 +54,7 @@ class WriterThread:
 
 
 class Writing(Generic[_T]):
-    """Something to be written, by one thread, and waited for by another.
+    """A write by one thread, which another thread waits for.
 
     Implements `ports.Writing`.
     """
@@ -66,7 +66,7 @@ class Writing(Generic[_T]):
         self._under_way.acquire()
         self._has_ended = False
         self._is_late = False
-        """Whoever waits was told that it has not ended."""
+        """The waiting thread has seen that it has not ended."""
         self._failure: Exception | None = None
 
     def run(self) -> None:
@@ -80,16 +80,16 @@ class Writing(Generic[_T]):
             self._wake()
 
     def has_ended(self, within_s: float = 0.0) -> bool:
-        """Tell whether it has ended, well or not; wait for that for so long at most."""
+        """Tell whether it has ended, successfully or not; wait at most `within_s` for that."""
         if not self._has_ended:
             self._has_ended = self._under_way.acquire(timeout=within_s)
         if not self._has_ended:
-            self._is_late = True  # from here on it wakes; it may have ended just before
+            self._is_late = True  # from now on its end wakes; it may have ended just before
             self._has_ended = self._under_way.acquire(blocking=False)
         return self._has_ended
 
     def result(self) -> _T:
-        """Return what the write returned, or raise what it raised."""
+        """Return the result of the write, or raise its error."""
         assert self._has_ended, 'it has not ended'
         if self._failure is not None:
             raise self._failure
@@ -97,4 +97,4 @@ class Writing(Generic[_T]):
 
 
 def _nobody() -> None:
-    """Stand for whoever would be woken: nobody waits."""
+    """Placeholder for the wake function while no thread waits."""

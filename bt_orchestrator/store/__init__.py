@@ -1,1 +1,1 @@
-"""Journals: where events become durable; `sqlite` keeps them in a file."""
+"""Journals, which make events durable; `sqlite` keeps them in a file."""

@@ -21,14 +21,14 @@ class MemoryStore:
     def __init__(self, history: str | None = None) -> None:
         """Begin a journal.
 
-        :param history: its name where nothing may be random, as in a virtual run
+        :param history: a fixed id for runs that must not be random, such as virtual runs
         """
         self._history = uuid4().hex if history is None else history
         self._events: list[Event] = []
 
     @property
     def history(self) -> str:
-        """Return the name that no other journal has."""
+        """Return the unique id of the journal."""
         return self._history
 
     @property
@@ -37,7 +37,7 @@ class MemoryStore:
         return False
 
     def missing(self, after: int) -> str:  # noqa: ARG002 - the port's
-        """Return nothing: what is in memory is whole."""
+        """Return nothing: a journal in memory is never damaged."""
         return ''
 
     def go_on_after(self, seq: int) -> None:
@@ -76,11 +76,11 @@ class MemoryRecords:
         self._store = store
 
     def extent(self) -> Extent:
-        """Tell how far it reaches."""
+        """Return the range of events in it."""
         return Extent(self._store.history, self._store.first_seq(), len(self._store.read()))
 
     def page(self, wanted: Wanted, most: int = MOST) -> Page:
-        """Return the next of the records that are wanted."""
+        """Return the next wanted records."""
         history, first, last = self.extent()
         before = last + 1 if wanted.before_seq is None else wanted.before_seq
         seqs = range(wanted.after_seq + 1, min(before, last + 1))
@@ -101,11 +101,11 @@ class MemoryRecords:
         *,
         newest_first: bool = False,  # noqa: ARG002
     ) -> Summaries:
-        """Return nothing: no event is ever removed, and no job has to be summed up."""
+        """Return nothing: no event is ever removed, so no summary is needed."""
         return Summaries((), (), None)
 
     def state_before(self, seq: int) -> None:
         """Return no state: every event is there."""
 
     def close(self) -> None:
-        """Do nothing: the journal goes with its process."""
+        """Do nothing: the journal ends with its process."""

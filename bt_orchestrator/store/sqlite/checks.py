@@ -1,4 +1,4 @@
-"""The check that a row of a journal carries: a bit that has changed is noticed when it is read."""
+"""The checksum of each row of a journal: a changed bit is detected when it is read."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ import zlib
 
 
 def check_of(key: int, text: bytes) -> int:
-    """Return the check of a row: CRC-32 over its text, begun with its key.
+    """Return the check of a row: CRC-32 over its text, seeded with its key.
 
-    It finds what a disk or a memory does to a row. It proves nothing against a person who changes
-    a row and its check.
+    It detects errors of disk and memory. It does not detect a deliberate change of a row and its
+    check.
     """
     return zlib.crc32(text, key & 0xFFFFFFFF)
 

@@ -1,4 +1,4 @@
-"""What every use of SQLite here needs: transactions, pragmas, errors in words."""
+"""Common SQLite functions: transactions, pragmas, errors in words."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from bt_orchestrator.errors import JournalUnusable
 
 @contextmanager
 def transaction(database: sqlite3.Connection) -> Iterator[None]:
-    """Do all of it, or nothing."""
+    """Commit all of it, or nothing."""
     database.execute('BEGIN IMMEDIATE')
     try:
         yield
@@ -26,7 +26,7 @@ def transaction(database: sqlite3.Connection) -> Iterator[None]:
 
 @contextmanager
 def unusable_otherwise(path: Path) -> Iterator[None]:
-    """Say in words what is wrong with a journal.
+    """Convert errors of SQLite to one that explains what is wrong with a journal.
 
     :raises JournalUnusable: the file, or a record in it, cannot be read
     """
@@ -43,8 +43,8 @@ def unusable_otherwise(path: Path) -> Iterator[None]:
 
 
 _WRITTEN: set[Path] = set()
-"""Journals that this process writes. It must open none of them in any other way: with the first
-descriptor that it closes it loses all its locks on that file, as POSIX has it."""
+"""Journals that this process writes. It must not open them in any other way: in POSIX, closing any
+descriptor of a file releases all locks of the process on that file."""
 
 
 def is_written(path: Path) -> None:
@@ -64,7 +64,7 @@ def log_of(path: Path) -> Path:
 
 
 def log_size(database: sqlite3.Connection) -> int:
-    """Return how many bytes of the log SQLite relies on; moves into the journal what can be."""
+    """Return how many bytes of the log SQLite uses, after a checkpoint into the journal."""
     try:
         _, frames, _ = database.execute('PRAGMA wal_checkpoint(PASSIVE)').fetchone()
     except sqlite3.OperationalError:
@@ -77,17 +77,17 @@ _LOG_HEADER, _FRAME_HEADER = 32, 24
 
 
 def has_log(path: Path) -> bool:
-    """Tell whether events may be in the write-ahead log beside a journal, and not yet in it."""
+    """Tell whether the write-ahead log may have events that are not yet in the journal."""
     log = log_of(path)
     return log.exists() and log.stat().st_size > 0
 
 
 def unchanging(path: Path) -> sqlite3.Connection:
-    """Open a journal that nobody writes, and change no byte of it, nor of the files beside it.
+    """Open a journal without a writer, and change no byte of it or of the files beside it.
 
-    SQLite's read-only mode still makes or changes the index of the log beside a journal. Without
-    a log the file is opened as one that cannot change. With one, SQLite keeps the index in memory
-    if it has the file to itself; it asks for no lock, for it gets none on what it only reads.
+    SQLite's read-only mode still creates or changes the index of the log beside a journal. Without
+    a log the file is opened as immutable. With a log, SQLite in exclusive mode keeps the index in
+    memory; locks are off, because it gets none on a read-only file.
     """
     assert path.resolve() not in _WRITTEN, f'who writes {path} would lose its locks by this'
     uri = f'{path.resolve().as_uri()}?mode=ro'
@@ -99,5 +99,5 @@ def unchanging(path: Path) -> sqlite3.Connection:
 
 
 def pragma(database: sqlite3.Connection, name: str) -> int:
-    """Return a number that SQLite keeps beside the tables."""
+    """Return the number of a pragma."""
     return int(database.execute(f'PRAGMA {name}').fetchone()[0])

@@ -1,4 +1,4 @@
-"""The files that a journal is written to: they have to stay those of that name."""
+"""Detects that the files of a journal were removed, replaced or cut while in use."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ from bt_orchestrator.errors import JournalUnusable
 from bt_orchestrator.store.sqlite.database import is_written, log_of, no_longer_written
 
 _Seen = tuple[int, int, int]
-"""What the file system calls a file, by device and inode, and how long it is."""
+"""Device, inode and size of a file."""
 
 
 class FilesInUse:
-    """A journal, its log and the index of that. From here on until `release` they are written.
+    """A journal, its log and the log's index; in use until `release`.
 
-    SQLite goes on with files that were removed, replaced or cut, and commits what nobody finds.
+    SQLite goes on with files that were removed, replaced or cut, and its commits are lost.
     """
 
     def __init__(self, path: Path, log_size: Callable[[], int]) -> None:
-        """Look at the files.
+        """Record the present files.
 
-        :param log_size: tells how many bytes of the log SQLite relies on
+        :param log_size: returns how many bytes of the log SQLite uses
         """
         self._path = path.resolve()
         self._log = log = log_of(self._path)
@@ -33,18 +33,18 @@ class FilesInUse:
         is_written(self._path)
 
     def check(self) -> None:
-        """See that what was written can be found.
+        """Check that the files are still in place.
 
-        SQLite makes none of them shorter, but for a log that another program has emptied with its
-        help into the journal.
+        SQLite shortens none of them, except for a log that another program has moved into the
+        journal by a checkpoint.
 
-        :raises JournalUnusable: another program took a file away, or cut it
+        :raises JournalUnusable: another program removed, replaced or cut a file
         """
         for file, known in self._known.items():
             found = _seen(file)
             if found == known:
                 continue
-            if known is not None:  # otherwise SQLite makes it when it needs it
+            if known is not None:  # otherwise SQLite creates it when needed
                 how = self._how(file, found, known)
                 if how:
                     raise JournalUnusable(
@@ -54,11 +54,11 @@ class FilesInUse:
             self._known[file] = found
 
     def release(self) -> None:
-        """Let this process open the files in another way; they are closed."""
+        """Note that the files are closed; this process may open them in another way."""
         no_longer_written(self._path)
 
     def _how(self, file: str, found: _Seen | None, known: _Seen) -> str:
-        """Return what was done to a file; empty: nothing that matters."""
+        """Return what happened to a file; empty: nothing relevant."""
         if found is None:
             return 'removed'
         if found[:2] != known[:2]:
@@ -70,7 +70,7 @@ class FilesInUse:
 
 
 def _seen(file: str) -> _Seen | None:
-    """Look at a file, six times a commit; None: it is not there."""
+    """Read the state of a file, six times per commit; None: it does not exist."""
     try:
         found = os.stat(file)  # noqa: PTH116 - a Path takes twice as long
     except FileNotFoundError:

@@ -1,4 +1,4 @@
-"""Files beside a journal: made for their owner alone, kept under other names, had on the disk."""
+"""File operations of a journal: private files, copies under other names, syncing to disk."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ from bt_orchestrator.errors import JournalUnusable
 from bt_orchestrator.store.sqlite.database import log_of
 
 PRIVATE = 0o600
-"""What a file of a journal may: its owner reads and writes it. SQLite gives its log the same."""
+"""Mode of the files of a journal: owner only. SQLite gives its log the same mode."""
 
 
 def make_private(path: Path) -> None:
-    """Make an empty file for its owner alone, unless there is one."""
+    """Create an empty file with mode PRIVATE, unless it exists."""
     os.close(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_CLOEXEC, PRIVATE))
 
 
 def make_folder(path: Path) -> None:
-    """Make a folder, and those above it that are not there, for their owner alone."""
+    """Create a folder, and missing ones above it, for their owner alone."""
     for folder in (*reversed(path.parents), path):
         folder.mkdir(mode=0o700, exist_ok=True)
 
 
 def readable_by_others(path: Path) -> str:
-    """Tell, in words, which files of a journal others may read or write; empty: none."""
+    """Say which files of a journal other users may read or write; empty: none."""
     real = path.resolve()
     files = [real, *(real.with_name(real.name + ending) for ending in ('-wal', '-shm'))]
     modes = {file.name: file.stat().st_mode & 0o777 for file in files if file.exists()}
@@ -35,12 +35,12 @@ def readable_by_others(path: Path) -> str:
 
 
 def aside_of(path: Path, why: str) -> Path:
-    """Return a name beside a journal that no file has."""
+    """Return an unused name beside a journal."""
     return path.with_name(f'{path.name}.{why}-{datetime.now(timezone.utc):%Y%m%dT%H%M%S.%fZ}')
 
 
 def keep_aside(path: Path, aside: Path) -> None:
-    """Copy a journal that nobody has open, with its log, to another name.
+    """Copy a closed journal, with its log, to another name.
 
     :raises JournalUnusable: there is no room for it, or it cannot be read
     """
@@ -57,7 +57,7 @@ def keep_aside(path: Path, aside: Path) -> None:
 
 
 def copy_file(file: Path, copy: Path) -> None:
-    """Copy a file to a name that none has, on the disk when this returns."""
+    """Copy a file to an unused name; it is on disk on return."""
     made = os.open(copy, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, PRIVATE)
     with file.open('rb') as source, os.fdopen(made, 'wb') as target:
         shutil.copyfileobj(source, target, 1 << 20)
@@ -66,7 +66,7 @@ def copy_file(file: Path, copy: Path) -> None:
 
 
 def sync(path: Path) -> None:
-    """Have a file, or the names in a folder, on the disk."""
+    """Sync a file, or the names in a folder, to disk."""
     descriptor = os.open(path, os.O_RDONLY)
     try:
         os.fsync(descriptor)

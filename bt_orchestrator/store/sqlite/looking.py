@@ -1,4 +1,4 @@
-"""One look through the rows of events, for the records that somebody wants."""
+"""One scan of the rows of events for the wanted records."""
 
 from __future__ import annotations
 
@@ -17,32 +17,32 @@ MOST_BYTES = 1_000_000
 """A page ends with the record that makes it this long."""
 
 LOOKED_AT = 20_000
-"""A page ends after so many rows, wanted or not: a look that takes long keeps the log growing."""
+"""A page ends after so many rows, wanted or not: the log grows during a long scan."""
 
 
 class Look:
-    """Finds the records of a page, and what is damaged or not there between them."""
+    """Finds the records of a page, and the damaged or missing ones between them."""
 
     def __init__(self, wanted: Wanted, low: int, high: int, most: int) -> None:
         """Begin.
 
-        :param low: of the first event that has to be there
-        :param high: of the last one
+        :param low: seq of the first event that must exist
+        :param high: seq of the last one
         """
         self._wanted = wanted
         self._low, self._high = low, high
         self._most = max(1, min(most, MOST))
         self._next, self._step = (high, -1) if wanted.newest_first else (low, 1)
-        """The number that the next row has to have, and from there to the one after it."""
+        """The expected number of the next row, and the step to the one after it."""
         self.found: list[Record] = []
         self.damaged: list[DamagedRecord] = []
         self.rest = wanted
         self.is_last = False
 
     def through(self, database: sqlite3.Connection, sound: str) -> None:
-        """Look at the rows, one after the other.
+        """Scan the rows.
 
-        :param sound: the condition, in SQL, under which a row is what was written
+        :param sound: SQL condition for an undamaged row
         """
         length = 0
         for looked, (seq, text) in enumerate(self._rows(database, sound), 1):
@@ -78,14 +78,14 @@ class Look:
             self.damaged.append(DamagedRecord(seq, seq, 'damaged'))
 
     def _come_to(self, seq: int) -> None:
-        """Miss what should have come before this one."""
+        """Note the rows missing before this one."""
         if self._wanted.newest_first:
             self._miss(seq + 1, self._next)
         else:
             self._miss(self._next, seq - 1)
 
     def _come_to_the_end(self) -> None:
-        """All rows there are have been looked at."""
+        """Note the rows missing after the last one."""
         end = self._low - 1 if self._wanted.newest_first else self._high + 1
         self._come_to(end)
         self.rest = self._wanted.past(end + 1 if self._wanted.newest_first else end - 1)
@@ -97,7 +97,7 @@ class Look:
 
 
 def _condition(wanted: Wanted) -> tuple[str, list[Any]]:
-    """Return what SQLite is to look for, in records that are sound."""
+    """Return the SQL condition for wanted records among sound ones."""
     parts: list[str] = ['1']
     found: list[Any] = []
     conditions = (

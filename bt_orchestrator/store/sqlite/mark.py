@@ -1,8 +1,8 @@
-"""The high-water mark beside a journal: how far it had been written, kept outside of it.
+"""The high-water mark: how far a journal was written, in a file beside it.
 
-What SQLite finds in damaged files looks like a whole journal that ends earlier. The mark is
-rewritten after each commit, so it is never ahead of the journal unless the journal went back.
-Where it is gone too, the file says whether it was closed (`schema.is_closed`).
+After damage, SQLite may show a journal that seems complete but ends earlier. The mark is rewritten
+after each commit, so it is ahead of the journal only if the journal has lost events. If the mark
+is missing too, the journal says whether it was closed (`schema.is_closed`).
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from bt_orchestrator.store.sqlite.keeping import PRIVATE
 log = logging.getLogger(__name__)
 
 MOST = 4096
-"""Bytes of a mark that are read; it has about a hundred."""
+"""Bytes read of a mark; it has about a hundred."""
 
 _LINE = re.compile(
     rb'(bt_orchestrator mark 1 (\w{1,64}) (\d{20}) (-?\d{1,15}\.\d{6})) ([0-9a-f]{8})\n'
@@ -37,21 +37,21 @@ class Reached(NamedTuple):
 
 
 class Mark:
-    """States: only looked at, written (from `write` on), closed."""
+    """States: only read, written (from `write` on), closed."""
 
     def __init__(self, journal: Path) -> None:
-        """Look at the mark of a journal; nothing is made or changed."""
+        """Read the mark of a journal; nothing is created or changed."""
         self.path = mark_of(journal)
         self._file: int | None = None
         self._failed = False
         self.found = read_mark(self.path)
-        """What it said before it was written; None: there was none, or it cannot be read."""
+        """Its content before it was written; None: there was none, or it cannot be read."""
 
     def write(self, reached: Reached) -> None:
         """Note how far the journal is written; a few microseconds, and no fsync.
 
-        A mark that lags behind after a power cut does no harm. One that cannot be written only
-        means that less is noticed later, so that stops nothing.
+        A mark that is behind after a power cut does no harm. A mark that cannot be written only
+        weakens later checks, so it stops nothing.
         """
         if self._failed:
             return
@@ -64,7 +64,7 @@ class Mark:
             log.warning('%s cannot be written (%s): %s', self.path, error.strerror, _UNNOTICED)
 
     def sync(self) -> None:
-        """Have on the disk what was written, in the file of that name."""
+        """Sync what was written to disk, file and name."""
         if self._file is None:
             return
         try:
@@ -80,7 +80,7 @@ class Mark:
             log.warning('%s cannot be written (%s): %s', self.path, error.strerror, _UNNOTICED)
 
     def close(self) -> None:
-        """Have it on the disk, and let go of it."""
+        """Sync it to disk, and close it."""
         self.sync()
         if self._file is not None:
             os.close(self._file)
@@ -91,7 +91,7 @@ _UNNOTICED = 'that events are missing would not be noticed'
 
 
 def mark_of(journal: Path) -> Path:
-    """Return the place of the mark beside a journal."""
+    """Return the path of the mark beside a journal."""
     real = journal.resolve()
     return real.with_name(f'{real.name}-mark')
 
@@ -117,9 +117,9 @@ def read_mark(path: Path) -> Reached | None:
 
 
 def write_mark(path: Path, reached: Reached) -> None:
-    """Make a mark, on the disk when this returns.
+    """Create a mark; it is on disk on return.
 
-    :raises OSError: it cannot be made
+    :raises OSError: it cannot be created
     """
     file = _opened(path)
     try:

@@ -1,4 +1,4 @@
-"""Opening a journal: the lock beside it, then to read, and only for the first write to write."""
+"""Opening a journal: lock it, open it for reading, and for writing only at the first write."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def take_lock(path: Path) -> IO[str]:
 
 
 def refuse_in_use(copy: Path) -> None:
-    """See that no orchestrator writes a file that is only read here.
+    """Check that no orchestrator writes a file that is only read here.
 
     :raises JournalUnusable: one does
     """
@@ -51,7 +51,7 @@ def refuse_in_use(copy: Path) -> None:
 
 
 def _claim(lock: IO[str], path: Path, how: int) -> None:
-    """Lock an open file beside a journal, or say who has it."""
+    """Lock an open file beside a journal, or say which process has locked it."""
     try:
         fcntl.flock(lock, how | fcntl.LOCK_NB)
     except OSError:
@@ -68,7 +68,7 @@ def _lock_of(path: Path) -> Path:
 
 
 def _sign(lock: IO[str]) -> None:
-    """Say who has the lock, for people; it holds even where that cannot be written."""
+    """Write the lock's owner into the file, for people; the lock does not depend on it."""
     try:
         lock.truncate(0)
         lock.write(f'{os.getpid()}\n')
@@ -78,9 +78,9 @@ def _sign(lock: IO[str]) -> None:
 
 
 def to_read(path: Path, reached: Reached | None) -> sqlite3.Connection | None:
-    """Open a journal of today for reading; None: it has to be made, or to be brought up to date.
+    """Open a journal of the current schema for reading; None: it must be created or upgraded.
 
-    :param reached: what its mark says
+    :param reached: content of its mark
     :raises JournalUnusable: it is not ours, newer, or may not be written; an older one: damaged
     """
     if not path.exists() or not path.stat().st_size:
@@ -104,7 +104,7 @@ def to_read(path: Path, reached: Reached | None) -> sqlite3.Connection | None:
         if version == SCHEMA:
             _look_where_a_run_writes(database)
             return database
-        # An older one is about to be changed, which takes longer than looking at all of it.
+        # An older journal is upgraded next, which takes longer than a check of all of it.
         (found,) = database.execute('PRAGMA quick_check(1)').fetchone()
         if found != 'ok':
             raise JournalUnusable(f'the journal {path} cannot be used: {found}')
@@ -116,16 +116,16 @@ def to_read(path: Path, reached: Reached | None) -> sqlite3.Connection | None:
 
 
 def _look_where_a_run_writes(database: sqlite3.Connection) -> None:
-    """See that SQLite can read the pages which the first events and orders are written to.
+    """Check that SQLite can read the pages where the first events and orders are written.
 
-    What else a run writes, states and summaries, it can do without.
+    The other data of a run, states and summaries, is not essential.
     """
     for table in ('events', 'queued', 'history', 'unclosed'):
         database.execute(f'SELECT max(rowid) FROM {table}').fetchone()
 
 
 def to_write(path: Path, synchronous: str) -> sqlite3.Connection:
-    """Open a journal for writing, of today's schema from here on."""
+    """Open a journal for writing, and upgrade it to the current schema."""
     if not path.exists():
         make_private(path)
     database = sqlite3.connect(path, isolation_level=None, timeout=10.0, check_same_thread=False)
@@ -142,7 +142,7 @@ def to_write(path: Path, synchronous: str) -> sqlite3.Connection:
 
 
 def beside_writer(path: Path) -> sqlite3.Connection:
-    """Open what this process writes once more, to read while it is written."""
+    """Open a journal that this process writes a second time, to read it meanwhile."""
     database = sqlite3.connect(path, isolation_level=None, timeout=10.0, check_same_thread=False)
     database.execute('PRAGMA query_only = ON')
     return database

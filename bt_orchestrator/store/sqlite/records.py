@@ -1,4 +1,4 @@
-"""Reading a journal while its orchestrator writes it, or when there is none (formats: events)."""
+"""Reading a journal, with or without a running orchestrator (formats: events)."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ from bt_orchestrator.store.sqlite.schema import history_of, kept_from, schema_of
 from bt_orchestrator.store.sqlite.shortfall import cut_off, is_cut_off
 
 _CHECKED = 4
-"""The schema from which on rows have a check."""
+"""First schema with checks of rows."""
 
 
 class SqliteRecords:
-    """A journal in a file, only read: no lock, no node. Implements `ports.Records`."""
+    """A journal file, read-only and without its lock. Implements `ports.Records`."""
 
     def __init__(self, path: Path) -> None:
         """Open a journal.
@@ -60,7 +60,7 @@ class SqliteRecords:
         self._database.close()
 
     def extent(self) -> Extent:
-        """Tell how far it reaches.
+        """Return the range of events in it.
 
         :raises JournalUnusable: it is damaged as a whole
         """
@@ -68,7 +68,7 @@ class SqliteRecords:
             return Extent(self._history().id, self._first_seq(), self._last_seq())
 
     def page(self, wanted: Wanted, most: int = looking.MOST) -> Page:
-        """Return the next of the records that are wanted.
+        """Return the next wanted records.
 
         :raises JournalUnusable: the file is damaged as a whole
         """
@@ -90,7 +90,7 @@ class SqliteRecords:
         *,
         newest_first: bool = False,
     ) -> Summaries:
-        """Return what is kept of jobs that ended.
+        """Return the summaries of jobs that ended.
 
         :raises JournalUnusable: the file is damaged as a whole
         """
@@ -118,7 +118,7 @@ class SqliteRecords:
         with unusable_otherwise(self._path):
             return snapshots.state_before(self._database, seq)
 
-    # --- what it says of itself -------------------------------------------------------------
+    # --- its own data -----------------------------------------------------------------------
 
     def _history(self) -> _Known:
         if self._schema < _CHECKED:
@@ -141,7 +141,7 @@ class SqliteRecords:
     def _number(self, query: str) -> int:
         return int(self._database.execute(query).fetchone()[0])
 
-    # --- what it lacks ----------------------------------------------------------------------
+    # --- missing data -----------------------------------------------------------------------
 
     def _left_out(self, damaged: DamagedRecord) -> Damage:
         return Damage(
@@ -151,7 +151,7 @@ class SqliteRecords:
         )
 
     def _gone(self, history: str) -> Iterator[Damage]:
-        """Compare the end with the mark, which is written later and never ahead."""
+        """Compare the end with the mark, which is written after each commit."""
         reached = read_mark(mark_of(self._path))
         if reached is None:
             yield from self._cut_off()
@@ -169,7 +169,7 @@ class SqliteRecords:
             )
 
     def _cut_off(self) -> Iterator[Damage]:
-        """Say that it may be a part of a journal; how much is missing nobody knows."""
+        """Report that the journal may be incomplete; how much is missing is unknown."""
         with unusable_otherwise(self._path):
             if self._schema >= _SAYS_CLOSED and is_cut_off(self._database, self._path):
                 what = cut_off(self._path, self._last_seq())
@@ -177,7 +177,7 @@ class SqliteRecords:
 
     @contextmanager
     def _one_moment(self) -> Iterator[None]:
-        """See the journal as it is now, whatever is written meanwhile."""
+        """Read the journal as it is now, unaffected by later writes."""
         with unusable_otherwise(self._path):
             self._database.execute('BEGIN')
             try:
@@ -187,24 +187,24 @@ class SqliteRecords:
 
 
 _SAYS_CLOSED = 5
-"""The schema from which on a file says whether it was closed."""
+"""First schema in which a file says whether it was closed."""
 
 
 class _Known(NamedTuple):
-    """What the row with the history says."""
+    """The data of the history row."""
 
     id: str
     checked_from: int
-    """All events from here on have a check."""
+    """All events from this one on have a check."""
     damage: list[Damage]
 
 
 _HAS_SUMMARIES = 2
-"""The schema from which on states are kept, and something of jobs that ended."""
+"""First schema with states, and with summaries of jobs that ended."""
 
 
 def _sound(schema: int, checked_from: int) -> str:
-    """Return the condition, in SQL, under which a record is what was written."""
+    """Return the SQL condition for an undamaged record."""
     if schema < _CHECKED:
         return 'json_valid(record)'
     return (
@@ -216,8 +216,8 @@ def _sound(schema: int, checked_from: int) -> str:
 def _opened(path: Path) -> sqlite3.Connection:
     """Open a file for reading.
 
-    SQLite wants to make files beside a journal even to read it. Where it may not, and no writer
-    has left any, the file cannot change, and is opened as such.
+    SQLite creates files beside a journal even to read it. If it may not, and no writer has left
+    any, the file is opened as immutable.
     """
     uri = f'{path.resolve().as_uri()}?mode=ro'
     database = sqlite3.connect(uri, uri=True, timeout=10.0, isolation_level=None)
