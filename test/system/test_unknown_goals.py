@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import uuid
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -62,7 +63,7 @@ def test_2_5_a_goal_of_another_client_is_waited_for(
     assert cell.watch.until_ended('WO-1').packed == 2
     request = hmi.request('/worker/task', Component, Component.Goal(task=Component.Goal.TASK_B))
     handle = hmi.wait(request, 'the goal to be accepted')
-    foreign = cell.goals(event='started', component='worker')[-1]['goal']
+    foreign = str(uuid.UUID(bytes=bytes(handle.goal_id.uuid)))
     told = cell.watch.until_status(
         lambda s: any(foreign in c.contested for c in s.components), 'the goal to be seen'
     )
