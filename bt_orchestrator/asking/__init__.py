@@ -1,1 +1,1 @@
-"""What is asked of a cell becomes commands to its engine: in one place for every door."""
+"""Turns requests to a cell into commands to its engine, in one place for every interface."""

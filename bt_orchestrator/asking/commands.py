@@ -1,4 +1,4 @@
-"""Requests as commands to the engine, and the one sentence for each that makes none."""
+"""Requests as commands to the engine, and the refusal of each that makes none."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Reading orders in this process, for an engine that nobody waits for."""
+"""Reads orders in this process, for an engine that need not meet deadlines."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Carrying out what is asked of one engine, whatever door it came through."""
+"""Carries out the requests to one engine, from every interface."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class RequestHandler:
         return await self.give(asked.request.about, asked.request.word, asked.by, **given)
 
     async def give(self, about: About, word: str, by: By, **given: Any) -> Answer:
-        """Carry out a request that came as words; those that nobody knows are refused."""
+        """Carry out a request that came as words; unknown words are refused."""
         state = self._engine.state
         try:
             asked: Command = command(about, word, by, given, state, self._types)
@@ -97,7 +97,7 @@ class RequestHandler:
         return with_each(answer, jobs, self._engine.state)
 
     async def update(self, job: str, wish: AskedOrder, by: By) -> Answer:
-        """Change a queued job; what the wish leaves open stays."""
+        """Change a queued job; keep what the request does not name."""
         try:
             check_sender(UPDATE, by)
             wanted_orders([wish])  # within the limits

@@ -17,7 +17,7 @@ from bt_orchestrator.runtime.orders import FITS
 from bt_orchestrator.script.orders.desk import AskedOrder, ChangedJob, Orders, Wanted
 
 PREFIX = 'WO-'
-"""Of the ids that are assigned to orders without one."""
+"""Prefix of the ids that are assigned to orders without one."""
 
 ALL = 'bt-orchestrator check --json, where the files are, lists all'
 
@@ -26,7 +26,7 @@ ALL = 'bt-orchestrator check --json, where the files are, lists all'
 
 
 def check_sender(request: Request, by: By) -> None:
-    """Have nothing read for somebody whose request would be refused all the same.
+    """Refuse before reading: do not read orders of a request that will be refused.
 
     :raises NotRead: says why
     """
@@ -104,7 +104,7 @@ def refused_orders(
 
 
 def answer_to_refused(orders: Sequence[AskedOrder], read: Sequence[Job | Refused]) -> Answer:
-    """Return what is said to whoever gave them."""
+    """Return the answer to the sender of the orders."""
     findings = sum(len(one.findings) for one in read if isinstance(one, Refused))
     message = f'refused with {counted(findings, "finding")}'
     return Answer(accepted=False, message=message, orders=tuple(_each_refused(orders, read)))

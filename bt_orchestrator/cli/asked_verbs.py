@@ -1,4 +1,4 @@
-"""What is said of the verbs that ask something of a cell: it comes from the table of requests."""
+"""Help of the verbs that make requests to a cell, from the table of requests."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def allowed(request: Request) -> str:
 
 
 def what_to_know(request: Request) -> str:
-    """Return what somebody should know before they ask for something."""
+    """Return what a user should know before the request."""
     reason = {
         Why.FIRST: 'It needs a reason.',
         Why.AFTERWARDS: 'It does not wait for a reason; without one it is on record as empty.',

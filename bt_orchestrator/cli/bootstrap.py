@@ -1,4 +1,4 @@
-"""Putting it together: from the files a user names to what runs. Knows every class."""
+"""Builds what a verb runs from the files that the user names. Knows every class."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a virtual run costs: it ends with a sentence before it takes the memory of the machine."""
+"""Memory of a virtual run: the run ends with a message before it takes all of it."""
 
 from __future__ import annotations
 

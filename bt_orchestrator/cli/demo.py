@@ -128,7 +128,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _checked(args: argparse.Namespace, types: ActionTypes) -> DemoRecord:
-    """Return what a new demo is made of, which keeps to itself.
+    """Return the parts of a new demo, which does not interfere with other nodes.
 
     Another ROS graph may have action servers of the same names, hence the domain.
 

@@ -69,7 +69,7 @@ def ask_and_print(
     request = asked(args, name, **given)
     with open_door(args.node, args.timeout) as door:
         answer = door.ask(request)
-        # Before it leaves the graph: what the node has done is told, whatever becomes of that.
+        # Print before leaving the graph: the answer must not be lost if leaving fails.
         _show(answer, as_json=as_json)
     return 0 if answer.accepted else 1
 
@@ -85,7 +85,7 @@ def _show(answer: Answer, *, as_json: bool) -> None:
 
 
 class Ignoring:
-    """A listener (`ports.Listener`) to which nothing matters; base of those that want less."""
+    """A listener (`ports.Listener`) that ignores everything; a base for partial listeners."""
 
     def on_status(self, status: CellStatus) -> None:
         """Take no note."""

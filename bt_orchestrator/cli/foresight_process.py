@@ -104,7 +104,7 @@ class _Answers:
 
 
 def main() -> None:
-    """Answer questions until there are no more, or nobody is left to hear the answers."""
+    """Answer questions until there are no more, or the node has ended."""
     be_modest(NICE)
     serve(_Answers())
 

@@ -1,4 +1,4 @@
-"""Opening a journal to read it; here alone it is known what keeps it."""
+"""Opening a journal to read it; only this module knows how it is stored."""
 
 from __future__ import annotations
 
@@ -18,5 +18,5 @@ def open_records(journal: Path) -> Records:
 
 
 def say_damage(sentence: str) -> None:
-    """Say what of a journal cannot be shown; the rest is."""
+    """Report the records of a journal that cannot be shown; the others are shown."""
     print(sentence, file=sys.stderr)

@@ -81,7 +81,7 @@ class _Newest(Ignoring):
 
 
 class Course:
-    """Whether the jobs of a script are still to be waited for. States: expected, live, over."""
+    """Whether to wait for the jobs of a script. States: expected, live, over."""
 
     def __init__(self, script: str) -> None:
         self._script = script

@@ -213,13 +213,13 @@ def _complain(verb: str | None, what: str, status: int) -> int:
 
 
 def _print_anything() -> None:
-    """Escape what the output has no characters for, as the errors do anyway."""
+    """Escape characters that the output cannot encode, as the standard error does anyway."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors='backslashreplace')
 
 
 def _silence_output() -> None:
-    """Let nobody write into the closed pipe any more, not even Python at its exit."""
+    """Prevent further writes to the closed pipe, also by Python at its exit."""
     try:
         output = sys.stdout.fileno()
     except io.UnsupportedOperation:  # no file: whoever put that there reads it

@@ -95,7 +95,7 @@ def live_or(other: Callable[[], Lines], shell: Shell) -> Iterator[LiveView | Lin
     """Open the live view if the standard output is a terminal, otherwise another one."""
     from bt_orchestrator.screen.live import LiveView, terminal
 
-    # A name that the terminal's encoding does not have is no reason to stop.
+    # A name that the terminal cannot encode must not end the view.
     sys.stdout.reconfigure(errors='replace')  # type: ignore[union-attr]
     console = terminal()
     if console is None:

@@ -49,7 +49,7 @@ class RosClock:
         return time.time()  # the same, at a tenth of the cost
 
     def steady(self) -> float:
-        """Return seconds that nobody sets, or the simulated time."""
+        """Return seconds of the steady clock, or the simulated time."""
         return self._steady_ns() / NS_PER_S
 
     def uptime(self) -> Uptime | None:

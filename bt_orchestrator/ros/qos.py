@@ -14,7 +14,7 @@ LATCHED = QoSProfile(
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
 )
-"""The last value, also for those who come later: the status."""
+"""The last value, also for later subscribers: the status."""
 
 EVENTS = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE)
 """Every record, in order; 1000 is more than a settle of a large cell makes."""

@@ -1,4 +1,4 @@
-"""A log that others cannot fill: what is said because of their messages is said so often only."""
+"""A log that other programs cannot fill: lines that their messages cause are limited."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Logger(Protocol):
 
 
 class SpareLog:
-    """Hands on the first lines, and later few; each of them says how many were left out."""
+    """Passes the first lines on, and later only a few, each with the number of those left out."""
 
     def __init__(self, logger: Logger) -> None:
         self._logger = logger

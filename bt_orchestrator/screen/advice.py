@@ -22,7 +22,7 @@ _WAITING_FOR_ORDERS = (PackmlState.STOPPED, PackmlState.IDLE, PackmlState.COMPLE
 
 
 class Question(Protocol):
-    """What is asked about a hold, in a status or as an event."""
+    """The question of a hold, in a status or as an event."""
 
     @property
     def id(self) -> str:
@@ -97,7 +97,7 @@ def _typed(request: Request, hold: Question) -> str:
 
 
 def next_choices(status: CellStatus) -> tuple[Choice, ...]:
-    """Return what can be done where the cell stands and nothing goes on without a person.
+    """Return what an operator can do when the cell stands still and does not go on by itself.
 
     Nothing for a cell that works, and for one that is held: a hold says what it offers.
     """

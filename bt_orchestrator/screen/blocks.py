@@ -248,7 +248,7 @@ def flags(view: CellView, width: int) -> Block:
     return of_lines('', [_cut(Text(f'flags  {text}', style=QUIET), width)], [0], 'flags', least=1)
 
 
-# --- for those who look inside ----------------------------------------------------------------
+# --- inside the node --------------------------------------------------------------------------
 
 
 def tree(root: Branch, width: int, glyphs: Glyphs) -> Block:

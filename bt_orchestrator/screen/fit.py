@@ -1,4 +1,4 @@
-"""Room on a terminal: which lines stay where not all of them find a place."""
+"""Room on a terminal: which lines are shown if not all of them fit."""
 
 from __future__ import annotations
 

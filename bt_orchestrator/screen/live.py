@@ -65,7 +65,7 @@ class LiveView:
         self._is_new = True
 
     def on_event(self, event: Event) -> None:
-        """Show nothing: what an event changes, the status says."""
+        """Show nothing: the status shows what an event changes."""
 
     def on_notes(self, notes: Sequence[str]) -> None:
         """Show lines below all else."""

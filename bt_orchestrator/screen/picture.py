@@ -35,7 +35,7 @@ class Picture:
     age_s: float = 0.0
     """Since the status came: tasks have gone on meanwhile."""
     silent_s: float | None = None
-    """For how long nothing was heard of the node; None: all is well."""
+    """Seconds since the node was last heard; None: all is well."""
     tree: Branch | None = None
     blackboard: Mapping[str, str] | None = None
     notes: Sequence[str] = ()

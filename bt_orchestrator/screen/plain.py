@@ -38,7 +38,7 @@ class EventLines:
             self._say_all(f'next: {text}' for text in next_lines(status, self._shell))
 
     def _held(self, status: CellStatus) -> Iterator[str]:
-        """Yield what was held before anybody listened."""
+        """Yield the holds that were raised before the first status."""
         for hold in status.holds:
             yield words.hold_text(hold)
             yield from (f'  {text}' for text in hold_advice(hold, self._shell))
@@ -81,7 +81,7 @@ class PlainView(EventLines):
         self._variables: dict[str, str] = {}
 
     def on_status(self, status: CellStatus) -> None:
-        """Say everything at first and when the node is back; after that, what is no event."""
+        """Print the status at first and when the node is back; later only what is no event."""
         self._hearing.heard(time.monotonic())
         troubles = [text for text in (words.failure(status), *words.troubles(status)) if text]
         if self._is_away:

@@ -75,9 +75,9 @@ class CellView:
     cell: str
     state: str
     failure: str
-    """Why nothing is done any more; empty: all is well."""
+    """Why the node does nothing any more; empty: all is well."""
     stopped: str
-    """Who wants the cell to stand; empty: nobody."""
+    """Who stopped the cell; empty: nobody."""
     belt: str
     belt_waiting: tuple[str, ...]
     made_at: float

@@ -10,7 +10,7 @@ from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.status import CellStatus
 
 SILENT_S = 3.0
-"""A node that said nothing for so long is said to be away: it says something once a second."""
+"""Seconds without a status after which a node counts as away; it sends one a second."""
 
 
 class Viewer(Protocol):

@@ -70,7 +70,7 @@ def unlisted(status: CellStatus) -> int:
 
 
 def stopped(status: CellStatus) -> str:
-    """Say who wants the cell to stand, and what lets it work again; nothing if nobody does."""
+    """Say who stopped the cell, and what lets it work again; nothing if it was not stopped."""
     wish = status.wish
     if wish is None:
         return ''

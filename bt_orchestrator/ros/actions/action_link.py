@@ -29,7 +29,7 @@ from bt_orchestrator.ros.executor.callbacks import report
 from bt_orchestrator.ros.types.messages import fill, to_plain
 
 _SEEK_S = 3.0
-"""Seconds without a server after which it is looked for in a fresh way."""
+"""Seconds without a server after which a fresh participant looks for it."""
 
 
 class ActionLink:

@@ -1,4 +1,4 @@
-"""A second way into the same ROS graph, for when the first one does not hear a server."""
+"""A second participant in the same ROS graph, used when the first one does not hear a server."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 KEPT_FRESH_S = 60.0
-"""Seconds for which a participant counts as fresh: so often, at most, another one is made."""
+"""Seconds for which a participant counts as fresh; the shortest time between two of them."""
 
 
 class FreshParticipant:
@@ -56,7 +56,7 @@ class FreshParticipant:
 
 
 class FreshParticipants:
-    """Those that a gateway has made; clients that need one at the same time share it."""
+    """The participants of a gateway; clients that need one at the same time share it."""
 
     def __init__(self, beside: Node) -> None:
         self._beside = beside

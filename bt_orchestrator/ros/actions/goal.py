@@ -60,9 +60,9 @@ class RosGoal:
         self.next_check_s = 0.0
         """When its result is asked for again, on the steady clock."""
         self.heard_s = 0.0
-        """Until when there is no reason to wonder at the server's silence, on the steady clock."""
+        """Until when the server may be silent, on the steady clock."""
         self.renewed = False
-        """True once it was asked about in a fresh way, because the old one stayed silent."""
+        """True once a fresh participant has asked about it, after the first one got no answer."""
         self.unknown_count = 0
         """How often the server did not know it."""
         self.denied_by: str | None = None

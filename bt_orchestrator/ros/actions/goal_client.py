@@ -1,4 +1,4 @@
-"""An action client made of its parts, for one who asks again by UUID.
+"""An action client made of its parts, which can ask for a result again by UUID.
 
 An action is three services and two topics (design.ros2.org, article "Actions").
 """
@@ -23,7 +23,7 @@ from bt_orchestrator.ros.executor.parted import PartedWaitable
 
 
 class GoalClient(PartedWaitable):
-    """What rclpy's action client does, without its habits that hurt here.
+    """Does what rclpy's action client does, without its costs and losses.
 
     - Answers are called back at once, in the executor's thread; rclpy's futures make a turn of
       each, and one a goal leaks in rclpy 7.1.6 and 9.1.2.

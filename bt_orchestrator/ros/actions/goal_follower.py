@@ -1,4 +1,4 @@
-"""What is heard of goals after they were sent."""
+"""Answers, status and results of goals that were sent."""
 
 from __future__ import annotations
 
@@ -69,12 +69,12 @@ class GoalFollower:
         self._client.ask_result(goal.id, partial(self._on_result, goal, is_check))
 
     def repeat_cancel(self, goal: RosGoal) -> None:
-        """Cancel by its UUID a goal that is to be cancelled; no acceptance may ever come."""
+        """Cancel a goal by its UUID, since its acceptance may never come."""
         if goal.cancel_requested:
             self._client.request_cancel(goal.id)
 
     def listed_end(self, goal: RosGoal) -> str:
-        """Return what else is known of a goal whose result does not come, to end a message."""
+        """Return what else is known of a goal without a result, as the end of a message."""
         status = self._client.status.of(goal.id)
         return f'; its status topic says that the goal {_SAID[status]}' if status in _SAID else ''
 
@@ -105,7 +105,7 @@ class GoalFollower:
         if goal.accepted or goal.end is not None:
             return
         self._goals.accept(goal)
-        # Now, while the goal runs, rather than before the next one, which somebody waits for.
+        # Now, while the goal runs, and not before the next goal, which must not be delayed.
         self._server.look()
         self.ask(goal, is_check=False)
         self.repeat_cancel(goal)
@@ -144,7 +144,7 @@ class GoalFollower:
             goal.denied_by = self._client.status.publisher_id()
 
     def _busy_with(self) -> str:
-        """Name a goal that runs there and is not ours, to end a message; else return nothing."""
+        """Name a running goal of another client, as the end of a message; else return nothing."""
         goals = (goal for goal in self._client.status.active() if not self._goals.is_ours(goal))
         foreign = next(goals, None)
         if foreign is None:
@@ -158,7 +158,7 @@ class GoalFollower:
 
     @contextmanager
     def _failures_end(self, goal: RosGoal) -> Iterator[None]:
-        """Let a goal end of which something came that cannot be handled: nobody knows its end."""
+        """End a goal after a message that cannot be handled: its real end is not known."""
         try:
             yield
         except Exception as error:  # noqa: BLE001 - whatever it is, the other goals go on

@@ -1,4 +1,4 @@
-"""A topic of which only the last message counts, and that only when somebody asks."""
+"""A topic whose last message only is read, and only on demand."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from bt_orchestrator.ros.executor.handles import subscription
 
 
 class LastMessage:
-    """A subscription that wakes nobody: the middleware keeps the last message until it is read."""
+    """A subscription outside the wait set: its last message stays until it is read."""
 
     def __init__(self, node: Node, message_class: Any, topic: str, qos: QoSProfile) -> None:
         """Subscribe; the topic's name is remapped as any other.

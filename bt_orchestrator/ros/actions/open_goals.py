@@ -19,7 +19,7 @@ _MOST_UNANSWERED = 16
 
 
 _OURS_KEPT = 64
-"""Goals whose ids are remembered: more than a server could still run of ours."""
+"""Remembered ids of goals: more than the number of our goals that a server could still run."""
 
 
 class OpenGoals:
@@ -87,7 +87,7 @@ class OpenGoals:
             self._unanswered.remove(goal.question)
 
     def forget_unanswered(self) -> None:
-        """Listen to no late answer any more: whoever would give it is gone."""
+        """Stop listening for late answers: the server that would send them is gone."""
         for question in self._unanswered:
             question.drop()
         self._unanswered.clear()

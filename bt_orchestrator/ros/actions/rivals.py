@@ -13,10 +13,10 @@ from bt_orchestrator.ros.actions.goal_client import GoalClient
 from bt_orchestrator.ros.actions.renewable_client import RenewableClient
 
 DISCOVERY_S = 3.5
-"""Seconds in which a fresh participant finds whoever is alive: announcements come every 3 s."""
+"""Seconds in which a fresh participant finds every live server: they announce every 3 s."""
 
 RIVALS_FRESH_S = 1.0
-"""How old a participant may be that is to know nothing of a server that has just died."""
+"""Longest age of a participant that cannot know a server that has just died."""
 
 TRIAL_S = 10.0
 """Shortest time between two fresh looks of one action; a participant is made for each."""
@@ -25,7 +25,7 @@ LOOK_S = 0.02
 """How old a look may be; discovery takes longer to find a server."""
 
 MOST_TOLD = 16
-"""So many servers are told of: there may be any number, and what is told is kept."""
+"""Most servers that a message names: there may be any number, and messages are recorded."""
 
 
 class Rivals:
@@ -82,7 +82,7 @@ class Rivals:
         if not self.look():
             return
         if self._trial is None:
-            # Who was found alive by a fresh look is not looked for again.
+            # A server that a fresh look found alive is not looked for again.
             if self._ids != self._tried_ids and now - self._tried_s >= TRIAL_S:
                 self._trial, self._tried_s, self._tried_ids = self._fresh_node(), now, self._ids
         elif now - self._tried_s >= DISCOVERY_S:
@@ -92,7 +92,7 @@ class Rivals:
                 self._names, self._looked_s = (), -math.inf
 
     def seen_within(self, seconds: float) -> bool:
-        """Tell whether there were several now, or a moment ago."""
+        """Tell whether there are several servers now, or were a moment ago."""
         return bool(self.look()) or time.monotonic() - self._seen_s < seconds
 
     @property

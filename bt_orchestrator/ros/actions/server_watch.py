@@ -1,4 +1,4 @@
-"""What is not heard of goals in flight: asking again, silence, and the loss of the server."""
+"""Watches goals in flight: result requests again, silent servers, and lost servers."""
 
 from __future__ import annotations
 

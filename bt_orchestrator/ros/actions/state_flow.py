@@ -1,4 +1,4 @@
-"""Which values of one state topic are told, so that none of them floods the journal (2.5)."""
+"""Limits the values of one state topic, so that it cannot flood the journal (2.5)."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from bt_orchestrator.model.limits import (
 )
 
 _RECORD_BYTES = 200
-"""What a record takes beside the value."""
+"""Bytes of a record without the value."""
 
 
 class StateFlow:

@@ -28,7 +28,7 @@ HEARS_ALL = QoSProfile(
     reliability=ReliabilityPolicy.BEST_EFFORT,
     durability=DurabilityPolicy.VOLATILE,
 )
-"""Matches every publisher, and misses what was said before it came."""
+"""Matches every publisher, and misses messages that were published before."""
 
 
 class StateWatch:

@@ -13,7 +13,7 @@ from bt_orchestrator.script.orders.desk import OrderDesk, Question
 from bt_orchestrator.script.orders.desk_pickles import pickled
 
 NICE = 10
-"""Behind the line, and before the forecasts, which nobody waits for."""
+"""A lower priority than the line, and a higher one than forecasts, which can wait."""
 
 
 def order_process(cell: Cell, trees: Sequence[Path], *, any_path: bool) -> ChildProcess:

@@ -1,4 +1,4 @@
-"""What the node tells the world: events topic, latched status, diagnostics."""
+"""Outputs of the node: events topic, latched status, diagnostics."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ STATUS_PERIOD_S = 0.1
 """Shortest time between two status messages."""
 
 UNWATCHED_S = 0.5
-"""The same while nobody listens and the work just goes on; for whoever comes then."""
+"""The same without subscribers, while ordinary work goes on; for subscribers that come later."""
 
 PROGRESS = (TaskEvent, CycleEvent, ItemEvent, BeatStarted, BeltIndexStarted, BeltIndexed)
 """Events of the ordinary work, as opposed to orders, holds, decisions and states of the cell."""
@@ -92,7 +92,7 @@ class StatusTopic:
         pulse.add(self._refresh)
 
     def publish_now(self) -> None:
-        """Publish whatever is so now."""
+        """Publish the current status."""
         now = self._node.get_clock().now().nanoseconds / 1e9
         if not self._orchestrator.awaits_disk:
             status = self._overview.status(now, self._expected.within_s(now))
@@ -106,7 +106,7 @@ class StatusTopic:
         self._timer.cancel()
 
     def publish(self, events: Sequence[Event]) -> None:
-        """See to it that a message tells of these events soon."""
+        """Schedule a status that includes these events."""
         is_progress = all(isinstance(event, PROGRESS) for event in events)
         is_unheard = is_progress and not self._publisher.get_subscription_count()
         within_s = UNWATCHED_S if is_unheard else STATUS_PERIOD_S

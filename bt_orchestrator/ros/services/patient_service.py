@@ -35,10 +35,10 @@ AGAIN_AFTER_S = (0.3, 1.0, 3.0)
 """Discovery takes up to 3 s; each attempt may take 100 ms of the thread."""
 
 KEPT_FOR_NEW = UNHEARD_S.at_once / 2
-"""What of the allowance is not used to send an answer again."""
+"""Share of the allowance that is not used to send an answer again."""
 
 HELD_S = 0.1
-"""How long to wait before answers are sent that could not be sent for want of allowance."""
+"""Wait before sending the answers that the allowance did not cover."""
 
 MOST_HELD = 100
 """Answers of one service that wait; the oldest are dropped."""

@@ -215,7 +215,7 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
             return CancelResponse.REJECT
         who = self._senders.of_cancel(served.by)
         command = ControlJob('abort', job, who)
-        # rclpy asks its own coroutines again and again; this one goes on in its turn.
+        # rclpy polls its own coroutines at every turn; this one goes on in its turn.
         answer = await begin(self._orchestrator.carry_out(command))
         if not answer.accepted:
             self._log.warning(f'run_job is not cancelled: {answer.message}')
@@ -292,5 +292,5 @@ def _failure(failure: FailureRecord) -> FailureReport:
 
 
 def _never_called(handle: Any) -> Any:
-    """Stand where rclpy wants a function; goals are ended by events and never executed."""
+    """Do nothing: rclpy requires a function, but goals are ended by events and never executed."""
     raise AssertionError(f'rclpy was told not to execute goals, and began {handle}')

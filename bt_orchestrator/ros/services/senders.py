@@ -1,4 +1,4 @@
-"""Who asks over ROS, and what they may: ROS itself says of nobody who it is (docs/security.md)."""
+"""Sender and role of a request over ROS; ROS authenticates nobody (docs/security.md)."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ _DOORS = {known.value: known for known in Known if known.is_door}
 
 
 class Senders:
-    """Tells the role of everybody who asks."""
+    """Determines the role of each sender."""
 
     def __init__(
         self, parameters: NodeParameters, environment: Mapping[str, str], middleware: str
     ) -> None:
-        """Decide whom to trust, for as long as the node runs.
+        """Set which roles are trusted, for as long as the node runs.
 
         :param environment: variables that say how far ROS reaches
         :param middleware: name of the RMW implementation
@@ -31,7 +31,7 @@ class Senders:
         self.trusts_doors = parameters.trust_local_doors and self.is_local
 
     def by(self, request: Any, otherwise: str = 'service') -> By:
-        """Return who asks, from where, why, and with which role.
+        """Return the sender, the origin, the reason and the role.
 
         :param otherwise: where from, if the request does not say it
         """
@@ -44,7 +44,7 @@ class Senders:
         return By(*said, self.unauthenticated, Known.ROS, _claims(request))
 
     def of_cancel(self, goal_by: By) -> By:
-        """Return who cancels a goal: ROS does not say that it is who gave it."""
+        """Return the sender of a cancel request, which may be any client."""
         who, origin = goal_by.who, goal_by.origin
         return By(who, origin, 'the goal was cancelled', self.unauthenticated, Known.ROS)
 

@@ -1,4 +1,4 @@
-"""What the node can be asked about its cell: answers to holds, items taken off, commands."""
+"""Services about the cell: answers to holds, removed items, commands."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`~/get_state`: the state of now, for whoever works out what would become of it."""
+"""`~/get_state`: the current state, for predictions by a client."""
 
 from __future__ import annotations
 
