@@ -1,4 +1,4 @@
-"""What a ROS 2 action type looks like: facts that checking and simulating need."""
+"""The description of a ROS 2 action type, as needed by checks and simulation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How much each sender may still have written: it runs down with use, and comes back with time."""
+"""Rate limits per sender: an allowance shrinks with use and recovers with time."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from collections.abc import Hashable
 from bt_orchestrator.model.limits import Share
 
 SENDERS = 200
-"""Most senders that are told apart; all others share one allowance."""
+"""Maximum number of senders with their own allowance; all others share one."""
 
 
 class Allowance:
-    """What is left of a share. Every time is one of a steady clock."""
+    """The rest of a share. All times are of a steady clock."""
 
     def __init__(self, share: Share) -> None:
         self._share = share
@@ -20,25 +20,25 @@ class Allowance:
         self._at = -math.inf
 
     def left(self, now: float) -> float:
-        """Return how much may be used now; below 0: more was used than there was."""
+        """Return how much may be used now; below 0: overdrawn."""
         grown = self._left + self._share.per_s * (now - self._at)
         self._left, self._at = min(self._share.at_once, grown), now
         return self._left
 
     def use(self, amount: float, now: float) -> None:
-        """Take off what was used."""
+        """Subtract what was used."""
         self._left = self.left(now) - amount
 
     def is_full(self, now: float) -> bool:
-        """Tell whether it is as if nothing had ever been used."""
+        """Tell whether it has recovered completely."""
         return self.left(now) >= self._share.at_once
 
 
 class Allowances:
     """One allowance for each sender, and one for all together.
 
-    Senders name themselves: one that changes its name with each request has no more than the
-    share of all.
+    Senders choose their names: one that changes its name with each request still has only the
+    common share.
     """
 
     def __init__(self, each: Share, together: Share) -> None:
@@ -52,7 +52,7 @@ class Allowances:
         return min(self._of(sender, now).left(now), self._together.left(now))
 
     def use(self, sender: Hashable, amount: float, now: float) -> None:
-        """Take off what a sender used."""
+        """Subtract what a sender used."""
         self._of(sender, now).use(amount, now)
         self._together.use(amount, now)
 

@@ -1,8 +1,8 @@
-"""What an operator says of the belt after an abort, against what the state believes.
+"""An operator's statement of the belt after an abort, compared with the state.
 
-A statement is about every slot, so that nobody clears a cell without having looked. Either it
-names them all, or it names the picture of the belt that the operator saw and found right; a
-picture that is older than the last change of the belt says nothing about it.
+A statement covers every slot, so that the operator has to check the belt before a clear. It either
+lists all slots, or confirms the status that the operator saw; a status older than the last change
+of the belt is not valid.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.state import CellState, Hold, ItemState, Phase
 
 EMPTY = 'empty'
-"""What is said of a slot without an item; whether its position is counted does not matter."""
+"""The word for a slot without an item, whether or not it holds an empty position."""
 
 
 @dataclass(frozen=True)
@@ -24,12 +24,12 @@ class AsShown:
     """The belt is as a status showed it."""
 
     seq: int
-    """Of that status."""
+    """Last event of that status."""
 
 
 @dataclass(frozen=True)
 class Slots:
-    """What stands in each slot: an item, or `empty`."""
+    """The content of each slot: an item, or `empty`."""
 
     by_section: Mapping[int, str]
 
@@ -38,7 +38,7 @@ Statement = AsShown | Slots
 
 
 def parse_slots(words: Sequence[str]) -> Slots:
-    """Read `1=WO-1/3`, `2=empty`, ... one slot a word.
+    """Read `1=WO-1/3`, `2=empty`, ... one slot per word.
 
     :raises CommandRefused: says what was expected
     """
@@ -54,7 +54,7 @@ def parse_slots(words: Sequence[str]) -> Slots:
 
 
 def corrections(state: CellState, statement: Statement) -> Iterator[e.ItemRemoved]:
-    """Yield what the statement changes: items that are not there any more.
+    """Yield the changes by the statement: items that are no longer there.
 
     :raises CommandRefused: it is not about the belt as it is now, or names another item
     """
@@ -70,7 +70,7 @@ def corrections(state: CellState, statement: Statement) -> Iterator[e.ItemRemove
 
 
 def believed(state: CellState) -> str:
-    """Return what the state believes, as a statement: `1=WO-1/3,2=empty`."""
+    """Return the belt of the state as a statement: `1=WO-1/3,2=empty`."""
     return ','.join(f'{n}={_standing(state, n) or EMPTY}' for n in state.sections)
 
 
@@ -107,9 +107,9 @@ def _check_complete(state: CellState, statement: Slots) -> None:
 
 
 def _gone(state: CellState, section: int, said: str) -> ItemState | None:
-    """Return the item that is believed to stand in a slot and does not.
+    """Return the item that is in a slot by the state, but not by the statement.
 
-    :raises CommandRefused: another item stands there than the cell can take over
+    :raises CommandRefused: the statement names another item there
     """
     standing = _standing(state, section)
     if said == standing or (said == EMPTY and standing is None):

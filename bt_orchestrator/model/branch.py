@@ -1,4 +1,4 @@
-"""A behaviour tree as facts: what each behaviour came to, and what is below it."""
+"""A behaviour tree as data: each behaviour's status, and its children."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from enum import IntEnum
 
 
 class Outcome(IntEnum):
-    """What a behaviour came to in its last tick; INVALID: it was not ticked."""
+    """The status of a behaviour after its last tick; INVALID: it was not ticked."""
 
     INVALID = 1
     RUNNING = 2
@@ -22,7 +22,7 @@ class Outcome(IntEnum):
 
 @dataclass(frozen=True)
 class Branch:
-    """A behaviour with what is below it."""
+    """A behaviour with its children."""
 
     name: str
     status: Outcome

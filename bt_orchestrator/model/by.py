@@ -1,4 +1,4 @@
-"""Who asks something of the cell: what the record of every command begins with (semantics 7.1)."""
+"""The sender of a command, recorded with each command (semantics 7.1)."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from bt_orchestrator.model.roles import Role
 
 
 class Known(Enum):
-    """How it is known who asks, and with which role."""
+    """How sender and role are known."""
 
     LOCAL_USER = 'local user'
-    """They run the program that decides; nothing is in between."""
+    """The user runs the deciding program itself."""
     PAGE_LOGIN = 'page login'
     OPC_UA_USER = 'opc ua user'
     ROS = 'ros unauthenticated'
-    """A participant of the ROS domain says so: anybody can be that."""
+    """A participant of the ROS domain claims it, without proof."""
 
     @property
     def proves_name(self) -> bool:
-        """Tell whether the name is that of the person, and not only what somebody wrote."""
+        """Tell whether the name is authenticated and not only claimed."""
         return self is not Known.ROS
 
     @property
@@ -31,17 +31,17 @@ class Known(Enum):
 
 @dataclass(frozen=True)
 class By:
-    """Who commands something, from where, and why."""
+    """Who gives a command, from where, and why."""
 
     who: str
     origin: str
     """Program, interface or computer that the command came from."""
     reason: str
     role: Role = Role.VIEW
-    """What counts when it is decided what they may ask."""
+    """The role that permissions are decided by."""
     known: Known = Known.ROS
     claims: str = ''
-    """Role that was asserted and does not count, and by what; empty: none was."""
+    """Role that was claimed but is not valid, and its source; empty: none."""
 
     def __str__(self) -> str:
         return f'{self.named}{self._why}'
@@ -52,7 +52,7 @@ class By:
 
     @property
     def named(self) -> str:
-        """The name as it may be shown."""
+        """The name for display."""
         return named(self.who, self.known.value)
 
     @property
@@ -61,7 +61,7 @@ class By:
 
 
 def named(who: str, known: str) -> str:
-    """Return a name as it may be shown: one that nobody has checked is told as a claim.
+    """Return a name for display: an unauthenticated one is marked as a claim.
 
     :param known: a value of `Known`; empty, or another one: it is not known
     """

@@ -1,4 +1,4 @@
-"""What people ask of the cell as a whole (semantics 7.2, 7.3)."""
+"""Commands to the cell as a whole (semantics 7.2, 7.3)."""
 
 from __future__ import annotations
 
@@ -34,25 +34,25 @@ class Start(CellCommand):
 
 @dataclass(frozen=True)
 class Pause(CellCommand):
-    """Start nothing more, in whatever state; what runs goes on to its end."""
+    """Start nothing more, in any state; running goals continue to their end."""
 
     cause = Cause.HOLD
 
 
 @dataclass(frozen=True)
 class Resume(CellCommand):
-    """Release pauses: one's own, unless it says which (semantics 7.3)."""
+    """Release pauses: by default the sender's own (semantics 7.3)."""
 
     cause = Cause.UNHOLD
     hold: str | None = None
-    """Id of the one to release, whoever owns it."""
+    """Id of the pause to release, of any owner."""
     everyones: bool = False
-    """Release every pause, whoever owns it, but for those that must be named."""
+    """Release every pause of any owner, except those that must be named."""
 
 
 @dataclass(frozen=True)
 class Stop(CellCommand):
-    """Finish the cycles in hand, then be Stopped."""
+    """Finish the cycles in progress, then enter Stopped."""
 
     cause = Cause.STOP
 
@@ -66,7 +66,7 @@ class Abort(CellCommand):
 
 @dataclass(frozen=True, kw_only=True)
 class Clear(CellCommand):
-    """Say what stands on the belt after an abort; then be Stopped."""
+    """Confirm what is on the belt after an abort; then enter Stopped."""
 
     cause = Cause.CLEAR
     belt: Statement

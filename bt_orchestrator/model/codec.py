@@ -29,7 +29,7 @@ _NOT_FINITE = '$float'
 _DIGEST = '$digest'
 _TEXT = '$text'
 _SCALARS = (str, int, bool, type(None))
-"""What is written as it is; a float may be none that JSON has."""
+"""Written unchanged; a float may have no JSON form."""
 _encode = json.JSONEncoder(ensure_ascii=False, allow_nan=False).encode
 _encode_ascii = json.JSONEncoder(allow_nan=False).encode
 _FIRST = ('seq', 'time', 'event', 'job', 'section', 'item', 'task')
@@ -80,7 +80,7 @@ def _has_utf8(text: str) -> bool:
 def _layout(kind: type) -> Sequence[tuple[str, Any]]:
     """Return the fields of an event in the order of its record, with their defaults.
 
-    Worked out once: every event is written, and to ask its class each time took 30 us of 35.
+    Cached: every event is written, and inspecting its class each time took 30 us of 35.
     """
     fields = {field.name: _default(field) for field in dataclasses.fields(kind)}
     names = (*(name for name in _FIRST if name in fields), *fields)
@@ -99,8 +99,7 @@ def from_record(record: Mapping[str, Any]) -> e.Event:
 def known_event(record: Mapping[str, Any]) -> e.Event | None:
     """Return the event that a record of an older or newer program describes, for a reader.
 
-    Fields that this program does not know are left out. None: it does not know the event, or a
-    field is not there, or not as it has to be.
+    Unknown fields are left out. None: the event is unknown, or a field is missing or invalid.
     """
     kind = event_types().get(record['event'])
     if kind is None:
@@ -126,8 +125,8 @@ def event_types() -> Mapping[str, type[e.Event]]:
 def text_of(script: Script) -> str:
     """Return a script as JSON, on one line, that can be written as UTF-8.
 
-    It is made once: one of 10,000 tasks takes a second, and is written more than once. Whoever
-    sends a script to another process sends it along.
+    It is computed once: a script of 10,000 tasks takes a second, and is written more than once. It
+    is included when a script is sent to another process.
     """
     known = vars(script)
     if _TEXT not in known:
@@ -136,9 +135,9 @@ def text_of(script: Script) -> str:
 
 
 def digest(definition: Script | Cell) -> str:
-    """Name a script or a cell by what it says: equal ones have equal digests."""
+    """Return a digest of a script or a cell by content: equal ones have equal digests."""
     known = vars(definition)
-    if _DIGEST not in known:  # as a cached property: it takes as long as all of it is large
+    if _DIGEST not in known:  # as a cached property: its cost grows with the size
         text = json.dumps(to_plain(definition), sort_keys=True)
         known[_DIGEST] = hashlib.sha256(text.encode()).hexdigest()[:12]
     return str(known[_DIGEST])
@@ -236,7 +235,7 @@ def _as_it_is(kind: type) -> frozenset[str]:
 
 
 def _read_free(value: Any) -> Any:
-    """Read what has no annotation: argument values, which may be or hold templates."""
+    """Read values without annotation: arguments, which may be or contain templates."""
     if isinstance(value, Mapping):
         if list(value) == [_TEMPLATE]:
             parts = value[_TEMPLATE]

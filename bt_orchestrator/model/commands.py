@@ -1,4 +1,4 @@
-"""What people and other systems ask of the cell, and the answers they get."""
+"""Commands to the cell, and their answers."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from bt_orchestrator.model.jobs.job_commands import JobCommand
 
 @dataclass(frozen=True)
 class AnswerHold:
-    """Decide about something that is held (semantics 7.1)."""
+    """Answer a hold (semantics 7.1)."""
 
     hold: str
     answer: str
@@ -46,9 +46,9 @@ class Shutdown:
 
 @dataclass(frozen=True)
 class RefusedRequest:
-    """What came to nothing before it was a command: an order with mistakes, an unknown word.
+    """A request refused before it became a command: an order with mistakes, an unknown word.
 
-    It changes nothing, and is put on record like any command that is refused.
+    It changes nothing, and is recorded like any refused command.
     """
 
     verb: str
@@ -56,20 +56,20 @@ class RefusedRequest:
     message: str
     """Why it is refused."""
     jobs: tuple[str, ...] = ()
-    """Ids of the jobs it is about; empty for an order that has none."""
+    """Ids of the jobs concerned; empty for an order without an id."""
     each: tuple[str, ...] = ()
-    """What is to be said of each job, if that is not the same of all."""
+    """The message for each job, if they differ."""
 
 
 OnRecord = AnswerHold | RemoveItem | CellCommand | JobCommand | RefusedRequest
-"""Commands that somebody is responsible for."""
+"""Commands that are recorded with their sender."""
 
 Command = OnRecord | FoundTwin | Shutdown
 
 
 @dataclass(frozen=True)
 class OrderAnswer:
-    """What became of one work order of several that were given together."""
+    """The result for one of several work orders in one request."""
 
     job: str = ''
     """Id of the queued job; empty: not queued."""
@@ -87,7 +87,6 @@ class Answer:
     message: str
     """What was done, or why it was refused and what to do."""
     each: tuple[str, ...] = ()
-    """Where several things were asked for and refused together: what is to be said of each."""
+    """The message for each part, if a request with several parts was refused."""
     orders: tuple[OrderAnswer, ...] = ()
-    """What became of each work order, in their order; empty: it was not about any, or none of
-    them was read."""
+    """The result for each work order, in order; empty: there were none, or none was read."""

@@ -1,4 +1,4 @@
-"""Who else has a part in a component: a second server, goals that are not the line's (2.5)."""
+"""Contests: a second server of a component, or goals that are not the line's (2.5)."""
 
 from __future__ import annotations
 
@@ -7,25 +7,25 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Contest:
-    """What keeps the line from counting on a component; empty: it is the line's alone."""
+    """Other servers or clients of a component; empty: only the line uses it."""
 
     servers: tuple[str, ...] = ()
-    """Where all servers of its action are, if there are several: each would execute a goal."""
+    """Nodes of all servers of its action, if there are several: each would execute a goal."""
     goals: tuple[str, ...] = ()
-    """UUIDs of goals that run there and that no task of the line knows."""
+    """UUIDs of goals there that belong to no task of the line."""
 
     def __bool__(self) -> bool:
-        """Tell whether there is anybody else."""
+        """Tell whether there is a contest."""
         return bool(self.servers or self.goals)
 
     def wait(self, component: str, action: str) -> str:
-        """Say for what a task waits."""
+        """Say what a task waits for."""
         if self.servers:
             return f'waiting for {component} to have one server; there are {self.words(action)}'
         return f'waiting for {component}; {self.words(action)}'
 
     def words(self, action: str) -> str:
-        """Say who there is; nothing if there is nobody else."""
+        """Describe the contest; empty: there is none."""
         if self.servers:
             count = len(self.servers)
             return f'{count} servers of {action}: {", ".join(self.servers)}; stop all but one'

@@ -1,4 +1,4 @@
-"""What follows from the end of a task: flags, items, the belt (semantics 3.2, 4.1, 4.2).
+"""The effects of a task's end: flags, items, the belt (semantics 3.2, 4.1, 4.2).
 
 Every function returns the events that follow, in order; nothing is changed here.
 """
@@ -13,7 +13,7 @@ from bt_orchestrator.model.state import CellState, JobState, Phase
 
 
 def of_success(state: CellState, key: e.TaskKey) -> Iterator[e.Event]:
-    """Follow a task that succeeded, or that an operator marked done."""
+    """Yield the effects of a task that succeeded, or that an operator marked done."""
     task = state.task(key)
     if task is None:
         yield from _of_index_move(state)
@@ -28,7 +28,7 @@ def of_success(state: CellState, key: e.TaskKey) -> Iterator[e.Event]:
 
 
 def of_passing(state: CellState, key: e.TaskKey) -> Iterator[e.Event]:
-    """Follow a task that was skipped, or failed and continued.
+    """Yield the effects of a task that was skipped, or failed and continued.
 
     As if it had run (semantics 4.2), but nothing was placed or taken out.
     """
@@ -44,7 +44,7 @@ def of_passing(state: CellState, key: e.TaskKey) -> Iterator[e.Event]:
 
 
 def of_abort(state: CellState, job: JobState, reason: str) -> Iterator[e.Event]:
-    """Begin the end of a job: its items are rejected, its goals cancelled (semantics 4.3)."""
+    """Begin the abort of a job: its items are rejected, its goals cancelled (semantics 4.3)."""
     if job.aborting:
         return
     name = job.job.id
@@ -90,7 +90,7 @@ def _why_initialization_skipped(state: CellState, key: e.TaskKey) -> str | None:
     job = state.jobs[key.job]
     if job.aborting:
         return 'job aborted'
-    # While items are on the line they may need what is still to be prepared.
+    # Items on the line may still need the initialization.
     return 'job stopped' if job.stopping and not job.items else None
 
 

@@ -1,4 +1,4 @@
-"""What becomes of a failed attempt: retry, or the task's policy (semantics 2.6, 2.7)."""
+"""Decisions about a failed attempt: retry, or the task's policy (semantics 2.6, 2.7)."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ RETRY, MARK_DONE, SKIP, REJECT = 'retry', 'mark_done', 'skip', 'reject'
 """Answers to holds about tasks; the fifth is ABORT_JOB (semantics 7.1)."""
 
 _NEVER_BEGUN = (Reason.GOAL_REJECTED, Reason.SERVER_UNAVAILABLE, Reason.MISSING_RESULT)
-"""Ends of attempts of which no robot heard."""
+"""Ends of attempts that never reached a robot."""
 
 
 def may_retry(state: CellState, key: e.TaskKey, task: Task) -> bool:
@@ -59,7 +59,7 @@ def decide(state: CellState, key: e.TaskKey, task: Task) -> Iterator[e.Event]:
 def pass_over(
     state: CellState, key: e.TaskKey, policy: OnFailure, reason: str
 ) -> Iterator[e.Event]:
-    """Let the cycle go on after a failure, as a policy or an operator says."""
+    """Continue the cycle after a failure, as decided by the policy or an operator."""
     assert key.job is not None
     if policy is OnFailure.REJECT and key.item and not state.items[key.item].rejected:
         yield e.ItemRejected(job=key.job, item=key.item, reason=reason)
@@ -100,7 +100,7 @@ def answers(state: CellState, key: e.TaskKey, task: Task) -> tuple[str, ...]:
     if is_open and failed.cancel_cause == ABORT_JOB:
         again = False
     offered = {
-        # What lacks a result would lack it again.
+        # A missing result would be missing again.
         RETRY: again and failed.reason is not Reason.MISSING_RESULT,
         MARK_DONE: True,
         # An item that needs this task to leave the belt would not leave it.
@@ -121,7 +121,7 @@ def _may_be_rejected(state: CellState, key: e.TaskKey) -> bool:
 
 
 def _question(key: e.TaskKey, task: Task, offered: tuple[str, ...]) -> str:
-    """Ask what nobody but a person can see: whether the slot holds the item."""
+    """Ask what only a person can see: whether the slot holds the item."""
     done = 'placed in' if task.qty_change == 1 else 'taken out of'
     otherwise = ' or '.join(answer for answer in offered if answer != MARK_DONE)
     return f'was {key.item} {done} section {key.section}? mark_done if it was, else {otherwise}'
@@ -156,10 +156,10 @@ def _policy(state: CellState, key: e.TaskKey, task: Task) -> OnFailure:
 
 
 def _is_open(failed: TaskState, task: Task) -> bool:
-    """Tell whether nobody knows if a task has placed its item, or taken it out (semantics 4.3).
+    """Tell whether it is unknown if a task has placed its item, or taken it out (semantics 4.3).
 
-    So it is where the attempt was cut off on its way, or was lost. Any other end is the server's
-    own word that it was not done, and a goal that it never accepted has moved nothing.
+    This is so if the attempt was cancelled while running, or was lost. With any other end the
+    server itself reports that it was not done, and a goal never accepted has moved nothing.
     """
     if not task.qty_change or failed.reason in _NEVER_BEGUN:
         return False
@@ -167,14 +167,14 @@ def _is_open(failed: TaskState, task: Task) -> bool:
 
 
 def _is_settled(failed: TaskState, task: Task) -> bool:
-    """Tell whether it is certain that nothing of the attempt goes on (semantics 2.6)."""
+    """Tell whether the attempt has certainly ended (semantics 2.6)."""
     if failed.reason is Reason.SERVER_LOST:
         return task.repeatable
     return failed.reason is not Reason.IN_DOUBT
 
 
 def _is_own_cancel(failed: TaskState) -> bool:
-    """Tell whether the attempt ended because the orchestrator wished so (semantics 2.6).
+    """Tell whether the attempt ended by a cancel of the orchestrator (semantics 2.6).
 
     What fails while an aborted job drains is a failure like any other.
     """

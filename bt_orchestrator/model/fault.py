@@ -11,7 +11,7 @@ EVERY = -1
 
 
 class FaultKind(Enum):
-    """What goes wrong, from the orchestrator's point of view."""
+    """The kinds of faults, as the orchestrator sees them."""
 
     FALSE = 'false'
     """The goal ends SUCCEEDED with `task_result: false`."""

@@ -18,7 +18,7 @@ ON_THE_BELT = {
     e.BeltIndexStarted,
     e.BeltIndexed,
 }
-"""Events after which another picture of the belt is true."""
+"""Events that change the content of the belt."""
 
 CHANGE_ANSWERS = {
     e.ItemRejected,
@@ -28,7 +28,7 @@ CHANGE_ANSWERS = {
     e.JobAborting,
     e.JobStopping,
 }
-"""Events after which a hold may offer other answers than before."""
+"""Events that may change the answers that holds offer."""
 
 
 def apply(state: CellState, event: e.Event) -> None:

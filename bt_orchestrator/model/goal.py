@@ -1,4 +1,4 @@
-"""Facts about goals: what is asked of an action server, and how it ended."""
+"""Data of goals: requests to an action server, and their ends."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ rclpy's default (semantics 9.2).
 REQUEST_CHECKS = 2
 """Checks in a row at which the server must not know an unanswered request for it to be LOST.
 
-Two, because the first may overtake a server that is still making up its mind.
+Two, because the first may arrive before the server has decided on the request.
 """
 
 
@@ -58,13 +58,13 @@ class GoalStatus(Enum):
     ABORTED = 'aborted'
     CANCELED = 'canceled'
     REJECTED = 'rejected'
-    """The server answered the request with no."""
+    """The server rejected the request."""
     UNAVAILABLE = 'unavailable'
     """No server came in time; the request was never sent."""
     LOST = 'lost'
     """The server that had the goal is gone or does not know it any more (semantics 9.3)."""
     SILENT = 'silent'
-    """The server is there and does not answer: nobody knows whether the goal goes on (9.3)."""
+    """The server is there but does not answer: whether the goal still runs is unknown (9.3)."""
 
 
 @dataclass(frozen=True)
@@ -88,22 +88,22 @@ class GoalEnd:
     result: Mapping[str, Any] = field(default_factory=dict)
     """Result fields with plain values; empty unless the server sent a result."""
     message: str = ''
-    """The server's or the gateway's own words, for a person."""
+    """Message of the server or the gateway, for a person."""
     denied_by: str | None = None
-    """Instance of the server that does not know an adopted goal; None: that cannot be told."""
+    """Instance of the server that does not know an adopted goal; None: not known."""
 
 
 @dataclass(frozen=True)
 class SeenContest:
-    """Who else has a part in a component has changed (semantics 2.5)."""
+    """A changed contest of a component (semantics 2.5)."""
 
     component: str
     contest: Contest
     node: str = ''
-    """Whose server it is; empty: nobody's, or not known."""
+    """Node of the server; empty: none, or not known."""
     before: Mapping[str, float] = field(default_factory=dict)
-    """Of the goals those that ran already when the server was found first, with the times at which
-    it accepted them, in seconds by its own clock (semantics 9.2)."""
+    """Goals that already ran when the server was first found, with the times of their acceptance,
+    in seconds on the server's clock (semantics 9.2)."""
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
-"""A hold in words: all sentences about one are made here, from facts.
+"""A hold in words: all sentences about holds are made here, from data.
 
-`hold_words` is the whole of it, for status, views, logs and pictures. `hold_name` stands in other
-sentences: refusals, waits, the stop reason.
+`hold_words` is the complete text, for status, views, logs and pictures. `hold_name` is used inside
+other sentences: refusals, waits, the stop reason.
 """
 
 from __future__ import annotations

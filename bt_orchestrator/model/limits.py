@@ -1,7 +1,7 @@
-"""How much is taken in from outside, so that nobody fills the journal, a log or the memory.
+"""Limits of external input, so that no client can fill the journal, a log or the memory.
 
-What a request says and is longer is refused with a sentence; what a controller says is cut, with a
-mark that tells how much is missing, for its goal has ended all the same.
+A request that exceeds a limit is refused with a message; data of a controller is cut, with a mark
+that says how much is missing, because its goal has ended anyway.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ REQUEST_BYTES = 1_000_000
 """Longest request, all its texts together."""
 
 ORDERS = 250
-"""Most work orders in one request. All of them are queued in one settle or none is, and meanwhile
-nobody else is answered: it takes 0.2 ms for each."""
+"""Maximum number of work orders in one request. They are queued in one settle, all or none, which
+blocks other requests for 0.2 ms per order."""
 
 INITIALIZATION = 500
-"""Most initialization tasks of a script: they wait side by side, and each is looked at again and
-again."""
+"""Maximum number of initialization tasks of a script: they wait in parallel, and each is checked
+repeatedly."""
 
 DETAILS_BYTES = 8_000
 """Longest details of a work order, as JSON."""
@@ -34,7 +34,7 @@ FINDINGS = 100
 """Most mistakes that are listed in the answer to a request."""
 
 WHO = 200
-"""Longest name of who commands, in characters."""
+"""Longest name of a sender, in characters."""
 
 ORIGIN = 200
 """Longest name of the place that a command comes from, in characters."""
@@ -52,7 +52,7 @@ STATE_VALUE_BYTES = 64_000
 """Longest value of a state topic that is kept."""
 
 STATE_VALUE_SHORT = 1_000
-"""The same where a topic says more than may be written."""
+"""The same when a topic exceeds its rate limit."""
 
 FEEDBACK_BYTES = 16_000
 """Longest feedback that a status shows."""
@@ -67,10 +67,10 @@ PLACE = 100
 """Longest name of a computer or a cell that another node tells of itself, in characters."""
 
 PAUSES = 32
-"""Most pauses that stand at a time; a cell that has one starts nothing already."""
+"""Maximum number of pauses at a time; one already stops all starts."""
 
 TWINS = 8
-"""Most holds that stand at a time because of nodes of one name."""
+"""Maximum number of holds at a time because of nodes with the same name."""
 
 EVENTS_BYTES = 1_000_000
 """Longest answer to a client that asks for events, as JSON; one event is always told."""
@@ -84,7 +84,7 @@ NAMES_LISTED = 20
 
 @dataclass(frozen=True)
 class Share:
-    """What may be used: so much at once, so much a second after that."""
+    """A rate limit: an amount at once, and an amount per second."""
 
     at_once: float
     per_s: float
@@ -97,7 +97,7 @@ LOG_LINES = Share(50, 0.1)
 """Lines that one part of the node logs about what others send."""
 
 UNHEARD_S = Share(2.0, 0.1)
-"""Seconds in which one service keeps the tick thread for answers that its clients do not hear."""
+"""Seconds of the tick thread that one service may spend on answers to clients that are gone."""
 
 REFUSED_GOALS = Share(1_000, 1.0)
 """Goals of `run_job` that are refused with words; each result is kept for a while."""
@@ -116,10 +116,10 @@ REFUSALS = Share(64e3, 300.0)
 
 
 QUEUE_SHOWN = 100
-"""So many jobs of the queue are told of in a status, and are looked ahead at."""
+"""Number of jobs of the queue in a status and in forecasts."""
 
 EVENTS_PAGE = 200
-"""Most events in one answer: reading them keeps the tick thread for a few milliseconds."""
+"""Most events in one answer: reading them blocks the tick thread for a few milliseconds."""
 
 QUEUE_PAGE = 500
 """Most jobs of the queue in one answer."""
@@ -134,7 +134,7 @@ def cut(text: str, most: int) -> str:
 
 
 def fitting(things: Iterable[_T], most: int, size: Callable[[_T], int]) -> Iterator[_T]:
-    """Yield things for as long as they fit into a size together; the first one always."""
+    """Yield things as long as they fit into a total size; the first one always."""
     total = 0
     for number, thing in enumerate(things):
         total += size(thing)

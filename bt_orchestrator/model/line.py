@@ -73,7 +73,7 @@ def _the_line_stops(after: str) -> Wait:
 
 
 def is_done_with(state: CellState, section: SectionState, job: JobState) -> bool:
-    """Tell whether a section has nothing to do any more for a job (semantics 6.1)."""
+    """Tell whether a section has no more work for a job (semantics 6.1)."""
     if job.cycles_left or (section.cycle and section.cycle.job == job.job.id):
         return False
     return not any(
@@ -104,7 +104,7 @@ def waits_for_earlier_jobs(state: CellState, job: str, sections: tuple[int, ...]
 def waits_for_initialization(state: CellState, job: str, section: int) -> Wait | None:
     """Say which initialization task keeps a section from a cycle for a job (semantics 5.2).
 
-    Those of earlier jobs too: done later they would change what this job works with.
+    Including those of earlier jobs: done later, they would change the setup of this job.
     """
     for earlier in state.jobs.before(job):
         wait = waits_for_tasks(state, earlier, _preparation(state, earlier).of_section[section])
@@ -158,9 +158,9 @@ def next_cycle(state: CellState, section: SectionState) -> Start | Wait:
 
 
 def waits_without_work(state: CellState, *, has_item: bool) -> Wait:
-    """Say what every section waits for that has nothing to do for any item it has, or that comes.
+    """Say what a section without work for its item, or for any to come, waits for.
 
-    The answer of `next_cycle`, which for all of those is the same; no source is among them.
+    The common answer of `next_cycle` for all these sections; no source is among them.
     """
     stopped = stopped_because(state)
     if stopped or state.indexing:
@@ -208,7 +208,7 @@ def _at_source(state: CellState, section: SectionState, beat: int) -> Start | Wa
 
 
 def _waits_for_position(state: CellState, job: JobState, beat: int) -> Wait | None:
-    """Say whose item a job's first one would meet if it were begun for a beat (semantics 6.1).
+    """Say with whose item a job's first item would collide in a given beat (semantics 6.1).
 
     The source of the job before may be downstream of this one, and have begun ahead. An item goes
     one section a beat, so beat less section is its place in the order of the belt.

@@ -34,14 +34,14 @@ class PackmlState(Enum):
     def begins(self) -> bool:
         """Tell whether cycles, index moves and initialization may begin.
 
-        Suspended forbids nothing: it says that the line waits for its source or sink, and ends
+        Suspended blocks nothing: it means that the line waits for its source or sink, and it ends
         when anything can start.
         """
         return self in _BEGIN
 
     @property
     def works(self) -> bool:
-        """Tell whether cycles in hand go on (semantics 7.1: a hold lets them finish)."""
+        """Tell whether cycles in progress continue (semantics 7.1: a hold lets them finish)."""
         return self in _WORK
 
 
@@ -86,7 +86,7 @@ MEANINGS: Mapping[PackmlState, str] = {
 
 
 class Cause(Enum):
-    """What makes the cell change its state: a PackML command, or that a state is through."""
+    """The cause of a transition: a PackML command, or completion of a state."""
 
     RESET = 'reset'
     START = 'start'
@@ -98,7 +98,7 @@ class Cause(Enum):
     ABORT = 'abort'
     CLEAR = 'clear'
     DONE = 'done'
-    """What the state is there for is done (PackML: state complete)."""
+    """The acting state is complete (PackML: state complete)."""
 
 
 _AT_WORK = (
@@ -155,10 +155,10 @@ VERBS: Mapping[Cause, str] = {
     Cause.ABORT: 'abort',
     Cause.CLEAR: 'clear',
 }
-"""What people call the commands; to suspend and unsuspend is the cell's own affair."""
+"""The command words for people; the cell suspends and unsuspends by itself."""
 
 HOLD_ANYWHERE = (Cause.HOLD, Cause.UNHOLD)
-"""Commands about pauses, which stand in every state and act where the table says (7.3)."""
+"""Commands for pauses, possible in every state; they take effect as the table says (7.3)."""
 
 
 def refusal(state: PackmlState, cause: Cause) -> str | None:

@@ -7,18 +7,18 @@ PAUSED = 'paused'
 RESTARTED = 'restarted'
 """An orchestrator has taken over unfinished work."""
 RESTORED = 'restored'
-"""The journal was brought back from a backup: the line may be further than it says."""
+"""The journal was restored from a backup: the line may be ahead of it."""
 MISSING = 'missing'
-"""Events that were written are not in the journal any more: the line is further than it says."""
+"""Written events are lost from the journal: the line is ahead of it."""
 TWIN = 'twin'
 """Another node answers under the name of this one."""
 UNKNOWN_GOAL = 'unknown_goal'
-"""At a take-over a server runs a goal that the journal does not know: it is not all there was."""
+"""At a take-over a server runs a goal unknown to the journal: the journal is incomplete."""
 
 NAMED = frozenset((RESTARTED, RESTORED, MISSING, TWIN, UNKNOWN_GOAL))
-"""Somebody has to look at the line first, so these are released only by naming the hold."""
+"""An operator has to check the line first, so these are released only by the hold's name."""
 
 
 def release_command(hold: str) -> str:
-    """Return what to type to release one hold, whoever's it is."""
+    """Return the command that releases one hold of any owner."""
     return f'bt-orchestrator resume --hold {hold} --reason WHY'

@@ -1,4 +1,4 @@
-"""What a reader asks a journal for, and what it gets: pages, each with a cursor."""
+"""Queries of a journal and their results: pages, each with a cursor."""
 
 from __future__ import annotations
 
@@ -12,13 +12,12 @@ from bt_orchestrator.model.jobs.job_record import JobRecord
 
 @dataclass(frozen=True)
 class Wanted:
-    """Which records of events somebody wants, and from where on."""
+    """A selection of event records, and where it begins."""
 
     after_seq: int = 0
     job: str | None = None
     events: tuple[str, ...] = ()
-    """Names, with `*` for anything; one that ends with a dot stands for all that begin so; empty:
-    all."""
+    """Event names, with `*` as wildcard; a name that ends with a dot is a prefix; empty: all."""
     since: float | None = None
     """Seconds since the epoch, this moment included."""
     until: float | None = None
@@ -31,7 +30,7 @@ class Wanted:
         return tuple(f'{name}*' if name.endswith('.') else name for name in self.events)
 
     def takes(self, event: str, job: str | None, time: float) -> bool:
-        """Tell whether it is about such a record, whatever its number is."""
+        """Tell whether it selects such a record, regardless of its number."""
         return (
             self.job in (None, job)
             and (self.since is None or time >= self.since)
@@ -40,7 +39,7 @@ class Wanted:
         )
 
     def past(self, seq: int) -> Wanted:
-        """Return what is still wanted once everything up to an event has been looked at."""
+        """Return the rest of the selection after an event."""
         if self.newest_first:
             return replace(self, before_seq=seq)
         return replace(self, after_seq=max(self.after_seq, seq))
@@ -50,7 +49,7 @@ class Extent(NamedTuple):
     """How far a journal reaches."""
 
     history: str
-    """Numbers of events say something only within one; empty: not known."""
+    """Event numbers are valid only within one; empty: not known."""
     first_seq: int
     """Of the first event that retention has left, or that is to come."""
     last_seq: int
@@ -71,24 +70,24 @@ class Damage(NamedTuple):
     what: str
     """A sentence for a person."""
     number: int = 1
-    """So many records are lost by it; 0: none, as far as is known."""
+    """Number of lost records; 0: none, as far as is known."""
 
 
 @dataclass(frozen=True)
 class Page:
-    """Some of the records that are wanted, of one moment of the journal."""
+    """Some of the wanted records, of one moment of the journal."""
 
     history: str
-    """Of which they are. Another one than before: begin anew."""
+    """History of the records. If it changes: restart from the beginning."""
     first_seq: int
-    """Events before this one were removed by right."""
+    """Events before this one were removed by retention."""
     records: Sequence[Record]
     damage: Sequence[Damage]
-    """What was met between these records, whoever it was about; the same may be told again."""
+    """Damage found between these records, for any job; the same may be reported again."""
     rest: Wanted
-    """The cursor: what to ask for next, now or when there is more."""
+    """The cursor: what to request next, now or when there is more."""
     is_last: bool
-    """Nothing that is wanted is there behind it at this moment."""
+    """There are no further wanted records at this moment."""
 
 
 class JobPlace(NamedTuple):
@@ -100,9 +99,9 @@ class JobPlace(NamedTuple):
 
 @dataclass(frozen=True)
 class Summaries:
-    """Some of the jobs that ended, as far as they are known without their events."""
+    """Summaries of some of the jobs that ended."""
 
     jobs: Sequence[JobRecord]
     damage: Sequence[Damage]
     rest: JobPlace | None
-    """After which to go on; None: there are no more."""
+    """Where to continue; None: there are no more."""

@@ -6,12 +6,12 @@ from enum import Enum
 
 
 class Role(Enum):
-    """What somebody who asks is there for."""
+    """The role of a user."""
 
     VIEW = 'view'
-    """Reads status, events, reports, the past; asks nothing."""
+    """Reads status, events, reports, the past; makes no requests."""
     MES = 'mes'
-    """Keeps the queue, as an MES does; answers no hold and starts no cell."""
+    """Manages the queue, as an MES does; answers no hold and starts no cell."""
     OPERATE = 'operate'
     """Works at the line."""
     ENGINEER = 'engineer'

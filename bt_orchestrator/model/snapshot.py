@@ -1,9 +1,9 @@
 """The state of the cell as plain data that JSON can carry, and back, exactly.
 
-Nothing here names a field: annotations say how a value is kept, so a new field of the state needs
-no code. An annotation that cannot be kept is a TypeError, not a loss. What can change, and scripts
-because they are large, stand once in a list of objects; who names them carries their place in that
-list, so that one object stays one object.
+No field is named here: annotations say how a value is stored, so a new field of the state needs no
+code. An unsupported annotation is a TypeError, not a loss. Mutable objects, and scripts because
+they are large, are stored once in a list of objects and referred to by their place in it, so that
+object identity is kept.
 
 A field that a record lacks has its default. So a state that was written before the field existed
 can still be read, as events can.
@@ -54,7 +54,7 @@ def state_to_plain(state: CellState) -> dict[str, Any]:
 
 
 def state_to_text(state: CellState) -> str:
-    """Return the same as JSON; scripts, which are large, are not written anew."""
+    """Return the same as JSON; the stored text of scripts is reused."""
     writer = Writer()
     return text_of_state(writer.fields_of(state), [text_of_objects(writer.objects)])
 
@@ -91,11 +91,11 @@ _NOTHING: Mapping[int, Any] = MappingProxyType({})
 def state_from_plain(
     cell: Cell, plain: Mapping[str, Any], known: Mapping[int, Any] = _NOTHING
 ) -> CellState:
-    """Return the state that a record tells of, in a cell.
+    """Return the state of a cell from a record.
 
     :param known: objects by their places, which need not be made
     :raises KeyError: it names something that the cell does not have
-    :raises TypeError: it is damaged, or of a program that knows more
+    :raises TypeError: it is damaged, or written by a newer version
     :raises ValueError: the same
     """
     state = CellState(cell)
@@ -110,7 +110,7 @@ def state_from_plain(
 
 
 def _of_today(fields: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return the fields that an older program kept, as this one does.
+    """Convert the fields of an older version to the current form.
 
     `order_arrived` was false from an operator's stop to the next order, or start.
     """
@@ -192,7 +192,7 @@ class Writer:
 
 @lru_cache(maxsize=256)
 def _how(kind: Any) -> Callable[[Writer, Any], Any]:
-    """Return how a value with an annotation is written; ten thousand jobs have each of them."""
+    """Return the writer of an annotation's values; cached for queues of thousands of jobs."""
     if kind is Any:
         return lambda _, value: to_plain(value)
     if isinstance(kind, type):
@@ -237,7 +237,7 @@ def _how_mapping(key: Any, member: Any) -> Callable[[Writer, Any], Any]:
 
 
 class Reader:
-    """Makes values of plain data again."""
+    """Makes values from plain data."""
 
     def __init__(self, objects: list[Any], known: Mapping[int, Any] = _NOTHING) -> None:
         """Begin.

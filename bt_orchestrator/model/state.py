@@ -28,7 +28,7 @@ DERIVED: Mapping[str, bool] = {'derived': True}
 
 
 class Phase(Enum):
-    """Where a task stands. A task without a state is new: nothing happened to it yet."""
+    """The phase of a task. A task without a state is new."""
 
     RUNNING = 'running'
     """An attempt is in flight."""
@@ -43,7 +43,7 @@ class Phase(Enum):
 
 
 class End(Enum):
-    """How a task ended that the cycle has passed; the words stand in the status."""
+    """How a passed task ended; a status shows these words."""
 
     DONE = 'done'
     MARKED_DONE = 'marked_done'
@@ -77,24 +77,23 @@ class TaskState:
     server: str | None = None
     """Instance of the server that it was sent to then; None: not known."""
     sent_up: Uptime | None = None
-    """`sent` on the clock that nobody sets."""
+    """`sent` as uptime, which is never set."""
     cancel_cause: str | None = None
     """Why the orchestrator itself cancelled the goal in flight, if it did."""
     cancelled_at: float = 0.0
     copied: bool = False
-    """It was in flight in the copy that the journal goes on from: what the journal does not say of
-    it proves nothing."""
+    """It was in flight in the restored copy: missing events of it prove nothing."""
     reason: Reason | None = None
     """Why the last attempt failed."""
     message: str = ''
-    """What was said about the failure, or why it was skipped."""
+    """Message of the failure, or why it was skipped."""
     end: End | None = None
-    """How it ended, in phase DONE; None: a journal that is older than this field said so."""
+    """How it ended, in phase DONE; None: from a journal older than this field."""
     not_before: float = 0.0
     delay_s: float = 0.0
-    """How long it was to wait when that was decided."""
+    """Delay of the retry, as decided."""
     delayed_up: Uptime | None = None
-    """When that was, on the clock that nobody sets."""
+    """Time of that decision as uptime, which is never set."""
     hold: str | None = None
 
 
@@ -106,7 +105,7 @@ class ItemState:
     job: str
     number: int
     section: int = 0
-    """Whose slot it stands in; 0: in none (not placed yet, or gone)."""
+    """Section of its slot; 0: none (not placed yet, or gone)."""
     present: bool = True
     """False: an empty position (semantics 3.2)."""
     rejected: bool = False
@@ -226,10 +225,10 @@ class Hold:
     reason: str
     message: str
     answers: tuple[str, ...]
-    """What makes sense now; it changes with the item and its job."""
+    """The possible answers now; they change with the item and its job."""
     since: float
     owner: str = ''
-    """Who paused the cell; empty: nobody in particular."""
+    """Who paused the cell; empty: not one person."""
     name: str = ''
     """Task constant; this and the following are empty, or 0, where no task is held."""
     component: str = ''
@@ -259,7 +258,7 @@ class Hold:
 
 @dataclass(frozen=True)
 class Reading:
-    """What a component's state topic said last; never heard of means not ready."""
+    """Last value of a component's state topic; not ready before the first one."""
 
     ready: bool
     value: Any = None
@@ -267,25 +266,25 @@ class Reading:
 
 @dataclass(eq=False)
 class CellState:
-    """Everything that is so now, and nothing that is not in the events.
+    """The present state of the cell, derived only from events.
 
     Every field is kept in snapshots by its annotation (`model.snapshot`), except derived ones.
     """
 
     cell: Cell = field(metadata=DERIVED)
     cell_digest: str = ''
-    """Of the cell as the last orchestrator knew it; empty: there was none."""
+    """Digest of the cell of the last orchestrator; empty: there was none."""
     history: str = ''
     """Name of the journal, as the last orchestrator found it."""
     boot: str = ''
-    """Of the machine that it ran on; empty: not known."""
+    """Boot id of its machine; empty: not known."""
     seq: int = 0
     """Last event applied."""
     packml: PackmlState = PackmlState.STOPPED
     stopped_by: Wish | None = None
     """An operator stopped, aborted or cleared the cell, and none has started it since."""
     had_work: bool = False
-    """There was a job that may start since the cell was started; until then it waits for one."""
+    """There was a startable job since the cell was started; until then the cell waits for one."""
     packml_since: float = 0.0
     """When that state was entered, or the orchestrator started in it; seconds."""
     packml_times: dict[PackmlState, float] = field(default_factory=dict)
@@ -296,9 +295,9 @@ class CellState:
     stop_message: str = ''
     """The stop reason in words."""
     shutting_down: bool = False
-    """The orchestrator ends; another one will go on."""
+    """The orchestrator is shutting down; the next one continues."""
     belt_seq: int = 0
-    """Last event that changed what stands on the belt, or where."""
+    """Last event that changed the content of the belt."""
     beat: int = 1
     indexing: bool = False
     """True from `belt.index_started` to `belt.indexed`."""
@@ -312,11 +311,11 @@ class CellState:
     ended: dict[str, JobState] = field(default_factory=dict)
     """The last jobs that ended, oldest first."""
     order_ids: OrderIds = field(default_factory=OrderIds)
-    """Of every job there ever was: an id is used once."""
+    """Ids of all jobs ever queued: an id is used once."""
     stop_after: str | None = None
     """`item` or `job`: the line runs empty, and the cell stops (semantics 6.6)."""
     stop_after_by: Wish | None = None
-    """Who asked for that; none while nobody does."""
+    """Who requested that; None: not requested."""
     items: dict[str, ItemState] = field(default_factory=dict)
     tasks: dict[TaskKey, TaskState] = field(default_factory=dict)
     running: dict[TaskKey, TaskState] = field(default_factory=dict)
@@ -330,13 +329,13 @@ class CellState:
     holds_raised: int = 0
     readings: dict[str, Reading] = field(default_factory=dict)
     contests: dict[str, Contest] = field(default_factory=dict)
-    """Components in which somebody else has a part (semantics 2.5)."""
+    """Contests by component (semantics 2.5)."""
     done_once: dict[str, str] = field(default_factory=dict)
     """Arguments of the last attempt of each task (`same_task`), if it succeeded since Stopped
     (semantics 5.1)."""
 
     def __post_init__(self) -> None:
-        """Begin with an empty belt, and with topics that were not heard of yet."""
+        """Begin with an empty belt, and state topics without a value."""
         for number in range(1, self.cell.conveyor.sections + 1):
             self.sections[number] = SectionState(number)
         for name, component in self.cell.components.items():
@@ -377,12 +376,12 @@ class CellState:
 
     @property
     def wish(self) -> Wish | None:
-        """An operator's wish that the cell stands, now or soon; only a start ends it (7.2)."""
+        """An operator's wish that the cell stops, now or later; only a start ends it (7.2)."""
         return self.stopped_by or self.stop_after_by
 
     @property
     def pauses(self) -> list[Hold]:
-        """The holds under which nothing starts anywhere, not even in a cycle in hand."""
+        """The holds under which nothing starts anywhere, not even in a cycle in progress."""
         return [hold for hold in self.holds.values() if hold.is_pause]
 
     @property
@@ -419,10 +418,10 @@ class CellState:
 
 
 def same_task(task: Task) -> str:
-    """Name a task by its action and its constant, whatever the arguments (semantics 5.1)."""
+    """Return a key of a task's action and constant, without its arguments (semantics 5.1)."""
     return f'{task.action} {task.name}'
 
 
 def same_args(args: Mapping[str, Any]) -> str:
-    """Name arguments so that equal ones have one name."""
+    """Return a key of arguments; equal ones have equal keys."""
     return repr(sorted(args.items()))

@@ -1,4 +1,4 @@
-"""A state as text, written in slices while the cell goes on: a queue may be very long."""
+"""A state as text, written in slices between settles, because a queue may be very long."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from bt_orchestrator.model.snapshot import (
 from bt_orchestrator.model.state import CellState, JobState
 
 SLICE = 250
-"""So many jobs of the queue are written at once: some milliseconds."""
+"""Number of jobs of the queue written at once: some milliseconds."""
 
 
 class StateText:
-    """The state of one moment. What is not in the queue is written at once, that in slices.
+    """The state of one moment. The queue is written in slices, everything else at once.
 
-    With `check` everything is read back: the events that led to it are to be given up.
+    With `check` everything is read back, because events before it will be removed.
     """
 
     def __init__(self, state: CellState, *, check: bool = False) -> None:
         """Take a state as it is now.
 
-        :raises JournalFailed: it would not come back as it is
+        :raises JournalFailed: the text would not restore the state
         """
         self.seq = state.seq
         self._writer = Writer()
@@ -49,7 +49,7 @@ class StateText:
     def go_on(self) -> bool:
         """Write the next jobs of the queue; returns whether that was all.
 
-        :raises JournalFailed: one would not come back as it is
+        :raises JournalFailed: the text would not restore one of them
         """
         jobs = [self._queued.popleft() for _ in range(min(SLICE, len(self._queued)))]
         places = {job.job.id: self._writer.write(JobState, job) for job in jobs}
@@ -76,7 +76,7 @@ class StateText:
             self._read_back.add(json.loads(f'[{piece}]'))
 
     def _check(self, near: CellState) -> None:
-        # Scripts never change, stand in their events as they do here, and are large.
+        # Scripts never change, are also in their events, and are large.
         known = {self._writer.place_of(type(one), one): one for one in near.scripts.values()}
         again = vars(state_from_plain(near.cell, json.loads(self.text), known))
         differ = [

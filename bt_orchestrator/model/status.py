@@ -1,8 +1,8 @@
-"""How a cell stands, as facts: what every surface shows, whatever carries it there.
+"""The status of a cell as data: what every surface shows, over any transport.
 
-No field is a sentence made for one reader, but for the words that a rule, a server or a person has
-said. Times are seconds since the epoch by the node's clock; durations are seconds. An empty text
-means that there is none, and None that something is not known or not there.
+Fields are data, not sentences for one reader, except messages of rules, servers or persons. Times
+are seconds since the epoch by the node's clock; durations are seconds. An empty text means that
+there is none, and None that something is not known or not there.
 """
 
 from __future__ import annotations
@@ -72,17 +72,17 @@ class SectionStatus:
     number: int
     """Counts from 1 in the direction of travel."""
     slot: ItemStatus | None = None
-    """What stands on the belt here."""
+    """Item on the belt here."""
     job: str = ''
-    """Of the cycle in hand; this and the next four: empty or None where there is no cycle."""
+    """Job of the cycle in progress; this and the next four: empty or None without a cycle."""
     item: ItemStatus | None = None
-    """Of the cycle in hand; it need not be the one in the slot."""
+    """Item of the cycle in progress; it may differ from the one in the slot."""
     running: tuple[TaskStatus, ...] = ()
     passed: tuple[PassedTask, ...] = ()
     failed: tuple[str, ...] = ()
-    """Ids of tasks that failed: passed all the same, or not yet."""
+    """Ids of tasks that failed, whether passed or not."""
     waits: tuple[Wait, ...] = ()
-    """Why the section does not go on."""
+    """Why the section waits."""
 
 
 @dataclass(frozen=True)
@@ -106,9 +106,9 @@ class ComponentStatus:
     available: bool
     """Its action server is there."""
     ready: bool
-    """A goal may be sent: its state topic allows it, and nobody else has a part in it."""
+    """A goal may be sent: its state topic allows it, and there is no contest."""
     contested: str = ''
-    """Who else has a part in it, in words; nothing is sent then (semantics 2.5)."""
+    """The contest, in words; no goal is sent during one (semantics 2.5)."""
     state: str = ''
     """Last value of its state topic."""
     task: str = ''
@@ -178,16 +178,16 @@ class FlagStatus:
 
 @dataclass(frozen=True)
 class CellStatus:
-    """How one cell stands after an event: the only view of it that surfaces are given."""
+    """The status of one cell after an event: the only view for surfaces."""
 
     cell: str
     """Its name."""
     stamp: float
-    """When it stood so."""
+    """Time of the status."""
     seq: int
     """Last event contained; 0: none yet."""
     history: str
-    """Journal that `seq` counts in; another one: everything begins anew."""
+    """Journal of `seq`; if it changes, all numbers restart."""
     state: PackmlState
     """PackML state."""
     state_since: float
@@ -201,17 +201,17 @@ class CellStatus:
     stop_after: str = ''
     """item or job: the line runs empty and stops."""
     wish: Wish | None = None
-    """Who wants the cell to stand; then it waits for an operator's start (semantics 7.2)."""
+    """Who requested the stop; then the cell waits for an operator's start (semantics 7.2)."""
     waits_for: str = ''
     """Commands that let it work again, in words."""
     unauthenticated_role: Role | None = None
-    """Of everybody in the ROS domain; None: nobody comes over ROS, or it is not known."""
+    """Role of all clients in the ROS domain; None: no access over ROS, or not known."""
     commands: tuple[str, ...] = ()
     """PackML commands that its state allows, as verbs; those of `stop_after` always are."""
     journal_failure: str = ''
-    """Why nothing is done any more, but for `abort`."""
+    """Why the engine has stopped; only `abort` is possible."""
     disk_wait: str = ''
-    """What the disk has not taken yet; meanwhile nothing is sent, and commands wait."""
+    """A pending write to the disk; meanwhile nothing is sent, and commands wait."""
     belt: BeltStatus = BeltStatus()
     initialization: tuple[Wait, ...] = ()
     """Why initialization does not go on."""
@@ -246,7 +246,7 @@ class ComponentDescription:
 
 @dataclass(frozen=True)
 class CellDescription:
-    """What exists: it changes only when the node is started with another cell file."""
+    """The parts of the cell: changes only when the node starts with another cell file."""
 
     cell: str
     sections: int

@@ -1,4 +1,4 @@
-"""What the facts of a status say to a person, for every reader of it."""
+"""The data of a status in words, for all surfaces."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def job_count_words(job: JobStatus) -> str:
 
 
 def component_trouble(component: ComponentStatus) -> str:
-    """Say why a component can be sent nothing; nothing if it can."""
+    """Say why no goal can be sent to a component; empty: one can."""
     if not component.available:
         return f'{component.name}: no action server at {component.action}'
     if component.contested:

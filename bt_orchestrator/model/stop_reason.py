@@ -17,7 +17,7 @@ class StopReason(Enum):
     """Why the line stands still."""
 
     OPERATOR = 'operator'
-    """A person wished so: a pause, or a stop."""
+    """Requested by a person: a pause, or a stop."""
     OWN_FAULT = 'own_fault'
     """A task or an item waits for an answer, or the orchestrator was restarted in the middle."""
     STARVED = 'starved'
@@ -29,7 +29,7 @@ class StopReason(Enum):
 
 
 class Interruption(Enum):
-    """What ISA-95 Job Control calls a job that has started and does not go on."""
+    """The ISA-95 Job Control state of a started job that is interrupted."""
 
     HELD = 'Held'
     SUSPENDED = 'Suspended'
@@ -39,9 +39,9 @@ class Words(NamedTuple):
     """A stop reason in both vocabularies."""
 
     cell: Cause
-    """The PackML command that it is to the cell."""
+    """Its PackML command for the cell."""
     job: Interruption
-    """What it makes of the jobs on the line."""
+    """Its state for the jobs on the line."""
 
 
 WORDS: Mapping[StopReason, Words] = {

@@ -1,6 +1,6 @@
-"""How much time has passed, by a clock that nobody sets (semantics 9.2).
+"""Elapsed time by a clock that is never set (semantics 9.2).
 
-The wall clock is set, by people and by NTP, and that of another machine is another one.
+The wall clock may be set, by people and by NTP, and differs between machines.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ class Uptime(NamedTuple):
 
 
 def seconds_between(earlier: Uptime | None, later: Uptime | None) -> float | None:
-    """Return how much time passed between two moments; None: that cannot be known."""
+    """Return the time between two moments; None: unknown."""
     if earlier is None or later is None or earlier.boot != later.boot:
         return None
     return later.seconds - earlier.seconds

@@ -1,4 +1,4 @@
-"""Why something does not go on: in words for people, and as facts for programs (semantics 7.4)."""
+"""Why something waits: in words for people, and as data for programs (semantics 7.4)."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from enum import Enum
 
 
 class WaitKind(Enum):
-    """What somebody waits for."""
+    """What is waited for."""
 
     BELT = 'belt'
     """The belt has to move, or to come to rest."""
@@ -24,7 +24,7 @@ class WaitKind(Enum):
     COMPONENT = 'component'
     """Another task has it."""
     READINESS = 'readiness'
-    """A component does not say that it is ready, or somebody else has a part in it."""
+    """A component does not report ready, or is contested."""
     INITIALIZATION = 'initialization'
     """Initialization tasks have to be done first."""
     HOLD = 'hold'
@@ -45,14 +45,14 @@ class Wait:
     """The sentence that people read."""
     kind: WaitKind
     name: str = ''
-    """Of the flag, zone, component, initialization task, job or hold; the item where one is
-    waited for; empty where the kind says it all."""
+    """Name of the flag, zone, component, initialization task, job, hold or item; empty if the kind
+    says it all."""
     sections: tuple[int, ...] = ()
     """Sections that have to do something first."""
     task: str = ''
     """The task that has to do something first."""
     components: tuple[str, ...] = ()
-    """Those that would work otherwise."""
+    """The blocked components."""
 
     def __str__(self) -> str:
         return self.reason

@@ -1,4 +1,4 @@
-"""What an operator wants of the cell as a whole, until an operator starts it (semantics 7.2)."""
+"""An operator's request to stop the cell, valid until an operator starts it (semantics 7.2)."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from bt_orchestrator.model.by import named
 from bt_orchestrator.model.packml import VERBS, Cause, PackmlState
 
 STOP_AFTER = 'stop_after_'
-"""How the command begins that lets the line run empty first; `item` or `job` follows."""
+"""Prefix of the commands that first run the line empty; `item` or `job` follows."""
 
 AFTER, NEVER = ('item', 'job'), 'never'
-"""After what the line may be let run empty, and the word that takes it back."""
+"""When the line stops accepting work, and the word that withdraws the request."""
 
 START = VERBS[Cause.START]
 STAND = tuple(VERBS[cause] for cause in (Cause.STOP, Cause.ABORT, Cause.CLEAR))
@@ -20,7 +20,7 @@ STAND = tuple(VERBS[cause] for cause in (Cause.STOP, Cause.ABORT, Cause.CLEAR))
 
 @dataclass(frozen=True)
 class Wish:
-    """An operator wants the cell to stand."""
+    """An operator's request that the cell stops."""
 
     command: str
     """As it is recorded: stop, abort, clear, stop_after_item or stop_after_job."""
@@ -28,9 +28,9 @@ class Wish:
     """Empty: not known."""
     reason: str = ''
     time: float = 0.0
-    """Seconds, when it was said; 0: not known."""
+    """Time of the request, seconds; 0: not known."""
     known: str = ''
-    """How it is known who that is (`model.by`); empty: it is not."""
+    """How the sender is known (`model.by`); empty: not known."""
 
     def __str__(self) -> str:
         return self.words()
@@ -46,7 +46,7 @@ class Wish:
 
 
 def way_to_work(mode: PackmlState) -> str:
-    """Return the commands that lead a cell that stands, or is going to, to work again."""
+    """Return the commands that bring a stopped or stopping cell back to work."""
     if mode in (PackmlState.RESETTING, PackmlState.IDLE):
         return 'start'
     return 'clear, reset and start' if mode in _ABORTED else 'reset and start'

@@ -1,4 +1,4 @@
-"""A trace: the records of a run in a file, one JSON object a line (formats: events)."""
+"""A trace: the records of a run in a file, one JSON object per line (formats: events)."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class TraceFile:
     """Writes every event as it comes. Implements `ports.EventSink`; a context that closes it."""
 
     def __init__(self, path: Path) -> None:
-        """Begin a new file, in place of one that is there.
+        """Create a file; an existing one is overwritten.
 
         :raises UnusableTrace: it cannot be written
         """
@@ -41,7 +41,7 @@ class TraceFile:
     ) -> None:
         """Close the file.
 
-        :raises UnusableTrace: something could not be written and is missing in it
+        :raises UnusableTrace: something could not be written and is missing
         """
         try:
             self._file.close()
@@ -51,7 +51,7 @@ class TraceFile:
             raise self._unusable(self._failure) from self._failure
 
     def publish(self, events: Sequence[Event]) -> None:
-        """Write the events; after a failure nothing more, so that there is no gap in the file."""
+        """Write the events; nothing more after a failure, so the file has no gap."""
         if self._failure is not None:
             return
         lines = [to_text(event) + '\n' for event in events]

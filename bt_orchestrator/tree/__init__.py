@@ -1,5 +1,5 @@
-"""Model to behaviour tree: compiling, and the behaviours it compiles to.
+"""The behaviour tree: compiling the model, and the behaviours.
 
-The tree holds no progress: every behaviour asks the state whether its task is new, in flight or
-done, and records what it decides as events.
+The tree holds no progress: every behaviour reads from the state whether its task is new, in flight
+or done, and records its decisions as events.
 """

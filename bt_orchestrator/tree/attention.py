@@ -1,8 +1,8 @@
-"""Which parts of the tree an event can concern: the others need no tick.
+"""Selects the parts of the tree that an event can affect; only these are ticked.
 
-A part that is not ticked keeps its status and its words, as if it had been ticked and found
-everything as before. So a part may be left out only if no event since its last tick touches
-anything it reads; when in doubt, everything is looked at again, from its first child on.
+A part that is not ticked keeps its status and feedback, as if a tick had found no change. So a
+part may be left out only if no event since its last tick changes anything it reads; in doubt,
+everything is ticked again, from its first child.
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ _OF_NO_PART = (
     *(e.JobQueued, e.JobMoved, e.JobHeld, e.JobReleased, e.JobRemoved, e.JobCleared),
     *(e.ScriptLoaded, e.OperatorDecided, e.OperatorRefused),
 )
-"""Events that no part reads anything of; if other jobs are at work then, they get branches."""
+"""Events that affect no part; if they change which jobs are at work, branches are added."""
 
 
 class Attention:
-    """The parts that the next tick has to look at, by their places in a tick, from 0."""
+    """The parts that are due in the next tick, by their places in a tick, from 0."""
 
     def __init__(self, state: CellState, turns: Turns, order: Iterable[Part]) -> None:
-        """Consider everything due.
+        """Mark everything as due.
 
-        :param order: of the parts in a tick
+        :param order: the parts, in the order of a tick
         """
         self._state = state
         self._turns = turns
@@ -39,12 +39,12 @@ class Attention:
         self._due: set[int] = set()
         self._stale: set[int] = set()
         self._ahead: list[int] = []
-        """A heap of what is due, and not yet passed in the tick that goes on."""
+        """A heap of the parts that are due and not yet passed in the current tick."""
         self._idle: list[int] = []
         self._at = math.inf
         self._concerns = self._table()
         self.sharing = Sharing(state.cell, self._place)
-        """Kept up by whoever compiles branches."""
+        """Updated by the code that compiles branches."""
         self.again()
 
     def __bool__(self) -> bool:
@@ -52,9 +52,9 @@ class Attention:
         return bool(self._due)
 
     def walk(self) -> Iterator[tuple[int, bool]]:
-        """Yield what is due, in order, and whether to begin there anew; it is then seen.
+        """Yield the due parts in order, and whether to restart each from its first child.
 
-        What becomes due behind the present place is part of this tick, the rest of the next one.
+        Parts that become due behind the present place belong to this tick, others to the next.
         """
         self._ahead = sorted(self._due)
         while self._ahead:
@@ -66,25 +66,25 @@ class Attention:
         self._at = math.inf
 
     def take_idle(self) -> Sequence[int]:
-        """Return the sections for which nothing has changed but that the belt moves, or rests.
+        """Return the sections for which only the belt's state, moving or at rest, has changed.
 
-        In a line of 200 sections that is most of them, twice a beat. One may be due all the same.
+        In a line of 200 sections that is most of them, twice per beat. One may still be due.
         """
         idle, self._idle = self._idle, []
         return idle
 
     def everywhere(self) -> None:
-        """Look at every part: time has come for something, or everybody's feedback changes."""
+        """Mark every part as due: a deadline has come, or the feedback of all changes."""
         self._mark(self._all)
 
     def again(self) -> None:
-        """Look at every part from its first child on, whatever it has passed already."""
+        """Mark every part as due from its first child, whatever it has passed already."""
         self._turns.touch_all()
         self._stale.update(self._all)
         self._mark(self._all)
 
     def start_over(self) -> None:
-        """Forget a tick that was cut short."""
+        """Discard an interrupted tick."""
         self._ahead.clear()
         self._at = math.inf
         self.again()
@@ -104,10 +104,10 @@ class Attention:
                 if place > self._at:
                     heappush(self._ahead, place)
 
-    # --- whom an event concerns --------------------------------------------------------------
+    # --- the parts affected by an event ------------------------------------------------------
 
     def _table(self) -> Mapping[type[e.Event], Callable[..., None]]:
-        """Return what to do with an event, by its class; for any other, all is looked at again."""
+        """Return the handler of each event class; for any other class everything is due."""
         return {
             **dict.fromkeys(_OF_NO_PART, lambda _: None),
             **dict.fromkeys((e.FlagRaised, e.FlagLowered), self._flag),
@@ -131,7 +131,7 @@ class Attention:
         )
 
     def _started(self, event: e.TaskStarted) -> None:
-        """Mark the others: its own leaf, which has started it, says so already."""
+        """Mark the other parts: the task's own leaf already shows the start."""
         self._mark_some(
             self.sharing.beside_move()
             if event.job is None
@@ -152,7 +152,7 @@ class Attention:
         self._mark((self._place[event.section], *self.sharing.ends))
 
     def _belt(self, _: e.Event) -> None:
-        """Mark where there is work for an item, or may be; all others wait for the belt alike."""
+        """Mark parts with possible work for an item; all others just wait for the belt."""
         self._idle.clear()
         coming = False
         for number, section in self._state.sections.items():
@@ -166,7 +166,7 @@ class Attention:
         self._mark(self.sharing.ends)
 
     def _moved(self, _: e.ItemMoved) -> None:
-        """Wait for `belt.indexed`, which follows at once and concerns everybody."""
+        """Do nothing: `belt.indexed` follows at once and affects all parts."""
 
     def _slot(self, event: e.ItemPlaced | e.ItemMissing | e.ItemRemoved | e.PositionEnded) -> None:
         assert event.section is not None

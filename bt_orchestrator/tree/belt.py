@@ -13,7 +13,7 @@ from bt_orchestrator.tree.turns import Turns
 from bt_orchestrator.tree.waiter import Waiter
 
 OVERRUN = 'overrun'
-"""Reason of the hold when an item would leave the belt unseen (semantics 3.6)."""
+"""Reason of the hold when an item would leave the belt without removal (semantics 3.6)."""
 
 
 class TurnsComplete(Ticked, Waiter):
@@ -28,7 +28,7 @@ class TurnsComplete(Ticked, Waiter):
 
     @property
     def components(self) -> tuple[str, ...]:
-        """The conveyor's."""
+        """The conveyor's component."""
         return (self.recorder.state.cell.conveyor.component.name,)
 
     def update(self) -> Status:

@@ -1,4 +1,4 @@
-"""The projection of the state onto the py_trees blackboard: for watchers, not for behaviours."""
+"""Copies the state to the py_trees blackboard: for tree viewers, not for behaviours."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ MOVING = 'moving'
 
 
 def name_keys(behaviour: Behaviour, namespace: str, *keys: str) -> None:
-    """Tell watchers which keys show what a behaviour asks of the state; it does not read them."""
+    """Register for viewers the keys that show what a behaviour reads from the state."""
     client = behaviour.attach_blackboard_client(name=behaviour.name, namespace=namespace)
     for key in keys:
         client.register_key(key=key, access=Access.READ)
 
 
 class BlackboardProjection:
-    """The one writer of a cell's keys, all below `space`.
+    """The only writer of a cell's keys, all below `space`.
 
-    `belt`, `beat`, `cell`; `flags/NAME` the count; `zones/NAME` and `components/NAME` the task
-    that has it, or nothing; `ready/COMPONENT`; `slots/N` the item there, or nothing.
+    `belt`, `beat`, `cell`; `flags/NAME`: the count; `zones/NAME` and `components/NAME`: the task
+    that has it, or nothing; `ready/COMPONENT`; `slots/N`: the item there, or nothing.
     """
 
     def __init__(self, space: str, state: CellState) -> None:
@@ -36,7 +36,7 @@ class BlackboardProjection:
         self._state = state
         self._client = Client(name=f'{space} state', namespace=space)
         self._names: dict[str, str] = {}
-        """The whole name of every key that was set."""
+        """The full name of every key that was set."""
         self._zones = {z.name for script in state.scripts.values() for z in script.zones}
         self._acts = self._table()
         self._everything()
@@ -48,7 +48,7 @@ class BlackboardProjection:
             act(event)
 
     def close(self) -> None:
-        """Take the keys off the blackboard, which is global to the process."""
+        """Remove the keys from the blackboard, which is global to the process."""
         for key in self._names:
             self._client.unset(key)
         self._client.unregister()
@@ -57,17 +57,17 @@ class BlackboardProjection:
         if key not in self._names:
             self._client.register_key(key=key, access=Access.EXCLUSIVE_WRITE)
             self._names[key] = self._client.absolute_name(key)
-        # A client of py_trees works out name and permission in every access, 8 us; it is asked
-        # while somebody watches the activity, of which it keeps a record.
+        # # A py_trees client checks name and permission in every access, 8 us; it is used only
+        # while a viewer watches, for the activity record.
         if Blackboard.activity_stream is None:
             Blackboard.storage[self._names[key]] = value
         else:
             self._client.set(key, value)
 
-    # --- what an event changes ---------------------------------------------------------------
+    # --- changes by events -------------------------------------------------------------------
 
     def _table(self) -> Mapping[type[e.Event], Callable[..., None]]:
-        """Return what to do after an event, by its class."""
+        """Return the handler of each event class."""
         moves = (e.ItemPlaced, e.ItemMissing, e.ItemMoved, e.ItemRemoved, e.PositionEnded)
         scripts, holds = (e.JobQueued, e.JobUpdated), (e.HoldRaised, e.HoldReleased)
         return {
@@ -95,7 +95,7 @@ class BlackboardProjection:
             self._zone(zone)
 
     def _script(self, digest: str) -> None:
-        """Set the keys of a script's flags and zones; a flag may begin anew with it."""
+        """Set the keys of a script's flags and zones; it may reset a flag."""
         script = self._state.scripts[digest]
         for dependency in script.dependencies:
             self._set(f'flags/{dependency.flag}', self._state.flags[dependency.flag].count)

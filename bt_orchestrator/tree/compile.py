@@ -1,4 +1,4 @@
-"""From cell and scripts to one behaviour tree: a pure function of what they say.
+"""Compiles cell and scripts to one behaviour tree, as a pure function.
 
     parallel CELL
       parallel initialization   one branch a job: its tasks behind their guards
@@ -6,8 +6,8 @@
                                 last, what begins the next cycle
       sequence belt             all turns complete, then the index move
 
-The order of the children is the order of ties: initialization first, then the downstream section
-(semantics 4.4). Everything is without memory: each tick asks the state again.
+The order of the children decides ties: initialization first, then the downstream section
+(semantics 4.4). Nothing has memory: each tick reads the state again.
 """
 
 from __future__ import annotations
@@ -42,19 +42,19 @@ from bt_orchestrator.tree.turns import Turns
 
 
 class CellTree:
-    """The tree of a cell, with branches in it for the jobs that can do anything at all.
+    """The tree of a cell, with branches for the jobs that can do anything.
 
-    Those are the ones on the line and the next one of the queue (`LiveJobs.at_work`), so the tree
-    is as large with ten thousand jobs that wait as with one. Branches come and go between ticks.
-    A job needs them for its initialization alone, which begins before the job does; the first
-    tick that its cycle is in hand is the one after the cycle's start.
+    These are the ones on the line and the next one of the queue (`LiveJobs.at_work`), so the tree
+    is as large with ten thousand waiting jobs as with one. Branches are changed between ticks.
+    Before its first cycle a job needs them only for its initialization; the first tick of a cycle
+    in progress is the one after the cycle's start.
     """
 
     def __init__(self, recorder: Recorder, space: str, *, whole: bool = False) -> None:
         """Compile a tree for the jobs that the state has now.
 
-        :param space: where on the blackboard the cell's projection is
-        :param whole: also a long list has all its behaviours, and no pages
+        :param space: namespace of the cell's keys on the blackboard
+        :param whole: compile long lists completely, without pages
         """
         self._recorder = recorder
         self._space = space
@@ -73,19 +73,19 @@ class CellTree:
         )
         self._branches: dict[str, list[Ticked]] = {}
         self._digests: dict[str, str] = {}
-        """Of the scripts that the branches were compiled from."""
+        """Digests of the scripts that the branches were compiled from."""
         self._to_follow = True
-        """Other jobs may be at work than in the last tick."""
+        """The jobs at work may have changed since the last tick."""
         self.follow_jobs()
         self.root.setup_with_descendants()
 
     @property
     def is_due(self) -> bool:
-        """Tell whether anything has changed that another tick has to look at."""
+        """Tell whether a change requires another tick."""
         return bool(self._attention)
 
     def tick(self) -> None:
-        """Tick every part that something has changed for since its last tick."""
+        """Tick every part that is affected by a change since its last tick."""
         self.follow_jobs()
         try:
             self.root.tick_once()
@@ -99,7 +99,7 @@ class CellTree:
         self._to_follow = self._to_follow or isinstance(event, _AT_WORK)
 
     def notice_time(self) -> None:
-        """Take note that a time has come that a part asked to be woken at."""
+        """Note that a wake-up time requested by a part has come."""
         self._attention.everywhere()
 
     def has(self, job: str) -> bool:
@@ -107,7 +107,7 @@ class CellTree:
         return job in self._branches
 
     def follow_jobs(self) -> None:
-        """Have branches for the jobs at work, in their order. Only between ticks."""
+        """Update the branches to the jobs at work, in their order. Only between ticks."""
         if not self._to_follow:
             return
         self._to_follow = False
@@ -122,7 +122,7 @@ class CellTree:
             self._arrange(list(jobs))
 
     def insert(self, job: JobState) -> None:
-        """Add the branches of a job, behind those of the jobs in front. Only between ticks."""
+        """Add the branches of a job, behind those of earlier jobs. Only between ticks."""
         branches = self._branches[job.job.id] = []
         self._digests[job.job.id] = job.digest
         self._attention.sharing.enter(job.digest, job.job.script)
@@ -137,7 +137,7 @@ class CellTree:
             branches.append(branch)
 
     def prune(self, job: str) -> None:
-        """Take the branches of a job out. Only between ticks."""
+        """Remove the branches of a job. Only between ticks."""
         self._attention.sharing.leave(self._digests.pop(job))
         self._attention.again()
         for branch in self._branches.pop(job):
@@ -148,12 +148,12 @@ class CellTree:
                 detach(behaviour)
 
     def close(self) -> None:
-        """Give up the tree: take its readers off the blackboard."""
+        """Release the tree and its blackboard clients."""
         for behaviour in self.root.iterate():
             detach(behaviour)
 
     def _arrange(self, jobs: list[str]) -> None:
-        """Put the branches into an order of the jobs; what is of no job stays last."""
+        """Sort the branches by the order of the jobs; those without a job stay last."""
         self._branches = {name: self._branches[name] for name in jobs}
         place = {b: n for n, name in enumerate(jobs) for b in self._branches[name]}
         for part in (self.initialization, *self.sections.values()):
@@ -242,7 +242,7 @@ class CellTree:
         return behaviour
 
     def _shared(self, job: str, subject: Subject) -> Ticked:
-        """Compile a task with the guards of what it shares: a ready component, zones (4.4)."""
+        """Compile a task with the guards for shared resources: ready component, zones (4.4)."""
         behaviour = self._ready(subject, _decided(subject))
         for zone in self._recorder.state.script(job).zones_of.get(subject.task.id, ()):
             behaviour = ZoneGuard(subject, zone, behaviour, self._space)
@@ -261,7 +261,7 @@ _AT_WORK = (
 
 
 def _decided(subject: Subject) -> Ticked:
-    """Compile a task's leaf and the decorators that decide about its failures."""
+    """Compile a task's leaf, with the decorators that handle its failures."""
     leaf: Ticked = ActionLeaf(subject)
     if subject.task.retries:
         leaf = Retry(subject, leaf)
@@ -269,7 +269,7 @@ def _decided(subject: Subject) -> Ticked:
 
 
 class Standby(Ticked):
-    """Keeps a part RUNNING that has nothing to do: the root never ends."""
+    """Keeps an idle part RUNNING: the root never ends."""
 
     def update(self) -> Status:
         """Go on."""

@@ -25,7 +25,7 @@ from bt_orchestrator.tree.compile import CellTree
 from bt_orchestrator.tree.leaf import ActionLeaf
 
 JOB = 'JOB'
-"""Stands for whatever order the script is run for."""
+"""Placeholder for the order that the script is run for."""
 
 
 class Kind(NamedTuple):
@@ -47,11 +47,11 @@ KINDS = (
     Kind(ActionLeaf, 'action', 'box', 'box', PAPER),
     Kind(Behaviour, 'condition or step of the engine', 'ellipse', 'ellipse', PAPER),
 )
-"""The first that fits."""
+"""The first match is used."""
 
 
 class Compiled:
-    """The state of a cell that has one order and has done nothing. Implements `Recorder`."""
+    """The state of a cell with one order before its start. Implements `Recorder`."""
 
     now = 0.0
 
@@ -66,7 +66,7 @@ class Compiled:
         )
 
     def record(self, events: Iterable[e.Event]) -> None:
-        """Apply events; a drawing has no others than its own."""
+        """Apply the drawing's own events."""
         for event in events:
             apply(self.state, event)
 
@@ -93,7 +93,7 @@ class Compiled:
 
 
 def draw_tree(script: Script, cell: Cell) -> Picture:
-    """Draw what a script compiles to, from the root on the left to the leaves on the right."""
+    """Draw a script's behaviour tree, from the root on the left to the leaves on the right."""
     sheet = Sheet(script, cell)
     graph = graphviz.Digraph(sheet.script.name, graph_attr=_page(sheet))
     graph.attr('node', fontname=FONT, fontsize='10', color=INK, fontcolor=INK, height='0.3')

@@ -1,10 +1,10 @@
-"""Guards: decorators that keep a task from starting, and say what it waits for.
+"""Guards: decorators that block the start of a task, and say what it waits for.
 
 A guard waits only while its task has an attempt to start. A task that runs, is done or will be
-skipped passes, so a finished task is never blocked by its own flag. Nothing is taken while waiting
-(semantics 4.4): the guards of one task are asked together, in the tick that starts it.
+skipped passes, so a finished task is never blocked by its own flag. Nothing is reserved while
+waiting (semantics 4.4): all guards of a task are checked in the tick that starts it.
 
-Guards ask the state. For watchers they name the keys of the blackboard that show what they ask.
+Guards read the state. For viewers they register the blackboard keys that show what they read.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ from bt_orchestrator.tree.waiter import TaskWaiter, Waiter
 
 
 class Guard(Wrapper, Waiter):
-    """Base: ticks its child unless there is something to wait for."""
+    """Base: ticks its child unless it has to wait."""
 
     def waits_for(self) -> Wait | None:
-        """Say what must become so before the child may be ticked; None: nothing."""
+        """Return the condition that must hold before the child may be ticked; None: none."""
         raise AssertionError(f'{type(self).__name__} guards nothing')
 
     def run(self) -> Status:
-        """Wait RUNNING with the reason, or tick the child and be what it is."""
+        """Wait RUNNING with the reason, or tick the child and return its status."""
         wait = self.waits_for()
         self.note(wait)
         if wait is None:
@@ -41,7 +41,7 @@ class Guard(Wrapper, Waiter):
         return self.status
 
     def update(self) -> Status:
-        """Be what the child is."""
+        """Return the child's status."""
         return self.decorated.status
 
 
@@ -62,11 +62,11 @@ class ConveyorGuard(Guard):
 
     @property
     def components(self) -> tuple[str, ...]:
-        """Those of all tasks of the step."""
+        """The components of all tasks of the step."""
         return tuple(dict.fromkeys(subject.task.component for subject in self._subjects))
 
     def waits_for(self) -> Wait | None:
-        """Wait while the belt moves, or rests in the beat before this cycle's."""
+        """Wait while the belt moves, or is at rest in the beat before this cycle's."""
         state = self._recorder.state
         cycle = state.sections[self._section].cycle
         assert cycle is not None
@@ -92,7 +92,7 @@ class FlagGuard(TaskWaiter, Guard):
         name_keys(self, f'{space}/flags', dependency.flag)
 
     def waits_for(self) -> Wait | None:
-        """Wait while the count is at the wrong end."""
+        """Wait while the count does not allow the task."""
         if not effects.is_startable(self.subject.state, self.subject.key):
             return None
         count = self.subject.state.flags[self.dependency.flag].count
@@ -119,7 +119,7 @@ class ZoneGuard(TaskWaiter, Guard):
         name_keys(self, f'{space}/zones', zone)
 
     def waits_for(self) -> Wait | None:
-        """Wait while another task is in the zone; its own is, from a hold to its new attempt."""
+        """Wait while another task is in the zone; a held task keeps it until its new attempt."""
         state = self.subject.state
         there = state.zones.get(self.zone)
         if there is None or there == self.subject.key or not self.subject.waits_to_start:
@@ -158,7 +158,7 @@ class InitializationGuard(TaskWaiter, Guard):
         self.subject = subject
 
     def waits_for(self) -> Wait | None:
-        """Wait for what comes first; what was begun, or ends with its job, waits for nothing."""
+        """Wait for earlier tasks; a task that was begun, or ends with its job, does not wait."""
         job, state, task = self.subject.job, self.subject.state, self.subject.task
         assert job is not None
         if state.phase(self.subject.key) is not None or self.subject.ends_with_its_job():

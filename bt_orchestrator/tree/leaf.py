@@ -21,11 +21,11 @@ from bt_orchestrator.tree.waiter import TaskWaiter
 class ActionLeaf(TaskWaiter, Ticked):
     """One task at one action server.
 
-    Its states: new (it starts when nothing is in the way), RUNNING while its goal is in flight or
-    an operator is asked, FAILURE while a failed attempt waits for the decorators above to decide,
-    SUCCESS once the cycle has passed it. It holds none of that itself: it asks the state, so a
-    leaf that is built in the middle of a goal goes on where the old one stopped. `terminate` never
-    cancels a goal; only a recorded decision does.
+    Its states: new (it starts when nothing blocks it), RUNNING while its goal is in flight or an
+    operator is asked, FAILURE while a failed attempt waits for the decision of the decorators
+    above, SUCCESS once the cycle has passed it. It stores none of that itself but reads the state,
+    so a leaf built during a goal continues where the old one stopped. `terminate` never cancels a
+    goal; only a recorded decision does.
     """
 
     def __init__(self, subject: Subject) -> None:
@@ -40,7 +40,7 @@ class ActionLeaf(TaskWaiter, Ticked):
         return progress is not None and progress.phase is Phase.RUNNING
 
     def update(self) -> Status:
-        """Look where the task stands, and start it if it may."""
+        """Check the task's phase, and start it if it may."""
         self.note(None)
         progress = self.subject.progress
         if progress is None or progress.phase is Phase.RETRYING:
@@ -62,7 +62,7 @@ class ActionLeaf(TaskWaiter, Ticked):
         return Status.SUCCESS
 
     def _start_if_free(self, progress: TaskState | None) -> Status:
-        # Also in a section that is stopped: the cell is not Held before this time.
+        # Also in a stopped section: the cell is not Held before this time.
         is_delayed = progress is not None and self.subject.recorder.is_delayed(self.subject.key)
         stopped = None if self.subject.ends_with_its_job() else self._stopped()
         if stopped is not None:
@@ -90,7 +90,7 @@ class ActionLeaf(TaskWaiter, Ticked):
         return Status.SUCCESS
 
     def _stopped(self) -> Wait | None:
-        """Say why nothing goes on here; a skip would, for it counts as if the task had run."""
+        """Say why the task must not start or be skipped: a skip counts as if it had run."""
         state = self.subject.state
         if not state.works:
             mode = state.packml.value
@@ -102,13 +102,13 @@ class ActionLeaf(TaskWaiter, Ticked):
         return self.subject.waits_in_hold()
 
     def _obstacle(self) -> Wait | None:
-        """Say what keeps the next attempt from starting, besides its time and the guards."""
+        """Say what blocks the next attempt, besides its delay and the guards."""
         state, task = self.subject.state, self.subject.task
         busy = state.reserved.get(task.component)
-        if busy is not None and busy != self.subject.key:  # its own: until its new attempt (4.4)
+        if busy is not None and busy != self.subject.key:  # else kept for its retry (4.4)
             what = f'waiting for {task.component}, busy with {holder(state, busy)}'
             return Wait(what, WaitKind.COMPONENT, task.component)
-        # Asked now, too: what is seen at this moment becomes an event a moment later.
+        # Checked here too: the event for what is seen now comes only later.
         contest = state.contests.get(task.component) or Contest(
             tuple(self.subject.recorder.rivals(task.component))
         )
@@ -151,7 +151,7 @@ class ActionLeaf(TaskWaiter, Ticked):
         return Status.RUNNING
 
     def _begin_job(self) -> None:
-        """Take the job out of the queue with the first thing that it does (semantics 6.1)."""
+        """Start the job with its first task (semantics 6.1)."""
         job = None if self.subject.job is None else self.subject.state.jobs[self.subject.job]
         if job is not None and not job.started and not job.ending:
             self.subject.recorder.record([e.JobStarted(job=job.job.id)])
@@ -166,7 +166,7 @@ class ActionLeaf(TaskWaiter, Ticked):
         return dict(resolve(self.subject.task.args, self.subject.state.scope(self.subject.key)))
 
     def _occupied(self) -> e.HoldRaised | None:
-        """Hold a placing onto an occupied slot (semantics 3.2)."""
+        """Hold a task that would place an item onto an occupied slot (semantics 3.2)."""
         section = self.subject.section
         if self.subject.task.qty_change != 1 or section is None:
             return None
@@ -181,5 +181,5 @@ class ActionLeaf(TaskWaiter, Ticked):
             action=self.subject.task.action,
             reason='slot_occupied',
             message=f'{there} stands where {self.subject.key.item} would be placed',
-            answers=(RETRY,),  # the others would leave a second position in the slot
+            answers=(RETRY,),  # other answers would leave a second item in the slot
         )

@@ -1,7 +1,7 @@
-"""Long lists in pages, so that a script of any length costs the tree as much as a short one.
+"""Paging of long lists, so that the tree's size is independent of a script's length.
 
-To make the behaviours of a task takes about 0.3 ms of the one thread, and each tick, watcher and
-look for readiness goes through all that there are.
+Creating the behaviours of a task takes about 0.3 ms of the only thread, and each tick, viewer and
+readiness check goes through all of them.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from bt_orchestrator.tree.subject import Subject, is_done
 from bt_orchestrator.tree.ticking import InOrder, Ticked
 
 MOST_WHOLE = 200
-"""A script of so many tasks is in the tree as a whole, for whoever watches it."""
+"""A script with no more tasks than this is in the tree completely, for viewers."""
 
 PAGE = 40
-"""Tasks of a page; a step is never parted."""
+"""Tasks of a page; a step is never split."""
 
 _T = TypeVar('_T')
 
@@ -31,9 +31,9 @@ def is_long(script: Script) -> bool:
 
 
 def paged(parts: Sequence[_T], tasks_of: Callable[[_T], int]) -> Iterator[Sequence[_T]]:
-    """Part a list of steps, or of the tasks of a track.
+    """Split a list of steps, or of the tasks of a track, into pages.
 
-    :param tasks_of: counts the tasks of a part
+    :param tasks_of: returns the number of tasks of a part
     """
     page: list[_T] = []
     size = 0
@@ -48,10 +48,10 @@ def paged(parts: Sequence[_T], tasks_of: Callable[[_T], int]) -> Iterator[Sequen
 
 
 class Page(InOrder):
-    """A stretch of a long list, with behaviours only while the section is at it.
+    """A part of a long list, with behaviours only while the section works on it.
 
-    What comes before a task has succeeded when it has, so the last tasks say whether a page is
-    passed: a tree that is compiled in the middle makes nothing that it does not need.
+    When the last tasks have succeeded, all tasks before them have too, so they tell whether a page
+    is passed: a tree compiled in the middle creates only what it needs.
     """
 
     def __init__(
@@ -62,7 +62,7 @@ class Page(InOrder):
     ) -> None:
         """Name a page after its tasks.
 
-        :param compiled: makes its behaviours
+        :param compiled: creates its behaviours
         :param last: the tasks of its last step
         """
         super().__init__(f'{tasks[0].id} … {tasks[-1].id}', [])
@@ -70,7 +70,7 @@ class Page(InOrder):
         self._last = last
 
     def run(self) -> Status:
-        """Be passed, or have behaviours and tick them."""
+        """Return SUCCESS if the page is passed, else create its behaviours and tick them."""
         if not self.children:
             if all(map(is_done, self._last)):
                 self.status = Status.SUCCESS
@@ -83,7 +83,7 @@ class Page(InOrder):
         return self.status
 
     def stop(self, new_status: Status = Status.INVALID) -> None:
-        """Take a status; INVALID: the section is elsewhere."""
+        """Set the status; INVALID: the section works elsewhere."""
         super().stop(new_status)
         if new_status is Status.INVALID:
             self._forget()
@@ -96,7 +96,7 @@ class Page(InOrder):
 
 
 def detach(behaviour: Behaviour) -> None:
-    """Close a behaviour's blackboard clients, which py_trees keeps for ever otherwise."""
+    """Close a behaviour's blackboard clients, which py_trees would keep for ever."""
     for client in behaviour.blackboards:
         client.unregister()
     behaviour.blackboards.clear()

@@ -12,7 +12,7 @@ from bt_orchestrator.tree.ticking import Ticked, Wrapper
 
 
 class Retry(Wrapper):
-    """Repeats a failed attempt, while the task's retries last."""
+    """Repeats a failed attempt while retries are left."""
 
     def __init__(self, subject: Subject, child: Ticked) -> None:
         retries = subject.task.retries
@@ -49,14 +49,14 @@ _WORDS = {
 
 
 class OnFailureDecorator(Wrapper):
-    """Decides about a task that failed for good."""
+    """Records the decision about a task that failed for good."""
 
     def __init__(self, subject: Subject, child: Ticked) -> None:
         super().__init__(_WORDS[subject.task.on_failure], child)
         self.subject = subject
 
     def update(self) -> Status:
-        """Record the decision; the next tick shows what came of it."""
+        """Record the decision; the next tick shows its result."""
         self.feedback_message = ''
         if self.decorated.status is not Status.FAILURE:
             return self.decorated.status

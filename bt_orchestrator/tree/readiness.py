@@ -1,4 +1,4 @@
-"""Which tasks wait for nothing but the readiness of their component, read off the tree."""
+"""Finds in the tree the tasks that wait only for the readiness of their component."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from bt_orchestrator.tree.subject import Subject
 
 
 def unready(root: Behaviour) -> Iterator[Subject]:
-    """Yield the tasks whose turn it is and whose component is not ready for them.
+    """Yield the tasks that could start if their component were ready.
 
-    Guard and leaf are the innermost ones, so they wait for it only when belt, flags and zones are
-    fine.
+    Its guard and the leaf are innermost, so they wait only when belt, flags and zones allow the
+    task.
     """
     for behaviour in root.iterate():
         if isinstance(behaviour, (ReadyGuard, ActionLeaf)) and _waits(behaviour):

@@ -1,4 +1,4 @@
-"""Why something does not go on, read off the tree (semantics 7.4)."""
+"""Finds in the tree why something waits (semantics 7.4)."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from bt_orchestrator.tree.waiter import Waiter
 
 
 def waits_of(behaviour: Behaviour) -> tuple[Wait, ...]:
-    """Return what a subtree waits for, each once, with the components that would work otherwise.
+    """Return the waits of a subtree, each once, with the components that they block.
 
-    Nothing when all its leaves have a goal.
+    Empty if all its leaves have a goal.
     """
     found: dict[Wait, dict[str, None]] = {}
     for waiter in _waiters(behaviour):

@@ -14,7 +14,7 @@ from bt_orchestrator.tree.ticking import AtOnce, Ticked
 
 
 class CellRoot(AtOnce):
-    """A parallel that never ends, and that ticks the parts that are due."""
+    """A parallel that never ends and ticks only the due parts."""
 
     def __init__(
         self,
@@ -31,7 +31,7 @@ class CellRoot(AtOnce):
         self._attention = attention
 
     def run(self) -> Status:
-        """Tick the parts that are due, in order."""
+        """Tick the due parts, in order."""
         self._tell_idle()
         for place, is_stale in self._attention.walk():
             part = self.children[place]

@@ -1,4 +1,4 @@
-"""The behaviours around a section's task list: its cycle, its turn, and what comes next."""
+"""The behaviours around a section's task list: its cycle, its turn, its next cycle."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from bt_orchestrator.tree.waiter import Waiter
 
 
 class Section(FirstOf):
-    """One section: the branch of the job that it works on, or else what begins its next cycle."""
+    """One section: the branch of its current job, else the begin of its next cycle."""
 
     def __init__(self, recorder: Recorder, number: int) -> None:
         self._next_cycle = NextCycle(recorder, number)
@@ -22,10 +22,10 @@ class Section(FirstOf):
         self._recorder = recorder
         self._number = number
         self._cycle: Cycle | None = None
-        """In hand in the last tick."""
+        """The cycle in progress at the last tick."""
 
     def run(self) -> Status:
-        """Tick the branch that goes on; only with another cycle, or a new branch, look at all."""
+        """Tick the current branch; check all only with another cycle or a new branch."""
         cycle = self._recorder.state.sections[self._number].cycle
         if cycle is self._cycle and self.status is Status.RUNNING:
             assert isinstance(self.current_child, Ticked)
@@ -34,12 +34,12 @@ class Section(FirstOf):
         return super().run()
 
     def tell(self, wait: Wait) -> None:
-        """Note what it waits for, without a tick; only where it waits for its next cycle."""
+        """Note what it waits for, without a tick; only while it waits for its next cycle."""
         self._next_cycle.note(wait)
 
 
 class _OfSection(Ticked):
-    """Base of what belongs to one section."""
+    """Base of the behaviours of one section."""
 
     def __init__(self, name: str, recorder: Recorder, section: int) -> None:
         super().__init__(name)
@@ -48,18 +48,18 @@ class _OfSection(Ticked):
 
     @property
     def section(self) -> SectionState:
-        """The section now."""
+        """The section's present state."""
         return self.recorder.state.sections[self.number]
 
     @property
     def cycle(self) -> Cycle:
-        """The cycle in hand; only asked inside one."""
+        """The cycle in progress; called only during one."""
         assert self.section.cycle is not None
         return self.section.cycle
 
 
 class CycleOf(_OfSection):
-    """Condition: the cycle in hand is for this job."""
+    """Condition: the cycle in progress is for this job."""
 
     lasting = False
 
@@ -68,7 +68,7 @@ class CycleOf(_OfSection):
         self.job = job
 
     def update(self) -> Status:
-        """FAILURE lets the section look at its other jobs."""
+        """Return FAILURE for another job: the section then tries its other branches."""
         cycle = self.section.cycle
         if cycle is None or cycle.job != self.job:
             self.feedback_message = ''
@@ -84,7 +84,7 @@ class ReleaseConveyor(_OfSection):
         super().__init__('release conveyor', recorder, section)
 
     def update(self) -> Status:
-        """Record the turn, once in a cycle."""
+        """Record the turn, once per cycle."""
         cycle = self.cycle
         if self.section.turn_beat < cycle.beat:
             done = e.TurnCompleted(job=cycle.job, section=self.number, item=cycle.item)
@@ -99,7 +99,7 @@ class CompleteCycle(_OfSection):
         super().__init__('complete cycle', recorder, section)
 
     def update(self) -> Status:
-        """Record the end. RUNNING: the section goes on with its next cycle in the next tick."""
+        """Record the end. RUNNING: the next cycle begins in the next tick."""
         cycle = self.cycle
         done = e.CycleCompleted(job=cycle.job, section=self.number, item=cycle.item)
         self.recorder.record([done])
@@ -114,7 +114,7 @@ class NextCycle(_OfSection, Waiter):
         super().__init__('next cycle', recorder, section)
 
     def update(self) -> Status:
-        """Begin, or say what the section waits for."""
+        """Begin a cycle, or say what the section waits for."""
         state = self.recorder.state
         begin = next_cycle(state, self.section)
         if isinstance(begin, Wait):

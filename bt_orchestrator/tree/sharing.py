@@ -1,4 +1,4 @@
-"""Which parts of the tree share flags, zones and components, by the scripts at work."""
+"""Which parts of the tree share flags, zones and components, by the scripts in use."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import Script
 
 Part = int | str
-"""A section by its number, or one of the two others by name."""
+"""A section by its number; initialization or belt by name."""
 
 INITIALIZATION: Part = 'initialization'
 BELT: Part = 'belt'
@@ -20,7 +20,7 @@ _NOWHERE: _Places = ()
 
 
 class _Use(NamedTuple):
-    """Something that a script has at a place."""
+    """The use of a shared resource by a script at a place."""
 
     kind: str
     name: str | int
@@ -29,9 +29,9 @@ class _Use(NamedTuple):
 
 
 class Sharing:
-    """What each script at work uses where, counted: one comes, and another one goes.
+    """What each script in use uses where, counted, as scripts come and go.
 
-    Places are those of parts in a tick, from 0.
+    Places are positions of parts in a tick, from 0.
     """
 
     def __init__(self, cell: Cell, place: Mapping[Part, int]) -> None:
@@ -40,24 +40,24 @@ class Sharing:
         self._conveyor = cell.conveyor.component.name
         self._uses: dict[tuple[str, str | int], Counter[int]] = defaultdict(Counter)
         self._jobs: Counter[str] = Counter()
-        """How many jobs at work have a script, by its digest."""
+        """Number of jobs at work per script, by its digest."""
         self._scripts: dict[str, Script] = {}
         self._concerned: dict[tuple[str, str], tuple[set[int], set[int]]] = {}
-        """By digest and task; forgotten when a script comes or goes."""
+        """Cache by digest and task; cleared when a script comes or goes."""
         self._uses['component', self._conveyor][place[BELT]] += 1
         self.ends: tuple[int, ...] = ()
-        """Places of what looks at the whole line: whether a job is through, whether a turn is."""
+        """Places of the parts that check the whole line: ends of jobs, ends of turns."""
         self._find_ends()
 
     def enter(self, digest: str, script: Script) -> None:
-        """Take in one more job at work."""
+        """Add a job at work."""
         self._jobs[digest] += 1
         if digest not in self._scripts:
             self._scripts[digest] = script
             self._count(script, 1)
 
     def leave(self, digest: str) -> None:
-        """Take a job at work out."""
+        """Remove a job at work."""
         self._jobs[digest] -= 1
         if not self._jobs[digest]:
             del self._jobs[digest]
@@ -76,7 +76,7 @@ class Sharing:
         return ('list', section) in self._uses
 
     def move(self) -> _Places:
-        """Return what the move of the belt concerns: the belt and its component."""
+        """Return the places affected by the move of the belt: the belt and its component."""
         return self.component(self._conveyor)
 
     def beside_move(self) -> _Places:
@@ -84,12 +84,12 @@ class Sharing:
         return set(self.move()) - {self._place[BELT]}
 
     def task(self, digest: str, task: str) -> _Places | None:
-        """Return what a task of a section's list concerns; None: it may be anything."""
+        """Return the places affected by a task of a section's list; None: possibly all."""
         found = self._find(digest, task)
         return None if found is None else found[0]
 
     def beside_task(self, digest: str, task: str) -> _Places | None:
-        """Return the same without the section itself, if nothing can go on there beside it."""
+        """Return the same without the section itself, if nothing there runs in parallel."""
         found = self._find(digest, task)
         return None if found is None else found[1]
 
@@ -98,7 +98,7 @@ class Sharing:
         if found is None and digest in self._scripts:
             script = self._scripts[digest]
             section = script.section_of(task)
-            if section:  # initialization concerns whoever waits for it: every section may
+            if section:  # initialization may affect every section
                 found = self._concerned[digest, task] = self._places_of(script, section, task)
         return found
 

@@ -1,4 +1,4 @@
-"""What behaviours share: the state they read, and the task they are about."""
+"""What behaviours share: the state they read, and their task."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from bt_orchestrator.model.wait import Wait, WaitKind
 
 
 class Recorder(Protocol):
-    """Where behaviours read the state and write events. The runtime implements it."""
+    """Access of behaviours to the state and the events. The runtime implements it."""
 
     @property
     def state(self) -> CellState:
@@ -27,7 +27,7 @@ class Recorder(Protocol):
         """Time of this tick, seconds."""
 
     def record(self, events: Iterable[e.Event]) -> None:
-        """Apply events, in order, each before the next one is taken."""
+        """Apply events in order, each before the next one is requested."""
 
     def new_goal_id(self) -> str:
         """Return a goal UUID that was never used."""
@@ -36,23 +36,23 @@ class Recorder(Protocol):
         """Return the instance of a component's server that was seen last; None: not known."""
 
     def rivals(self, component: str) -> Sequence[str]:
-        """Return the servers of a component's action at this moment, if there are several."""
+        """Return the present servers of a component's action, if there are several."""
 
     @property
     def uptime(self) -> float | None:
         """How long the machine has been up, seconds; None: not known."""
 
     def is_delayed(self, key: e.TaskKey) -> bool:
-        """Tell whether the next attempt of a task waits for its time; a tick follows then."""
+        """Tell whether the next attempt of a task waits for its delay; a tick follows then."""
 
 
 class Subject:
-    """The task that a leaf and the decorators around it are about."""
+    """The task of a leaf and of the decorators around it."""
 
     def __init__(
         self, recorder: Recorder, task: Task, job: str | None = None, section: int | None = None
     ) -> None:
-        """Name a task.
+        """Select a task.
 
         :param section: None for initialization and for the belt's own move
         """
@@ -73,7 +73,7 @@ class Subject:
         if self.section is not None:
             cycle = self.recorder.state.sections[self.section].cycle
             assert cycle is not None, f'section {self.section} has no cycle'
-            if cycle.item != self._key.item:  # the same for a whole cycle, and asked a lot
+            if cycle.item != self._key.item:  # constant during a cycle, and used often
                 self._key = e.TaskKey(self.job, self.section, cycle.item, self.task.id)
         return self._key
 
@@ -84,12 +84,12 @@ class Subject:
 
     @property
     def waits_to_start(self) -> bool:
-        """Tell whether the next thing is to start an attempt: it is neither begun nor skipped."""
+        """Tell whether the next step is to start an attempt: neither begun nor to be skipped."""
         return effects.is_startable(self.state, self.key) and self.why_skipped() is None
 
     @property
     def could_go_on(self) -> bool:
-        """Tell whether no pause and no hold of its section keeps the task from starting."""
+        """Tell whether no pause and no hold of its section blocks the task."""
         return not self.state.pauses and self.waits_in_hold() is None
 
     def why_skipped(self) -> str | None:
@@ -103,7 +103,7 @@ class Subject:
         )
 
     def ends_with_its_job(self) -> bool:
-        """Tell whether it is initialization that a job needs no more, as it ends (6.6).
+        """Tell whether it is an initialization task of a job that is ending (6.6).
 
         Nothing waits for it, so it is skipped whatever the state of the cell.
         """
@@ -112,7 +112,7 @@ class Subject:
         return effects.why_skipped(self.state, self.key, self.task) is not None
 
     def done_before(self) -> str | None:
-        """Say that what it would do is done, so that it need not be done once more (5.1)."""
+        """Say that the same task is already done and need not be repeated (5.1)."""
         if not self.task.once:
             return None
         args = resolve(self.task.args, self.state.scope(self.key))
@@ -120,7 +120,7 @@ class Subject:
         return 'done before' if done == same_args(args) else None
 
     def _unmet(self, condition: Condition | None) -> str | None:
-        """Say that a condition is not met. A missing value is no answer: the attempt fails."""
+        """Say that a condition is not met. If a value is missing, the attempt fails instead."""
         if condition is None:
             return None
         try:
@@ -130,7 +130,7 @@ class Subject:
         return None if (value == condition.equals) != condition.negated else str(condition)
 
     def missing(self) -> Reference | MissingResult | None:
-        """Return what an argument or the condition names that this item does not have."""
+        """Return a referenced value of an argument or the condition that this item lacks."""
         if not self.task.refers:
             return None
         scope = self.state.scope(self.key)
@@ -143,7 +143,7 @@ class Subject:
         return None
 
     def waits_in_hold(self) -> Wait | None:
-        """Say which hold keeps this task's section from starting anything (semantics 7.1)."""
+        """Return the wait for a hold that blocks this task's section (semantics 7.1)."""
         for hold in self.state.holds.values():
             same = (
                 not hold.is_pause
@@ -156,7 +156,7 @@ class Subject:
 
 
 def holder(state: CellState, key: e.TaskKey) -> str:
-    """Name the task that has a component or a zone, and why it does if no goal of it runs."""
+    """Name the task that has a component or a zone, and why, if its goal does not run."""
     has = state.tasks[key]
     if has.phase is Phase.HELD:
         return f'{key}, which waits for an answer to hold {has.hold}'

@@ -1,9 +1,9 @@
-"""Ticks as plain calls: what py_trees does without memory, and nothing done twice.
+"""Ticks as plain calls, equivalent to py_trees without memory.
 
-py_trees hands each behaviour of a tick up through a generator of every ancestor, and formats a
-line for its log at each of them: that was three quarters of a settle (docs/decisions/0020). The
-behaviours of a cell follow the same rules in `run`, a plain call, and so have the status, the
-feedback and the current child that py_trees would give them. `tick` is there for whoever calls it.
+py_trees passes each behaviour of a tick up through a generator of every ancestor, and formats a
+log line at each: that was three quarters of a settle (docs/decisions/0020). The behaviours of a
+cell follow the same rules in `run`, a plain call, with the same status, feedback and current
+child. `tick` remains for other callers.
 """
 
 from __future__ import annotations
@@ -18,21 +18,19 @@ from py_trees.common import ParallelPolicy, Status
 class Ticked(Behaviour):
     """A behaviour that is ticked by `run`. A leaf defines `update`, as in py_trees."""
 
-    children: list[Ticked]  # type: ignore[assignment]  # every behaviour of a cell is one
+    children: list[Ticked]  # type: ignore[assignment]  # all behaviours of a cell are Ticked
     lasting = True
-    """A success stands until the branch is stopped: in its parent's later ticks it is passed over.
-
-    So it is for tasks, and not for conditions. Where the state takes a task back (5.1), the whole
-    tree is begun anew.
+    """A success lasts until the branch is stopped: the parent's later ticks skip it. This holds
+    for tasks, not for conditions. If the state resets a task (5.1), the whole tree restarts.
     """
 
     def run(self) -> Status:
-        """Tick this behaviour and what it has to go through below; return its status."""
+        """Tick this behaviour and its children as needed; return its status."""
         self.status = status = self.update()
         return status
 
     def tick(self) -> Iterator[Behaviour]:
-        """Tick, and yield every behaviour that is part of what goes on, children first."""
+        """Tick, and yield every active behaviour, children first."""
         self.run()
         yield from (one for one in self.iterate() if one.status is not Status.INVALID)
 
@@ -41,14 +39,14 @@ class Ticked(Behaviour):
         self.run()
 
     def stop(self, new_status: Status) -> None:
-        """Take a status; INVALID: give up the branch. Goals in flight are never cancelled here."""
+        """Set the status; INVALID: abandon the branch. This never cancels goals in flight."""
         if new_status is Status.INVALID:
             invalidate(self.children)
         self.status = new_status
 
 
 class Wrapper(Ticked, decorators.Decorator):
-    """A decorator: its child is ticked first, and `update` makes its own status of the child's."""
+    """A decorator: it ticks its child, and `update` derives its own status."""
 
     decorated: Ticked
 
@@ -63,20 +61,20 @@ class _Composite(Ticked, composites.Composite):
     """What composites have in common."""
 
     def stop(self, new_status: Status = Status.INVALID) -> None:
-        """Take a status; INVALID: give up the branch."""
+        """Set the status; INVALID: abandon the branch."""
         if new_status is Status.INVALID:
             self.current_child = None
         super().stop(new_status)
 
 
 class InOrder(_Composite, composites.Sequence):
-    """One child after the other; what does not last is asked again in every tick."""
+    """One child after the other; non-lasting children are checked in every tick."""
 
     def __init__(self, name: str, children: Sequence[Ticked]) -> None:
         super().__init__(name, memory=False, children=children)
 
     def run(self) -> Status:
-        """Tick the children that have not succeeded for good, until one has to wait."""
+        """Tick the children without a lasting success, until one has to wait."""
         if self.status is not Status.RUNNING:
             invalidate(self.children)
         status = Status.SUCCESS
@@ -100,7 +98,7 @@ class AtOnce(_Composite, composites.Parallel):
         super().__init__(name, ParallelPolicy.SuccessOnAll(synchronise=False), children)
 
     def run(self) -> Status:
-        """Tick every child that has not succeeded for good."""
+        """Tick every child without a lasting success."""
         if self.status is not Status.RUNNING:
             invalidate(self.children)
         for child in self.children:
@@ -118,7 +116,7 @@ class AtOnce(_Composite, composites.Parallel):
 
 
 class FirstOf(_Composite, composites.Selector):
-    """The first child that does not fail; all are asked in every tick."""
+    """The first child that does not fail; all are checked in every tick."""
 
     def __init__(self, name: str, children: Sequence[Ticked]) -> None:
         super().__init__(name, memory=False, children=children)
@@ -137,7 +135,7 @@ class FirstOf(_Composite, composites.Selector):
 
 
 def invalidate(behaviours: Iterable[Ticked]) -> None:
-    """Give up branches that are not gone through now."""
+    """Stop branches that are not ticked now."""
     for one in behaviours:
         if one.status is not Status.INVALID:
             one.stop(Status.INVALID)

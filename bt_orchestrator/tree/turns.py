@@ -1,4 +1,4 @@
-"""Which sections owe a turn in this beat (semantics 3.4), asked only where something changed."""
+"""Which sections owe a turn in this beat (semantics 3.4), computed only after changes."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from bt_orchestrator.model.state import CellState
 
 
 class Turns:
-    """The answers of `model.line.owes_turn`, kept up with the events.
+    """Cache of `model.line.owes_turn`, updated by the events.
 
-    The belt looks at every section after every step of every cycle; in a line of 200 sections that
+    The belt checks every section after every step of every cycle; in a line of 200 sections that
     was a third of a settle.
     """
 
@@ -21,16 +21,16 @@ class Turns:
         self._owing: dict[int, str] = {}
 
     def touch(self, section: int) -> None:
-        """Ask a section anew: its cycle, its turn or its slot has changed."""
+        """Invalidate a section: its cycle, its turn or its slot has changed."""
         self._touched.add(section)
 
     def touch_all(self) -> None:
-        """Ask every section anew: another beat, or whatever else may have changed."""
+        """Invalidate every section: the beat or anything else has changed."""
         self._touched.update(self._state.sections)
 
     def owing(self) -> Mapping[int, str]:
-        """Return what each section still has to do, by its number in ascending order."""
-        # Whether the source may begin hangs on jobs, holds and initialization as well.
+        """Return what each section still has to do, by its number, ascending."""
+        # Whether the source may begin depends also on jobs, holds and initialization.
         feeding = feeding_job(self._state)
         if feeding is not None:
             self._touched.add(feeding.job.script.source)

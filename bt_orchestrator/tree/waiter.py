@@ -1,4 +1,4 @@
-"""What behaviours that wait have in common: the wait as a fact, and as their feedback."""
+"""Base of waiting behaviours: the wait as data, and as their feedback."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from bt_orchestrator.tree.subject import Subject
 
 
 class Waiter:
-    """A behaviour that may have to wait; mixed into those of py_trees."""
+    """A behaviour that may have to wait; a mixin for py_trees behaviours."""
 
     wait: Wait | None = None
     """What it waited for in its last tick; None: nothing."""
@@ -15,11 +15,11 @@ class Waiter:
 
     @property
     def components(self) -> tuple[str, ...]:
-        """Names of the components that it keeps from working while it waits."""
+        """Names of the components that it blocks while it waits."""
         return ()
 
     def note(self, wait: Wait | None) -> None:
-        """Note what it waits for, and say so."""
+        """Store what it waits for, and set the feedback."""
         self.wait = wait
         self.feedback_message = '' if wait is None else wait.reason
 
@@ -31,5 +31,5 @@ class TaskWaiter(Waiter):
 
     @property
     def components(self) -> tuple[str, ...]:
-        """The task's own."""
+        """The task's component."""
         return (self.subject.task.component,)

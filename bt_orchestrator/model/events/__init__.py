@@ -1,4 +1,4 @@
-"""What happened: the only way in which the state of the cell changes.
+"""Events: the only way in which the state of the cell changes.
 
 Journal, trace, ROS topic and exports carry the same records (formats: events). Where a place in
 the line matters an event names job, section, item and task; fields that do not apply are None and

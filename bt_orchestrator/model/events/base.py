@@ -1,4 +1,4 @@
-"""What all events have, and how they name a task."""
+"""The base of all events, and the key of a task."""
 
 from __future__ import annotations
 

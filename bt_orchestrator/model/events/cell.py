@@ -1,4 +1,4 @@
-"""What happens to components, holds and the cell, and what people decide."""
+"""Events of components, holds and the cell, and operators' decisions."""
 
 from __future__ import annotations
 
@@ -11,25 +11,25 @@ from bt_orchestrator.model.events.base import Event
 
 @dataclass(frozen=True, kw_only=True)
 class ComponentStateChanged(Event):
-    """A state topic says something new (semantics 2.5)."""
+    """The value of a state topic changed (semantics 2.5)."""
 
     event: ClassVar[str] = 'component.state_changed'
     component: str
     ready: bool
     value: Any = None
-    """None: nothing is published any more."""
+    """None: the publisher is gone."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ComponentContested(Event):
-    """Somebody else has a part in a component, another one than before, or no more (2.5)."""
+    """The contest of a component began, changed or ended (2.5)."""
 
     event: ClassVar[str] = 'component.contested'
     component: str
     servers: tuple[str, ...] = ()
     """All servers of its action, if there are several."""
     goals: tuple[str, ...] = ()
-    """Goals that run there and that no task of the line knows."""
+    """Goals there that belong to no task of the line."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,7 +54,7 @@ class HoldRaised(Event):
     message: str = ''
     answers: tuple[str, ...] = ()
     owner: str = ''
-    """Who paused the cell; empty: nobody in particular."""
+    """Who paused the cell; empty: not one person."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,7 +111,7 @@ class OperatorRefused(Event):
 
 @dataclass(frozen=True, kw_only=True)
 class RequestRefused(Event):
-    """Commands of one sender were refused that have no record of their own: too many came."""
+    """Refused commands of one sender, counted because there were too many to record singly."""
 
     event: ClassVar[str] = 'request.refused'
     who: str = ''
@@ -130,21 +130,21 @@ class RequestRefused(Event):
 
 @dataclass(frozen=True, kw_only=True)
 class OrchestratorStarted(Event):
-    """An orchestrator took the cell over, with whatever the journal says of it."""
+    """An orchestrator took over the cell from its journal."""
 
     event: ClassVar[str] = 'orchestrator.started'
     cell: str
     digest: str
     """Of the cell's definition."""
     history: str = ''
-    """Which journal this is: random, and of no other one; empty: of a program that knew none."""
+    """Unique random id of the journal; empty: written by an older version."""
     restored: bool = False
-    """All that came before is a copy, which was brought back: the line may be further."""
+    """All earlier events are a restored copy: the line may be ahead of it."""
     missing: str = ''
-    """What was written before and is not in the journal any more, in words: a file was damaged,
-    taken away or replaced, and the line is further than the journal says; empty: nothing."""
+    """Events lost from the journal, in words: a file was damaged, removed or replaced, and the
+    line is ahead of the journal; empty: none."""
     boot: str = ''
-    """Of the machine it runs on, another id after each boot; empty: not known."""
+    """Boot id of its machine; empty: not known."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -156,7 +156,7 @@ class OrchestratorStopping(Event):
 
 @dataclass(frozen=True, kw_only=True)
 class ClockStepped(Event):
-    """Somebody set the wall clock, by which events are stamped; nothing waits by it (2.4).
+    """The wall clock, which stamps events, was set; no deadline uses it (2.4).
 
     This event and those after it have the new time.
     """
@@ -168,7 +168,7 @@ class ClockStepped(Event):
 
 @dataclass(frozen=True, kw_only=True)
 class StopReasonChanged(Event):
-    """Why the line stands still has changed; PackML and ISA-95 states follow from it (7.2)."""
+    """The stop reason of the line changed; PackML and ISA-95 states follow from it (7.2)."""
 
     event: ClassVar[str] = 'cell.stop_reason_changed'
     stop_reason: str
@@ -184,5 +184,5 @@ class CellStateChanged(Event):
     state: str
     previous: str
     cause: str = ''
-    """PackML command, given or due by itself, or done: what the state was there for is done."""
+    """PackML command, given or automatic, or `done`: the acting state is complete."""
     reason: str = ''

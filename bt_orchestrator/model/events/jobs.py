@@ -1,4 +1,4 @@
-"""What happens to scripts, jobs and the queue."""
+"""Events of scripts, jobs and the queue."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from bt_orchestrator.model.script import Script
 
 @dataclass(frozen=True, kw_only=True)
 class ScriptLoaded(Event):
-    """A script is known from here on; jobs name it by its digest, whatever becomes of the file."""
+    """A script was loaded; jobs refer to it by its digest, independent of the file."""
 
     event: ClassVar[str] = 'script.loaded'
     script: str
@@ -41,7 +41,7 @@ class JobQueued(Event):
     due: float | None = None
     """When it should have ended, seconds since the epoch; None: not said."""
     details: Mapping[str, object] = field(default_factory=dict)
-    """JSON of the customer's own, as it was given."""
+    """The customer's JSON, as given."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,7 +56,7 @@ class JobMoved(Event):
 
 @dataclass(frozen=True, kw_only=True)
 class JobUpdated(Event):
-    """A queued job was changed; the fields say all of what it is now."""
+    """A queued job was changed; the fields are its complete new values."""
 
     event: ClassVar[str] = 'job.updated'
     job: str
@@ -71,7 +71,7 @@ class JobUpdated(Event):
     due: float | None = None
     """When it should have ended, seconds since the epoch; None: not said."""
     details: Mapping[str, object] = field(default_factory=dict)
-    """JSON of the customer's own, as it was given."""
+    """The customer's JSON, as given."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,7 +108,7 @@ class JobStarted(Event):
 
 @dataclass(frozen=True, kw_only=True)
 class JobCompleted(Event):
-    """Nothing of the job is on the line any more; it did its cycles, or it was stopped."""
+    """The job has left the line; it did its cycles, or it was stopped."""
 
     event: ClassVar[str] = 'job.completed'
     job: str
@@ -154,7 +154,7 @@ class JobAborting(Event):
 
 @dataclass(frozen=True, kw_only=True)
 class JobAborted(Event):
-    """Nothing of an aborting job is on the line any more."""
+    """An aborting job has left the line."""
 
     event: ClassVar[str] = 'job.aborted'
     job: str
@@ -166,7 +166,7 @@ class JobAborted(Event):
 
 @dataclass(frozen=True, kw_only=True)
 class JobCleared(Event):
-    """An ended job is not listed any more."""
+    """An ended job is no longer listed."""
 
     event: ClassVar[str] = 'job.cleared'
     job: str
@@ -175,24 +175,24 @@ class JobCleared(Event):
 
 @dataclass(frozen=True, kw_only=True)
 class QueueStopRequested(Event):
-    """The line is to run empty; then the cell stops."""
+    """A request to run the line empty; then the cell stops."""
 
     event: ClassVar[str] = 'queue.stop_requested'
     after: str
-    """item: no item is begun any more; job: no job."""
+    """item: no new item is begun; job: no new job."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class QueueStopCancelled(Event):
-    """The line is not to run empty any more."""
+    """The request to run the line empty was withdrawn."""
 
     event: ClassVar[str] = 'queue.stop_cancelled'
 
 
 @dataclass(frozen=True, kw_only=True)
 class QueueStopReached(Event):
-    """The line is empty, as was asked for; the cell stops."""
+    """The line is empty as requested; the cell stops."""
 
     event: ClassVar[str] = 'queue.stop_reached'
     after: str
-    """item or job, as it was asked for."""
+    """item or job, as requested."""

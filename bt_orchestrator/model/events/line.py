@@ -1,4 +1,4 @@
-"""What happens along the line: cycles, flags, the belt, items."""
+"""Events of the line: cycles, flags, the belt, items."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from bt_orchestrator.model.events.tasks import TaskEvent
 
 @dataclass(frozen=True, kw_only=True)
 class CycleEvent(Event):
-    """Something about one pass of a section through its list."""
+    """Base: one pass of a section through its list."""
 
     job: str
     section: int
@@ -74,7 +74,7 @@ class BeatStarted(Event):
 
 @dataclass(frozen=True, kw_only=True)
 class BeltIndexStarted(Event):
-    """The belt leaves its rest; it stays so until `belt.indexed`, retries and holds included."""
+    """The belt begins to move; this lasts until `belt.indexed`, retries and holds included."""
 
     event: ClassVar[str] = 'belt.index_started'
     beat: int

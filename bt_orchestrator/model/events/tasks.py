@@ -88,7 +88,7 @@ class TaskSucceeded(TaskEvent):
     goal: str
     results: Mapping[str, Any] = field(default_factory=dict)
     left_out: tuple[str, ...] = ()
-    """Fields that were too long to be kept: the longest of a result of more than 4 MB."""
+    """Fields that were too long to record: the longest of a result of more than 4 MB."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -135,7 +135,7 @@ class TaskContinued(TaskEvent):
 
 @dataclass(frozen=True, kw_only=True)
 class TaskMarkedDone(TaskEvent):
-    """An operator answered that the task is done, whatever the controller said."""
+    """An operator answered that the task is done, overriding the controller."""
 
     event: ClassVar[str] = 'task.marked_done'
     results: Mapping[str, Any] = field(default_factory=dict)
@@ -154,4 +154,4 @@ TASK_EVENTS = (
     TaskContinued,
     TaskMarkedDone,
 )
-"""Those after which a task stands elsewhere; flags have events of their own."""
+"""Events that change the phase of a task; flags have separate events."""

@@ -1,1 +1,1 @@
-"""What each event does to the state; the table of them is `model.fold`."""
+"""The effect of each event on the state; `model.fold` has the table."""

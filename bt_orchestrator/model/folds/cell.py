@@ -12,16 +12,16 @@ from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.model.wish import STAND, START, STOP_AFTER, Wish
 
 _FORGET_ONCE = (PackmlState.STOPPED, PackmlState.ABORTED)
-"""States in which somebody may have moved anything by hand (semantics 5.1)."""
+"""States in which an operator may have moved anything by hand (semantics 5.1)."""
 
 
 def component_state_changed(event: e.ComponentStateChanged, state: CellState) -> None:
-    """Take the word of a state topic."""
+    """Store the value of a state topic."""
     state.readings[event.component] = Reading(event.ready, event.value)
 
 
 def orchestrator_started(event: e.OrchestratorStarted, state: CellState) -> None:
-    """Go on where the last one ended; the time without one counts for no state."""
+    """Continue from the last one's end; the time between counts for no PackML state."""
     if state.seq:
         _stay(state, state.time)
     state.packml_since = event.time
@@ -30,13 +30,13 @@ def orchestrator_started(event: e.OrchestratorStarted, state: CellState) -> None
         for key, task in state.running.items():
             state.tasks[key] = state.running[key] = changed(task, copied=True)
     state.shutting_down = False
-    state.contests.clear()  # nobody has looked yet
+    state.contests.clear()  # not checked yet
     # Older journals have skips of jobs that have not started.
     forget_skips(state, lambda job: not job.started)
 
 
 def component_contested(event: e.ComponentContested, state: CellState) -> None:
-    """Know who else has a part in a component."""
+    """Store the contest of a component."""
     contest = Contest(event.servers, event.goals)
     state.contests.pop(event.component, None)
     if contest:
@@ -44,12 +44,12 @@ def component_contested(event: e.ComponentContested, state: CellState) -> None:
 
 
 def orchestrator_stopping(_: e.OrchestratorStopping, state: CellState) -> None:
-    """Let nothing start."""
+    """Block every start."""
     state.shutting_down = True
 
 
 def stop_reason_changed(event: e.StopReasonChanged, state: CellState) -> None:
-    """Stand still for another reason, or for none."""
+    """Set the stop reason, or none."""
     state.stop_reason = StopReason(event.stop_reason) if event.stop_reason else None
     state.stop_message = event.reason
 
@@ -58,7 +58,7 @@ def cell_state_changed(event: e.CellStateChanged, state: CellState) -> None:
     """Enter another PackML state."""
     _stay(state, event.time)
     state.packml, state.packml_since = PackmlState(event.state), event.time
-    # Not when it is left: an order that arrives in Stopped must not see what was before.
+    # On entry, not on exit: an order that arrives in Stopped must not see earlier values.
     if state.packml in _FORGET_ONCE:
         state.done_once.clear()
         forget_skips(state, lambda job: not job.progress.started)
@@ -67,7 +67,7 @@ def cell_state_changed(event: e.CellStateChanged, state: CellState) -> None:
 
 
 def clock_stepped(event: e.ClockStepped, state: CellState) -> None:
-    """Keep how long ago things began; the time of day at which they did is another one now."""
+    """Shift start times, so that elapsed times stay the same."""
     state.packml_since += event.seconds
     for key, task in list(state.running.items()):
         started = changed(task, started=task.started + event.seconds)
@@ -75,9 +75,9 @@ def clock_stepped(event: e.ClockStepped, state: CellState) -> None:
 
 
 def operator_decided(event: e.OperatorDecided, state: CellState) -> None:
-    """Keep what is wished of the cell as a whole; what else a decision means follows as events.
+    """Store an operator's wish for the whole cell; other effects of a decision are events.
 
-    A shutdown of the node is no such decision: the next orchestrator goes on.
+    A shutdown of the node is not stored: the next orchestrator continues.
     """
     if (event.hold, event.job, event.item) != (None, None, None):
         return

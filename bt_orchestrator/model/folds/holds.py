@@ -1,4 +1,4 @@
-"""How events about holds change the state, and what a hold offers."""
+"""How events of holds change the state, and which answers a hold offers."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def hold_raised(event: e.HoldRaised, state: CellState) -> None:
 
 
 def offer_anew(state: CellState) -> None:
-    """Let every held task offer what makes sense for its item and its job as they are now."""
+    """Update the offered answers of every held task to its item and its job."""
     for name, hold in state.holds.items():
         key = hold.key
         if key is not None and state.tasks[key].reason is not None:

@@ -1,4 +1,4 @@
-"""How events about tasks change the state: attempts, ends, and what a task has meanwhile."""
+"""How events of tasks change the state: attempts, ends, and reserved resources."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def task_started(event: e.TaskStarted, state: CellState) -> None:
         sent_up=_up(event, state),
     )
     state.tasks[event.key] = state.running[event.key] = started
-    _forget_done(state, event.key)  # until it succeeds nobody knows what it leaves behind
+    _forget_done(state, event.key)  # until it succeeds its effect is unknown
     state.reserved[event.component] = event.key
     for zone in _zones(state, event.key):
         state.zones[zone] = event.key
@@ -62,7 +62,7 @@ def task_failed(event: e.TaskFailed, state: CellState) -> None:
         reason=reason,
         message=event.message,
     )
-    # Where an operator is asked, the robot stands where it stopped (semantics 4.4).
+    # While an operator is asked, the robot stays where it stopped (semantics 4.4).
     if not will_hold(state, event.key, state.task(event.key) or index_task(state.cell)):
         _release(state, event.key)
 
@@ -125,7 +125,7 @@ def _succeed(state: CellState, key: e.TaskKey, end: End) -> None:
 
 
 def _forget_done(state: CellState, key: e.TaskKey) -> None:
-    """Forget with which arguments a task was done last, wherever it ran (semantics 5.1)."""
+    """Forget the arguments of a task's last success, wherever it ran (semantics 5.1)."""
     task = state.task(key)
     if task is not None:
         state.done_once.pop(same_task(task), None)

@@ -1,1 +1,1 @@
-"""Work orders, the jobs they become, and what may be asked of them."""
+"""Work orders, the jobs made from them, and the commands to jobs."""

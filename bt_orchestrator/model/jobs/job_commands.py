@@ -1,4 +1,4 @@
-"""What may be asked of the queue and of its jobs (semantics 6.6)."""
+"""Commands to the queue and its jobs (semantics 6.6)."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from bt_orchestrator.model.jobs.order import Job
 
 @dataclass(frozen=True)
 class Sharing:
-    """What was found out of scripts that are to share flags (semantics 4.1), by their digests.
+    """The result of the check of scripts that share flags (semantics 4.1), by their digests.
 
-    A proof may take long; this is how it is made before it is needed, and elsewhere.
+    A proof may take long; this allows it to be made in advance, in another process.
     """
 
     among: frozenset[str]
@@ -28,12 +28,12 @@ class AddJobs:
 
     jobs: tuple[Job, ...]
     by: By | None = None
-    """None: nobody, it is the plan of a virtual run."""
+    """None: from the plan of a virtual run."""
     position: int | None = None
     """Of the first, from 1; None: the end."""
     held: bool = False
     sharing: Sharing | None = None
-    """None: nothing is known yet."""
+    """None: not checked yet."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""What may be asked of a job in which state: one table, after ISA-95 Job Control (semantics 7.2).
+"""The commands to a job in each of its states: one table, after ISA-95 Job Control (7.2).
 
 Code, documentation and tests are made from it, and every interface asks it.
 """

@@ -42,7 +42,7 @@ def job_moved(event: e.JobMoved, state: CellState) -> None:
 
 
 def job_updated(event: e.JobUpdated, state: CellState) -> None:
-    """Let a queued job be another one, as if it had been queued so."""
+    """Replace a queued job, as if it had been queued that way."""
     script, live = state.scripts[event.digest], state.jobs.queued(event.job)
     before = live.digest
     _forget_initialization(state, live)
@@ -59,13 +59,13 @@ def job_held(event: e.JobHeld, state: CellState) -> None:
 
 
 def job_released(event: e.JobReleased, state: CellState) -> None:
-    """Let it start in its turn; to the cell it is as if an order had arrived."""
+    """Let it start in its turn; for the cell this is like a new order."""
     state.jobs.hold(event.job, held=False)
     state.had_work = True
 
 
 def job_removed(event: e.JobRemoved, state: CellState) -> None:
-    """Forget a job that has not started, but for its id."""
+    """Forget a job that has not started, except its id."""
     removed = state.jobs.queued(event.job)
     state.jobs.remove(event.job)
     _forget_initialization(state, removed)
@@ -127,7 +127,7 @@ def job_ended(event: e.JobCompleted | e.JobAborted, state: CellState) -> None:
     _forget_initialization(state, ended)
     state.ended[event.job] = ended
     if len(state.ended) > ENDED_KEPT:
-        # Only in journals of before, which have no `job.cleared` for it.
+        # Only in older journals, which have no `job.cleared` for it.
         del state.ended[next(iter(state.ended))]
     _forget_unused(state, ended.digest)
 
@@ -149,8 +149,8 @@ def _job_of(event: e.JobQueued | e.JobUpdated, script: Script) -> Job:
 def _begin_flags(state: CellState, script: Script) -> None:
     """Set the flags that no other live job names to what a script begins with.
 
-    They are back at their initial count (semantics 4.2), and a script that sees them otherwise
-    than the one before may begin with its own.
+    They are back at their initial count (semantics 4.2), so a script with other initial counts
+    than the previous one may set its own.
     """
     for dependency in script.dependencies:
         if not state.jobs.names_flag(dependency.flag):
@@ -163,7 +163,7 @@ def _forget_initialization(state: CellState, job: JobState) -> None:
 
 
 def forget_skips(state: CellState, may_forget: Callable[[JobState], bool]) -> None:
-    """Let initialization that jobs did not need, as it was done, be judged again (5.1)."""
+    """Re-evaluate initialization tasks that were skipped as already done (5.1)."""
     for key, progress in list(state.tasks.items()):
         if key.job is None or key.section is not None or not may_forget(state.jobs[key.job]):
             continue

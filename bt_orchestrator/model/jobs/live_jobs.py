@@ -1,7 +1,7 @@
 """The jobs that have not ended: those on the line, then the queue.
 
-A queue may be very long, and a line asks many times a second. So what is asked costs the same
-whatever the number of jobs that wait: which jobs are on the line, which one is next, whether any
+A queue may be very long, and a line queries it many times a second. So these queries take the same
+time for any number of waiting jobs: which jobs are on the line, which one is next, whether any
 still uses a script or a flag.
 """
 
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 class LiveJobs(Mapping[str, 'JobState']):
     """Jobs by id: those that have started, in the order they did, then the queue in its order.
 
-    Only folds change it. A job in the queue is never changed but replaced by a changed copy, so
-    whoever has the list of a moment has the queue as it was.
+    Only folds change it. A job in the queue is never changed in place but replaced by a copy, so
+    an earlier list of the queue stays valid.
     """
 
     def __init__(self, jobs: Iterable[JobState] = ()) -> None:
@@ -38,7 +38,7 @@ class LiveJobs(Mapping[str, 'JobState']):
         self._allowed: list[str] = []
         """Those in the queue that may start when it is their turn, in its order."""
         self._ending: set[str] = set()
-        """Jobs in the queue that are being aborted: they skip what they would prepare, and end."""
+        """Jobs in the queue that are being aborted: they skip their initialization, and end."""
         self._scripts: Counter[str] = Counter()
         """How many jobs use a script, by its digest."""
         self._flags: Counter[str] = Counter()
@@ -98,7 +98,7 @@ class LiveJobs(Mapping[str, 'JobState']):
         """Return the jobs on the line, and the first ones of the queue."""
         return [*self.line.values(), *self.queue(most=most)]
 
-    # --- what the line asks -----------------------------------------------------------------
+    # --- queries of the line ----------------------------------------------------------------
 
     @property
     def any_allowed(self) -> bool:
@@ -106,10 +106,10 @@ class LiveJobs(Mapping[str, 'JobState']):
         return bool(self.line or self._ending or self._allowed)
 
     def at_work(self) -> list[JobState]:
-        """Return the jobs that can do anything at all, in order.
+        """Return the jobs that can do anything, in order.
 
-        Those that have started, and of the queue the next one and those that are being aborted.
-        Every other one waits for the next one to begin all of its items (semantics 5.2, 6.1).
+        These are the started ones and, from the queue, the next one and those being aborted. All
+        others wait until the next one has begun all of its items (semantics 5.2, 6.1).
         """
         queued = sorted((*self._ending, *self._allowed[:1]), key=self._keys.__getitem__)
         return [*self.line.values(), *map(self._queued.__getitem__, queued)]
@@ -164,7 +164,7 @@ class LiveJobs(Mapping[str, 'JobState']):
 
     @contextmanager
     def changing(self, name: str) -> Iterator[JobState]:
-        """Let a job in the queue be another one; meanwhile it uses no script and no flag."""
+        """Replace a job in the queue; meanwhile it uses no script and no flag."""
         self._count(self.queued(name), -1)
         job = self._queued[name] = changed(self.queued(name))
         yield job
@@ -205,7 +205,7 @@ class LiveJobs(Mapping[str, 'JobState']):
         self._judge(name)
 
     def _key_at(self, at: int) -> float:
-        """Return what sorts between the jobs that have a place now and the one in front."""
+        """Return a key that sorts between the job now at a place and the one before it."""
         if not self._order:
             return 0.0
         if at == 0:
@@ -227,7 +227,7 @@ class LiveJobs(Mapping[str, 'JobState']):
         return job
 
     def _judge(self, name: str) -> None:
-        """Look whether a job in the queue may start, or ends."""
+        """Update whether a job in the queue may start, or is ending."""
         job = self._queued[name]
         if job.aborting:
             self._ending.add(name)

@@ -1,4 +1,4 @@
-"""Work orders, and the jobs they become."""
+"""Work orders, and the jobs made from them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from bt_orchestrator.model.script import Script
 
 @dataclass(frozen=True)
 class Terms:
-    """What an order says beside what is to be made. It is kept and told; no rule reads it.
+    """Scheduling data of an order. It is stored and shown; no rule reads it.
 
     Priority, start and due are Priority, StartTime and EndTime of ISA-95 Job Control (OPC 10031-4
     v2.00, table 64).
@@ -32,7 +32,7 @@ NO_TERMS = Terms()
 
 @dataclass(frozen=True)
 class WorkOrder:
-    """What a customer of the line asks for, as written."""
+    """A work order, as written by a customer."""
 
     script: str
     """Name of a script, or a path to one."""

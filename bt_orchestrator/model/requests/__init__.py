@@ -1,7 +1,7 @@
-"""Everything that can be asked of a cell, a job, an item or a hold: one table.
+"""All requests to a cell, a job, an item or a hold: one table.
 
-Verbs, services, help and documentation come from it, and so does who may ask what. In which state
-something is possible is not restated here: `packml`, `job_control` and `failures` decide it.
+Verbs, services, help, documentation and permissions come from it. The states in which a request is
+possible are not repeated here: `packml`, `job_control` and `failures` decide that.
 """
 
 from bt_orchestrator.model.requests.asking import Asked, BadArguments, ask

@@ -11,17 +11,17 @@ from bt_orchestrator.model.requests.table import REQUESTS
 
 
 class BadArguments(ValueError):
-    """Arguments that a request does not have, or that it lacks; says what was expected."""
+    """Unknown or missing arguments of a request; the message says what was expected."""
 
 
 @dataclass(frozen=True)
 class Asked:
-    """A request, what it is about, and who makes it."""
+    """A request, its subject, and its sender."""
 
     request: Request
     by: By
     arguments: Mapping[str, object] = field(default_factory=dict)
-    """By name; parameters that were not said are left out."""
+    """By name; parameters that were not given are left out."""
 
 
 def ask(name: str, by: By, **arguments: object) -> Asked:

@@ -1,4 +1,4 @@
-"""Who may ask for what, and what needs a reason (semantics 7.1)."""
+"""Permissions of requests, and which need a reason (semantics 7.1)."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from bt_orchestrator.model.roles import Role
 
 
 def refusal(request: Request, by: By, given: Collection[str] = ()) -> str | None:
-    """Say why somebody may not ask for something, or not without a reason; None: they may.
+    """Say why a sender may not make a request, or not without a reason; None: allowed.
 
     :param given: the parameters that it comes with
     """

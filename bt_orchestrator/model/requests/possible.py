@@ -20,12 +20,12 @@ from bt_orchestrator.model.requests.table import (
 
 
 def of_cell(state: PackmlState) -> tuple[Request, ...]:
-    """Return what may be asked of the cell in a state; of a broken one only `abort`."""
+    """Return the requests to the cell that a state allows; only `abort` if it is broken."""
     return (*(CELL[cause] for cause in possible_in(state)), *STOP_AFTERS.values())
 
 
 def of_job(word: JobWord, ending: str = '') -> tuple[Request, ...]:
-    """Return what may be asked of a job in a state.
+    """Return the requests to a job that a state allows.
 
     :param ending: `stopping` or `aborting` if the job already ends
     """

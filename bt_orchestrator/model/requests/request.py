@@ -1,4 +1,4 @@
-"""What a request is: its arguments, who may make it, and when it needs a reason."""
+"""A request: its arguments, who may make it, and when it needs a reason."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from bt_orchestrator.model.roles import Role
 
 
 class About(Enum):
-    """What a request is about; all but a cell are named by an id, the first argument."""
+    """The subject of a request; all but the cell have an id, the first argument."""
 
     CELL = 'cell'
     QUEUE = 'queue'
@@ -19,7 +19,7 @@ class About(Enum):
 
 
 class Kind(Enum):
-    """What the value of a parameter is."""
+    """The type of a parameter's value."""
 
     TEXT = 'text'
     WHOLE = 'whole number'
@@ -30,12 +30,12 @@ class Kind(Enum):
 
 
 class Why(Enum):
-    """When somebody has to say why."""
+    """When a reason is required."""
 
     FIRST = 'first'
     """The request is refused without a reason."""
     AFTERWARDS = 'afterwards'
-    """Danger does not wait: it is carried out, and a surface asks for the reason then."""
+    """For emergencies: it is carried out, and a surface asks for the reason afterwards."""
     NEVER = 'never'
     """A reason is kept if one is given."""
 
@@ -51,18 +51,18 @@ class Parameter:
     choices: tuple[str, ...] = ()
     """The only values of a text; empty: any."""
     roles: frozenset[Role] | None = None
-    """Who may give it; None: whoever may make the request."""
+    """Roles that may give it; None: the same as for the request."""
 
 
 @dataclass(frozen=True)
 class Request:
-    """One thing that can be asked."""
+    """One kind of request."""
 
     word: str
-    """As people type it and as it is recorded, for instance abort_job."""
+    """The word in commands and in records, for instance abort_job."""
     about: About
     effect: str
-    """What it does, for somebody who is about to ask it."""
+    """What it does, for the user who is about to send it."""
     roles: frozenset[Role]
     parameters: tuple[Parameter, ...] = ()
     why: Why = Why.FIRST
@@ -73,12 +73,12 @@ class Request:
 
     @property
     def name(self) -> str:
-        """Name that no other request has, for instance job.pause."""
+        """Unique name, for instance job.pause."""
         return f'{self.about.value}.{self.word}'
 
     @property
     def subject(self) -> Parameter | None:
-        """The id of what it is about; None: of the cell there is only one."""
+        """The id of its subject; None: the cell, which needs no id."""
         return self.parameters[0] if self.about in NAMED else None
 
 
@@ -87,4 +87,4 @@ NAMED = {
     About.ITEM: Parameter('item', Kind.TEXT, 'for example WO-1001/3', is_required=True),
     About.HOLD: Parameter('hold', Kind.TEXT, 'id of the hold', is_required=True),
 }
-"""The first argument of what is about one of many."""
+"""The first argument, for subjects with an id."""

@@ -1,4 +1,4 @@
-"""Everything that can be asked, row by row."""
+"""All requests, row by row."""
 
 from __future__ import annotations
 
@@ -150,7 +150,7 @@ JOB: tuple[tuple[Method, Request], ...] = (
     (job_control.STOP, _of_method(job_control.STOP, _BOTH)),
     (job_control.ABORT, _of_method(job_control.ABORT, _ENGINEERS, is_confirmed=True)),
     (job_control.CANCEL, _of_method(job_control.CANCEL, _PLANNERS, is_confirmed=True)),
-    # It changes only what is listed, and whoever ordered a job has to be able to tick it off.
+    # It changes only the list; the MES that ordered a job must be able to clear it.
     (job_control.CLEAR, _of_method(job_control.CLEAR, _BOTH)),
 )
 

@@ -1,4 +1,4 @@
-"""Bringing a copy of a journal back in its place, as a history of its own (semantics 9.2)."""
+"""Restoring a journal from a copy, as a new history (semantics 9.2)."""
 
 from __future__ import annotations
 
@@ -21,29 +21,29 @@ from bt_orchestrator.store.sqlite.schema import (
 )
 
 ENDINGS = ('', '-wal', '-shm')
-"""Of the files that are one journal. The first goes first: a log without its journal is refused by
-every start, while a journal without its log looks whole and lacks the newest events."""
+"""File name endings of one journal. The first is removed first: every start refuses a log without
+its journal, while a journal without its log looks complete and lacks the newest events."""
 
 MARK = '-mark'
-"""Of the mark beside them. It is there at every moment: a journal that is missing is noticed."""
+"""Ending of the mark. It exists at every moment, so a missing journal is detected."""
 
 
 class BroughtBack(NamedTuple):
-    """What was brought back."""
+    """The result of a restore."""
 
     history: str
     last_seq: int
     aside: Path | None
-    """Where the journal is now that was there before; None: there was none."""
+    """Where the previous journal is now; None: there was none."""
 
 
 def bring_back(copy: Path, path: Path, *, move_aside: bool = False) -> BroughtBack:
-    """Make a journal of a copy; the copy is only read.
+    """Restore a journal from a copy; the copy is only read.
 
-    If this is cut short, by a power cut too, the journal is there as a whole or not at all.
+    If this is interrupted, even by a power cut, the journal exists completely or not at all.
 
-    :param move_aside: a journal that is there gets another name; otherwise it is a refusal
-    :raises JournalUnusable: says what is not as it has to be; no journal was changed
+    :param move_aside: rename an existing journal; otherwise one is a reason for refusal
+    :raises JournalUnusable: says what is wrong; no journal was changed
     """
     if not copy.is_file():
         raise JournalUnusable(f'there is no copy {copy}')
@@ -72,8 +72,8 @@ def bring_back(copy: Path, path: Path, *, move_aside: bool = False) -> BroughtBa
 
 
 def _made(copy: Path, scratch: Path) -> Reached:
-    """Make a whole journal of today beside the place where it is to be."""
-    _remove(scratch)  # what a restore that was cut short has left
+    """Create the complete journal, in the current schema, beside its final place."""
+    _remove(scratch)  # left by an interrupted restore
     with unusable_otherwise(copy), closing(unchanging(copy)) as source:
         if not schema_of(source, copy):
             raise JournalUnusable(f'the copy {copy} is empty')
@@ -104,12 +104,12 @@ def _refuse_damage(made: sqlite3.Connection, copy: Path) -> None:
 
 
 def _moved_aside(path: Path) -> Path | None:
-    """Give what is there of a journal another name, and return that; None: nothing is there."""
+    """Rename the existing files of a journal and return the new name; None: there are none."""
     there = list(_there(path))
     if not there:
         return None
     aside = aside_of(path, 'aside')
-    if _beside(path, MARK).exists():  # it stays until that of the new journal takes its place
+    if _beside(path, MARK).exists():  # it stays until replaced by that of the new journal
         copy_file(_beside(path, MARK), _beside(aside, MARK))
     for ending in there:
         _beside(path, ending).rename(_beside(aside, ending))

@@ -14,8 +14,8 @@ BATCH = 2000
 def first_needed(database: sqlite3.Connection, live: Collection[str], keep_jobs: int) -> int:
     """Return the seq of the first event that must stay; 0: none has to go.
 
-    That is where the first job begins that is live or among the `keep_jobs` last others. So what
-    is there of a job that counts is there from its beginning.
+    That is the beginning of the first job that is live or among the last `keep_jobs` others. So
+    every such job is kept from its beginning.
     """
     queued = database.execute('SELECT seq, job FROM queued ORDER BY seq').fetchall()
     others = [seq for seq, job in queued if job not in live]
@@ -27,9 +27,9 @@ def first_needed(database: sqlite3.Connection, live: Collection[str], keep_jobs:
 
 
 def remove_batch(database: sqlite3.Connection, before: int) -> bool:
-    """Remove the first events before a seq; returns whether there are more.
+    """Remove the first events before a seq; return whether there are more.
 
-    Never removes what replay needs: those after the state that it begins with.
+    Never removes what replay needs: the events after the state that it begins with.
     """
     first = database.execute('SELECT min(seq) FROM events').fetchone()[0]
     if first is None:
@@ -39,7 +39,7 @@ def remove_batch(database: sqlite3.Connection, before: int) -> bool:
     now = min(end, first + BATCH)
     for table in ('events', 'queued'):
         database.execute(f'DELETE FROM {table} WHERE seq < ?', (now,))
-    # The state at the event before stays: with it the moments that are left can be had.
+    # The state at the event before stays: the remaining past states need it.
     database.execute('DELETE FROM snapshots WHERE seq < ?', (now - 1,))
     keep_from(database, now)
     return bool(first + BATCH < end)

@@ -1,4 +1,4 @@
-"""The rows of events: written with their check, and read only if they are as they were written."""
+"""The rows of events: written with a check, which is verified when they are read."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _AT_ONCE = 50
 """Most events that are written with one statement; a settle has a few."""
 
 _PAGE, _PAGE_BYTES = 1000, 1_000_000
-"""Events that one query reads, and how much they may say together."""
+"""Limits of one query: events, and bytes of their records."""
 
 _INSERT = 'INSERT INTO events (seq, record, checksum, ends) VALUES '
 _ONE = '(?, ?, ?, ?)'
@@ -58,7 +58,7 @@ def _row(event: Event, ends: int) -> tuple[int, str, int, int]:
 
 
 class Row(NamedTuple):
-    """What stands in the file of an event."""
+    """The row of an event in the file."""
 
     seq: int
     text: bytes
@@ -66,7 +66,7 @@ class Row(NamedTuple):
     ends: int | None
 
     def is_sound(self, checked_from: int) -> bool:
-        """Tell whether it is as it was written, as far as that can be told.
+        """Tell whether the row is undamaged, as far as that can be checked.
 
         :param checked_from: events before this one were written without a check
         """
@@ -76,9 +76,9 @@ class Row(NamedTuple):
 
 
 def page(database: sqlite3.Connection, after: int, last: int, most: int) -> list[Row]:
-    """Return the next rows, if any; no query stays open, which would keep the file open.
+    """Return the next rows, if any; no query stays open, as that would keep the file open.
 
-    :param most: so many at most; -1: as many as one query reads
+    :param most: maximum number; -1: as many as one query reads
     """
     query = (
         'SELECT seq, CAST(record AS BLOB), checksum, ends FROM events '
@@ -90,10 +90,10 @@ def page(database: sqlite3.Connection, after: int, last: int, most: int) -> list
 
 
 def events_of(rows: Iterable[Row], before: int, checked_from: int) -> Iterator[Event]:
-    """Yield the events of rows that follow each other; of a commit that is damaged, none.
+    """Yield the events of consecutive rows; none of a damaged commit.
 
     :param before: the event that came before these
-    :raises DamagedRecord: this one is not what was written, or not there
+    :raises DamagedRecord: this one is damaged or missing
     """
     commit: list[Event] = []
     for row in rows:
@@ -116,6 +116,6 @@ def last_seq(database: sqlite3.Connection) -> int:
 
 
 def remove_after(database: sqlite3.Connection, seq: int) -> None:
-    """Remove what stands after an event."""
+    """Remove the rows after an event."""
     for table in ('events', 'queued', 'snapshots'):
         database.execute(f'DELETE FROM {table} WHERE seq > ?', (seq,))

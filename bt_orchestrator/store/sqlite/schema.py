@@ -1,11 +1,10 @@
-"""The tables of a journal, their version, and how an older file becomes one of today.
+"""The tables of a journal, their version, and the upgrade of older files.
 
-Schema 1 had the events alone. Schema 2 adds what is derived from them: states to start from, the
-summaries of jobs that ended, and where jobs begin. Schema 3 adds a name that no other journal has.
-Schema 4 adds a check to every row; those of an older program stay without one. Schema 5 adds
-whether a node has closed the file.
-A step forward adds and never rewrites events; each runs in one transaction, so a file is of one
-schema or of the other, whatever happens.
+Schema 1 had the events alone. Schema 2 adds derived data: states to start from, summaries of jobs
+that ended, and where jobs begin. Schema 3 adds a unique id of the journal. Schema 4 adds a check
+to every row; older rows stay without one. Schema 5 adds whether a node has closed the file. An
+upgrade adds and never rewrites events; each step runs in one transaction, so a file always has one
+schema or the other.
 """
 
 from __future__ import annotations
@@ -32,7 +31,7 @@ _STEPS: Sequence[Sequence[str]] = (
     ('CREATE TABLE events (seq INTEGER PRIMARY KEY, record TEXT NOT NULL) STRICT',),
     # 2
     (
-        # What the state was after an event; a cache, of which the newest good one is used.
+        # States after events; a cache, the newest sound one is used.
         """CREATE TABLE snapshots (
                seq INTEGER PRIMARY KEY,
                stamp TEXT NOT NULL,
@@ -47,14 +46,14 @@ _STEPS: Sequence[Sequence[str]] = (
                checksum TEXT NOT NULL,
                state TEXT NOT NULL
            ) STRICT""",
-        # Jobs that ended, for the time when their events are gone.
+        # Jobs that ended, kept after their events are removed.
         """CREATE TABLE jobs (
                job TEXT NOT NULL,
                queued REAL NOT NULL,
                summary TEXT NOT NULL,
                PRIMARY KEY (job, queued)
            ) STRICT""",
-        # The events with which jobs begin, so that nobody has to look through all of them.
+        # The events with which jobs begin, to avoid a scan of all events.
         """CREATE INDEX jobs_queued ON events (seq, json_extract(record, '$.job'))
                WHERE json_extract(record, '$.event') = 'job.queued'""",
     ),
@@ -70,21 +69,21 @@ _STEPS: Sequence[Sequence[str]] = (
     ),
     # 4
     (
-        # See `checks`. NULL: of an older program.
+        # See `checks`. NULL: written by an older version.
         'ALTER TABLE events ADD COLUMN checksum INTEGER',
-        # 1: the last event of a commit. Only after such a one is the state that of a settle.
+        # 1: the last event of a commit. Only after such an event is a settle complete.
         'ALTER TABLE events ADD COLUMN ends INTEGER',
         'ALTER TABLE jobs ADD COLUMN checksum INTEGER',
         'ALTER TABLE history ADD COLUMN checksum INTEGER',
         # From this event on every one has a check.
         'ALTER TABLE history ADD COLUMN checked_from INTEGER NOT NULL DEFAULT 1',
         'UPDATE history SET checked_from = (SELECT coalesce(max(seq), 0) + 1 FROM events)',
-        # Retention has removed the events before this one, and no others are gone by right.
+        # Retention has removed the events before this one; any other missing event is a loss.
         'ALTER TABLE history ADD COLUMN kept_from INTEGER NOT NULL DEFAULT 1',
         """UPDATE history SET kept_from = coalesce(
                (SELECT min(seq) FROM events), (SELECT max(seq) + 1 FROM beginning), 1)""",
-        # The events with which jobs begin; not as an index over the text of records, for no row
-        # could be removed then whose text is damaged.
+        # # The events with which jobs begin; not an index on the records, because then no row with
+        # a damaged record could be removed.
         'CREATE TABLE queued (seq INTEGER PRIMARY KEY, job TEXT NOT NULL) STRICT',
         """INSERT INTO queued SELECT seq, json_extract(record, '$.job') FROM events
                WHERE json_extract(record, '$.event') = 'job.queued'""",
@@ -92,7 +91,7 @@ _STEPS: Sequence[Sequence[str]] = (
     ),
     # 5
     (
-        # A row stands here from the first write of a node until it closes the journal.
+        # Has a row from the first write of a node until it closes the journal.
         'CREATE TABLE unclosed (one INTEGER PRIMARY KEY CHECK (one = 1)) STRICT',
     ),
 )
@@ -116,7 +115,7 @@ def schema_of(database: sqlite3.Connection, path: Path) -> int:
 
 
 def bring_up_to_date(database: sqlite3.Connection, version: int) -> None:
-    """Make the tables of a new file, or those that an older one lacks."""
+    """Create the tables of a new file, or those that an older file lacks."""
     with transaction(database):
         for step in _STEPS[version:]:
             for statement in step:
@@ -131,13 +130,13 @@ class History(NamedTuple):
 
     id: str
     is_restored: bool
-    """It goes on from a copy that was brought back."""
+    """It continues from a restored copy."""
     checked_from: int = 1
-    """Events before this one are of a program that knew no checks."""
+    """Events before this one have no checks."""
 
 
 def history_of(database: sqlite3.Connection) -> History:
-    """Return the history that a journal of today holds.
+    """Return the history in a journal of the current schema.
 
     :raises ValueError: it has none, or it is damaged
     """
@@ -150,7 +149,7 @@ def history_of(database: sqlite3.Connection) -> History:
 
 
 def begin_restored(database: sqlite3.Connection) -> None:
-    """Let a journal of today, which is a whole copy, begin a history of its own."""
+    """Begin a new history in a complete copy of the current schema."""
     with transaction(database):
         end_to_write(database)
         database.execute(f'UPDATE history SET id = {_RANDOM}, restored = 1')
@@ -158,15 +157,15 @@ def begin_restored(database: sqlite3.Connection) -> None:
 
 
 def begin_history(database: sqlite3.Connection, history: str) -> None:
-    """Let a journal of today go on under another name."""
+    """Give a journal of the current schema a new history id."""
     database.execute('UPDATE history SET id = ?, restored = 0', (history,))
     _seal(database)
 
 
 def begin_to_write(database: sqlite3.Connection) -> bool:
-    """Say in the file that a node writes it, if possible before any event is in the log alone.
+    """Mark the file as being written, if possible before an event is only in the log.
 
-    :return: False: the log keeps it so far, since somebody reads the file as it was before
+    :return: False: the mark is only in the log so far, because a reader keeps an older state
     """
     database.execute('INSERT OR IGNORE INTO unclosed VALUES (1)')
     _, frames, moved = database.execute('PRAGMA wal_checkpoint(PASSIVE)').fetchone()
@@ -174,17 +173,17 @@ def begin_to_write(database: sqlite3.Connection) -> bool:
 
 
 def end_to_write(database: sqlite3.Connection) -> None:
-    """Say that all a node has written is here."""
+    """Mark the file as closed: everything that the node wrote is in it."""
     database.execute('DELETE FROM unclosed')
 
 
 def is_closed(database: sqlite3.Connection) -> bool:
-    """Tell whether the node that wrote a journal of today has closed it."""
+    """Tell whether a journal of the current schema was closed by its node."""
     return database.execute('SELECT 1 FROM unclosed').fetchone() is None
 
 
 def kept_from(database: sqlite3.Connection) -> int:
-    """Return the seq of the first event that retention has left, or that is to come."""
+    """Return the seq of the first event that retention has left; if none, of the next one."""
     query = 'SELECT coalesce(max(kept_from), 1) FROM history'  # empty if it is damaged
     return int(database.execute(query).fetchone()[0])
 

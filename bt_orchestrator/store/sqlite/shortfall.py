@@ -1,4 +1,4 @@
-"""What a journal lacks, by its mark and by its rows, in words."""
+"""Lost events of a journal, found by its mark and its rows, in words."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from bt_orchestrator.store.sqlite.schema import is_closed
 
 
 def shortfall(mark: Mark, history: str, last_row: int, read: int) -> str:
-    """Tell what was written and is not to be had any more; empty: nothing, as far as is known.
+    """Say what was written and is lost; empty: nothing, as far as is known.
 
-    :param history: of the journal
-    :param last_row: the last event of which there is a row, as it was written or not
+    :param history: id of the journal's history
+    :param last_row: the last event that has a row, damaged or not
     :param read: the event up to which the journal could be read
     """
     found = mark.found
@@ -37,10 +37,10 @@ def shortfall(mark: Mark, history: str, last_row: int, read: int) -> str:
 
 
 def is_cut_off(database: sqlite3.Connection, path: Path) -> bool:
-    """Tell whether a node left a log beside a journal of today, and it is not there."""
+    """Tell whether a node left a log beside a journal, and it is now missing."""
     if has_log(path) or is_closed(database):
         return False
-    return not has_log(path)  # a node may have begun to write meanwhile
+    return not has_log(path)  # a node may have begun writing meanwhile
 
 
 def cut_off(path: Path, last: int) -> str:

@@ -1,7 +1,7 @@
-"""States of past moments, in the file of the journal: to start from, and to look back from.
+"""Past states in the journal file: to start from, and to look back.
 
-The newest are for the next start. Of the older ones some stay as keyframes: whoever wants a past
-moment replays from the nearest one and not from the beginning.
+The newest are for the next start. Some older ones stay as keyframes: a past state is replayed from
+the nearest one and not from the beginning.
 """
 
 from __future__ import annotations
@@ -16,20 +16,20 @@ from bt_orchestrator.ports import Snapshot
 log = logging.getLogger(__name__)
 
 NEWEST = 2
-"""So many of the newest snapshots are for a start: should one be damaged, there is another."""
+"""Number of the newest snapshots kept for a start: a second one in case of damage."""
 
 KEYFRAME_EVERY = 1000
-"""Fewest events from one keyframe to the next."""
+"""Minimum number of events from one keyframe to the next."""
 
 KEYFRAME_BYTES = 20
-"""Most bytes of keyframes for each event: some percent of what the event itself takes."""
+"""Maximum bytes of keyframes per event: a few percent of the event's own size."""
 
 _ROW = 'seq, stamp, checksum, CAST(state AS BLOB)'
-"""As bytes: damaged ones need not be a text."""
+"""Read as bytes: damaged ones may not be valid text."""
 
 
 def kept(database: sqlite3.Connection) -> Sequence[int]:
-    """Return the events of which there are snapshots to start from, newest first."""
+    """Return the events with snapshots to start from, newest first."""
     try:
         query = 'SELECT seq FROM snapshots ORDER BY seq DESC LIMIT ?'
         rows = database.execute(query, (NEWEST,)).fetchall()
@@ -50,7 +50,7 @@ def sound_snapshot(database: sqlite3.Connection, seq: int) -> Snapshot | None:
 
 
 def beginning(database: sqlite3.Connection) -> Snapshot | None:
-    """Return the state that the first events came to, if some were removed.
+    """Return the state after the removed first events, if some were removed.
 
     :raises ValueError: it is damaged
     """
@@ -64,7 +64,7 @@ def beginning(database: sqlite3.Connection) -> Snapshot | None:
 
 
 def keep_snapshot(database: sqlite3.Connection, snapshot: Snapshot) -> None:
-    """Add a snapshot; of those before it the newest stays, and those that are keyframes."""
+    """Add a snapshot; of the earlier ones, the newest and the keyframes stay."""
     row = (snapshot.seq, snapshot.stamp, _checksum(snapshot), snapshot.state)
     database.execute('INSERT OR REPLACE INTO snapshots VALUES (?, ?, ?, ?)', row)
     query = 'SELECT seq, length(state) FROM snapshots ORDER BY seq DESC LIMIT ?'
@@ -76,7 +76,7 @@ def keep_snapshot(database: sqlite3.Connection, snapshot: Snapshot) -> None:
 
 
 def _is_keyframe(seq: int, size: int, before: int) -> bool:
-    """Tell whether a state is worth its room, so far behind the keyframe before it."""
+    """Tell whether a state is kept as keyframe, by its size and its distance from the last one."""
     behind = seq - before
     return behind >= KEYFRAME_EVERY and size <= KEYFRAME_BYTES * behind
 
@@ -115,7 +115,7 @@ def _checksum(snapshot: Snapshot) -> str:
 
 
 def _checksum_before_4(snapshot: Snapshot) -> str:
-    """Return that of older schemas: over the state alone."""
+    """Return the checksum of older schemas: over the state alone."""
     return _digest(snapshot.state)
 
 

@@ -42,24 +42,23 @@ _EVERY = 1 << 62
 SYNCHRONOUS = ('FULL', 'NORMAL')
 
 PATIENCE_AT_THE_END_MS = 1000
-"""So long a node that ends waits for another program that keeps the file locked."""
+"""How long an ending node waits for another program that keeps the file locked."""
 
 
 class SqliteStore:
     """A journal in a file. Implements `ports.Journal`.
 
-    One transaction an append, in WAL mode, so that others may read while it is written. A lock on
-    a file beside it keeps a second orchestrator out for as long as this one lives, and is gone
-    when its process is, however that ends.
+    One transaction per append, in WAL mode, so that others may read while it is written. A lock on
+    a file beside it keeps a second orchestrator out; it is released when the process ends, for
+    whatever reason.
 
-    A file is only read until the first write: whoever refuses what is in it has changed nothing.
-
-    From then on it is read by another connection than it is written by, so that one thread may
-    read while another one writes; the first write has to end before.
+    A file is only read until the first write: a refusal of its content changes nothing. After
+    that, separate connections read and write, so that one thread may read while another one
+    writes; the first write has to end before.
     """
 
     def __init__(self, path: Path, *, synchronous: str = 'FULL') -> None:
-        """Open or make a journal; an older one is brought up to date.
+        """Open or create a journal; an older one is upgraded.
 
         :param synchronous: FULL (a power cut loses nothing) or NORMAL (it may lose the last
             events; a crash of the program loses nothing)
@@ -72,11 +71,11 @@ class SqliteStore:
         self._synchronous = synchronous
         self._lock = opening.take_lock(path)
         self._files: FilesInUse | None = None
-        """None: it is only read so far."""
+        """None: only read so far."""
         self._end = _EVERY
-        """What stands after this event is not read, and removed with the first write."""
+        """Rows after this event are not read, and are removed with the first write."""
         self._is_said_unclosed = False
-        """The file itself says that a node writes it, and not its log alone."""
+        """The file itself, not only its log, is marked as being written."""
         self._mark = Mark(path)
         try:
             with unusable_otherwise(path):
@@ -99,12 +98,12 @@ class SqliteStore:
 
     @property
     def history(self) -> str:
-        """Return the name that no other journal has."""
+        """Return the unique id of the history."""
         return self._history.id
 
     @property
     def is_restored(self) -> bool:
-        """Tell whether the journal goes on from a copy that was brought back."""
+        """Tell whether the journal continues from a restored copy."""
         return self._history.is_restored
 
     # --- events -----------------------------------------------------------------------------
@@ -112,7 +111,7 @@ class SqliteStore:
     def append(self, events: Sequence[Event]) -> None:
         """Make the events durable, all or none.
 
-        :raises JournalFailed: they are not; nothing of them is in the journal
+        :raises JournalFailed: none of them is in the journal
         """
         with self._writable():
             if self._history == self._on_file:
@@ -124,8 +123,8 @@ class SqliteStore:
     def read(self, after: int = 0, most: int = -1) -> Iterator[Event]:
         """Yield the events with a seq greater than `after`, oldest first.
 
-        :param most: so many at most; -1: all
-        :raises DamagedRecord: the next one cannot be read; those before it are as they were
+        :param most: maximum number; -1: all
+        :raises DamagedRecord: the next one cannot be read; those before it are intact
         :raises JournalUnusable: the file is damaged
         """
         with unusable_otherwise(self._path):
@@ -139,25 +138,25 @@ class SqliteStore:
             most -= len(page) if most > 0 else 0
 
     def missing(self, after: int) -> str:
-        """Tell, in words, what was written after an event and is not to be had; empty: nothing."""
+        """Say what was written after an event and is lost; empty: nothing."""
         with unusable_otherwise(self._path):
             last = rows.last_seq(self._reading)
         found = shortfall(self._mark, self._on_file.id, last, after)
         return found or (cut_off(self._path, last) if self._is_cut_off else '')
 
     def go_on_after(self, seq: int) -> None:
-        """Let a history of its own begin after an event.
+        """Begin a new history after an event.
 
-        If events stand after it, or a log that SQLite cannot read to its end, the files are first
-        kept under another name, as they are.
+        If there are events after it, or a log that SQLite cannot read to its end, the files are
+        first copied to another name.
         """
         self._history = History(uuid4().hex, False, self._on_file.checked_from)
         self._end = seq
-        if self._files is not None:  # it was brought up to date
+        if self._files is not None:  # it was upgraded
             self._only_read_again()
 
     def first_seq(self) -> int:
-        """Return the seq of the first event that retention has left, or that is to come."""
+        """Return the seq of the first event that retention has left; if none, of the next one."""
         with unusable_otherwise(self._path):
             return kept_from(self._reading)
 
@@ -171,7 +170,7 @@ class SqliteStore:
                 yield found
 
     def beginning(self) -> Snapshot | None:
-        """Return the state before which events were removed, if some were.
+        """Return the state after the removed events, if some were removed.
 
         :raises JournalUnusable: it is damaged
         """
@@ -179,9 +178,9 @@ class SqliteStore:
             return snapshots.beginning(self._reading)
 
     def save(self, snapshot: Snapshot, ended: Sequence[JobRecord] = ()) -> None:
-        """Keep a state to start from, and what is to stay of jobs that ended.
+        """Store a state to start from, and the summaries of jobs that ended.
 
-        :raises JournalFailed: neither is kept
+        :raises JournalFailed: neither is stored
         """
         with self._writable():
             self._is_said_unclosed = self._is_said_unclosed or begin_to_write(self._database)
@@ -202,7 +201,7 @@ class SqliteStore:
             return retention.first_needed(self._database, live, keep_jobs)
 
     def begin_with(self, snapshot: Snapshot) -> None:
-        """Let replay begin with a state: events up to it may be removed.
+        """Make replay begin with a state: events up to it may be removed.
 
         :raises JournalFailed: nothing has changed
         """
@@ -219,7 +218,7 @@ class SqliteStore:
             return retention.remove_batch(self._database, before)
 
     def close(self) -> None:
-        """Close the file and let others have it."""
+        """Close the file and release the lock."""
         if self._files is not None:
             self._say_closed(self._files)
         self._reading.close()
@@ -230,7 +229,7 @@ class SqliteStore:
         self._lock.close()
 
     def _say_closed(self, files: FilesInUse) -> None:
-        """Say in the file that everything is in it, if that is so."""
+        """Mark the file as closed, if everything is in it."""
         try:
             files.check()
             self._database.execute(f'PRAGMA busy_timeout = {PATIENCE_AT_THE_END_MS}')
@@ -261,10 +260,10 @@ class SqliteStore:
         self._on_file, self._end = self._history, _EVERY
 
     def _begin_to_write(self) -> FilesInUse:
-        """Open for writing what was only read so far.
+        """Open the journal for writing.
 
         First close, then open: a process that closes any descriptor of a file loses all its locks
-        on that file, and the next program that looks into the journal takes the log away.
+        on that file, and then the next reader of the journal would remove the log.
         """
         read = rows.last_seq(self._database)
         self._database.close()
@@ -282,9 +281,9 @@ class SqliteStore:
         return self._files
 
     def _refuse_another_end(self, read: int) -> None:
-        """See that nobody wrote between the two connections.
+        """Check that nothing was written between the two connections.
 
-        :raises JournalUnusable: what was read is not what is there
+        :raises JournalUnusable: the file is not what was read
         """
         found = rows.last_seq(self._database)
         if history_of(self._database) != self._on_file:

@@ -1,4 +1,4 @@
-"""What is kept of jobs that ended, for the time when their events are gone."""
+"""Summaries of jobs that ended, kept after their events are removed."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from bt_orchestrator.store.sqlite.checks import check_of
 
 
 def keep(database: sqlite3.Connection, ended: Sequence[JobRecord]) -> None:
-    """Write what stays of jobs, in place of what was said of them before."""
+    """Write the summaries of jobs, replacing earlier ones."""
     texts = [(job.job, job.queued, json_of(job_to_plain(job))) for job in ended]
     rows = [(*row, check_of(0, row[-1].encode())) for row in texts]
     database.executemany('INSERT OR REPLACE INTO jobs VALUES (?, ?, ?, ?)', rows)
@@ -29,10 +29,10 @@ def page(
 ) -> Summaries:
     """Return the next jobs, as they were queued.
 
-    :param has_checks: False: the file is of a program that knew none
+    :param has_checks: False: the file has an older schema without checks
     """
     compare, order = ('<', 'DESC') if newest_first else ('>', 'ASC')
-    name = 'CAST(job AS BLOB)'  # a damaged one need not be a text
+    name = 'CAST(job AS BLOB)'  # a damaged one may not be valid text
     where = '' if after is None else f'WHERE (queued, {name}) {compare} (?, ?)'
     values = () if after is None else (after.queued, after.job.encode(errors=_AS_IT_IS))
     check = 'checksum' if has_checks else 'NULL'
