@@ -1,4 +1,4 @@
-"""One thing that was looked at, what was found, and what to do."""
+"""One check, its finding, and what to do."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ class Verdict(Enum):
 
     OK = 'ok'
     WARN = 'warn'
-    """A cell runs, but not as somebody may expect."""
+    """A cell runs, but perhaps not as expected."""
     FAIL = 'fail'
     """A cell does not run."""
 
@@ -34,12 +34,12 @@ def ok(name: str, found: str) -> Check:
 
 
 def warn(name: str, found: str, remedy: str) -> Check:
-    """Return a check that somebody should know about."""
+    """Return a check with a warning."""
     return Check(name, Verdict.WARN, found, remedy)
 
 
 def fail(name: str, found: str, remedy: str) -> Check:
-    """Return a check that keeps a cell from running."""
+    """Return a check that prevents a cell from running."""
     return Check(name, Verdict.FAIL, found, remedy)
 
 

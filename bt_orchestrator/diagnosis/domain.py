@@ -1,4 +1,4 @@
-"""Who can find whom: the domain and the range of discovery, as the environment says it."""
+"""The domain and the range of ROS 2 discovery, from the environment."""
 
 from __future__ import annotations
 
@@ -71,18 +71,18 @@ def reach(environment: Mapping[str, str]) -> Check:
 
 
 def keep_to_this_computer(environment: MutableMapping[str, str]) -> None:
-    """Set the range to this computer where nothing says how far ROS is to reach.
+    """Limit discovery to this computer if the environment sets no range.
 
-    Whoever finds a node can command it, and ROS 2 by itself lets every computer of a network.
+    Any computer that discovers a node can command it, and the ROS 2 default is the whole network.
     """
     if not any(environment.get(name) for name in (_RANGE, _PEERS, _ONLY_LOCAL, _SERVER)):
         environment[_RANGE] = 'LOCALHOST'
 
 
 def is_local(environment: Mapping[str, str], middleware: str) -> bool:
-    """Tell whether nobody on another computer finds a node that starts with these variables.
+    """Tell whether a node with these variables is invisible to other computers.
 
-    It is how far ROS looks, and no lock: see docs/security.md.
+    This limits discovery only and is no access control: see docs/security.md.
 
     :param middleware: name of the RMW implementation; Zenoh has routers in place of ranges
     """
@@ -96,7 +96,7 @@ def is_local(environment: Mapping[str, str], middleware: str) -> bool:
 
 
 def domains_in_use(sockets: str) -> set[int]:
-    """Return the domains in which somebody on this computer takes part.
+    """Return the domains with participants on this computer.
 
     :param sockets: what stands in /proc/net/udp
     """

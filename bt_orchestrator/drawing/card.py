@@ -1,4 +1,4 @@
-"""The card of one task: what a reviewer has to know, and the rest when it is pointed at."""
+"""The card of one task: the essentials, and the rest in a tooltip."""
 
 from __future__ import annotations
 

@@ -87,7 +87,7 @@ class Gantt:
 
     @property
     def items(self) -> int:
-        """Count the items that somebody worked on."""
+        """Count the items that were worked on."""
         return len({bar.item for row in self.rows for bar in row.cycles})
 
 

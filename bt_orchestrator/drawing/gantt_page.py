@@ -1,7 +1,7 @@
 """The layout of a Gantt chart, as SVG: time to the right, one row a part of the cell.
 
-In a row of a section the items stand above the tasks, for as long as the section has them in hand;
-tasks that run at the same time stand in lanes. Everything says more when it is pointed at.
+In a row of a section the items are above the tasks, for as long as the section works on them;
+tasks that run at the same time are in lanes. Everything has a tooltip.
 """
 
 from __future__ import annotations

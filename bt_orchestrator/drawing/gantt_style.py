@@ -86,7 +86,7 @@ def add_text(
 
 
 def fitting(text: str, kind: str, room: float) -> str:
-    """Return a text, or as much of it as fits into the room; nothing where that says nothing."""
+    """Return a text, or as much of it as fits into the room; empty if too little fits."""
     most = int(room / (SIZES[kind] * CHARACTER))
     if len(text) <= most:
         return text

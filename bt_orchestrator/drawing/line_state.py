@@ -8,7 +8,7 @@ from enum import Enum
 
 
 class Mark(Enum):
-    """How a task stands; its sign and its word say it where colours do not."""
+    """The state of a task; sign and word show it without colours."""
 
     NEW = ('', '', '')
     WAITING = ('\u2026', 'waits', '#fff4cc')
@@ -29,7 +29,7 @@ class Mark(Enum):
 
     @property
     def needs_eyes(self) -> bool:
-        """Tell whether its frame is thick: something happens here, or should."""
+        """Tell whether its frame is thick: something happens here, or needs attention."""
         return self in (Mark.RUNNING, Mark.FAILED, Mark.HELD)
 
 

@@ -23,7 +23,7 @@ from bt_orchestrator.model.wait import Wait
 
 
 class NotThisLine(OrchestratorError):
-    """A status does not fit what is to be drawn."""
+    """A status does not fit the drawing."""
 
 
 def line_state(status: CellStatus, script: Script, cell: Cell) -> LineState:

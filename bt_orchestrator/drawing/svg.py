@@ -38,8 +38,8 @@ class Svg:
     def add(self, name: str, text: str = '', **attributes: Any) -> Svg:
         """Add an element.
 
-        An underscore in the name of an attribute is a hyphen in the file (`font_size`), and one at
-        its end is left out (`class_`).
+        In attribute names an underscore becomes a hyphen (`font_size`); a trailing one is dropped
+        (`class_`).
         """
         named = {
             key.rstrip('_').replace('_', '-'): xml_text(_text(value))

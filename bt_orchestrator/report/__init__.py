@@ -1,1 +1,1 @@
-"""What events say: records of jobs and items, times, figures of a run, and exports."""
+"""Evaluation of events: records of jobs and items, times, figures of a run, and exports."""

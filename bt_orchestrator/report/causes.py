@@ -1,4 +1,4 @@
-"""Reasons for waits without the item of the moment, so that equal waits can be summed up."""
+"""Reasons of waits without item ids, so that equal waits can be summed up."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ _TEXTS = {
 
 
 def cause_of(wait: Wait, belt: Sequence[Wait]) -> Cause:
-    """Name what somebody waits for.
+    """Return the cause of a wait.
 
     :param belt: what the belt waits for now; nothing while it moves
     """

@@ -20,7 +20,7 @@ class Change(NamedTuple):
 
     @property
     def percent(self) -> float | None:
-        """By how much it changed; None where that says nothing, as for parts of the time."""
+        """Relative change; None where it has no meaning, as for parts of the time."""
         if self.unit == '%' or self.after is None or not self.before:
             return None
         return (self.after - self.before) / self.before * 100.0

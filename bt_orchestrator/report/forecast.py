@@ -10,19 +10,19 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Bottleneck:
-    """What keeps a line from being faster."""
+    """The section that limits the line."""
 
     section: int
     pace_s: float
     next_section: int | None
-    """The section that would be the next; None: there is no other."""
+    """The next slowest section; None: there is no other."""
     margin_s: float
     """Seconds by which the next one is faster."""
 
 
 @dataclass(frozen=True)
 class JobForecast:
-    """How one job goes."""
+    """The figures of one job."""
 
     job: str
     script: str
@@ -40,7 +40,7 @@ class JobForecast:
     per_item_s: float | None = None
     """In steady state; None with fewer than two items packed."""
     bottleneck: Bottleneck | None = None
-    """What keeps the line from making this job faster; None: nothing of it was worked on."""
+    """The section that limits this job; None: no work was done on it."""
 
 
 @dataclass(frozen=True)
@@ -88,13 +88,12 @@ class ComponentLoad:
     utilisation: float
     """Busy time as a part of the total, 0 to 1."""
     waits: tuple[WaitLoad, ...] = ()
-    """While a task of its was next and something else kept it from starting; the rest of the time
-    there was no task for it."""
+    """Waits while its next task could not start; for the rest of the time it had no task."""
 
 
 @dataclass(frozen=True)
 class Forecast:
-    """What a run says; of a run that did not end, up to its last event."""
+    """The figures of a run; for one that did not end, up to its last event."""
 
     total_s: float
     """From the first event to the last."""
@@ -145,7 +144,8 @@ def slowest_section(loads: Iterable[SectionLoad]) -> Bottleneck | None:
 def mean_per_item_s(jobs: Iterable[JobForecast]) -> float | None:
     """Return the mean of some jobs, each item with the steady state of its own job.
 
-    Between two jobs nothing is steady: the items of one leave while those of the other come.
+    The change from one job to the next is never steady: items of one leave while those of the
+    other come.
     """
     known = [(job.packed, job.per_item_s) for job in jobs if job.per_item_s is not None]
     items = sum(packed for packed, _ in known)

@@ -92,7 +92,7 @@ class ForecastFold:
         return time - (self._first_s or 0.0)
 
     def forecast(self, cell: Cell, waits: Waits = NO_WAITS) -> Forecast:
-        """Say what follows from the events so far; a task that still runs counts until now.
+        """Return the figures from the events so far; a running task counts until now.
 
         :param waits: of the same run, if they were recorded
         """

@@ -18,7 +18,7 @@ WAITS_SHOWN = 5
 
 
 def forecast_lines(forecast: Forecast) -> Iterator[str]:
-    """Yield everything that a run says about the line."""
+    """Yield all figures of a run."""
     yield from job_lines(forecast)
     yield ''
     yield f'total time     {forecast.total_s:.1f} s'
@@ -58,7 +58,7 @@ def bottleneck_words(bottleneck: Bottleneck) -> str:
 
 
 def _each_of_mix(jobs: Sequence[JobForecast]) -> Iterator[str]:
-    """Yield how fast each product is made, and what keeps it from being made faster."""
+    """Yield how fast each product is made, and what limits it."""
     for job in jobs:
         if job.bottleneck is not None:
             per_item = _seconds(job.per_item_s)
@@ -66,7 +66,7 @@ def _each_of_mix(jobs: Sequence[JobForecast]) -> Iterator[str]:
 
 
 def _wait_lines(forecast: Forecast) -> Iterator[str]:
-    """Yield where the time goes, of whatever waits at all."""
+    """Yield the waits of all parts that have any."""
     sections = [(f'section {load.section}', load) for load in forecast.sections]
     components = [(load.component, load) for load in forecast.components]
     for title, loads in (('sections', sections), ('components', components)):

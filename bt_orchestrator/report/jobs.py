@@ -1,7 +1,7 @@
 """The fold from events to the records of jobs and items (ISA-95: job responses).
 
-The state of the cell forgets what left the line. This fold keeps it: which items a job had, what
-became of each, and which attempts failed.
+The state of the cell forgets what left the line. This fold keeps it: the items of a job, how each
+ended, and which attempts failed.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class JobFold:
     def __init__(self, known: Iterable[JobRecord] = ()) -> None:
         """Begin.
 
-        :param known: what is kept of jobs; events that tell all of one take its place
+        :param known: summaries of jobs; complete events of a job replace its summary
         """
         self.jobs: dict[str, JobRecord] = {job.job: job for job in known}
         """By id, in the order in which they were queued."""

@@ -32,7 +32,7 @@ def periods(tasks: SectionList, cell: Cell, move_s: float) -> Iterator[float]:
 
 
 def expected_ends_s(state: CellState, cell: Cell) -> Mapping[str, float]:
-    """Return in how many seconds jobs end that work, or soon will, if nothing stops the line.
+    """Return in how many seconds active and next jobs end, if nothing stops the line.
 
     Jobs that are held or paused, what waits behind a paused one, and those far back in a long
     queue are left out.

@@ -1,4 +1,4 @@
-"""Reading a journal page by page, to its end, with every damage told once."""
+"""Reading a journal page by page, to its end, with each damage reported once."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ MOST = 1000
 
 
 def removed(first: int, last: int) -> str:
-    """Return the sentence that says which events nobody can have any more."""
+    """Return the message that events are no longer available."""
     return f'events {first} to {last} are not in the journal any more'
 
 
 class Reading:
-    """Goes through a journal, whatever keeps it."""
+    """Reads a journal of any kind of store."""
 
     def __init__(self, records: Records, tell: Callable[[str], None] = log.warning) -> None:
         """Begin.
@@ -48,10 +48,10 @@ class Reading:
     def pages(self, wanted: Wanted, *, is_continued: bool = False) -> Iterator[Page]:
         """Yield page after page, oldest first, without end: the last one again as it grows.
 
-        What cannot be on them is told: events that were removed before they were read, and that
-        the journal goes on as another history, which is read from its beginning.
+        It reports events that were removed before they were read, and a change to another history,
+        which is then read from its beginning.
 
-        :param is_continued: somebody has the events before
+        :param is_continued: earlier events were read before
         """
         begin, history = replace(wanted, after_seq=0), None
         while True:
@@ -85,7 +85,7 @@ class Reading:
             after, is_first = found.rest, False
 
     def jobs(self, job: str | None = None) -> JobFold:
-        """Return what became of jobs and their items.
+        """Return the records of jobs and their items.
 
         :param job: this one alone; None: all of them
         """

@@ -9,7 +9,7 @@ from bt_orchestrator.model import events as e
 
 
 class TaskSpan(NamedTuple):
-    """One attempt, from its goal to what came of it."""
+    """One attempt, from its goal to its end."""
 
     started: e.TaskStarted
     ended: e.TaskSucceeded | e.TaskFailed
@@ -47,5 +47,5 @@ class TaskSpans:
         return self._open.get(event.key)
 
     def forget(self) -> None:
-        """Pair no end to come with a start until now."""
+        """Forget all starts: later ends pair with none of them."""
         self._open.clear()

@@ -37,7 +37,7 @@ class TurnFold:
             self._begin_beat(event.beat, now_s)
 
     def pace_s(self, section: int, cycles: int, worked: Sequence[Span]) -> float:
-        """Return the seconds that a section needs for one of some cycles if it waits for nobody.
+        """Return the seconds that a section needs for one of some cycles if it never waits.
 
         The belt is kept for as long as its work in the turn lasts, and then moves; steps that run
         while the belt moves cost nothing here. Turns before the first move are left out where
@@ -64,5 +64,5 @@ class TurnFold:
             self._moves_s.append(now_s - self._move_began_s)
             self._move_began_s = None
         for section, (turn, _) in self._open.items():
-            if turn == beat:  # begun ahead, while the belt moved: that kept nobody waiting
+            if turn == beat:  # begun ahead, while the belt moved: no wait
                 self._open[section] = (turn, now_s)

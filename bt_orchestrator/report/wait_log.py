@@ -1,7 +1,7 @@
-"""The log of who waits for what in a virtual run, to the instant.
+"""The log of all waits in a virtual run, with exact times.
 
-Inside a settle virtual time stands still, and between two settles nothing changes. So whoever
-looks once after each settle has seen every wait, with its exact beginning and end.
+Virtual time does not advance inside a settle, and nothing changes between two settles. So one look
+after each settle finds every wait, with its exact beginning and end.
 """
 
 from __future__ import annotations
@@ -61,14 +61,14 @@ NO_WAITS = Waits()
 
 
 class WaitLog:
-    """Writes down what everybody waits for, each time it is shown the cell."""
+    """Records all waits each time it is shown the cell."""
 
     def __init__(self) -> None:
         self._spans: dict[_Row, list[WaitSpan]] = defaultdict(list)
         self._open: dict[_Row, tuple[float, tuple[Cause, ...]]] = {}
 
     def look(self, state: CellState, waits: Sequence[PartWait], now_s: float) -> None:
-        """Note who waits from now on, and who no longer does."""
+        """Note waits that begin or end now."""
         current = _causes(state, waits)
         for row in [row for row, (_, causes) in self._open.items() if current.get(row) != causes]:
             self._close(row, now_s)

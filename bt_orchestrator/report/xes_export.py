@@ -50,7 +50,7 @@ _TRANSITIONS: Mapping[str, str] = {
     'task.retrying': 'schedule',
     'task.skipped': 'autoskip',
 }
-"""What an event of a task is in the standard life cycle."""
+"""The transition of each task event in the standard life cycle."""
 
 _KEPT = ('section', 'attempt', 'action', 'reason', 'message')
 """Fields that become attributes of the event."""

@@ -1,4 +1,4 @@
-"""The last question about a script that has no mistakes: whether it may run (semantics 8.2)."""
+"""The final check of a script without mistakes: whether it may run (semantics 8.2)."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from bt_orchestrator.script.yaml_nodes import ListNode, MapNode, Node, Scalar
 def admitted(text: str, file: str, cell: Cell, types: ActionTypes) -> Script:
     """Read the text of a script that may run; the file's name stands in the findings.
 
-    :raises Refused: with every mistake in it, or because the line would get stuck; this is told
-        where the flag of the circle is declared
+    :raises Refused: with every mistake in it, or because the line would get stuck; the place is
+        the declaration of the circle's flag
     """
     script = parse_script(text, file, cell, types)
     found = deadlock(script)

@@ -152,7 +152,7 @@ class ScriptDraft:
     tasks_are_complete: bool = True
     """False if something that might be a task could not be read."""
     has_lost_id: bool = False
-    """Whether some task should have an id of which nothing could be read."""
+    """Whether the id of some task could not be read."""
     by_id: dict[str, TaskDraft] = field(default_factory=dict)
     """The first task of every id."""
     _unread: set[str] = field(default_factory=set)
@@ -191,7 +191,7 @@ class ScriptDraft:
 
     @property
     def lists(self) -> Iterator[SectionDraft]:
-        """All lists of tasks, those whose section is not known behind the others."""
+        """All lists of tasks; those with an unknown section come last."""
         yield from self.sections.values()
         yield from self.strays.values()
 

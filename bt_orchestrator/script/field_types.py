@@ -16,7 +16,7 @@ LARGEST_FLOAT64 = 1.7976931348623157e308
 ONE_BYTE = 255
 
 MOST_IN_WORDS = 2**31
-"""Beyond this the range of a type tells nobody anything unless it is broken."""
+"""Ranges beyond this are shown only if they are exceeded."""
 
 
 class Misfit(NamedTuple):

@@ -274,8 +274,8 @@ def fields_of(node: Node, table: Table, report: Report) -> Fields | None:
 def file_fields(text: str, table: Table, report: Report) -> Fields:
     """Return a cursor over the mapping that is the text of a file.
 
-    :raises Refused: it is no mapping, or no YAML, with what the report has; or it is meant as
-        something else, of which nothing is told
+    :raises Refused: it is no mapping, or no YAML, with what the report has; or it is another kind
+        of file, which is not quoted
     """
     found_in_it = Report(report.file)
     root = compose(text, found_in_it)

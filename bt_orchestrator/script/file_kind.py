@@ -23,7 +23,7 @@ class FileKind(Enum):
 
 
 def file_kind(path: Path) -> FileKind:
-    """Tell what a file describes; its mistakes are left to those who read it.
+    """Tell what a file describes; its mistakes are reported by its reader.
 
     :raises Refused: it cannot be read, or describes neither
     """

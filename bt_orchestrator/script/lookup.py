@@ -34,12 +34,12 @@ def find_script(
 
 
 def find_below(name_or_path: str, folders: Sequence[Path], option: str) -> Path:
-    """Return the path of a script for somebody who may not look anywhere else.
+    """Return the path of a script for a client that is restricted to the folders.
 
-    A name is looked up as above; a path has to lead below one of the folders. Of a file elsewhere
-    nothing is told, not even whether it exists.
+    A name is looked up as above; a path must be below one of the folders. The error tells nothing
+    about other files, not even whether they exist.
 
-    :param option: what would allow every path
+    :param option: the option that allows every path
     :raises Refused: there is no such file, or it is elsewhere
     """
     if is_path(name_or_path) and not _is_below(Path(name_or_path), folders):

@@ -22,7 +22,7 @@ TOKEN_FORM = '[A-Za-z_][A-Za-z0-9_]*'
 NAME_FORM = f'/?{TOKEN_FORM}(?:/{TOKEN_FORM})*'
 ACTION_TYPE_FORM = '[a-z][a-z0-9_]*/action/[A-Z][A-Za-z0-9]*'
 MESSAGE_TYPE_FORM = '[a-z][a-z0-9_]*/msg/[A-Z][A-Za-z0-9]*'
-"""Patterns of whole names, for those who need no sentence."""
+"""Patterns of complete names, for checks without a message."""
 
 _TOKEN = re.compile(TOKEN_FORM)
 _TYPES = {'action': re.compile(ACTION_TYPE_FORM), 'msg': re.compile(MESSAGE_TYPE_FORM)}

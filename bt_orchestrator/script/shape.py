@@ -1,7 +1,7 @@
 """Telling a text that is meant as one of the users' files from any other.
 
-Of what is something else nothing is quoted: a client may name any file that the node can read, and
-has no right to what is in it.
+Other files are never quoted: a client may name any file that the node can read, and must not see
+its content.
 """
 
 from __future__ import annotations

@@ -14,7 +14,7 @@ LARGEST_FILE = 4_000_000
 
 
 def read_text(path: Path) -> str:
-    """Return the text of a file; never waits for whoever may fill it.
+    """Return the text of a file; never blocks on a pipe.
 
     :raises Refused: it is no ordinary file, cannot be read, is too large, or is not UTF-8
     """

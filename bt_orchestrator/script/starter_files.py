@@ -1,4 +1,4 @@
-"""The three files of a starter cell, with comments for somebody who writes the first one."""
+"""The three files of a starter cell, with comments for beginners."""
 
 from __future__ import annotations
 

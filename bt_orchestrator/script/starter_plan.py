@@ -1,4 +1,4 @@
-"""What a starter cell consists of: a belt, a device for every section, and what each does first.
+"""The parts of a starter cell: a belt, a device for every section, and their first tasks.
 
 Devices that were found on a ROS graph come before examples. Which section one belongs to and what
 its tasks are good for can only be guessed from names; the files say so, and a user corrects it.

@@ -69,7 +69,7 @@ class MapNode:
     place: Place
     entries: tuple[Entry, ...]
     doubtful: frozenset[str] = frozenset()
-    """Keys of which something had to be left out (and was reported)."""
+    """Keys with parts that were left out (and reported)."""
     repeated: tuple[Entry, ...] = ()
     """Keys that were written before, with their further values (reported)."""
     lost: tuple[Node, ...] = ()

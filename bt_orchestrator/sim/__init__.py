@@ -1,1 +1,1 @@
-"""The cell without the cell: virtual time, and simulated controllers."""
+"""Simulation: virtual time, and simulated controllers."""

@@ -24,7 +24,7 @@ class VirtualClock:
         return self._now_s
 
     def steady(self) -> float:
-        """Return the same: nobody sets a virtual clock."""
+        """Return the same: a virtual clock is never set."""
         return self._now_s
 
     def uptime(self) -> Uptime | None:

@@ -43,7 +43,7 @@ _Ending = Callable[['Controller[Any]', _Work[Any], Fault], None]
 
 
 class Controller(Generic[GoalT]):
-    """Runs one task at a time, and has the faults that its component was told to have.
+    """Runs one task at a time, with the configured faults of its component.
 
     States: away (no server), idle, busy (one goal, timers running). All calls come from one
     thread, the clock's.
@@ -74,7 +74,7 @@ class Controller(Generic[GoalT]):
         self._accepted: tuple[str, GoalFaults] | None = None
         self._work: _Work[GoalT] | None = None
         self._successes: dict[str, GoalEnd] = {}
-        """Of each task, once it was begun."""
+        """The successful end of each task that was begun."""
         self._leaving = False
 
     # --- life -------------------------------------------------------------------------------
@@ -214,7 +214,7 @@ class Controller(Generic[GoalT]):
         if work is None:
             return
         self._carrier.note('ended', work.goal.request, status=end.status.value)
-        # Before the end is told, so that nobody who hears of it believes in readiness.
+        # Before the end is reported, so that no client sees it and still assumes readiness.
         self._readiness.withdraw(work.faults.find(FaultKind.NOT_READY))
         self._carrier.end(work.goal, end)
 

@@ -1,7 +1,7 @@
-"""When the jobs of a running cell will end: the real engine, run on from the state of now.
+"""Forecasts when jobs of a running cell end: runs the real engine on from the present state.
 
-A cell that waits for an answer, or that somebody stopped, gets no forecast: nobody knows how long
-that takes.
+A cell that waits for an answer, or was stopped, gets no forecast: the time until it continues is
+unknown.
 """
 
 from __future__ import annotations

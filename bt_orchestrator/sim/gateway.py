@@ -79,7 +79,7 @@ class VirtualGateway:
         return self._clients[component].contest.servers
 
     def bring_in(self, component: str, contest: Contest) -> None:
-        """Let others have a part in a component from now on; nobody: they leave."""
+        """Set the contest of a component from now on; an empty one ends it."""
         self._clients[component].bring_in(contest)
 
     def server(self, component: str) -> str | None:

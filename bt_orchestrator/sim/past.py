@@ -1,4 +1,4 @@
-"""Any past moment of a cell: its state from the journal, its reasons from the engine's tree."""
+"""Past states of a cell: the state from the journal, the reasons from the engine's tree."""
 
 from __future__ import annotations
 
@@ -99,14 +99,14 @@ class JournalPast:
 
 
 class _Nobody:
-    """Robots that nobody asks anything."""
+    """Placeholder for robots: no requests are sent."""
 
     def available(self, component: str) -> bool:  # noqa: ARG002 - the gateway's
-        """Return True: what was so is not known."""
+        """Return True: the past value is not known."""
         return True
 
     def rivals(self, component: str) -> Sequence[str]:  # noqa: ARG002 - the gateway's
-        """Return nothing: what was so is in the state."""
+        """Return nothing: contests are in the state."""
         return ()
 
     def server(self, component: str) -> str | None:  # noqa: ARG002 - the gateway's
@@ -119,10 +119,10 @@ class _Nobody:
 
 
 class StillEngine:
-    """The engine at one moment, which does nothing: its tree says what is waited for.
+    """The engine at one moment, without actions: its tree shows the waits.
 
-    The tree works on a copy of the state. In the middle of a settle it goes on to the settle's
-    end, for before that no reason is true; the facts that are shown stay those of the moment.
+    The tree works on a copy of the state. In the middle of a settle it runs to the settle's end,
+    because reasons are valid only then; the data shown stays that of the moment.
     """
 
     def __init__(self, state: CellState) -> None:

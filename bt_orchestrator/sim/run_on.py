@@ -1,7 +1,7 @@
 """The engine of a cell, run on in virtual time from the state of some moment.
 
-Tasks take as long as they took here before, else their nominal durations, and goals in flight what
-is left of that; what comes after goes as in any virtual run.
+Tasks take their observed durations, else the nominal ones, and goals in flight the rest of that;
+everything else is as in any virtual run.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ from bt_orchestrator.sim.gateway import VirtualGateway
 from bt_orchestrator.sim.virtual_goal import VirtualGoal
 
 CYCLES_RUN = 40
-"""So many cycles of each job are run; their pace in the middle goes for those left out."""
+"""Number of cycles run of each job; omitted ones are assumed at the pace in the middle."""
 
 
 class RunOn:
-    """A virtual run that begins in the middle of a real one, and disturbs nobody."""
+    """A virtual run that begins with the state of a real one, without affecting it."""
 
     def __init__(
         self,
@@ -41,7 +41,7 @@ class RunOn:
         observed_s: Mapping[str, Mapping[str, float]],
         now_s: float,
     ) -> None:
-        """Take a cell over, as it stood.
+        """Begin with the given state of a cell.
 
         :param plain_state: of `model.snapshot`
         :param observed_s: seconds that tasks took, by component and task constant
@@ -73,7 +73,7 @@ class RunOn:
     def ends_s(self, until: float) -> dict[str, float]:
         """Run on until every job has ended; return when each did, those unknown are left out.
 
-        A cell that waits for a person gets no further: nobody knows how long that takes.
+        It ends early at a cell that waits for a person, as that time is unknown.
 
         :param until: real time on the monotonic clock, at which it is given up
         """
@@ -101,7 +101,7 @@ class RunOn:
 
 
 def _has_to_be_resumed(plain_state: Mapping[str, Any]) -> bool:
-    """Tell whether somebody has to look at the line first, after a restart."""
+    """Tell whether an operator has to check the line first, after a restart."""
     holds = plain_state['state'].get('holds', {})
     return any(hold.get('reason') == RESTARTED for hold in holds.values())
 
@@ -181,18 +181,18 @@ class _From:
         """Do nothing: nothing is missing."""
 
     def append(self, events: Sequence[e.Event]) -> None:
-        """Keep nothing: nobody will go on from here."""
+        """Keep nothing: no run will continue from here."""
 
     def read(self, after: int = 0, most: int = -1) -> Sequence[e.Event]:  # noqa: ARG002 - the port's
-        """Return nothing: the state is all that there was."""
+        """Return nothing: there are no events besides the state."""
         return ()
 
     def first_seq(self) -> int:
-        """Return 1; nobody reads them."""
+        """Return 1; it is not used."""
         return 1
 
     def snapshots(self) -> Sequence[Snapshot]:
-        """Return no shorter way: there is no long one."""
+        """Return nothing: there is nothing to replay."""
         return ()
 
     def beginning(self) -> Snapshot:

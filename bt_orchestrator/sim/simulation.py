@@ -29,7 +29,7 @@ class Outcome(Enum):
     HELD = 'held'
     """An operator would have to answer."""
     STUCK = 'stuck'
-    """Nothing runs, nothing can start, and nobody is asked."""
+    """Nothing runs, nothing can start, and no operator is asked."""
 
 
 class Simulation:
@@ -89,7 +89,7 @@ class Simulation:
         return Outcome.HELD if self.state.holds else Outcome.STUCK
 
     def waits(self) -> list[PartWait]:
-        """Say who waits for what now."""
+        """Return the present waits."""
         return self._overview.waits()
 
     def status(self) -> CellStatus:

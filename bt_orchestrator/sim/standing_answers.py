@@ -1,4 +1,4 @@
-"""Holds of a virtual run, answered as was said beforehand (semantics 7.1)."""
+"""Holds of a virtual run, with predefined answers (semantics 7.1)."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from bt_orchestrator.model.state import Hold
 from bt_orchestrator.sim.simulation import Simulation
 
 POSSIBLE = (*ANSWERS, REMOVE_ITEM.word)
-"""What may be said beforehand."""
+"""The possible predefined answers."""
 
 MOST_RETRIES = 10
-"""How often one task of one item is tried again; what fails that often would fail for ever."""
+"""Maximum retries of one task of one item; after that it would fail for ever."""
 
 
 class StandingAnswers:
@@ -52,7 +52,7 @@ class StandingAnswers:
         self._complaints: list[str] = []
 
     def look(self) -> None:
-        """See to the holds that are new."""
+        """Schedule answers to new holds."""
         state, clock = self._simulation.state, self._simulation.clock
         for hold in [hold for hold in state.holds.values() if hold.id not in self._seen]:
             answer = self._seen[hold.id] = self._answer_to(hold)

@@ -9,10 +9,10 @@ from bt_orchestrator.model.wait import PartWait, Wait, WaitKind
 
 
 def standstill(state: CellState, waits: Sequence[PartWait]) -> list[PartWait]:
-    """Return who waits for whom, in the order of the belt.
+    """Return the waits, in the order of the belt.
 
-    A section without work that is only waiting for the line is left out, unless somebody with work
-    waits for it.
+    A section without work that only waits for the line is left out, unless a part with work waits
+    for it.
     """
     awaited = {n for wait in waits if _has_work(state, wait) for n in wait.wait.sections}
     relevant = [wait for wait in waits if _has_work(state, wait) or wait.section in awaited]

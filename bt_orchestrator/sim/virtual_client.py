@@ -63,7 +63,7 @@ class VirtualClient:
         """Whether the server is there; `available` lags behind."""
         self.available = False
         self.contest = Contest()
-        """Who else has a part in the component."""
+        """The contest of the component."""
         self._controller.switch_on()
 
     @property
@@ -102,7 +102,7 @@ class VirtualClient:
         goal.cancel_requested = True
 
     def bring_in(self, contest: Contest) -> None:
-        """Let others have a part in the component, or nobody any more."""
+        """Set the contest of the component; an empty one ends it."""
         self.contest = contest
         self._news.add(SeenContest(self._component.name, contest))
         if self.available:
@@ -139,7 +139,7 @@ class VirtualClient:
             goal.feedback = {'current_sub_task': goal.request.task}
 
     def end(self, goal: VirtualGoal, end: GoalEnd) -> None:
-        """Tell."""
+        """Report the end."""
         goal.stop_timer()
         self._in_flight.pop(goal, None)
         goal.end = end

@@ -40,7 +40,7 @@ class Running:
 
 
 class VirtualNode:
-    """States: off, on. Robots, journal, clock and those who listen outlive the engine.
+    """States: off, on. Robots, journal, clock and listeners outlive the engine.
 
     Implements `ports.EventSink`.
     """
@@ -97,7 +97,7 @@ class VirtualNode:
         engine.settle()
 
     def switch_off(self) -> None:
-        """End at once, as a process that is killed; goals go on, and nobody is told."""
+        """End at once, like a killed process; goals go on, without any message."""
         self.running.engine.close()
         self._running = None
 
@@ -111,15 +111,15 @@ class VirtualNode:
                 self._running.engine.settle()
 
     def add(self, hearer: Hearer) -> None:
-        """Let somebody hear every event from now on."""
+        """Add a listener for all further events."""
         self._hearers.append(hearer)
 
     def remove(self, hearer: Hearer) -> None:
-        """Say nothing more to somebody."""
+        """Remove a listener."""
         self._hearers.remove(hearer)
 
     def publish(self, events: Sequence[Event]) -> None:
-        """Say what has happened to whoever listens."""
+        """Send events to all listeners."""
         history = self.running.store.history if self._running is not None else ''
         for event in events:
             for hearer in self._hearers:

@@ -1,4 +1,4 @@
-"""What would become of jobs after some requests: the engine, run on once without and once with."""
+"""The effect of requests on jobs: runs the engine on without and with them."""
 
 from __future__ import annotations
 

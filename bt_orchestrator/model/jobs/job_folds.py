@@ -138,7 +138,7 @@ def job_cleared(event: e.JobCleared, state: CellState) -> None:
 
 
 def terms_of(event: e.JobQueued | e.JobUpdated) -> Terms:
-    """Return what an event says of an order beside what is to be made."""
+    """Return the scheduling data of an order in an event."""
     return Terms(event.priority, event.start, event.due, event.details)
 
 

@@ -20,8 +20,8 @@ def check_balance(script: ScriptDraft, report: Report) -> None:
     task that may reject it, it must meet exactly one `-1` that runs for rejected items. A `-1`
     that may reject has then failed to take the item out, so it needs another one behind it. A task
     that rejects before or at the `+1` leaves an empty position and needs none; nor does one that
-    runs for rejected items only, or that no item on the belt can reach. Where a `-1` runs in
-    parallel to a task that may reject, nobody could tell which comes first: refused.
+    runs for rejected items only, or that no item on the belt can reach. A `-1` in parallel to a
+    task that may reject is refused: their order is undefined.
     """
     lists = [one for one in script.lists if not one.is_repeated]
     changing = [task for one in lists for task in one.tasks if _changes(task)]
@@ -68,7 +68,7 @@ class _Balance:
         self._check_rejects()
 
     def _check_rejects(self) -> None:
-        """Follow what can be left of an item, step by step, and check whatever rejects it."""
+        """Follow the possible states of an item, step by step, and check rejecting tasks."""
         states = frozenset((GOOD, REJECTED))
         for number in sorted(self._script.sections):
             for step in self._script.sections[number].steps:

@@ -1,4 +1,4 @@
-"""What is probably not meant in a cell file and its scripts, though nothing in them is wrong."""
+"""Warnings: probable mistakes in a valid cell file and its scripts."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def warnings(
     folders: Sequence[Path],
     types: ActionTypes,
 ) -> list[Finding]:
-    """Return what is probably not meant, in the order of the files.
+    """Return the warnings, in the order of the files.
 
     :param given: the scripts that are checked; those in the folders use names of the cell as well
     """

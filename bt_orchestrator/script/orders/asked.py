@@ -1,4 +1,4 @@
-"""Typed work orders as the texts that are read, for whoever gives them."""
+"""Converts typed work orders to the texts that the order desk reads."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from bt_orchestrator.script.orders.terms import AskedTerms
 from bt_orchestrator.script.yaml_nodes import quoted
 
 NONE = 'none'
-"""What is said where a job is to have no time any more."""
+"""The value that removes a time from a job."""
 
 
 def asked_of(order: WorkOrder) -> AskedOrder:

@@ -1,6 +1,6 @@
-"""Where orders are read, bound to their scripts and proven, apart from the line that runs them.
+"""Orders are read, bound to their scripts and proven here, in another process than the line.
 
-What is asked and answered goes between two processes, so that both are plain frozen facts.
+Questions and answers pass between two processes, so both are plain frozen data.
 """
 
 from __future__ import annotations
@@ -72,13 +72,13 @@ class WrittenOrder:
 
     @property
     def named(self) -> Iterator[str]:
-        """Nobody knows before it is read whether there is one."""
+        """Unknown before the file is read."""
         return iter(('',))
 
 
 @dataclass(frozen=True)
 class ChangedJob:
-    """Make of a queued job what is wanted; what the wish leaves open stays.
+    """Change a queued job as requested; everything else stays.
 
     Parameters that a new script does not have are gone.
     """
@@ -102,7 +102,7 @@ Wanted = Orders | WrittenOrder | ChangedJob
 
 @dataclass(frozen=True)
 class Question:
-    """What is wanted, and all that has to be known of the line for it."""
+    """A request, with the data of the line that it needs."""
 
     wanted: Wanted
     free_ids: tuple[str, ...] = ()
@@ -112,12 +112,12 @@ class Question:
     scripts: Mapping[str, bytes] = field(default_factory=dict)
     """Those and the one of a job to be changed, pickled, by digest."""
     held: frozenset[str] = frozenset()
-    """Digests of scripts that whoever asks has; they are not sent again."""
+    """Digests of scripts that the client process has; they are not sent again."""
 
 
 @dataclass(frozen=True)
 class Reading:
-    """What became of each order, and whether their scripts can share the line."""
+    """The result for each order, and whether their scripts can share the line."""
 
     read: tuple[Job | Refused, ...]
     sharing: Sharing

@@ -17,7 +17,7 @@ from bt_orchestrator.script.orders.desk import Reading
 
 
 def pickled(reading: Reading, held: Set[str]) -> bytes:
-    """Return an answer for somebody who has some scripts."""
+    """Return an answer for a process that has some scripts."""
     out = io.BytesIO()
     _Pickler(out, held).dump(reading)
     return out.getvalue()

@@ -31,7 +31,7 @@ class Wrong(NamedTuple):
 
 @dataclass(frozen=True)
 class AskedTerms:
-    """What a client says of priority, times and details; None and an empty text: nothing."""
+    """A client's priority, times and details; None and an empty text: not given."""
 
     priority: int | None = None
     start: float | None = None
@@ -42,7 +42,7 @@ class AskedTerms:
     """JSON."""
 
     def over(self, terms: Terms) -> Terms | Wrong:
-        """Return what a job then has; of what is not said, what it has."""
+        """Return the job's new terms; values not given stay."""
         details = details_of(self.details) if self.details else terms.details
         if isinstance(details, Wrong):
             return details

@@ -39,11 +39,11 @@ class NodeClock:
         return int(self._clock.now().nanoseconds) / NS_PER_S
 
     def steady(self) -> float:
-        """Return seconds that nobody sets, or the simulated time."""
+        """Return seconds of the steady clock, or the simulated time."""
         return self._steady_ns() / NS_PER_S
 
     def uptime(self) -> Uptime | None:
-        """Return None: nobody asks a simulated controller."""
+        """Return None: simulated controllers do not use it."""
         return None
 
     def call_at(self, time: float, callback: Callable[[], None]) -> Deadline:

@@ -46,8 +46,8 @@ class ComponentServer:
 
     Carries the messages of one controller: implements `carrier.Carrier` on its side, and
     `task_server.Requests` on the other. A death is the end of server and publisher, without an
-    answer to anyone. Unlike a killed process they leave the ROS graph at once; whoever needs that
-    difference kills the process.
+    answer to anyone. Unlike a killed process they leave the ROS graph at once; to test that
+    difference, kill the process.
     """
 
     def __init__(

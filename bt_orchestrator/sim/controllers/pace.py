@@ -20,7 +20,7 @@ class Pace:
 
 
 class PacedClock:
-    """A clock by which more or fewer seconds pass than by another. Implements `ports.Clock`.
+    """A clock that runs faster or slower than another. Implements `ports.Clock`.
 
     `now()` stays what it is: records are compared with those of other programs.
     """
@@ -34,7 +34,7 @@ class PacedClock:
         return self._clock.now()
 
     def steady(self) -> float:
-        """Return seconds of this clock that nobody sets."""
+        """Return steady seconds of this clock."""
         return self._clock.steady() * self._speed
 
     def uptime(self) -> Uptime | None:

@@ -87,7 +87,7 @@ def _serve(setup: Setup, stop: StopSignals, on_ready: Callable[[str], None]) -> 
 def _two_turns(executor: SingleThreadedExecutor) -> Future[None]:
     """Return what is done when everything was run that waits now, and what follows from it.
 
-    An ended goal is one task, and the answers to those who asked for its result are the next.
+    An ended goal is one task, and the answers to its result requests are the next.
     """
     done: Future[None] = Future(executor=executor)
     executor.create_task(lambda: executor.create_task(done.set_result, None))

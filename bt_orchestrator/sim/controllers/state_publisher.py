@@ -20,7 +20,7 @@ LATCHED = QoSProfile(
 
 
 class StatePublisher:
-    """Publishes whether the controller is ready, once it was told the first time."""
+    """Publishes whether the controller is ready, from the first known value on."""
 
     def __init__(self, node: Node, state: StateTopic, interfaces: Interfaces) -> None:
         self._node = node

@@ -32,7 +32,7 @@ class _Muted(Exception):
 
 
 class Requests(Protocol):
-    """Who decides on what clients ask."""
+    """Decides on requests of clients."""
 
     def answer(self, goal_id: str, message: Any) -> Verdict:
         """Decide on a goal request."""
@@ -45,7 +45,7 @@ class Requests(Protocol):
 
 
 class TaskServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazzy's rclpy
-    """Passes goals on and the answers back; decides nothing itself.
+    """Passes goals and answers on; decides nothing itself.
 
     A goal that runs is no coroutine: rclpy would resume every pending one in each turn of the
     executor. It is started by a callback, and its end becomes one short task.
