@@ -93,7 +93,7 @@ def state_from_plain(
 ) -> CellState:
     """Return the state of a cell from a record.
 
-    :param known: objects by their places, which need not be made
+    :param known: objects by their places that exist already
     :raises KeyError: it names something that the cell does not have
     :raises TypeError: it is damaged, or written by a newer version
     :raises ValueError: the same
@@ -242,7 +242,7 @@ class Reader:
     def __init__(self, objects: list[Any], known: Mapping[int, Any] = _NOTHING) -> None:
         """Begin.
 
-        :param known: objects by their places, which need not be made
+        :param known: objects by their places that exist already
         """
         self._plain = objects
         self._objects = dict(known)

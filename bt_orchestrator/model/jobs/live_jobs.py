@@ -32,7 +32,7 @@ class LiveJobs(Mapping[str, 'JobState']):
         """Those that have started, in the order they did; read only."""
         self._queued: dict[str, JobState] = {}
         self._keys: dict[str, float] = {}
-        """What the queue is sorted by; who is put between two others gets a number between."""
+        """Sort keys of the queue; a job put between two others gets a number between."""
         self._order: list[str] = []
         """The queue."""
         self._allowed: list[str] = []
