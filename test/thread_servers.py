@@ -11,6 +11,7 @@ import rclpy
 from rclpy.action.server import ActionServer, CancelResponse, GoalResponse
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.context import Context
+from rclpy.exceptions import InvalidHandle
 from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
 from rclpy.node import Node
 from rclpy.task import Future
@@ -42,6 +43,7 @@ class ThreadServers:
         self._executor = MultiThreadedExecutor(num_threads=3, context=self._context)
         self._executor.add_node(self.node)
         self._servers: list[Any] = []
+        self._is_closing = False
         # A coroutine that waits is looked at only when the executor has something to do.
         self.node.create_timer(0.05, lambda: None)
         self._thread = threading.Thread(target=self._spin)
@@ -74,6 +76,7 @@ class ThreadServers:
 
     def close(self) -> None:
         """Leave ROS."""
+        self._is_closing = True
         self._executor.shutdown()
         self._thread.join()
         self.close_servers()
@@ -88,4 +91,8 @@ class ThreadServers:
 
     def _spin(self) -> None:
         with contextlib.suppress(ExternalShutdownException):
-            self._executor.spin()
+            try:
+                self._executor.spin()
+            except InvalidHandle:  # a callback ended while the executor was shut down
+                if not self._is_closing:
+                    raise
