@@ -139,7 +139,7 @@ def test_a_request_that_is_too_large_is_refused_at_once(small_cell: CellProcesse
         assert not told.accepted
         assert words in told.message
     words = 'of text, and a request may have 1000000'
-    change = QueueUpdate.Request(job='A', details='x' * (REQUEST_BYTES + 1))
+    change = QueueUpdate.Request(job='A', reason='why', details='x' * (REQUEST_BYTES + 1))
     told = small_cell.watch.call(QueueUpdate, 'queue/update', change)
     assert told.message.startswith('the orders of this request have 1000001 bytes'), told.message
     assert words in told.message
