@@ -9,6 +9,7 @@ import io
 import json
 import shlex
 from collections.abc import Iterator, Sequence
+from typing import NoReturn
 
 from bt_orchestrator.cli.door import instead_of_a_door, open_door
 from bt_orchestrator.cli.folders import add_trees_option, script_folders
@@ -30,6 +31,9 @@ of this command line, written as it would be typed, without a reason:
   what-if 'answer 3 skip'
 
 New orders are read here, with the scripts of --trees or of the folder trees."""
+
+
+_ASKS_NOTHING = 'what-if: a verb that only looks asks nothing of the cell'
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -76,6 +80,13 @@ class _Collecting:
         self.asked.append(asked)
         return Answer(True, '')
 
+    def status(self) -> NoReturn:
+        """Refuse a verb that only looks.
+
+        :raises WrongUse: always
+        """
+        raise WrongUse(_ASKS_NOTHING)
+
 
 def _asked(text: str) -> Sequence[Asked]:
     """Return what a verb would ask.
@@ -94,18 +105,12 @@ def _asked(text: str) -> Sequence[Asked]:
     parser = argparse.ArgumentParser()
     module.add_arguments(parser)
     if '--reason' not in parser.format_usage():
-        raise WrongUse(f'what-if: {text!r} asks nothing of the cell')
+        raise WrongUse(_ASKS_NOTHING)
     reason = [] if '--reason' in words else ['--reason', 'what if']
     args = parsed([*words, *reason])
     door = _Collecting()
-    try:
-        with instead_of_a_door(door), contextlib.redirect_stdout(io.StringIO()):
-            module.run(args)
-    except AttributeError as error:
-        if error.obj is not door:
-            raise
-    if not door.asked:
-        raise WrongUse(f'what-if: {text!r} asks nothing of the cell')
+    with instead_of_a_door(door), contextlib.redirect_stdout(io.StringIO()):
+        module.run(args)
     return door.asked
 
 

@@ -13,10 +13,7 @@ from typing import Any
 
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.ports import ActionTypes
-from bt_orchestrator.sim.run_on import RunOn
-
-LONGEST_S = 10.0
-"""Real seconds after which jobs that have not ended yet stay without a forecast."""
+from bt_orchestrator.sim.run_on import LONGEST_S, RunOn
 
 
 def expected_ends(

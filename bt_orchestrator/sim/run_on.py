@@ -29,6 +29,9 @@ from bt_orchestrator.sim.virtual_goal import VirtualGoal
 CYCLES_RUN = 40
 """Number of cycles run of each job; omitted ones are assumed at the pace in the middle."""
 
+LONGEST_S = 10.0
+"""Seconds of real time for one run; jobs that have not ended then have no forecast."""
+
 
 class RunOn:
     """A virtual run that begins with the state of a real one, without affecting it."""

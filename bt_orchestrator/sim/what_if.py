@@ -15,10 +15,7 @@ from bt_orchestrator.model.requests import Asked
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.ports import ActionTypes, Consequence, ExpectedJob, Moment
 from bt_orchestrator.replies import begin
-from bt_orchestrator.sim.run_on import RunOn
-
-LONGEST_S = 10.0
-"""Real seconds for each of both runs; jobs that have not ended then have no forecast."""
+from bt_orchestrator.sim.run_on import LONGEST_S, RunOn
 
 
 class EngineWhatIf:
