@@ -29,7 +29,7 @@ VERBS: Mapping[str, tuple[str, str]] = {
     'simulate': ('simulate', 'run work orders in virtual time and print the prediction'),
     'sim-cell': ('sim_cell', 'serve every component of a cell as a simulated ROS 2 action server'),
     'run': ('run', 'the tree node of a cell: takes orders and runs them'),
-    'demo': ('demo', 'a simulated cell, its tree node and one order, with live progress'),
+    'demo': ('demo.verb', 'a simulated cell, its tree node and one order, with live progress'),
     'submit': ('submit', 'give a running node work orders'),
     'what-if': ('what_if', 'when jobs would end after some requests, before anybody makes them'),
     'queue': ('queue', 'list the jobs of a running node, and change what is done when'),

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from program_process import PATIENCE_S, ProgramProcess
 
-from bt_orchestrator.cli.demo_folder import stop_process
+from bt_orchestrator.cli.demo.folder import stop_process
 
 pytestmark = pytest.mark.every_distro
 

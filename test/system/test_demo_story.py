@@ -18,7 +18,7 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile
 
-from bt_orchestrator.cli.demo_folder import DemoFolder
+from bt_orchestrator.cli.demo.folder import DemoFolder
 from bt_orchestrator.cli.folders import shipped
 
 FORGETS_S = 0.2

@@ -15,10 +15,10 @@ from typing import Any
 
 from bt_orchestrator.cli.bootstrap import installed_types, load_cell
 from bt_orchestrator.cli.called_as import called_as, verb_as
-from bt_orchestrator.cli.demo_dialogue import Dialogue
-from bt_orchestrator.cli.demo_folder import DemoFolder, DemoRecord, default_folder
-from bt_orchestrator.cli.demo_programs import READY_S, DemoPrograms
-from bt_orchestrator.cli.demo_show import DemoShow, Interrupted
+from bt_orchestrator.cli.demo.dialogue import Dialogue
+from bt_orchestrator.cli.demo.folder import DemoFolder, DemoRecord, default_folder
+from bt_orchestrator.cli.demo.programs import READY_S, DemoPrograms
+from bt_orchestrator.cli.demo.show import DemoShow, Interrupted
 from bt_orchestrator.cli.door import open_door
 from bt_orchestrator.cli.folders import add_trees_option, shipped
 from bt_orchestrator.cli.journal_file import open_records

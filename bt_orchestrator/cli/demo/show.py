@@ -6,8 +6,8 @@ import time
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from bt_orchestrator.cli.demo_dialogue import Dialogue
-from bt_orchestrator.cli.demo_programs import READY_S, DemoPrograms
+from bt_orchestrator.cli.demo.dialogue import Dialogue
+from bt_orchestrator.cli.demo.programs import READY_S, DemoPrograms
 from bt_orchestrator.cli.door import STEP_S, Ignoring
 from bt_orchestrator.cli.node_options import origin
 from bt_orchestrator.cli.order_request import for_node

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from bt_orchestrator.cli.demo_folder import DemoFolder, DemoRecord, is_ours, stop_process
+from bt_orchestrator.cli.demo.folder import DemoFolder, DemoRecord, is_ours, stop_process
 from bt_orchestrator.cli.programs import Program, ProgramFailed
 from bt_orchestrator.model.cell import Cell
 

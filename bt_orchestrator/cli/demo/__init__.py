@@ -1,0 +1,1 @@
+"""The verb `demo`, and what it starts and shows."""
