@@ -62,7 +62,10 @@ setuptools.setup(
     # ROS 2 packages are not named here: they come from a distribution or from its wheels, and
     # py_trees_ros exists only in the former. package.xml lists them all.
     install_requires=['argcomplete>=2', 'graphviz', 'py_trees>=2.2,<2.7', 'PyYAML', 'rich>=13.7'],
-    extras_require={'test': ['hypothesis', 'jsonschema', 'pyte', 'pytest', 'pytest-timeout']},
+    extras_require={
+        'page': ['starlette>=0.31', 'uvicorn>=0.27'],
+        'test': ['hypothesis', 'jsonschema', 'pyte', 'pytest', 'pytest-timeout'],
+    },
     entry_points={
         'console_scripts': [
             'bt-orchestrator = bt_orchestrator.cli.main:main',
