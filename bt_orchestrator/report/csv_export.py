@@ -36,7 +36,7 @@ class CsvExport:
         more = {k: v for k, v in record.items() if k not in COLUMNS and k not in LEFT_OUT}
         if more:
             record['more'] = more
-        self._writer.writerow([_cell(record.get(name)) for name in COLUMNS])
+        self._writer.writerow([csv_cell(record.get(name)) for name in COLUMNS])
 
     def close(self) -> None:
         """Do nothing: every row is complete."""
@@ -48,7 +48,7 @@ def iso_time(seconds: float) -> str:
     return moment.isoformat(timespec='microseconds')
 
 
-def _cell(value: Any) -> Any:
+def csv_cell(value: Any) -> Any:
     """Return a value for one cell of a table.
 
     A text that a spreadsheet would take for a formula gets an apostrophe in front, and characters

@@ -1,0 +1,48 @@
+"""Export of a job's items as CSV: one row an item, for a spreadsheet."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterator
+from typing import IO, Any
+
+from bt_orchestrator.model.jobs.job_record import ItemRecord, JobRecord
+from bt_orchestrator.report.csv_export import csv_cell, iso_time
+
+COLUMNS = ('job', 'item', 'how', 'started', 'ended', 'seconds', 'nonconforming', 'failures')
+"""The same for every job; the results of its tasks follow, one column a field."""
+
+
+def write_items(job: JobRecord, file: IO[str]) -> None:
+    """Write RFC 4180 with a header, times as ISO 8601 in UTC.
+
+    A column of results has the name that a reference in a script has
+    (`results.inspect.measurement`).
+    """
+    fields = list(dict.fromkeys(name for item in job.items.values() for name, _ in _results(item)))
+    writer = csv.writer(file)
+    writer.writerow([*COLUMNS, *fields])
+    for item in job.items.values():
+        results = dict(_results(item))
+        row = [*_about(job, item), *(results.get(name) for name in fields)]
+        writer.writerow(map(csv_cell, row))
+
+
+def _about(job: JobRecord, item: ItemRecord) -> tuple[Any, ...]:
+    ended = item.ended
+    return (
+        job.job,
+        item.item,
+        item.how,
+        iso_time(item.started),
+        None if ended is None else iso_time(ended),
+        None if ended is None else round(ended - item.started, 3),
+        ' '.join(item.nonconforming),
+        sum(failure.item == item.item for failure in job.failures),
+    )
+
+
+def _results(item: ItemRecord) -> Iterator[tuple[str, Any]]:
+    for task, results in item.results.items():
+        for name, value in results.items():
+            yield f'results.{task}.{name}', value
