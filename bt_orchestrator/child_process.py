@@ -112,7 +112,7 @@ class ChildProcess:
     def _start(self) -> None:
         with self._closing:
             if self._closed:
-                raise ChildFailed('nobody asks any more')
+                raise ChildFailed('it was closed meanwhile')
             try:
                 self._process = subprocess.Popen(
                     [sys.executable, '-m', self._module],

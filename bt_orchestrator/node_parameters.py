@@ -59,7 +59,7 @@ class NodeParameters:
     unauthenticated_role: Annotated[
         str,
         Words(
-            'role of everybody in the ROS domain, for ROS says of nobody who it is; auto: '
+            'role of all clients in the ROS domain, because ROS does not authenticate them; auto: '
             'engineer where the discovery range of ROS is this computer, else view',
             choices=(AUTO, *(role.value for role in Role)),
         ),
@@ -114,7 +114,7 @@ class NodeParameters:
         float,
         Words(
             'seconds that a commit may take before the journal counts as broken; until then '
-            'nothing is sent and commands wait, and whoever only reads is served',
+            'nothing is sent, commands wait, and requests that only read are answered',
             low=1.0,
             high=3600.0,
             metavar='SECONDS',

@@ -30,7 +30,7 @@ def saved_status(path: Path) -> CellStatus:
         raise CannotRead(f'cannot read {path}: {error.strerror}') from error
     except ValueError as error:
         raise CannotRead(
-            f'{path} is no JSON: {error}; expected what status --json prints'
+            f'{path} is not JSON: {error}; expected what status --json prints'
         ) from error
     try:
         return from_plain(CellStatus, found)

@@ -15,7 +15,8 @@ def moment(text: str) -> float:
         return datetime.fromisoformat(text).timestamp()
     except ValueError as error:
         raise argparse.ArgumentTypeError(
-            f'{text!r} is no time; write 2026-05-17, or 2026-05-17T14:30, with +02:00 or without'
+            f'{text!r} is not a time; write 2026-05-17, or 2026-05-17T14:30, with +02:00 or '
+            'without'
         ) from error
 
 

@@ -21,11 +21,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         '--hold',
         default='',
         metavar='N',
-        help='release this pause or hold of the cell, whoever paused',
+        help='release this pause or hold of the cell, also one of another person',
     )
-    which.add_argument(
-        '--all', action='store_true', help='release every pause of a person, whoever paused'
-    )
+    which.add_argument('--all', action='store_true', help='release the pauses of all persons')
     add_who_options(parser)
     add_node_options(parser)
 

@@ -16,7 +16,7 @@ CROWDED = 101
 RANGES: Mapping[str, str] = {
     'SUBNET': 'every computer of the network',
     'LOCALHOST': 'this computer only',
-    'OFF': 'nobody, not even this computer',
+    'OFF': 'no other program, not even on this computer',
     'SYSTEM_DEFAULT': 'whatever the middleware is configured for',
 }
 
@@ -37,7 +37,7 @@ def domain(environment: Mapping[str, str]) -> Check:
     if not text:
         return ok(name, '0, as it is not set; only nodes of domain 0 are found')
     if not text.isdecimal() or int(text) > LARGEST:
-        return fail(name, f'{text!r} is no domain', f'set a whole number from 0 to {LARGEST}')
+        return fail(name, f'{text!r} is not a domain', f'set a whole number from 0 to {LARGEST}')
     if int(text) > CROWDED:
         remedy = f'its ports may be taken by others; choose one from 0 to {CROWDED}'
         return warn(name, text, remedy)
@@ -61,7 +61,7 @@ def reach(environment: Mapping[str, str]) -> Check:
     if text not in RANGES:
         known = ', '.join(RANGES)
         remedy = f'set ROS_AUTOMATIC_DISCOVERY_RANGE to one of {known}; ROS 2 takes SUBNET now'
-        return warn(name, f'{text!r} is no range', remedy)
+        return warn(name, f'{text!r} is not a range', remedy)
     peers = [peer for peer in environment.get(_PEERS, '').split(';') if peer]
     found = f'{text}: {RANGES[text]}'
     if text == 'OFF':

@@ -61,10 +61,11 @@ _WORK = (
 
 MEANINGS: Mapping[PackmlState, str] = {
     PackmlState.STOPPED: (
-        'nothing runs, nothing starts; waits for `reset`, or, if nobody stopped it, for an order'
+        'nothing runs, nothing starts; waits for `reset`, or for an order if no operator '
+        'stopped it'
     ),
     PackmlState.RESETTING: 'gets ready to start',
-    PackmlState.IDLE: 'ready; waits for `start`, or, if nobody stopped it, for an order',
+    PackmlState.IDLE: 'ready; waits for `start`, or for an order if no operator stopped it',
     PackmlState.STARTING: 'begins to work',
     PackmlState.EXECUTE: 'works',
     PackmlState.COMPLETING: 'the last job has ended',

@@ -137,8 +137,8 @@ def _to_release(state: CellState, command: Resume) -> list[Hold]:
     if all(hold.must_be_named for hold in state.pauses):
         raise CommandRefused(f'nothing was released; {there}')
     raise CommandRefused(
-        f'no pause is yours; {there}; whoever paused resumes, or name the hold to release it '
-        'for them'
+        f'none of the pauses is yours; {there}; the person who paused resumes, or name the hold '
+        'to release it for that person'
     )
 
 

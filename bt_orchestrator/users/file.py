@@ -75,15 +75,17 @@ class UsersFile:
             raise UsersUnusable(f'{self._path}: {error.strerror}') from error
         if mode & _OTHERS:
             raise UsersUnusable(
-                f'{self._path}: others than its owner may open it (mode {mode & 0o777:o}), so '
-                f'nobody is let in by it; look whether it is as you left it, then chmod 600 it'
+                f'{self._path}: other users of this computer may open it '
+                f'(mode {mode & 0o777:o}), so it is not used; check that it has not been '
+                'changed, then chmod 600 it'
             )
         try:
             return _users(yaml.safe_load(text))
         except (yaml.YAMLError, KeyError, TypeError, ValueError) as error:
             raise UsersUnusable(
-                f'{self._path}: this is no file of users, or it is damaged ({_in_short(error)}); '
-                'bring a copy of it back, or remove it and add the users again'
+                f'{self._path}: this is not a file of users, or it is damaged '
+                f'({_in_short(error)}); bring a copy of it back, or remove it and add the users '
+                'again'
             ) from error
 
     def verify(self, name: str, password: str) -> Role | None:
@@ -104,8 +106,8 @@ class UsersFile:
         """
         if not name or name != name.strip() or not name.isprintable() or len(name) > WHO:
             raise NoSuchChange(
-                f'{name!r} is no name; expected up to {WHO} printable characters, with no space '
-                'before or after them'
+                f'{name!r} is not a name; expected up to {WHO} printable characters, with no '
+                'space before or after them'
             )
         user = User(role, hashed(password))
 
@@ -207,19 +209,22 @@ def _plain_hash(password: Hashed) -> dict[str, Any]:
 
 
 def _users(plain: Any) -> Users:
+    if not isinstance(plain, Mapping) or not isinstance(plain.get('users'), Mapping):
+        raise TypeError('expected the keys format and users')
     if plain['format'] != FORMAT:
         raise ValueError(f'format {plain["format"]!r}; expected {FORMAT}')
-    users: Mapping[Any, Any] = plain['users']
-    return {_name(name): _user(fields) for name, fields in users.items()}
+    return {_name(name): _user(fields) for name, fields in plain['users'].items()}
 
 
 def _name(name: Any) -> str:
     if not isinstance(name, str):
-        raise TypeError(f'the name {name!r} is no text')
+        raise TypeError(f'the name {name!r} is not a text')
     return name
 
 
 def _user(fields: Any) -> User:
+    if not isinstance(fields, Mapping):
+        raise TypeError('expected the keys role and password of each user')
     password = fields['password']
     cost = Cost(**{name: int(value) for name, value in password['scrypt'].items()})
     if not cost.is_sane:

@@ -108,7 +108,7 @@ def test_arrays_of_messages() -> None:
 @pytest.mark.parametrize(
     ('name', 'what', 'hint'),
     [
-        ('Conveyor', "'Conveyor' is no type name", 'package/action/Name'),
+        ('Conveyor', "'Conveyor' is not a type name", 'package/action/Name'),
         ('no_such/action/Move', 'the package no_such is not installed', 'source its workspace'),
         ('std_msgs/action/String', 'the package std_msgs has no action types', 'another package'),
         ('std_msgs/msg/String', 'std_msgs/msg/String is a message, not an action', '/action/'),

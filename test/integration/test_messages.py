@@ -141,7 +141,7 @@ def test_floats_that_are_no_numbers_pass() -> None:
         (msg.BasicTypes, {'float64_value': None}, 'float64_value must be a number.*not None'),
         (msg.Strings, {'string_value': 5}, 'string_value must be text'),
         (msg.Strings, {'bounded_string_value': 'x' * 23}, 'at most 22 characters'),
-        (msg.Strings, {'string_value': '\ud800'}, 'string_value is no valid text'),
+        (msg.Strings, {'string_value': '\ud800'}, 'string_value is not a valid text'),
         (msg.Arrays, {'int32_values': [1, 2]}, 'int32_values must be a list of 3 values'),
         (msg.Arrays, {'int32_values': [1, 2, 'x']}, r'int32_values\[2\] must be'),
         (msg.BoundedSequences, {'int32_values': [1, 2, 3, 4]}, 'at most 3 values'),

@@ -34,8 +34,10 @@ def _request(
 
 # --- the cell (semantics 7.2, 7.3) --------------------------------------------------------------
 
-_HOLD = Parameter('hold', Kind.TEXT, 'release this pause or hold of the cell, whoever paused')
-_EVERYONES = Parameter('everyones', Kind.YES_NO, 'release every pause of a person, whoever paused')
+_HOLD = Parameter(
+    'hold', Kind.TEXT, 'release this pause or hold of the cell, also one of another person'
+)
+_EVERYONES = Parameter('everyones', Kind.YES_NO, 'release the pauses of all persons')
 _BELT = Parameter('belt', Kind.TEXTS, 'every slot, as in 1=WO-1/3 and 2=empty')
 _AS_SHOWN = Parameter('as_shown', Kind.WHOLE, 'the belt is as the status with this seq shows it')
 

@@ -66,7 +66,7 @@ def _state(graph: Graph, component: Component, state: StateTopic) -> Check:
         what = f'{topic} is {wrong[0].topic_type} ({names(wrong)}), not {state.type}'
         return fail(name, what, 'correct `state: {type: ...}` in the cell file, or the publisher')
     if len(found) > 1:
-        remedy = 'the last message counts, whoever sent it: stop all but one if they may disagree'
+        remedy = 'the last message of any of them counts: stop all but one if they may disagree'
         return warn(name, f'{len(found)} publishers of {topic}: {names(found)}', remedy)
     return _quality(name, topic, found)
 

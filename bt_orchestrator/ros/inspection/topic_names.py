@@ -42,7 +42,7 @@ class TopicNames:
             validate_full_topic_name(name)
         except InvalidTopicNameException as error:
             reason = ' '.join(str(error).split())
-            raise StreamRefused(f'topic {requested!r} is no valid name: {reason}') from error
+            raise StreamRefused(f'topic {requested!r} is not a valid name: {reason}') from error
         others = dict(self._node.get_topic_names_and_types()).get(name, [])
         if any(other != self._type_name for other in others):
             raise StreamRefused(f'topic {name} is taken, for {", ".join(others)}')

@@ -45,7 +45,7 @@ class EventsService:
             try:
                 found.extend(self._messages(after, most))
             except DamagedRecord as damage:
-                self._log.warning(f'{damage}; whoever asks for it gets what comes after')
+                self._log.warning(f'{damage}; clients that ask for it get the events after it')
                 if not found:
                     after, first = damage.last, damage.last + 1
                     continue

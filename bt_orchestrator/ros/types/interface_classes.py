@@ -35,7 +35,7 @@ def _find(name: str, kind: str) -> Any:
     parts = name.split('/')
     example = f'package/{kind}/Name'
     if len(parts) != 3 or not all(part.isidentifier() for part in parts):
-        what = f'{name!r} is no type name'
+        what = f'{name!r} is not a type name'
         raise UnknownActionType(name, what, f'write it as {example}')
     package, found_kind, short = parts
     if found_kind != kind:

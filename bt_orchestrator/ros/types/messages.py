@@ -122,7 +122,7 @@ def _check_encodable(text: str, place: str) -> None:
     try:
         text.encode()
     except UnicodeEncodeError as error:
-        raise ValueError(f'{place} is no valid text: {error.reason}') from error
+        raise ValueError(f'{place} is not a valid text: {error.reason}') from error
 
 
 def _plain(value: Any) -> Any:

@@ -124,7 +124,7 @@ class DependencyReader:
         if name is None or name in known or self._script.may_have(name):
             return name
         if name in self._script.by_id:
-            what = f'`{name}` is no initialization task'
+            what = f'`{name}` is not an initialization task'
             hint = 'order tasks of sections by `lateral_dependencies`'
         else:
             what = f'there is no initialization task {quoted(name)}'

@@ -73,7 +73,7 @@ def test_history_by_time(journal: str, capsys: pytest.CaptureFixture[str]) -> No
     assert 'J1' not in said(capsys, 'history', '--journal', journal, *since)
     with pytest.raises(SystemExit, match='2'):
         main(['history', '--journal', journal, '--from', 'yesterday'])
-    assert "'yesterday' is no time; write 2026-05-17" in capsys.readouterr().err
+    assert "'yesterday' is not a time; write 2026-05-17" in capsys.readouterr().err
 
 
 def test_a_job_or_a_journal_that_is_not_there(

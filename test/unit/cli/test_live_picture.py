@@ -27,7 +27,7 @@ def test_a_saved_status_is_read(tmp_path: Path) -> None:
     ('text', 'words'),
     [
         (None, 'cannot read'),
-        ('{', 'is no JSON'),
+        ('{', 'is not JSON'),
         ('[1]', 'holds no status of a cell'),
         ('{}', 'holds no status of a cell'),
         ('{"cell": "a", "is_there": true}', 'holds no status of a cell'),

@@ -237,7 +237,7 @@ RCLError.__module__ = 'rclpy._rclpy_pybind11'
 @pytest.mark.parametrize(
     ('domain', 'said'),
     [
-        ('abc', "ROS_DOMAIN_ID: 'abc' is no domain; set a whole number from 0 to 232; "),
+        ('abc', "ROS_DOMAIN_ID: 'abc' is not a domain; set a whole number from 0 to 232; "),
         ('7', 'ROS 2 says: no memory; '),
     ],
 )

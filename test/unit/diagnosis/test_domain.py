@@ -55,8 +55,12 @@ def test_domain(text: str | None, verdict: Verdict, number: int) -> None:
     [
         ({}, OK, 'SUBNET: every computer of the network'),
         ({'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}, OK, 'LOCALHOST: this computer only'),
-        ({'ROS_AUTOMATIC_DISCOVERY_RANGE': 'OFF'}, FAIL, 'OFF: nobody, not even this computer'),
-        ({'ROS_AUTOMATIC_DISCOVERY_RANGE': 'localhost'}, WARN, "'localhost' is no range"),
+        (
+            {'ROS_AUTOMATIC_DISCOVERY_RANGE': 'OFF'},
+            FAIL,
+            'OFF: no other program, not even on this computer',
+        ),
+        ({'ROS_AUTOMATIC_DISCOVERY_RANGE': 'localhost'}, WARN, "'localhost' is not a range"),
         ({'ROS_LOCALHOST_ONLY': '0'}, OK, 'SUBNET: every computer of the network'),
         (
             {'ROS_LOCALHOST_ONLY': '1', 'ROS_AUTOMATIC_DISCOVERY_RANGE': 'SUBNET'},

@@ -40,8 +40,8 @@ def test_7_3_nobody_resumes_for_others_by_mistake() -> None:
     answer = run.command(Resume, who='Bob')
     assert not answer.accepted
     assert answer.message == (
-        'no pause is yours; hold 1 (paused, Ann: it is so); whoever paused resumes, or name the '
-        'hold to release it for them'
+        'none of the pauses is yours; hold 1 (paused, Ann: it is so); the person who paused '
+        'resumes, or name the hold to release it for that person'
     )
     assert list(run.state.holds) == ['1']
 

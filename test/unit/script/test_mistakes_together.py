@@ -24,7 +24,7 @@ PAIRS = 1_000_000 if PROFILE == 'nightly' else 500
 LOST_ID = 'task_options: empty id'
 """The task may have had any id, so a name that no other task has is perhaps right."""
 
-UNKNOWN_ID = re.compile(r'.*(there is no .*task|names no task|is no initialization task)')
+UNKNOWN_ID = re.compile(r'.*(there is no .*task|names no task|is not an initialization task)')
 
 ORDERED = line(
     'params: {lot: {type: str}, n: {type: int, default: 3}, '

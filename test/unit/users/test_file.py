@@ -93,7 +93,7 @@ def test_a_damaged_one_is_told_and_left_alone(users: UsersFile, path: Path, text
     path.write_text(text)
     path.chmod(0o600)
     for attempt in (users.read, lambda: users.add('ann', Role.OPERATE, PASSWORD)):
-        with pytest.raises(UsersUnusable, match='no file of users, or it is damaged'):
+        with pytest.raises(UsersUnusable, match='not a file of users, or it is damaged'):
             attempt()
     assert path.read_text() == text
 
@@ -122,7 +122,7 @@ def test_a_user_that_cannot_be_is_damage(
 def test_names_that_are_none_or_taken_are_refused(users: UsersFile) -> None:
     users.add('ann', Role.OPERATE, PASSWORD)
     for name in ('', ' ann', 'a\nb', 'x' * 201):
-        with pytest.raises(NoSuchChange, match='is no name'):
+        with pytest.raises(NoSuchChange, match='is not a name'):
             users.add(name, Role.VIEW, PASSWORD)
     with pytest.raises(NoSuchChange, match='ann is there already'):
         users.add('ann', Role.ENGINEER, PASSWORD)

@@ -47,7 +47,7 @@ def test_without_initialization_there_is_nothing_to_order() -> None:
     assert mistakes(lambda: line(text)) == [
         '5:42: there is no initialization task `a`; give the script one, or remove this',
         (
-            '5:57: `place` is no initialization task; '
+            '5:57: `place` is not an initialization task; '
             'order tasks of sections by `lateral_dependencies`'
         ),
     ]
