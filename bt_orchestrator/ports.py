@@ -518,6 +518,26 @@ class Consequence(NamedTuple):
     """Messages of the requests that would be refused, in order; empty: none."""
 
 
+class WrongField(NamedTuple):
+    """A mistake in one key of a work order."""
+
+    field: str
+    """For instance params.lot; empty: of the order as a whole."""
+    what: str
+    hint: str
+
+
+class CheckedOrder(NamedTuple):
+    """What would be said of a work order."""
+
+    accepted: bool
+    message: str
+    """Why it would be refused, or not be checked; empty: it would be accepted."""
+    wrong: Sequence[WrongField] = ()
+    is_checked: bool = True
+    """False: its script is not known here; the node may know it."""
+
+
 class WhatIf(Protocol):
     """Predicts the effect of requests on jobs, with the engine that runs the cell."""
 
@@ -526,3 +546,28 @@ class WhatIf(Protocol):
 
         :raises NotKept: the state to start from is not available
         """
+
+    def check(self, order: Mapping[str, object]) -> CheckedOrder:
+        """Tell whether an order, with the keys of an order file, would be queued.
+
+        :raises NotKept: the state to start from is not available
+        """
+
+
+class Planning(Protocol):
+    """Answers a planner's questions outside the asking process. One thread at a time."""
+
+    def what_if(self, moment: Moment, requests: Sequence[Asked]) -> Consequence:
+        """Predict when jobs end from a moment on, without and with these requests.
+
+        :raises NotKept: nothing could be worked out
+        """
+
+    def check(self, moment: Moment, order: Mapping[str, object]) -> CheckedOrder:
+        """Tell whether an order, with the keys of an order file, would be queued.
+
+        :raises NotKept: nothing could be worked out
+        """
+
+    def close(self) -> None:
+        """Stop working; may be called from any thread."""

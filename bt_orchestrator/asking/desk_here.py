@@ -8,7 +8,9 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 
 from bt_orchestrator.asking.orders import free_ids
+from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.orders.desk import OrderDesk, Question, Reading, Wanted
@@ -18,13 +20,20 @@ class DeskHere:
     """Makes jobs of orders at once. Implements `handler.OrderReading`."""
 
     def __init__(
-        self, cell: Cell, types: ActionTypes, trees: Sequence[Path], state: CellState
+        self,
+        cell: Cell,
+        types: ActionTypes,
+        trees: Sequence[Path],
+        state: CellState,
+        *,
+        any_path: bool = True,
     ) -> None:
         """Read scripts, by name in some folders or by path.
 
         :param state: of the engine that the orders are for
+        :param any_path: also scripts outside the folders
         """
-        self._desk = OrderDesk(cell, types, trees, any_path=True)
+        self._desk = OrderDesk(cell, types, trees, any_path=any_path)
         self._state = state
 
     @asynccontextmanager
@@ -34,6 +43,10 @@ class DeskHere:
         :raises NotRead: says why nothing was read
         """
         yield self.reading(wanted() if callable(wanted) else wanted)
+
+    def script(self, name: str) -> Script | Refused:
+        """Read a script."""
+        return self._desk.script(name)
 
     def reading(self, wanted: Wanted) -> Reading:
         """Return what becomes of orders in the state of now."""

@@ -14,7 +14,7 @@ from typing import NoReturn
 from bt_orchestrator.cli.door import instead_of_a_door, open_door
 from bt_orchestrator.cli.folders import add_trees_option, script_folders
 from bt_orchestrator.cli.node_options import add_node_options
-from bt_orchestrator.cli.what_if_process import WhatIfProcess
+from bt_orchestrator.cli.planning_process import PlanningProcess
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.requests import Asked
@@ -54,8 +54,9 @@ def run(args: argparse.Namespace) -> int:
     requests = [asked for text in args.requests for asked in _asked(text)]
     with open_door(args.node, args.timeout) as door:
         moment = door.moment()
-    with contextlib.closing(WhatIfProcess(moment, script_folders(args.trees))) as process:
-        found = process.ask(requests)
+    planning = PlanningProcess(script_folders(args.trees), any_path=True)
+    with contextlib.closing(planning):
+        found = planning.what_if(moment, requests)
     if args.json:
         print(json.dumps(_plain(found)))
     else:

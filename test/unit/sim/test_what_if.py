@@ -15,7 +15,7 @@ from fakes.operator import ann
 from bt_orchestrator.model.jobs.order import Job, WorkOrder
 from bt_orchestrator.model.requests import Asked, ask
 from bt_orchestrator.model.snapshot import state_to_plain
-from bt_orchestrator.ports import Consequence, Moment
+from bt_orchestrator.ports import CheckedOrder, Consequence, Moment
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.sim.what_if import EngineWhatIf
 from bt_orchestrator.store.memory import MemoryStore
@@ -112,3 +112,43 @@ def test_a_cell_that_is_held_has_no_forecast_until_it_is_answered() -> None:
         found = asked_of(simulation, ask('hold.skip', ann(), hold=hold))
         assert set(dict(found.before).values()) == {None}
         assert None not in dict(found.after).values()
+
+
+OTHER = 'script: other\nparams: {n: {type: int, default: 1}}\n' + THREE.replace(
+    '@a1', 'task: TASK_A, action: /a1/do'
+).replace('@a2', 'task: TASK_A, action: /a2/do').replace('@a3', 'task: TASK_A, action: /a3/do')
+
+
+def checked(
+    simulation: Simulation, trees: tuple[Path, ...], order: dict[str, object]
+) -> CheckedOrder:
+    plain = json.loads(json.dumps(state_to_plain(simulation.state)))
+    moment = Moment(simulation.state.cell, plain, simulation.clock.now())
+    return EngineWhatIf(moment, TYPES, trees, any_path=False).check(order)
+
+
+def test_an_order_is_checked_before_anybody_gives_it(tmp_path: Path) -> None:
+    (tmp_path / 'other.yaml').write_text(OTHER)
+    (tmp_path / 'broken.yaml').write_text('script: broken\nsections: 7\n')
+    good: dict[str, object] = {'script': 'other', 'order': 'D', 'quantity': 1}
+    with running(4.0) as simulation:
+
+        def of(**change: object) -> CheckedOrder:
+            return checked(simulation, (tmp_path,), {**good, **change})
+
+        assert of() == CheckedOrder(True, '')
+        assert [one.field for one in of(quantity='x').wrong] == ['quantity']
+        assert [one.field for one in of(params={'n': 'x'}).wrong] == ['params.n']
+        used = of(order='B')
+        assert not used.accepted
+        assert [one.field for one in used.wrong] == ['order']
+        broken = of(script='broken')
+        assert not broken.accepted
+        assert broken.message.startswith('the script is refused with')
+        elsewhere = of(script='elsewhere')
+        assert (elsewhere.accepted, elsewhere.is_checked) == (True, False)
+        assert 'there is no script' in elsewhere.message
+        outside = of(script='/etc/passwd')
+        assert not outside.is_checked
+        assert 'in none of the folders' in outside.message
+        assert list(simulation.state.jobs) == ['A', 'B', 'C'], 'nothing was queued'

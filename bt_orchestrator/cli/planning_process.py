@@ -1,0 +1,101 @@
+"""What-if of a running cell, worked out in a process of low priority.
+
+The blackboard of py_trees is global to a process, and a virtual run takes the interpreter for
+itself: neither is for a process that serves somebody meanwhile.
+"""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from bt_orchestrator.child_process import ChildFailed, ChildProcess, be_modest, serve
+from bt_orchestrator.errors import NotKept
+from bt_orchestrator.model.requests import Asked
+from bt_orchestrator.ports import CheckedOrder, Consequence, Moment
+
+NICE = 19
+"""Lowest priority: whatever the cell needs comes first."""
+
+WITHIN_S = 60.0
+"""Longest time for an answer; the runs themselves give up earlier."""
+
+
+class PlanningProcess:
+    """Asks the process, which starts with the first question. Implements `ports.Planning`."""
+
+    def __init__(self, trees: Sequence[Path] = (), *, any_path: bool = False) -> None:
+        """Prepare; nothing is started yet.
+
+        :param trees: folders in which the scripts of new orders are looked up
+        :param any_path: whether an order may also name a script elsewhere, by its path
+        """
+        self._process = ChildProcess(__name__, pickle.dumps((tuple(trees), any_path)))
+
+    def what_if(self, moment: Moment, requests: Sequence[Asked]) -> Consequence:
+        """Work out when jobs end as things are, and when after these requests.
+
+        :raises NotKept: the moment cannot be gone on from
+        """
+        found: Consequence = self._ask('ask', moment, tuple(requests))
+        return found
+
+    def check(self, moment: Moment, order: Mapping[str, object]) -> CheckedOrder:
+        """Tell whether an order would be queued.
+
+        :raises NotKept: the moment cannot be gone on from
+        """
+        found: CheckedOrder = self._ask('check', moment, dict(order))
+        return found
+
+    def close(self) -> None:
+        """End the process."""
+        self._process.close()
+
+    def _ask(self, method: str, moment: Moment, what: object) -> Any:
+        try:
+            answer = self._process.ask(pickle.dumps((method, moment, what)), WITHIN_S)
+        except ChildFailed as error:
+            raise NotKept(f'nothing could be worked out: {error}') from error
+        worked, found = pickle.loads(answer)
+        if not worked:
+            raise NotKept(f'nothing could be worked out: {found}')
+        return found
+
+
+class _Answers:
+    """What the process knows: where scripts are."""
+
+    def __init__(self) -> None:
+        self._setup: tuple[tuple[Path, ...], bool] | None = None
+
+    def __call__(self, question: bytes) -> bytes:
+        asked = pickle.loads(question)
+        if self._setup is None:
+            self._setup = asked
+            return b''
+        try:
+            return pickle.dumps((True, self._answer(*asked)))
+        except Exception as error:  # noqa: BLE001 - told to whoever asks
+            return pickle.dumps((False, repr(error)))
+
+    def _answer(self, method: str, moment: Moment, what: object) -> object:
+        from bt_orchestrator.ros.types.action_types import InstalledActionTypes
+        from bt_orchestrator.sim.what_if import EngineWhatIf
+
+        assert self._setup is not None
+        trees, any_path = self._setup
+        what_if = EngineWhatIf(moment, InstalledActionTypes(), trees, any_path=any_path)
+        return getattr(what_if, method)(what)
+
+
+def main() -> None:
+    """Answer until nobody is left to hear it."""
+    be_modest(NICE)
+    serve(_Answers())
+
+
+if __name__ == '__main__':
+    main()
