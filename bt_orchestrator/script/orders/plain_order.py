@@ -69,7 +69,7 @@ class _Field(NamedTuple):
     path: str
 
 
-def _text(plain: Plain) -> str:
+def _text(plain: object) -> str:
     """Return YAML that says the same, each key in lines of its own."""
     return json.dumps(plain, indent=1, ensure_ascii=False)
 
