@@ -35,6 +35,7 @@ VERBS: Mapping[str, tuple[str, str]] = {
     'queue': ('queue', 'list the jobs of a running node, and change what is done when'),
     'status': ('status', 'how the cell of a running node stands'),
     'watch': ('watch', 'a running node on the terminal, as it changes'),
+    'page': ('page.verb', 'the operator page of a running node, for any browser'),
     'events': ('events', 'what happens at a running node, or what a journal says happened'),
     'history': ('history', 'the jobs of a journal and what became of them'),
     'journal': ('journal', 'bring a backup of a journal back'),

@@ -52,14 +52,16 @@ class VirtualNode:
         trees: Sequence[Path] = (),
         *,
         name: str = '/bt_orchestrator',
+        start_s: float = 0.0,
     ) -> None:
         """Put up the robots.
 
         :param trees: folders in which scripts of orders are looked up
+        :param start_s: time at which they begin
         """
         self.name = name
         self.cell = cell
-        self.clock = VirtualClock()
+        self.clock = VirtualClock(start_s)
         self._types = types
         self._trees = tuple(trees)
         self._gateway = VirtualGateway(cell, types, self.clock)

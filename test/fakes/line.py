@@ -73,7 +73,7 @@ class Line:
     def script(self, text: str, name: str = 'test') -> Script:
         """Read a script for this cell."""
         whole = f'script: {name}\n{dedent(text)}'
-        return parse_script(_expanded(whole), f'{name}.yaml', self.cell, TYPES)
+        return parse_script(expanded(whole), f'{name}.yaml', self.cell, TYPES)
 
     def begin(
         self,
@@ -105,7 +105,8 @@ def with_initialization(text: str, more: str = '') -> str:
     return f'initialization: {text}\n{more}{sections}'
 
 
-def _expanded(text: str) -> str:
+def expanded(text: str) -> str:
+    """Return a text with tasks in place of their short form."""
     return re.sub(
         r'@(\w+)(?:\.(\w+))?', lambda m: f'task: {m[2] or "TASK_A"}, action: /{m[1]}/do', text
     )

@@ -1,0 +1,1 @@
+"""The verb `page`, and what it is made of."""

@@ -1,0 +1,84 @@
+"""The web application: all routes of the page, and what stands before them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from starlette.applications import Starlette
+from starlette.middleware import Middleware
+from starlette.requests import Request
+from starlette.responses import FileResponse, JSONResponse, Response
+from starlette.routing import BaseRoute, Mount, Route
+from starlette.staticfiles import StaticFiles
+
+if TYPE_CHECKING:
+    from starlette.types import Receive, Scope, Send
+
+    from bt_orchestrator.web.page import Page
+
+STATIC = Path(__file__).parent / 'static'
+
+FRESH = {'cache-control': 'no-cache'}
+"""A browser asks whether a file has changed: after an update it must not mix old and new ones."""
+
+
+def make_app(page: Page) -> Starlette:
+    """Return the application of a page that was started."""
+    app = Starlette(routes=routes_of(page), middleware=middleware_of(page))
+    app.state.page = page
+    return app
+
+
+def routes_of(page: Page) -> list[BaseRoute]:
+    """Return all routes; each part of the page gives its own."""
+    return [
+        *_core(page),
+        # Further parts: people, commands, archive, scripts, what_if.
+        Mount('/static', _Files(directory=STATIC)),
+    ]
+
+
+def middleware_of(page: Page) -> Sequence[Middleware]:  # noqa: ARG001 - the guards will use it
+    """Return what every request passes, the outermost first."""
+    return ()
+
+
+def _core(page: Page) -> list[BaseRoute]:
+    def healthz(_: Request) -> Response:
+        return JSONResponse(
+            {
+                'node': page.doors.name,
+                'silent_s': round(page.doors.silent_s, 1),
+                'readers': len(page.streams.readers),
+            }
+        )
+
+    def index(_: Request) -> Response:
+        return FileResponse(STATIC / 'index.html', headers=FRESH)
+
+    return [
+        Route('/', index),
+        Route('/healthz', healthz),
+        Route('/api/stream', _Stream(page), methods=['GET']),
+    ]
+
+
+class _Stream:
+    """The stream as an ASGI application: starlette calls a function with a request instead."""
+
+    def __init__(self, page: Page) -> None:
+        self._page = page
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        await self._page.streams(scope, receive, send)
+
+
+class _Files(StaticFiles):
+    """The files of the page."""
+
+    async def get_response(self, path: str, scope: Scope) -> Response:
+        response = await super().get_response(path, scope)
+        response.headers.update(FRESH)
+        return response

@@ -1,0 +1,167 @@
+"""The page: what it is made of, and what holds it together."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from bt_orchestrator.errors import NodeUnreachable
+from bt_orchestrator.model.status import CellDescription, CellStatus
+from bt_orchestrator.web.book import Book
+from bt_orchestrator.web.door_thread import AskingDoor, Began, Doors, Fact, FollowingDoor
+from bt_orchestrator.web.ring import Happened
+from bt_orchestrator.web.seams import OpenDoor, Show
+from bt_orchestrator.web.stream import BEAT_S, Streams
+
+REFRESH_S = 0.05
+"""Shortest time between two computations of the parts."""
+
+
+@dataclass(frozen=True)
+class PageOptions:
+    """How the page is served."""
+
+    host: str = '127.0.0.1'
+    port: int = 8080
+    """0: any free one."""
+    trust_this_computer: bool = False
+    """Whoever sits at this computer may give commands without a login."""
+
+
+class Page:
+    """States: made, started, ended. All but the constructor is called in the server's loop."""
+
+    def __init__(
+        self, node: str, open_door: OpenDoor, show: Show, options: PageOptions | None = None
+    ) -> None:
+        """Put the parts together; nothing is started.
+
+        :param node: full name of the node
+        """
+        self.options = options or PageOptions()
+        self.show = show
+        self.book = Book()
+        self.description: CellDescription | None = None
+        """What exists in the cell; None: not known yet."""
+        self._open_door = open_door
+        self._following = FollowingDoor(open_door, self._hand_over)
+        self._node = node
+        self._was_silent = False
+        self._is_stale = False
+        """The parts in the book are not those of the newest status."""
+        self._refreshed_at = 0.0
+        self._later: asyncio.TimerHandle | None = None
+        self._tasks: set[asyncio.Task[None]] = set()
+
+    def start(self, on_error: Callable[[], object]) -> None:
+        """Begin to follow the cell, in the running loop.
+
+        :param on_error: called in another thread if the page cannot go on (`error`)
+        """
+        self._loop = asyncio.get_running_loop()
+        self._asking = AskingDoor(self._open_door, self._loop)
+        self.doors = Doors(self._node, self._following, self._asking)
+        self.streams = Streams(self.book, self.doors, self._refresh)
+        self._following.on_error = on_error
+        self._following.start()
+        self._asking.start()
+        self._spawn(self._beat())
+
+    def end(self) -> None:
+        """End all streams and refuse further questions; the threads end a moment later."""
+        self.streams.end()
+        self._following.end()
+        self._asking.end()
+        for task in self._tasks:
+            task.cancel()
+
+    def join(self) -> None:
+        """Wait for the end of the threads; the loop may have ended."""
+        self._following.join()
+        self._asking.join()
+
+    @property
+    def error(self) -> BaseException | None:
+        """Why it cannot go on."""
+        return self._following.error
+
+    # --- what is heard ----------------------------------------------------------------------
+
+    def _hand_over(self, facts: Sequence[Fact]) -> None:
+        """Hand facts to the loop; called in the thread that follows."""
+        with contextlib.suppress(RuntimeError):  # the loop has ended
+            self._loop.call_soon_threadsafe(self._take, facts)
+
+    def _take(self, facts: Sequence[Fact]) -> None:
+        for fact in facts:
+            if isinstance(fact, CellStatus):
+                self._take_status(fact)
+            elif isinstance(fact, Began):
+                self.book.begin(fact.history, fact.last)
+                self.show.begin(fact.history)
+                self._was_silent = True
+            else:
+                self.book.add(fact)
+                if isinstance(fact, Happened):
+                    self.show.hear(fact.event)
+        if self.streams.readers:
+            self._refresh()
+            self.streams.wake()
+
+    def _take_status(self, status: CellStatus) -> None:
+        if status.history != self.book.history:
+            return  # of a node that is gone
+        self.book.status = status
+        self._is_stale = True
+        if self._was_silent:  # the node may have started anew, with another cell file
+            self._was_silent = False
+            self._spawn(self._describe())
+
+    async def _describe(self) -> None:
+        with contextlib.suppress(NodeUnreachable):
+            self.description = await self.doors.description()
+            self._is_stale = True
+            self._refresh()
+            self.streams.wake()
+
+    # --- what is shown ----------------------------------------------------------------------
+
+    def _refresh(self) -> None:
+        """Bring the parts up to date, but not again and again within a moment."""
+        if not self._is_stale or self._later is not None or self.book.status is None:
+            return
+        wait_s = self._refreshed_at + REFRESH_S - time.monotonic()
+        if wait_s > 0 and self.book.version:
+            self._later = self._loop.call_later(wait_s, self._refresh_now)
+        else:
+            self._compute()
+
+    def _refresh_now(self) -> None:
+        self._later = None
+        if self.streams.readers:
+            self._compute()
+            self.streams.wake()
+
+    def _compute(self) -> None:
+        status = self.book.status
+        if status is None:
+            return
+        self._is_stale = False
+        self.book.put(self.show.parts(status, self.description, self._node))
+        self._refreshed_at = time.monotonic()
+
+    # --- time -------------------------------------------------------------------------------
+
+    async def _beat(self) -> None:
+        while True:
+            await asyncio.sleep(BEAT_S)
+            self._was_silent |= self.doors.is_silent
+            self.streams.beat()
+
+    def _spawn(self, work: object) -> None:
+        task = asyncio.ensure_future(work)  # type: ignore[call-overload]
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)

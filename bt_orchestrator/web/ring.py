@@ -1,0 +1,81 @@
+"""The last events of a cell, for readers who come back."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from functools import cached_property
+
+from bt_orchestrator.model.codec import to_text
+from bt_orchestrator.model.events import Event
+
+MOST_KEPT = 20_000
+"""Events; readers who were away for longer have theirs fetched from the node."""
+
+MOST_IN_ONE = 200
+"""Most events in one message."""
+
+
+class Happened:
+    """An event, with its record as JSON once somebody reads it."""
+
+    def __init__(self, event: Event) -> None:
+        self.first = self.last = event.seq
+        self.event = event
+
+    @cached_property
+    def text(self) -> str:
+        """The record."""
+        return to_text(self.event)
+
+
+class Lost:
+    """Events that are lost for good: removed from the journal, or damaged."""
+
+    def __init__(self, first: int, last: int) -> None:
+        self.first = first
+        self.last = last
+
+
+class Ring:
+    """Events of one history without a hole, in order; what is lost stands there as lost."""
+
+    def __init__(self, last: int = 0) -> None:
+        """Begin.
+
+        :param last: the event before the first one to keep
+        """
+        self._before = last
+        self._kept: list[Happened | Lost] = []
+        self._lasts: list[int] = []
+
+    @property
+    def before(self) -> int:
+        """The number before the first event that is kept."""
+        return self._before
+
+    @property
+    def last(self) -> int:
+        """The newest event."""
+        return self._lasts[-1] if self._lasts else self._before
+
+    def add(self, entry: Happened | Lost) -> None:
+        """Add what comes next."""
+        self._kept.append(entry)
+        self._lasts.append(entry.last)
+        if len(self._kept) > MOST_KEPT + MOST_KEPT // 8:  # not one by one: that moves all others
+            old = len(self._kept) - MOST_KEPT
+            self._before = self._lasts[old - 1]
+            del self._kept[:old], self._lasts[:old]
+
+    def after(self, seq: int) -> Lost | list[Happened]:
+        """Return what follows an event: some events, or that some are lost.
+
+        :param seq: not older than `before`
+        """
+        place = bisect_right(self._lasts, seq)
+        found: list[Happened] = []
+        for entry in self._kept[place : place + MOST_IN_ONE]:
+            if isinstance(entry, Lost):
+                return found or entry
+            found.append(entry)
+        return found

@@ -1,0 +1,36 @@
+"""What the parts of the page need of each other, as Protocols: each is made on its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
+from typing import Protocol
+
+from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.status import CellDescription, CellStatus
+from bt_orchestrator.ports import CellLink
+
+OpenDoor = Callable[[Callable[[], object]], AbstractContextManager[CellLink]]
+"""Opens a door to the node. Its argument is called again and again while the door waits for the
+node; what that raises ends the waiting. Called once in each thread that has a door."""
+
+
+class Show(Protocol):
+    """Decides what the page shows of a cell. All calls come from the loop's thread."""
+
+    def begin(self, history: str) -> None:
+        """Forget what was known: the cell has another journal, or is seen for the first time."""
+
+    def hear(self, event: Event) -> None:
+        """Take note of an event; every one since the page began, once and in order."""
+
+    def parts(
+        self, status: CellStatus, description: CellDescription | None, node: str
+    ) -> Mapping[str, object]:
+        """Return everything that is shown, by key (`cell`, `section/4`, `job/WO-1`).
+
+        Called only when a status has come and somebody looks. Values are what JSON can carry; a
+        part that equals the one before is not sent again.
+
+        :param description: None: not known yet
+        """

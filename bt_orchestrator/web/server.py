@@ -1,0 +1,157 @@
+"""The server of the page: a socket, and a loop in a thread of its own."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import errno
+import socket
+import threading
+from collections.abc import Iterator
+from typing import Any
+
+import uvicorn
+from uvicorn.protocols.http.h11_impl import H11Protocol
+
+from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.web.app import make_app
+from bt_orchestrator.web.page import Page
+from bt_orchestrator.web.stream import SEND_LIMIT_S
+
+SEND_BUFFER = 64 * 1024
+"""Of each connection in the kernel, bytes: a reader that is stuck is noticed, and costs little."""
+
+FAREWELL_S = 2
+"""Longest wait for requests that are carried out while the page ends."""
+
+
+class PageUnusable(OrchestratorError):
+    """The page cannot be served as it was asked for."""
+
+
+class PageServer:
+    """States: bound, running, ended."""
+
+    def __init__(self, page: Page) -> None:
+        """Take the address; requests wait until it runs.
+
+        :raises PageUnusable: the address is in use, or none of this computer's
+        """
+        self._page = page
+        self._socket = _bound(page.options.host, page.options.port)
+        self._stopped = threading.Event()
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._error: BaseException | None = None
+        self._thread = threading.Thread(target=self._run, name='page: server', daemon=True)
+
+    @property
+    def port(self) -> int:
+        """The port that it has."""
+        return int(self._socket.getsockname()[1])
+
+    @property
+    def address(self) -> str:
+        """What to type into a browser."""
+        host = self._page.options.host
+        return f'http://{f"[{host}]" if ":" in host else host}:{self.port}/'
+
+    @contextlib.contextmanager
+    def running(self) -> Iterator[None]:
+        """Serve as long as the context is open."""
+        self._thread.start()
+        try:
+            yield
+        finally:
+            self.stop()
+            self._thread.join()
+            self._page.join()
+
+    def stop(self) -> None:
+        """End it; from any thread."""
+        self._stopped.set()
+        loop = self._loop
+        if loop is not None:
+            with contextlib.suppress(RuntimeError):  # it has ended
+                loop.call_soon_threadsafe(self._end)
+
+    def wait(self) -> None:
+        """Wait until it was stopped, or cannot go on; raises why it cannot."""
+        self._stopped.wait()
+        error = self._error or self._page.error
+        if error is not None:
+            raise error
+
+    # --- the thread -------------------------------------------------------------------------
+
+    def _run(self) -> None:
+        try:
+            asyncio.run(self._serve())
+        except BaseException as error:  # noqa: BLE001 - `wait` raises it
+            self._error = error
+        finally:
+            self._stopped.set()
+
+    async def _serve(self) -> None:
+        page = self._page
+        page.start(self.stop)
+        config = uvicorn.Config(
+            make_app(page),
+            http=_Protocol,
+            ws='none',
+            loop='asyncio',
+            lifespan='off',
+            log_config=None,
+            log_level='error',
+            access_log=False,
+            proxy_headers=False,
+            server_header=False,
+            timeout_graceful_shutdown=FAREWELL_S,
+        )
+        self._uvicorn = uvicorn.Server(config)
+        self._loop = asyncio.get_running_loop()
+        if self._stopped.is_set():  # before there was a loop to tell
+            self._end()
+        try:
+            await self._uvicorn.serve(sockets=[self._socket])
+        finally:
+            page.end()
+
+    def _end(self) -> None:
+        self._page.end()
+        self._uvicorn.should_exit = True
+
+
+class _Protocol(H11Protocol):
+    """Lets an application end a connection at once: `state.transport` of its request."""
+
+    def connection_made(self, transport: Any) -> None:
+        """Remember the transport."""
+        self.app_state = {**self.app_state, 'transport': transport}
+        super().connection_made(transport)
+
+
+def _bound(host: str, port: int) -> socket.socket:
+    try:
+        family, kind, protocol, _, address = socket.getaddrinfo(
+            host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+        )[0]
+        bound = socket.socket(family, kind, protocol)
+        bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        # Connections inherit these.
+        bound.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
+        if hasattr(socket, 'TCP_USER_TIMEOUT'):
+            limit_ms = int(SEND_LIMIT_S * 1000)
+            bound.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, limit_ms)
+        bound.bind(address)
+        bound.listen()
+    except OSError as error:
+        raise PageUnusable(_why(host, port, error)) from error
+    return bound
+
+
+def _why(host: str, port: int, error: OSError) -> str:
+    if error.errno == errno.EADDRINUSE:
+        return f'port {port} of {host} is in use by another program; name another --port'
+    if error.errno == errno.EACCES:
+        return f'port {port} of {host} is not for this user; name a --port of 1024 or more'
+    return f'cannot listen at {host}, port {port}: {error.strerror or error}; see --host'

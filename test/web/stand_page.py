@@ -1,0 +1,33 @@
+"""Puts the stand together: cell, jobs, page and server."""
+
+from __future__ import annotations
+
+import argparse
+import time
+from pathlib import Path
+
+from web.stand_cell import StandCell
+
+from bt_orchestrator.model.jobs.order import Terms, WorkOrder
+from bt_orchestrator.store.memory import MemoryStore
+from bt_orchestrator.web.page import Page, PageOptions
+from bt_orchestrator.web.plain_show import PlainShow
+from bt_orchestrator.web.server import PageServer
+
+
+def stand_page(folder: Path, args: argparse.Namespace) -> tuple[StandCell, PageServer]:
+    """Return a cell with a queue, and the server of its page, which is to be started."""
+    faults = None if args.fail is None else [one for one in args.fail if one != 'none']
+    stand = StandCell(
+        folder, MemoryStore(), sections=args.sections, faults=faults, speed=args.speed
+    )
+    answer = stand.queue(*(_order(stand, number, args.quantity) for number in range(args.jobs)))
+    assert answer.accepted, answer
+    options = PageOptions(args.host, args.port, trust_this_computer=True)
+    return stand, PageServer(Page(stand.node.name, stand.open_door, PlainShow(), options))
+
+
+def _order(stand: StandCell, number: int, quantity: int) -> WorkOrder:
+    due = time.time() + 600.0 * (number + 1)
+    terms = Terms(priority=number % 3, due=due if number % 2 else None)
+    return WorkOrder(stand.script, f'WO-{1001 + number}', quantity + number, {}, terms)
