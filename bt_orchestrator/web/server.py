@@ -126,7 +126,7 @@ class _Protocol(H11Protocol):
 
     def connection_made(self, transport: Any) -> None:
         """Remember the transport."""
-        self.app_state = {**self.app_state, 'transport': transport}
+        self.app_state: dict[str, Any] = {**self.app_state, 'transport': transport}
         super().connection_made(transport)
 
 
