@@ -1,0 +1,100 @@
+"""From each part of a cell that waits, over what it waits for, to the root cause.
+
+Waits name what they are for (`model.wait`). So the parts of a cell form a graph: a section waits
+for the belt, the belt for the turn of another section, that one for a component, which is held.
+Several ways may lead on; the one is told that ends where somebody has to do something.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict, deque
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from bt_orchestrator.model.status import CellStatus
+from bt_orchestrator.model.wait import WaitKind
+from bt_orchestrator.report.wait_links import TASK, Link, links_of
+
+
+@dataclass(frozen=True)
+class Root:
+    """Where a chain of waits ends."""
+
+    part: str
+    """As in `Link`."""
+    kind: str
+    words: str
+
+
+@dataclass(frozen=True)
+class Chain:
+    """From a part that waits to the root cause."""
+
+    part: str
+    links: tuple[Link, ...]
+    """Each begins where the one before leads."""
+    root: Root
+
+
+_GRAVE = (
+    WaitKind.HOLD.value,
+    WaitKind.READINESS.value,
+    WaitKind.PAUSE.value,
+    WaitKind.CELL_STATE.value,
+    WaitKind.RETRY_DELAY.value,
+    TASK,
+)
+"""Kinds of root causes, those that need a person first; all others come after these."""
+
+
+def chains(status: CellStatus) -> tuple[Chain, ...]:
+    """Return the chain of each section, the belt and initialization, if they wait."""
+    links = links_of(status)
+    chosen = _chosen(links)
+    waiting = [part for part in links if links[part] and _may_wait(part)]
+    return tuple(_chain(part, chosen) for part in waiting if links[part][0].kind != TASK)
+
+
+def _may_wait(part: str) -> bool:
+    return not part.startswith(('component/', 'hold/', 'job/'))
+
+
+def _chosen(links: Mapping[str, Sequence[Link]]) -> Mapping[str, Link]:
+    """Return for each part the link that leads to the gravest cause, by the shortest way."""
+    to: dict[str, list[Link]] = defaultdict(list)
+    ends: list[Link] = []
+    for link in _each(links):
+        to[link.to].append(link)
+        if not links.get(link.to):
+            ends.append(link)
+    chosen: dict[str, Link] = {}
+    for end in sorted(ends, key=_rank):
+        pending = deque([end])
+        while pending:
+            link = pending.popleft()
+            if link.part not in chosen:
+                chosen[link.part] = link
+                pending.extend(to[link.part])
+    for link in _each(links):  # what waits in a circle has no end
+        chosen.setdefault(link.part, link)
+    return chosen
+
+
+def _each(links: Mapping[str, Iterable[Link]]) -> Iterator[Link]:
+    return (link for found in links.values() for link in found)
+
+
+def _rank(link: Link) -> int:
+    return _GRAVE.index(link.kind) if link.kind in _GRAVE else len(_GRAVE)
+
+
+def _chain(part: str, chosen: Mapping[str, Link]) -> Chain:
+    links: list[Link] = []
+    seen: set[str] = set()
+    here = part
+    while here in chosen and here not in seen:
+        seen.add(here)
+        links.append(chosen[here])
+        here = chosen[here].to
+    last = links[-1]
+    return Chain(part, tuple(links), Root(last.to or last.part, last.kind, last.words))

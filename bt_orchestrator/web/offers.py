@@ -1,0 +1,163 @@
+"""Requests that are possible now, ready to be sent: path and body stand in each offer.
+
+A request that would be refused or would change nothing in the present state is not offered. Roles
+are not looked at here: an offer says for which it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from bt_orchestrator.model.events import INDEX_KEY
+from bt_orchestrator.model.jobs.isa95 import OVER, JobWord
+from bt_orchestrator.model.packml import VERBS, Cause, PackmlState
+from bt_orchestrator.model.requests import About, Request, of_hold, of_job, of_word
+from bt_orchestrator.model.requests.table import CELL, MOVE, NEXT, REMOVE_ITEM, STOP_AFTERS, UPDATE
+from bt_orchestrator.model.roles import Role
+from bt_orchestrator.model.state import Hold
+from bt_orchestrator.model.status import CellStatus, ItemStatus, JobStatus
+from bt_orchestrator.model.stop_reason import StopReason
+from bt_orchestrator.model.wish import NEVER
+
+Offer = dict[str, object]
+
+
+def cell_offers(status: CellStatus) -> list[Offer]:
+    """Return what can be asked of the cell."""
+    asked = (of_word(About.CELL, word) for word in status.commands)
+    return [
+        _cell_offer(request, status)
+        for request in asked
+        if request is not None and _changes_cell(request, status)
+    ]
+
+
+def _cell_offer(request: Request, status: CellStatus) -> Offer:
+    for after, one in STOP_AFTERS.items():
+        if one is request:
+            return _offer(request, '/api/queue/stop_after', {'after': after})
+    path = f'/api/cell/{request.word}'
+    if request is CELL[Cause.CLEAR]:
+        return _offer(request, path, {'as_shown': status.seq})
+    return _offer(request, path, {}, without=('hold',))
+
+
+def _changes_cell(request: Request, status: CellStatus) -> bool:
+    """Tell whether the cell would be another one after a request that its state allows."""
+    waits = any(job.state not in OVER for job in status.jobs)
+    if request is CELL[Cause.UNHOLD]:
+        return any(hold.is_pause and not hold.must_be_named for hold in status.holds)
+    if request is CELL[Cause.CLEAR]:
+        return not any(hold.key == INDEX_KEY for hold in status.holds)  # has the belt moved?
+    if request is CELL[Cause.START]:
+        return waits or bool(status.waits_for)
+    if request is CELL[Cause.RESET]:
+        return waits or status.state is PackmlState.STOPPED
+    for after, one in STOP_AFTERS.items():
+        if one is request:
+            return _changes_stop(after, status)
+    return True
+
+
+def _changes_stop(after: str, status: CellStatus) -> bool:
+    if after == NEVER:
+        return bool(status.stop_after)
+    is_begun = any(job.state not in OVER and not job.position for job in status.jobs)
+    return is_begun and after != status.stop_after
+
+
+def hold_offers(hold: Hold) -> list[Offer]:
+    """Return the answers to a hold, in its order; a pause is released."""
+    return [_hold_offer(request, hold) for request in of_hold(hold.answers)]
+
+
+def _hold_offer(request: Request, hold: Hold) -> Offer:
+    match request.about:
+        case About.ITEM:
+            return _item_offer(hold.item or '')
+        case About.CELL:
+            body = {'hold': hold.id}
+            return _offer(
+                request, f'/api/cell/{VERBS[Cause.UNHOLD]}', body, without=('everyones',)
+            )
+    offer = _offer(request, f'/api/holds/{hold.id}/answer', {'answer': request.word})
+    if hold.item is None:  # results belong to an item
+        offer['parameters'] = []
+    return offer
+
+
+def item_offers(item: ItemStatus | None) -> list[Offer]:
+    """Return what can be asked about the item in a slot."""
+    return [_item_offer(item.id)] if item is not None and item.present else []
+
+
+def _item_offer(item: str) -> Offer:
+    return _offer(REMOVE_ITEM, f'/api/items/{item}/remove', {})
+
+
+def job_offers(job: JobStatus, status: CellStatus) -> list[Offer]:
+    """Return what can be asked of a job."""
+    return [
+        _job_offer(request, job)
+        for request in of_job(job.state, job.ending)
+        if _changes_job(request, job, status)
+    ]
+
+
+def _changes_job(request: Request, job: JobStatus, status: CellStatus) -> bool:
+    if request is MOVE:
+        return status.queued > 1
+    if request is NEXT:
+        return job.position != 1 or job.state is JobWord.NOT_ALLOWED_TO_START
+    if request.word == 'resume':
+        # While a person has stopped the whole cell, every job on it has this word.
+        return status.stop_reason is not StopReason.OPERATOR
+    return True
+
+
+def _job_offer(request: Request, job: JobStatus) -> Offer:
+    if request is MOVE:
+        return _offer(request, '/api/queue/move', {'job': job.id})
+    if request is NEXT:
+        return _offer(request, '/api/queue/move', {'job': job.id, 'next': True})
+    if request is UPDATE:
+        return _offer(request, '/api/queue/update', {'job': job.id})
+    return _offer(request, '/api/queue/command', {'job': job.id, 'command': request.word})
+
+
+def _offer(
+    request: Request, path: str, body: Mapping[str, object], without: Sequence[str] = ()
+) -> Offer:
+    """Return an offer.
+
+    :param without: parameters that this offer has no use for; those in its body have been given
+    """
+    return {
+        'name': request.name,
+        'word': request.word,
+        'effect': request.effect,
+        'why': request.why.value,
+        'is_confirmed': request.is_confirmed,
+        'roles': _roles(request.roles),
+        'path': path,
+        'body': dict(body),
+        'parameters': list(_parameters(request, {*body, *without})),
+    }
+
+
+def _parameters(request: Request, given: set[str]) -> Iterator[dict[str, object]]:
+    subject = request.subject
+    for one in request.parameters:
+        if one is not subject and one.name not in given:
+            yield {
+                'name': one.name,
+                'kind': one.kind.value,
+                'meaning': one.meaning,
+                'is_required': one.is_required,
+                'choices': list(one.choices),
+                'roles': _roles(one.roles or request.roles),
+            }
+
+
+def _roles(roles: frozenset[Role]) -> list[str]:
+    return [role.value for role in Role if role in roles]

@@ -1,0 +1,111 @@
+"""The cell as a whole, its holds and its flags as parts."""
+
+from __future__ import annotations
+
+from bt_orchestrator.model.hold_words import hold_words
+from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.state import Hold
+from bt_orchestrator.model.status import CellDescription, CellStatus
+from bt_orchestrator.model.stop_reason import StopReason
+from bt_orchestrator.web.offers import cell_offers, hold_offers
+from bt_orchestrator.web.parts.waits import wait_parts
+
+WORKING, QUIET, STOPPED, TROUBLE = 'working', 'quiet', 'stopped', 'trouble'
+"""Kinds of states: how a page shows one, before anybody has read its word."""
+
+_QUIET = frozenset(
+    (
+        PackmlState.RESETTING,
+        PackmlState.IDLE,
+        PackmlState.COMPLETING,
+        PackmlState.COMPLETE,
+        PackmlState.SUSPENDING,
+        PackmlState.SUSPENDED,
+    )
+)
+_STOPPED = frozenset(
+    (
+        PackmlState.STOPPING,
+        PackmlState.STOPPED,
+        PackmlState.CLEARING,
+        PackmlState.HOLDING,
+        PackmlState.HELD,
+    )
+)
+
+
+def cell_part(status: CellStatus, description: CellDescription, node: str) -> dict[str, object]:
+    """Return the cell: its state, why it stands, and what can be asked of it."""
+    role = status.unauthenticated_role
+    return {
+        'name': status.cell,
+        'node': node,
+        'state': status.state.value,
+        'state_kind': _kind(status),
+        'since': status.state_since,
+        'stop_reason': status.stop_reason.value if status.stop_reason else '',
+        'stop_message': status.stop_message,
+        'stop_after': status.stop_after,
+        'wish': str(status.wish) if status.wish else '',
+        'waits_for': status.waits_for,
+        'journal_failure': status.journal_failure,
+        'disk_wait': status.disk_wait,
+        'unauthenticated_role': role.value if role else '',
+        'initialization': wait_parts(status.initialization),
+        'offers': cell_offers(status),
+        'sections': [section.number for section in status.sections],
+        'holds': [hold.id for hold in sorted(status.holds, key=lambda hold: hold.since)],
+        'jobs': [job.id for job in status.jobs],
+        'queued': status.queued,
+        'components': [component.name for component in description.components],
+    }
+
+
+def _kind(status: CellStatus) -> str:
+    state, reason = status.state, status.stop_reason
+    aborts = state in (PackmlState.ABORTING, PackmlState.ABORTED)
+    if status.journal_failure or aborts:
+        return TROUBLE
+    if reason in (StopReason.OWN_FAULT, StopReason.EMERGENCY):
+        return TROUBLE
+    if state in _STOPPED:
+        return STOPPED
+    return QUIET if state in _QUIET else WORKING
+
+
+def now_part(status: CellStatus) -> dict[str, object]:
+    """Return the moment of the status."""
+    return {'seq': status.seq, 'history': status.history, 'stamp': status.stamp}
+
+
+def flags_part(status: CellStatus) -> dict[str, object]:
+    """Return the flags."""
+    return {
+        'flags': [
+            {'name': flag.name, 'count': flag.count, 'capacity': flag.capacity}
+            for flag in status.flags
+        ]
+    }
+
+
+def hold_part(hold: Hold) -> dict[str, object]:
+    """Return a hold with the answers that are possible."""
+    return {
+        'id': hold.id,
+        'section': hold.section,
+        'component': hold.component,
+        'action': hold.action,
+        'task': hold.task or '',
+        'name': hold.name,
+        'item': hold.item or '',
+        'job': hold.job or '',
+        'reason': hold.reason,
+        'message': hold.message,
+        'attempt': hold.attempt,
+        'attempts': hold.attempts,
+        'since': hold.since,
+        'owner': hold.owner,
+        'words': hold_words(hold),
+        'is_pause': hold.is_pause,
+        'offers': hold_offers(hold),
+    }

@@ -1,0 +1,59 @@
+"""Jobs as parts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from bt_orchestrator.model.codec import to_plain
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.model.status import CellStatus, JobStatus
+from bt_orchestrator.web.offers import job_offers
+from bt_orchestrator.web.parts.tasks import TaskParts
+
+
+def job_part(
+    job: JobStatus,
+    status: CellStatus,
+    script: Script | None,
+    tasks: TaskParts,
+    params: Mapping[str, object],
+) -> dict[str, object]:
+    """Return a job with its initialization tasks.
+
+    :param script: its script, if that is known
+    """
+    listed = tasks.of_initialization(job, script, status.initialization) if script else []
+    return {
+        'id': job.id,
+        'script': job.script,
+        'digest': job.digest,
+        'state': job.state.state,
+        'substate': job.state.substate,
+        'position': job.position,
+        'ending': job.ending,
+        'quantity': job.quantity,
+        'started': job.started,
+        'placed': job.placed,
+        'processed': job.processed,
+        'packed': job.packed,
+        'rejected': job.rejected,
+        'nonconforming': job.nonconforming,
+        'missing': job.missing,
+        'left': job.left,
+        'on_line': job.on_line,
+        'priority': job.priority,
+        'start': job.start,
+        'due': job.due,
+        'ends': _ends(job, status),
+        'initialization': list(job.initialization),
+        'tasks': listed,
+        'params': to_plain(params),
+        'offers': job_offers(job, status),
+    }
+
+
+def _ends(job: JobStatus, status: CellStatus) -> float | None:
+    """Return when it is expected to end, in whole seconds: rounding alone does not change it."""
+    if job.expected_end_s is None:
+        return None
+    return float(round(status.stamp + job.expected_end_s))

@@ -1,0 +1,55 @@
+"""A status as parts, by the keys under which the page knows them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from bt_orchestrator.drawing.task_marks import held_tasks
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.model.status import CellDescription, CellStatus
+from bt_orchestrator.report.wait_chains import chains
+from bt_orchestrator.web.parts.cell import cell_part, flags_part, hold_part, now_part
+from bt_orchestrator.web.parts.components import component_part, line_part
+from bt_orchestrator.web.parts.jobs import job_part
+from bt_orchestrator.web.parts.sections import belt_part, section_part
+from bt_orchestrator.web.parts.tasks import TaskParts
+from bt_orchestrator.web.parts.waits import chain_part
+
+_NOTHING: Mapping[str, Mapping[str, object]] = {}
+
+
+def parts_of(
+    status: CellStatus,
+    description: CellDescription,
+    scripts: Mapping[str, Script],
+    node: str,
+    params: Mapping[str, Mapping[str, object]] = _NOTHING,
+) -> dict[str, object]:
+    """Return all parts of a status.
+
+    :param scripts: those that are known, by digest
+    :param node: full name of the tree node
+    :param params: parameters of jobs, as far as they are known, by job
+    """
+    tasks = TaskParts(description, held_tasks(status.holds))
+    parts: dict[str, object] = {
+        'cell': cell_part(status, description, node),
+        'now': now_part(status),
+        'belt': belt_part(status, tasks),
+        'flags': flags_part(status),
+        'line': line_part(description),
+        'why': {'chains': list(map(chain_part, chains(status)))},
+    }
+    jobs = {job.id: job for job in status.jobs}
+    for section in status.sections:
+        parts[f'section/{section.number}'] = section_part(section, status, jobs, scripts, tasks)
+    for hold in status.holds:
+        parts[f'hold/{hold.id}'] = hold_part(hold)
+    for job in status.jobs:
+        script = scripts.get(job.digest)
+        parts[f'job/{job.id}'] = job_part(job, status, script, tasks, params.get(job.id, {}))
+    described = {one.name: one for one in description.components}
+    for component in status.components:
+        part = component_part(component, described.get(component.name))
+        parts[f'component/{component.name}'] = part
+    return parts

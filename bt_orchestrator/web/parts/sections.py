@@ -1,0 +1,63 @@
+"""Sections and the belt as parts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from bt_orchestrator.model.jobs.isa95 import OVER
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.model.status import CellStatus, ItemStatus, JobStatus, SectionStatus
+from bt_orchestrator.web.offers import item_offers
+from bt_orchestrator.web.parts.tasks import TaskParts
+from bt_orchestrator.web.parts.waits import wait_parts
+
+
+def section_part(
+    section: SectionStatus,
+    status: CellStatus,
+    jobs: Mapping[str, JobStatus],
+    scripts: Mapping[str, Script],
+    tasks: TaskParts,
+) -> dict[str, object]:
+    """Return a section with its whole task list; without a cycle that of the next job."""
+    job = jobs.get(section.job) or _next_job(status)
+    script = scripts.get(job.digest) if job else None
+    listed = script.sections.get(section.number) if script else None
+    return {
+        'number': section.number,
+        'slot': item_part(section.slot),
+        'item': item_part(section.item),
+        'job': section.job,
+        'holds': [hold.id for hold in status.holds if hold.section == section.number],
+        'waits': wait_parts(section.waits),
+        'tasks': tasks.of_section(section, listed) if listed else [],
+        'offers': item_offers(section.slot),
+    }
+
+
+def belt_part(status: CellStatus, tasks: TaskParts) -> dict[str, object]:
+    """Return the belt."""
+    belt = status.belt
+    return {
+        'moving': belt.moving,
+        'running': tasks.in_flight(belt.running),
+        'waits': wait_parts(belt.waits),
+    }
+
+
+def item_part(item: ItemStatus | None) -> dict[str, object] | None:
+    """Return an item, or the empty position where one should be."""
+    if item is None:
+        return None
+    return {
+        'id': item.id,
+        'present': item.present,
+        'rejected': item.rejected,
+        'nonconforming': list(item.nonconforming),
+    }
+
+
+def _next_job(status: CellStatus) -> JobStatus | None:
+    """Return the first job that goes on, or else the last one that ended."""
+    live = (job for job in status.jobs if job.state not in OVER)
+    return next(live, status.jobs[-1] if status.jobs else None)

@@ -1,0 +1,49 @@
+"""Waits as parts: with their structure, so that a browser can say them in its own language."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from bt_orchestrator.model.wait import Wait, WaitKind
+from bt_orchestrator.report.wait_chains import Chain
+
+_ORDINARY = frozenset(
+    (
+        WaitKind.BELT,
+        WaitKind.TURN,
+        WaitKind.ITEM,
+        WaitKind.JOB,
+        WaitKind.FLAG,
+        WaitKind.ZONE,
+        WaitKind.COMPONENT,
+        WaitKind.INITIALIZATION,
+        WaitKind.CELL_STATE,
+    )
+)
+"""Kinds that belong to a line that works, and are shown quietly."""
+
+
+def wait_parts(waits: Iterable[Wait]) -> list[dict[str, object]]:
+    """Return waits, each sentence once."""
+    return [_wait_part(wait) for wait in {wait.reason: wait for wait in waits}.values()]
+
+
+def _wait_part(wait: Wait) -> dict[str, object]:
+    return {
+        'words': wait.reason,
+        'kind': wait.kind.value,
+        'name': wait.name,
+        'sections': list(wait.sections),
+        'task': wait.task,
+        'components': list(wait.components),
+        'is_ordinary': wait.kind in _ORDINARY,
+    }
+
+
+def chain_part(chain: Chain) -> dict[str, object]:
+    """Return the walk from a part that waits to its root cause."""
+    return {
+        'part': chain.part,
+        'links': [dict(vars(link)) for link in chain.links],
+        'root': dict(vars(chain.root)),
+    }

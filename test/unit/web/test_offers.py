@@ -1,0 +1,180 @@
+"""What the page offers can be done: each offer is a request that the cell does not refuse."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fakes.line import THREE, Line, with_section
+from fakes.operator import engineer
+from fakes.page_parts import offered, page_parts
+from fakes.virtual_run import VirtualRun
+
+from bt_orchestrator.model.cell_commands import Abort, Clear, Reset, Start, Stop
+
+
+def words(run: VirtualRun) -> set[str]:
+    """Return the words that can be asked of the cell."""
+    return {offer['word'] for offer in page_parts(run)['cell']['offers']}
+
+
+def offer(part: dict[str, Any], word: str) -> Any:
+    (found,) = (one for one in part['offers'] if one['word'] == word)
+    return found
+
+
+def test_a_working_cell_offers_what_stops_it_and_nothing_to_resume() -> None:
+    run = Line(3).begin(quantity=3)
+    run.go(until=2.0)
+    assert words(run) == {'pause', 'stop', 'abort', 'stop_after_item', 'stop_after_job'}
+
+
+def test_a_pause_is_resumed_by_the_cell_or_by_its_own_name() -> None:
+    run = Line(3).begin()
+    run.go(until=2.0)
+    run.pause()
+    parts = page_parts(run)
+    assert 'resume' in words(run)
+    assert [one['name'] for one in offer(parts['cell'], 'resume')['parameters']] == ['everyones']
+    (hold,) = parts['cell']['holds']
+    resume = offer(parts[f'hold/{hold}'], 'resume')
+    assert (resume['path'], resume['body']) == ('/api/cell/resume', {'hold': hold})
+    assert resume['parameters'] == []
+
+
+def test_the_answers_of_a_hold_carry_their_path_and_words() -> None:
+    run = Line(3, faults={'a2': 'TASK_A=abort'}).begin()
+    run.go()
+    parts = page_parts(run)
+    (hold,) = parts['cell']['holds']
+    part = parts[f'hold/{hold}']
+    assert offered(part)[0] == 'hold.retry'
+    done = offer(part, 'mark_done')
+    assert done['path'] == f'/api/holds/{hold}/answer'
+    assert done['body'] == {'answer': 'mark_done'}
+    assert [one['name'] for one in done['parameters']] == ['results']
+    reject = offer(part, 'reject')
+    assert (reject['is_confirmed'], reject['why']) == (True, 'first')
+    assert reject['roles'] == ['operate', 'engineer']
+    assert 'resume' not in words(run), 'a hold of a task is no pause'
+
+
+def test_results_are_asked_for_only_with_the_task_of_an_item() -> None:
+    text = 'initialization: [{id: warm, @a1.PREPARE}]\n' + with_section(2, '[{id: work, @a2}]')
+    run = Line(3, faults={'a1': 'PREPARE=abort'}).begin(text)
+    run.go()
+    parts = page_parts(run)
+    (hold,) = parts['cell']['holds']
+    assert offer(parts[f'hold/{hold}'], 'mark_done')['parameters'] == []
+
+
+def test_clear_says_which_status_was_looked_at() -> None:
+    run = Line(3).begin()
+    run.go(until=3.5)
+    run.command(Abort)
+    run.go()
+    parts = page_parts(run)
+    clear = offer(parts['cell'], 'clear')
+    assert clear['body'] == {'as_shown': parts['now']['seq']}
+    assert clear['roles'] == ['engineer']
+    assert parts['cell']['state_kind'] == 'trouble'
+    run.command(Clear, belt=_as_it_is(run))
+    assert 'reset' in words(run)
+    run.command(Reset)
+    assert 'start' in words(run)
+    run.command(Start)
+    assert not words(run) & {'reset', 'start', 'clear'}
+
+
+def _as_it_is(run: VirtualRun) -> Any:
+    from bt_orchestrator.model.belt_statement import AsShown
+
+    return AsShown(run.state.seq)
+
+
+def test_clear_waits_until_it_is_known_whether_the_belt_has_moved() -> None:
+    run = Line(3).begin()
+    run.go(until=1.5)
+    assert page_parts(run)['belt']['moving']
+    run.command(Abort)
+    run.go()
+    assert 'clear' not in words(run)
+    assert not run.command(Clear, belt=_as_it_is(run)).accepted
+    run.answer('mark_done')
+    assert 'clear' in words(run)
+
+
+def test_nothing_is_reset_or_started_where_nothing_is_to_be_done() -> None:
+    run = Line(3).run()
+    assert run.state.packml.value == 'Complete'
+    assert words(run) == {'pause', 'stop', 'abort'}
+    run.command(Stop)
+    run.go()
+    assert 'reset' in words(run)
+
+
+def test_a_requested_stop_can_be_taken_back_and_not_asked_for_twice() -> None:
+    from bt_orchestrator.model.jobs.job_commands import StopAfter
+
+    run = Line(3).begin(quantity=3)
+    run.go(until=2.0)
+    run.ask(StopAfter('item', engineer('Ann')))
+    found = words(run)
+    assert 'stop_after_never' in found
+    assert 'stop_after_item' not in found
+    assert offer(page_parts(run)['cell'], 'stop_after_never')['body'] == {'after': 'never'}
+
+
+def test_jobs_offer_what_their_state_allows() -> None:
+    line = Line(3)
+    run = VirtualRun(line.cell, line.types)
+    for job in ('J', 'K', 'L'):
+        run.submit(
+            job,
+            line.script(THREE),
+            5,
+        )
+    run.go(until=1.0)
+    parts = page_parts(run)
+    assert offered(parts['job/J']) == ['job.pause', 'job.stop', 'job.abort']
+    queued = {'job.move', 'job.update', 'job.hold', 'job.abort', 'job.cancel'}
+    assert set(offered(parts['job/K'])) == queued, 'the first of the queue is next already'
+    assert set(offered(parts['job/L'])) == queued | {'job.next'}
+    assert offer(parts['job/L'], 'next')['body'] == {'job': 'L', 'next': True}
+    assert [one['name'] for one in offer(parts['job/L'], 'move')['parameters']] == ['position']
+    update = {one['name']: one['roles'] for one in offer(parts['job/L'], 'update')['parameters']}
+    assert update['script'] == ['engineer']
+    assert update['quantity'] == ['mes', 'engineer']
+    run.control('pause', 'J')
+    assert 'job.resume' in offered(page_parts(run)['job/J'])
+
+
+def test_a_job_is_not_resumed_while_a_person_has_stopped_the_whole_cell() -> None:
+    run = Line(3).begin(quantity=3)
+    run.go(until=2.0)
+    run.pause()
+    assert page_parts(run)['job/J']['substate'] == 'Suspended'
+    assert 'job.resume' not in offered(page_parts(run)['job/J'])
+    assert not run.control('resume', 'J').accepted
+
+
+def test_an_item_in_a_slot_can_be_taken_off_once() -> None:
+    run = Line(3, seconds={'a2': 20.0}).begin()
+    run.go(until=5.0)
+    (remove,) = page_parts(run)['section/2']['offers']
+    assert (remove['name'], remove['path']) == ('item.remove_item', '/api/items/J/1/remove')
+    run.pause()
+    assert run.remove('J/1').accepted
+    assert page_parts(run)['section/2']['offers'] == []
+
+
+def test_without_a_journal_only_the_goals_can_be_cancelled() -> None:
+    from dataclasses import replace
+
+    from fakes.page_parts import status_of
+
+    from bt_orchestrator.web.offers import cell_offers
+
+    run = Line(3).begin()
+    run.go(until=1.0)
+    status = replace(status_of(run), commands=('abort',), journal_failure='the disk is full')
+    assert [one['word'] for one in cell_offers(status)] == ['abort']

@@ -1,0 +1,152 @@
+"""The parts of the page say what the status says, at every moment of a run."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from fakes.line import THREE, Line, with_initialization, with_section
+from fakes.page_parts import marks, page_parts, status_of
+from fakes.virtual_run import VirtualRun
+
+LISTED = with_section(
+    2,
+    """
+    - {id: turn, @a2}
+    - parallel: [{id: left, @b2}, [{id: right, @arm}, {id: after, @arm.TASK_B}]]
+    - {id: late, @a2.TASK_B, requires_conveyor: false}
+    """,
+)
+
+KINDS = {'cell', 'now', 'belt', 'flags', 'line', 'why', 'section', 'hold', 'job', 'component'}
+
+
+def check_parts(run: VirtualRun) -> None:
+    """Compare every part with the status of the same moment."""
+    status, parts = status_of(run), page_parts(run)
+    assert {key.partition('/')[0] for key in parts} <= KINDS
+    assert json.loads(json.dumps(parts, allow_nan=False)) == parts
+    assert parts == page_parts(run), 'two looks at one moment'
+    cell = parts['cell']
+    assert (cell['state'], cell['since']) == (status.state.value, status.state_since)
+    assert cell['sections'] == [one.number for one in status.sections]
+    assert set(cell['holds']) == {hold.id for hold in status.holds}
+    assert cell['jobs'] == [job.id for job in status.jobs]
+    assert parts['now']['seq'] == status.seq
+    assert parts['belt']['moving'] == status.belt.moving
+    for section in status.sections:
+        part = parts[f'section/{section.number}']
+        assert [wait['words'] for wait in part['waits']] == [str(one) for one in section.waits]
+        at_work = {task['id'] for task in part['tasks'] if task['mark'] == 'running'}
+        assert at_work == {task.id for task in section.running}
+        over = {'done', 'marked_done', 'skipped', 'continued', 'rejected', 'aborted'}
+        ended = {task['id']: task['mark'] for task in part['tasks'] if task['mark'] in over}
+        assert ended == {task.id: task.end.value for task in section.passed}
+        slot = part['slot']
+        assert (slot and slot['id']) == (section.slot and section.slot.id)
+    for job in status.jobs:
+        part = parts[f'job/{job.id}']
+        assert (part['left'], part['on_line']) == (job.left, job.on_line)
+
+
+@pytest.mark.parametrize('sections', [3, 5, 9])
+def test_each_part_says_what_the_status_says_all_along_a_run(sections: int) -> None:
+    run = Line(sections).begin(LISTED, 4)
+    while not run.ended:
+        check_parts(run)
+        due = run.sim.clock.next_deadline()
+        assert due is not None
+        run.go(until=due)
+    check_parts(run)
+
+
+def test_two_jobs_with_two_scripts_share_the_line() -> None:
+    line = Line(3)
+    run = VirtualRun(line.cell, line.types)
+    run.submit('J', line.script(THREE, 'one'), 2)
+    run.submit('K', line.script(LISTED, 'two'), 2)
+    lists = set()
+    while not run.ended:
+        check_parts(run)
+        lists.add(tuple(id_ for id_, _ in marks(page_parts(run), 2)))
+        due = run.sim.clock.next_deadline()
+        assert due is not None
+        run.go(until=due)
+    assert lists == {('work',), ('turn', 'left', 'right', 'after', 'late')}
+
+
+def test_the_whole_list_of_a_section_has_the_step_and_track_of_each_task() -> None:
+    run = Line(3).begin(LISTED)
+    run.go(until=4.5)
+    tasks = page_parts(run)['section/2']['tasks']
+    found = [(task['id'], task['step'], task['track'], task['mark']) for task in tasks]
+    assert found == [
+        ('turn', 1, 1, 'done'),
+        ('left', 2, 1, 'running'),
+        ('right', 2, 2, 'running'),
+        ('after', 2, 2, 'new'),
+        ('late', 3, 1, 'new'),
+    ]
+    left = tasks[1]
+    assert (left['component'], left['attempt'], left['started']) == ('b2', 1, 4.0)
+    assert left['expected_s'] == 1.0
+    assert [task['requires_conveyor'] for task in tasks] == [True, True, True, True, False]
+
+
+def test_a_section_without_a_cycle_shows_the_list_of_the_next_job() -> None:
+    run = Line(3).begin(LISTED)
+    run.go(until=0.5)
+    assert marks(page_parts(run), 2) == [
+        (task, 'new') for task in ('turn', 'left', 'right', 'after', 'late')
+    ]
+
+
+def test_a_held_task_says_why_and_its_hold_what_can_be_answered() -> None:
+    run = Line(3, faults={'a2': 'TASK_A=abort'}).begin()
+    run.go()
+    parts = page_parts(run)
+    assert marks(parts, 2) == [('work', 'held')]
+    (hold,) = parts['cell']['holds']
+    assert parts['section/2']['holds'] == [hold]
+    part = parts[f'hold/{hold}']
+    assert (part['task'], part['item'], part['component']) == ('work', 'J/1', 'a2')
+    assert (part['attempt'], part['attempts'], part['is_pause']) == (1, 1, False)
+    assert parts['section/2']['tasks'][0]['reason'].startswith(part['reason'])
+    assert parts['cell']['state_kind'] == 'trouble'
+
+
+def test_initialization_tasks_stand_with_their_job() -> None:
+    text = with_initialization('[{id: warm, @a1.PREPARE}, {id: light, @lamp.PREPARE}]')
+    line = Line(3)
+    run = VirtualRun(line.cell, line.types)
+    run.submit('J', line.script(text))
+    run.submit('K', line.script(text))
+    run.go(until=0.5)
+    parts = page_parts(run)
+    assert [(task['id'], task['mark']) for task in parts['job/J']['tasks']] == [
+        ('warm', 'running'),
+        ('light', 'running'),
+    ]
+    assert {task['mark'] for task in parts['job/K']['tasks']} == {'new'}
+
+
+def test_nothing_changes_in_a_part_while_only_time_goes_by() -> None:
+    run = Line(3, seconds={'a1': 50.0}).begin(THREE, 3)
+    run.go(until=1.0)
+    before = page_parts(run)
+    run.sim.clock.call_at(20.0, lambda: None)
+    run.go(until=20.0)
+    after = page_parts(run)
+    assert {key for key in after if before.get(key) != after[key]} == {'now'}
+
+
+def test_a_status_of_which_no_script_is_known_still_has_its_parts() -> None:
+    from bt_orchestrator.runtime.overview import description_of
+    from bt_orchestrator.web.parts import parts_of
+
+    run = Line(3).begin()
+    run.go(until=0.5)
+    parts = parts_of(status_of(run), description_of(run.state.cell), {}, '/node')
+    section = parts['section/1']
+    assert isinstance(section, dict)
+    assert section['tasks'] == []
