@@ -94,7 +94,8 @@ def _chain(part: str, chosen: Mapping[str, Link]) -> Chain:
     here = part
     while here in chosen and here not in seen:
         seen.add(here)
-        links.append(chosen[here])
+        if not links or chosen[here].words != links[-1].words:
+            links.append(chosen[here])
         here = chosen[here].to
     last = links[-1]
     return Chain(part, tuple(links), Root(last.to or last.part, last.kind, last.words))

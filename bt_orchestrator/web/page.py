@@ -11,7 +11,9 @@ from dataclasses import dataclass
 from bt_orchestrator.errors import NodeUnreachable
 from bt_orchestrator.model.status import CellDescription, CellStatus
 from bt_orchestrator.web.book import Book
+from bt_orchestrator.web.cell_show import CellShow
 from bt_orchestrator.web.door_thread import AskingDoor, Began, Doors, Fact, FollowingDoor
+from bt_orchestrator.web.known import Known, told_by
 from bt_orchestrator.web.ring import Happened
 from bt_orchestrator.web.seams import OpenDoor, Show
 from bt_orchestrator.web.stream import BEAT_S, Streams
@@ -34,15 +36,14 @@ class PageOptions:
 class Page:
     """States: made, started, ended. All but the constructor is called in the server's loop."""
 
-    def __init__(
-        self, node: str, open_door: OpenDoor, show: Show, options: PageOptions | None = None
-    ) -> None:
+    def __init__(self, node: str, open_door: OpenDoor, options: PageOptions | None = None) -> None:
         """Put the parts together; nothing is started.
 
         :param node: full name of the node
         """
         self.options = options or PageOptions()
-        self.show = show
+        self.known = Known()
+        self.show: Show = CellShow(self.known)
         self.book = Book()
         self.description: CellDescription | None = None
         """What exists in the cell; None: not known yet."""
@@ -123,9 +124,18 @@ class Page:
     async def _describe(self) -> None:
         with contextlib.suppress(NodeUnreachable):
             self.description = await self.doors.description()
-            self._is_stale = True
-            self._refresh()
-            self.streams.wake()
+            self._show_anew()
+
+    async def _ask_moment(self) -> None:
+        """Ask for what events have not told: scripts and jobs of before the page began."""
+        with contextlib.suppress(NodeUnreachable, KeyError, TypeError, ValueError):
+            self.known.take(await self.doors.read(lambda door: told_by(door.moment())))
+            self._show_anew()
+
+    def _show_anew(self) -> None:
+        self._is_stale = True
+        self._refresh()
+        self.streams.wake()
 
     # --- what is shown ----------------------------------------------------------------------
 
@@ -152,6 +162,9 @@ class Page:
         self._is_stale = False
         self.book.put(self.show.parts(status, self.description, self._node))
         self._refreshed_at = time.monotonic()
+        if self.show.wants_moment:
+            self.show.wants_moment = False
+            self._spawn(self._ask_moment())
 
     # --- time -------------------------------------------------------------------------------
 

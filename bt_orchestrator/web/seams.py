@@ -18,6 +18,9 @@ node; what that raises ends the waiting. Called once in each thread that has a d
 class Show(Protocol):
     """Decides what the page shows of a cell. All calls come from the loop's thread."""
 
+    wants_moment: bool
+    """A moment of the cell would tell more than is shown; whoever asks for one clears it."""
+
     def begin(self, history: str) -> None:
         """Forget what was known: the cell has another journal, or is seen for the first time."""
 

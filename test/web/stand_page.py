@@ -11,7 +11,6 @@ from web.stand_cell import StandCell
 from bt_orchestrator.model.jobs.order import Terms, WorkOrder
 from bt_orchestrator.store.memory import MemoryStore
 from bt_orchestrator.web.page import Page, PageOptions
-from bt_orchestrator.web.plain_show import PlainShow
 from bt_orchestrator.web.server import PageServer
 
 
@@ -24,7 +23,7 @@ def stand_page(folder: Path, args: argparse.Namespace) -> tuple[StandCell, PageS
     answer = stand.queue(*(_order(stand, number, args.quantity) for number in range(args.jobs)))
     assert answer.accepted, answer
     options = PageOptions(args.host, args.port, trust_this_computer=True)
-    return stand, PageServer(Page(stand.node.name, stand.open_door, PlainShow(), options))
+    return stand, PageServer(Page(stand.node.name, stand.open_door, options))
 
 
 def _order(stand: StandCell, number: int, quantity: int) -> WorkOrder:

@@ -40,7 +40,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns the exit status."""
     from bt_orchestrator.web.page import Page, PageOptions
-    from bt_orchestrator.web.plain_show import PlainShow
     from bt_orchestrator.web.server import PageServer
 
     def opened(meanwhile: Callable[[], object]) -> AbstractContextManager[CellLink]:
@@ -48,7 +47,7 @@ def run(args: argparse.Namespace) -> int:
 
     options = PageOptions(args.host, args.port, args.trust_this_computer)
     with StopSignals() as stop:
-        server = PageServer(Page(args.node, opened, PlainShow(), options))
+        server = PageServer(Page(args.node, opened, options))
         with server.running():
             print(f'page of {args.node}: {server.address}', flush=True)
             stop.notify(server.stop)

@@ -64,6 +64,17 @@ def test_a_component_that_does_not_report_ready_is_the_cause() -> None:
     assert way_of(parts, 'belt') == ['section/2', 'component/a2', '']
 
 
+def test_nothing_is_said_twice_in_a_row() -> None:
+    run = Line(3, seconds={'a1': 10.0}).begin()
+    run.go(until=5.0)
+    (chain,) = (one for one in page_parts(run)['why']['chains'] if one['part'] == 'belt')
+    assert [link['words'] for link in chain['links']] == [
+        'waiting for section 1 to finish with J/1',
+        'a1 works on place',
+    ]
+    assert chain['root']['part'] == 'component/a1'
+
+
 def test_each_link_begins_where_the_one_before_leads() -> None:
     run = Line(5, faults={'a3': 'TASK_A=abort'}).begin(quantity=4)
     run.go()
