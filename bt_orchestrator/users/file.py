@@ -93,9 +93,8 @@ class UsersFile:
 
         :raises UsersUnusable: as `read`
         """
-        user = self.read().get(name)
-        matches = (user.password if user is not None else NOBODYS).matches(password)
-        return user.role if user is not None and matches else None
+        user = matching(self.read(), name, password)
+        return None if user is None else user.role
 
     def add(self, name: str, role: Role, password: str) -> None:
         """Add a user.
@@ -174,6 +173,13 @@ class UsersFile:
             os.fsync(of_folder)
         finally:
             os.close(of_folder)
+
+
+def matching(users: Users, name: str, password: str) -> User | None:
+    """Return the user with this name and password; None: there is none, found out as slowly."""
+    user = users.get(name)
+    matches = (user.password if user is not None else NOBODYS).matches(password)
+    return user if matches else None
 
 
 def _found(users: Users, name: str) -> User:

@@ -1,0 +1,106 @@
+"""Answers of the API: JSON only, errors as a sentence."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from starlette.exceptions import HTTPException
+from starlette.requests import Request
+from starlette.responses import Response
+
+from bt_orchestrator.model.codec import json_of
+
+
+class Json(Response):
+    """Strict JSON."""
+
+    media_type = 'application/json'
+
+    def render(self, content: Any) -> bytes:
+        """Return a value as bytes; half of a surrogate pair is escaped."""
+        return json_of(content).encode()
+
+
+class Problem(Exception):
+    """What is wrong with a request, as its answer."""
+
+    def __init__(self, status: int, message: str, **more: object) -> None:
+        """Say what was expected.
+
+        :param more: other members of the answer
+        """
+        super().__init__(message)
+        self.status = status
+        self.more = more
+
+    def response(self) -> Response:
+        """Return the answer."""
+        wait_s = self.more.get('wait_s')
+        headers = None if wait_s is None else {'retry-after': str(wait_s)}
+        return Json({'message': str(self), **self.more}, self.status, headers=headers)
+
+
+async def _of_http(request: Request, error: Exception) -> Response:
+    assert isinstance(error, HTTPException)
+    message = _WORDS.get(error.status_code, error.detail)
+    return Problem(error.status_code, f'{request.method} {request.url.path}: {message}').response()
+
+
+_WORDS: Mapping[int, str] = {
+    404: 'there is no such thing here',
+    405: 'this is asked with another method',
+}
+
+HANDLERS: Mapping[Any, Any] = {HTTPException: _of_http}
+"""For the application: errors that no guard sees as they are raised."""
+
+BODY_DEPTH = 32
+"""Most lists and objects within each other."""
+
+BODY_BYTES = 1_000_000
+"""Longest body of a request, as `model.limits.REQUEST_BYTES`."""
+
+
+async def body_of(request: Request) -> dict[str, Any]:
+    """Return the JSON object in a request.
+
+    :raises Problem: there is none, or it is too long
+    """
+    text = bytearray()
+    async for piece in request.stream():
+        text += piece
+        if len(text) > BODY_BYTES:
+            raise Problem(413, f'a request has at most {BODY_BYTES} bytes')
+    try:
+        found = json.loads(text or b'{}', parse_constant=_refused)
+        _check(found, BODY_DEPTH)
+    except (ValueError, RecursionError) as error:
+        raise Problem(422, f'the body of the request cannot be used: {error}') from error
+    if not isinstance(found, dict):
+        raise Problem(422, f'the body is a JSON object; found {found!r:.100}')
+    return found
+
+
+def _refused(word: str) -> None:
+    raise ValueError(f'{word} is no number of JSON')
+
+
+def _check(value: Any, depth: int) -> None:
+    """Refuse what neither ROS nor a journal can carry.
+
+    :raises ValueError: says what it is
+    """
+    if not depth:
+        raise ValueError(f'lists and objects are at most {BODY_DEPTH} deep in each other')
+    if isinstance(value, str):
+        value.encode()  # UnicodeEncodeError is a ValueError: half of a surrogate pair
+        if '\0' in value:
+            raise ValueError('a text has the character NUL')
+    elif isinstance(value, dict):
+        for member in (*value, *value.values()):
+            _check(member, depth - 1)
+    elif isinstance(value, list):
+        for member in value:
+            _check(member, depth - 1)

@@ -1,0 +1,26 @@
+"""A file of users whose passwords cost nothing to check."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import yaml
+
+from bt_orchestrator.model.roles import Role
+from bt_orchestrator.users.file import User, _plain
+from bt_orchestrator.users.passwords import Cost, hashed
+
+PASSWORD = 'long enough'
+"""Of everybody."""
+
+QUICK = Cost(n=2, r=1, p=1)
+
+
+def write_users(path: Path, roles: Mapping[str, Role], password: str = PASSWORD) -> Path:
+    """Write users with these roles; returns the path."""
+    users = {name: User(role, hashed(password, QUICK)) for name, role in roles.items()}
+    fresh = path.with_suffix('.new')
+    fresh.touch(0o600)
+    fresh.write_text(yaml.safe_dump(_plain(users)))
+    return fresh.replace(path)
