@@ -13,6 +13,11 @@ from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import BaseRoute, Mount, Route
 from starlette.staticfiles import StaticFiles
 
+from bt_orchestrator.web import me
+from bt_orchestrator.web.endpoint import routes
+from bt_orchestrator.web.guards import GuardMiddleware
+from bt_orchestrator.web.replies import HANDLERS
+
 if TYPE_CHECKING:
     from starlette.types import Receive, Scope, Send
 
@@ -26,7 +31,9 @@ FRESH = {'cache-control': 'no-cache'}
 
 def make_app(page: Page) -> Starlette:
     """Return the application of a page that was started."""
-    app = Starlette(routes=routes_of(page), middleware=middleware_of(page))
+    app = Starlette(
+        routes=routes_of(page), middleware=middleware_of(page), exception_handlers=HANDLERS
+    )
     app.state.page = page
     return app
 
@@ -35,14 +42,15 @@ def routes_of(page: Page) -> list[BaseRoute]:
     """Return all routes; each part of the page gives its own."""
     return [
         *_core(page),
-        # Further parts: people, commands, archive, scripts, what_if.
+        *routes(me.endpoints(page.people)),
+        # Further parts: commands, archive, scripts, what_if.
         Mount('/static', _Files(directory=STATIC)),
     ]
 
 
-def middleware_of(page: Page) -> Sequence[Middleware]:  # noqa: ARG001 - the guards will use it
+def middleware_of(page: Page) -> Sequence[Middleware]:
     """Return what every request passes, the outermost first."""
-    return ()
+    return (Middleware(GuardMiddleware, people=page.people),)
 
 
 def _core(page: Page) -> list[BaseRoute]:

@@ -6,14 +6,15 @@ import asyncio
 import contextlib
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 from bt_orchestrator.errors import NodeUnreachable
 from bt_orchestrator.model.status import CellDescription, CellStatus
+from bt_orchestrator.web.access import Access
 from bt_orchestrator.web.book import Book
 from bt_orchestrator.web.cell_show import CellShow
 from bt_orchestrator.web.door_thread import AskingDoor, Began, Doors, Fact, FollowingDoor
 from bt_orchestrator.web.known import Known, told_by
+from bt_orchestrator.web.people import People
 from bt_orchestrator.web.ring import Happened
 from bt_orchestrator.web.seams import OpenDoor, Show
 from bt_orchestrator.web.stream import BEAT_S, Streams
@@ -22,26 +23,16 @@ REFRESH_S = 0.05
 """Shortest time between two computations of the parts."""
 
 
-@dataclass(frozen=True)
-class PageOptions:
-    """How the page is served."""
-
-    host: str = '127.0.0.1'
-    port: int = 8080
-    """0: any free one."""
-    trust_this_computer: bool = False
-    """Whoever sits at this computer may give commands without a login."""
-
-
 class Page:
     """States: made, started, ended. All but the constructor is called in the server's loop."""
 
-    def __init__(self, node: str, open_door: OpenDoor, options: PageOptions | None = None) -> None:
+    def __init__(self, node: str, open_door: OpenDoor, access: Access) -> None:
         """Put the parts together; nothing is started.
 
         :param node: full name of the node
         """
-        self.options = options or PageOptions()
+        self.access = access
+        self.people = People(access)
         self.known = Known()
         self.show: Show = CellShow(self.known)
         self.book = Book()
@@ -76,6 +67,7 @@ class Page:
         self.streams.end()
         self._following.end()
         self._asking.end()
+        self.people.close()
         for task in self._tasks:
             task.cancel()
 

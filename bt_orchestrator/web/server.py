@@ -38,7 +38,7 @@ class PageServer:
         :raises PageUnusable: the address is in use, or none of this computer's
         """
         self._page = page
-        self._socket = _bound(page.options.host, page.options.port)
+        self._socket = _bound(page.access.host, page.access.port)
         self._stopped = threading.Event()
         self._loop: asyncio.AbstractEventLoop | None = None
         self._error: BaseException | None = None
@@ -52,8 +52,9 @@ class PageServer:
     @property
     def address(self) -> str:
         """What to type into a browser."""
-        host = self._page.options.host
-        return f'http://{f"[{host}]" if ":" in host else host}:{self.port}/'
+        host, has_tls = self._page.access.host, self._page.access.has_tls
+        scheme = 'https' if has_tls else 'http'
+        return f'{scheme}://{f"[{host}]" if ":" in host else host}:{self.port}/'
 
     @contextlib.contextmanager
     def running(self) -> Iterator[None]:
@@ -105,6 +106,8 @@ class PageServer:
             access_log=False,
             proxy_headers=False,
             server_header=False,
+            ssl_certfile=page.access.certificate,
+            ssl_keyfile=page.access.key,
             timeout_graceful_shutdown=FAREWELL_S,
         )
         self._uvicorn = uvicorn.Server(config)

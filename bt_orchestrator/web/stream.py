@@ -9,7 +9,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import time
-from collections.abc import AsyncIterator, Callable, Iterator
+from collections.abc import AsyncIterator, Callable, Iterator, Mapping
 from typing import Any
 
 from starlette.requests import Request
@@ -39,7 +39,7 @@ HEADERS = [
 class Reader:
     """One open stream."""
 
-    def __init__(self, wanted: str, send: Send, transport: asyncio.Transport | None) -> None:
+    def __init__(self, wanted: str, send: Send, state: Mapping[str, Any]) -> None:
         self.history, self.seq = _place(wanted)
         """What it comes back with; None: it is new."""
         self.cursor: Cursor | None = None
@@ -48,7 +48,8 @@ class Reader:
         self.is_beat_due = False
         self.wake = asyncio.Event()
         self._send = send
-        self._transport = transport
+        self.may_look: Callable[[], bool] = state.get('may_look', lambda: True)
+        self._transport: asyncio.Transport | None = state.get('transport')
         self._sending_since: float | None = None
 
     def look(self) -> None:
@@ -96,7 +97,10 @@ class Streams:
             reader.look()
 
     def beat(self) -> None:
-        """Tell all readers that the page is alive, and send away who takes nothing."""
+        """Tell all readers that the page is alive.
+
+        Send away who takes nothing, or may not look any more.
+        """
         if not self.readers:
             return
         now, silent_s = time.time(), self._doors.silent_s
@@ -104,7 +108,7 @@ class Streams:
         for reader in list(self.readers):
             reader.is_beat_due = True
             reader.look()
-            if reader.is_stuck(SEND_LIMIT_S):
+            if reader.is_stuck(SEND_LIMIT_S) or not reader.may_look():
                 reader.cut()
         cursors = [reader.cursor.version for reader in self.readers if reader.cursor]
         self._book.forget_gone(min(cursors, default=self._book.version))
@@ -123,7 +127,7 @@ class Streams:
         """Carry out one request for the stream."""
         request = Request(scope)
         wanted = request.headers.get('last-event-id') or request.query_params.get('after', '')
-        reader = Reader(wanted, send, scope.get('state', {}).get('transport'))
+        reader = Reader(wanted, send, scope.get('state', {}))
         await send({'type': 'http.response.start', 'status': 200, 'headers': HEADERS})
         if len(self.readers) >= MOST_READERS:
             await reader.send(messages.FULL)

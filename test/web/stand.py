@@ -45,6 +45,12 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument('--speed', type=float, default=1.0)
     parser.add_argument('--jobs', type=int, default=6)
     parser.add_argument('--quantity', type=int, default=8, help='of each job')
+    parser.add_argument(
+        '--login',
+        action='store_true',
+        help='commands need a login: ann, eve (engineer), mes or vic, with the password of '
+        'fakes/quick_users.py; otherwise this computer is trusted',
+    )
     return parser.parse_args()
 
 

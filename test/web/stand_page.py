@@ -6,12 +6,18 @@ import argparse
 import time
 from pathlib import Path
 
+from fakes.quick_users import write_users
 from web.stand_cell import StandCell
 
 from bt_orchestrator.model.jobs.order import Terms, WorkOrder
+from bt_orchestrator.model.roles import Role
 from bt_orchestrator.store.memory import MemoryStore
-from bt_orchestrator.web.page import Page, PageOptions
+from bt_orchestrator.web.access import Access
+from bt_orchestrator.web.page import Page
 from bt_orchestrator.web.server import PageServer
+
+USERS = {'ann': Role.OPERATE, 'eve': Role.ENGINEER, 'mes': Role.MES, 'vic': Role.VIEW}
+"""All with `quick_users.PASSWORD`."""
 
 
 def stand_page(folder: Path, args: argparse.Namespace) -> tuple[StandCell, PageServer]:
@@ -22,8 +28,13 @@ def stand_page(folder: Path, args: argparse.Namespace) -> tuple[StandCell, PageS
     )
     answer = stand.queue(*(_order(stand, number, args.quantity) for number in range(args.jobs)))
     assert answer.accepted, answer
-    options = PageOptions(args.host, args.port, trust_this_computer=True)
-    return stand, PageServer(Page(stand.node.name, stand.open_door, options))
+    access = Access(
+        write_users(folder / 'users.yaml', USERS),
+        args.host,
+        args.port,
+        local_user='' if args.login else 'stand',
+    )
+    return stand, PageServer(Page(stand.node.name, stand.open_door, access))
 
 
 def _order(stand: StandCell, number: int, quantity: int) -> WorkOrder:

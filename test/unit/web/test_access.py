@@ -50,7 +50,7 @@ def test_elsewhere_it_needs_users_and_tls(
     host: str, users: Path, tmp_path: Path, certificate: tuple[Path, Path]
 ) -> None:
     assert 'passwords would cross the network in the clear' in refusal(users=users, host=host)
-    tls = {'certificate': certificate[0], 'key': certificate[1]}
+    tls: Any = {'certificate': certificate[0], 'key': certificate[1]}
     nobody = tmp_path / 'none.yaml'
     assert 'no users in' in refusal(users=nobody, host=host, **tls)
     access = Access(users, host, **tls)
@@ -71,7 +71,7 @@ def test_what_a_proxy_passes_on_comes_from_this_computer_as_well(users: Path) ->
 def test_who_is_trusted_must_be_at_this_computer(
     users: Path, certificate: tuple[Path, Path]
 ) -> None:
-    tls = {'certificate': certificate[0], 'key': certificate[1]}
+    tls: Any = {'certificate': certificate[0], 'key': certificate[1]}
     assert '--trust-this-computer makes everybody who reaches the page an engineer' in refusal(
         users=users, host='0.0.0.0', local_user='pat', **tls
     )

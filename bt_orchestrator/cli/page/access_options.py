@@ -1,0 +1,108 @@
+"""Options of the verb `page` about who reaches it, and how people are known there."""
+
+from __future__ import annotations
+
+import argparse
+import getpass
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from bt_orchestrator.cli.numbers import seconds
+from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.users.file import default_file
+
+if TYPE_CHECKING:
+    from bt_orchestrator.web.access import Access
+
+
+def add_access_options(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument(
+        '--host',
+        default='127.0.0.1',
+        metavar='ADDRESS',
+        help='address to listen at (default 127.0.0.1: this computer alone); elsewhere it needs '
+        'users, and TLS or a proxy',
+    )
+    parser.add_argument(
+        '--port', type=_port, default=8080, metavar='PORT', help='default 8080; 0: any free one'
+    )
+    parser.add_argument(
+        '--users',
+        type=Path,
+        metavar='FILE',
+        help='file of users (default: ~/.config/bt_orchestrator/users.yaml); see `user`',
+    )
+    parser.add_argument('--certificate', type=Path, metavar='FILE', help='TLS: PEM, whole chain')
+    parser.add_argument('--key', type=Path, metavar='FILE', help='TLS: its key, PEM, no password')
+    parser.add_argument(
+        '--allow-host',
+        action='append',
+        default=[],
+        metavar='NAME',
+        help='name by which browsers call the page, besides ADDRESS and localhost; may be given '
+        'several times',
+    )
+    parser.add_argument(
+        '--trust-this-computer',
+        action='store_true',
+        help='whoever sits at this computer may give every command without a login: for demos',
+    )
+    parser.add_argument(
+        '--behind-proxy',
+        default='',
+        metavar='HEADER',
+        help='a proxy logs people in, and names them in this header; their roles are in the file '
+        'of users',
+    )
+    parser.add_argument(
+        '--proxy-address',
+        action='append',
+        default=[],
+        metavar='IP',
+        help='where the proxy is, if it is not on this computer; may be given several times',
+    )
+    parser.add_argument(
+        '--lock-after',
+        type=seconds,
+        default=900.0,
+        metavar='SECONDS',
+        help='a session that nobody uses for so long is locked (default 900)',
+    )
+
+
+def access_of(args: argparse.Namespace) -> Access:
+    """Return what the options say together.
+
+    :raises WrongUse: they would let in anybody, or do not fit each other
+    """
+    from bt_orchestrator.web.access import Access, AccessRefused
+
+    access = Access(
+        users=args.users or default_file(os.environ),
+        host=args.host,
+        port=args.port,
+        certificate=args.certificate,
+        key=args.key,
+        allowed_hosts=tuple(args.allow_host),
+        local_user=getpass.getuser() if args.trust_this_computer else '',
+        proxy_header=args.behind_proxy,
+        proxy_addresses=tuple(args.proxy_address),
+        idle_s=args.lock_after,
+    )
+    try:
+        access.check()
+    except AccessRefused as error:
+        raise WrongUse(f'page: {error}') from error
+    return access
+
+
+def _port(text: str) -> int:
+    """Read the number of a port.
+
+    :raises ArgumentTypeError: it is none
+    """
+    if not (text.isascii() and text.isdecimal() and len(text) < 6 and int(text) <= 65535):
+        raise argparse.ArgumentTypeError(f'expected a port from 0 to 65535, found {text!r}')
+    return int(text)
