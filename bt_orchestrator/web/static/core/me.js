@@ -1,0 +1,59 @@
+/** Who sits here: name, role, what they may do, and whether the session is locked. */
+
+import { get, post } from './api.js';
+
+const NOBODY = { name: '', role: '', how: '', is_locked: false, may: {}, languages: [] };
+const listeners = new Set();
+let me = NOBODY;
+
+/** The person of this browser's session; without one, name and role are empty. */
+export function who() {
+  return me;
+}
+
+/** Tell whether the person may send a request, by its name. */
+export function may(request) {
+  return Boolean(me.may?.[request]);
+}
+
+/** Call a function whenever the person changes, or the lock. */
+export function onPerson(callback) {
+  listeners.add(callback);
+  return () => listeners.delete(callback);
+}
+
+/** Ask the page who sits here. */
+export async function refreshPerson() {
+  become(await get('/api/me'));
+  return me;
+}
+
+/** Log in; throws the page's answer where it is refused. */
+export async function login(name, password) {
+  become(await post('/api/login', { name, password }));
+}
+
+/** End the session. */
+export async function logout() {
+  await post('/api/logout', {});
+  become({ ...NOBODY, languages: me.languages });
+  await refreshPerson().catch(() => null);
+}
+
+/** Lock the session: looking goes on, and the emergency commands. */
+export async function lock() {
+  await post('/api/lock', {});
+  await refreshPerson();
+}
+
+/** Unlock it with the password. */
+export async function unlock(password) {
+  await post('/api/unlock', { password });
+  await refreshPerson();
+}
+
+function become(person) {
+  const isSame = JSON.stringify(person) === JSON.stringify(me);
+  me = person;
+  if (!isSame) for (const callback of [...listeners]) callback();
+}

@@ -1,0 +1,30 @@
+/** What became of commands: small notes that readers of the screen are told too. */
+
+import { attribute, h, text } from './dom.js';
+import { t } from './text.js';
+
+const STAY_MS = 8000;
+
+/**
+ * Show a note.
+ * @param {'accepted'|'refused'|'unknown'} kind accepted ones go by themselves
+ * @param {string} words
+ * @returns {function(string, string): void} says something else in its place
+ */
+export function note(kind, words) {
+  const said = h('span', { class: 'note-words' });
+  const close = () => element.remove();
+  const element = h('div', { class: 'note' }, said, h('button', { type: 'button', class: 'quiet-button', onclick: close, 'data-do': 'close-note' }, t('ask.close')));
+  let timer = 0;
+
+  function say(nowKind, nowWords) {
+    clearTimeout(timer);
+    attribute(element, 'data-note', nowKind);
+    text(said, nowWords);
+    if (nowKind === 'accepted') timer = setTimeout(close, STAY_MS);
+  }
+
+  say(kind, words);
+  document.getElementById('notes').append(element);
+  return say;
+}

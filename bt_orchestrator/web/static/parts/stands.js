@@ -1,0 +1,36 @@
+/** Why the line stands still, or soon will: one sentence for the top of the page. */
+
+import { part } from '../core/store.js';
+import { at, t, tOr } from '../core/text.js';
+
+/** Say why the cell does not work as it should; empty: it does. */
+export function whyItStands(cell) {
+  if (cell.journal_failure) return t('stands.journal', { why: cell.journal_failure });
+  if (cell.disk_wait) return t('stands.disk', { what: cell.disk_wait });
+  const reason = cell.stop_reason ? reasonWords(cell) : '';
+  const after = cell.stop_after ? t(`stands.stop_after_${cell.stop_after}`) : '';
+  const way = cell.waits_for ? t('stands.waits_for', { commands: cell.waits_for }) : '';
+  return [reason, wishWords(cell.wish), after, way].filter(Boolean).join(' ');
+}
+
+function reasonWords(cell) {
+  const hold = part(`hold/${cell.holds[0]}`);
+  const word = t(`stop_reason.${cell.stop_reason}`);
+  if (hold && !hold.is_pause) {
+    const more = cell.holds.length > 1 ? ` ${t('stands.more_holds', { count: cell.holds.length - 1 })}` : '';
+    return `${word}: ${holdPlace(hold)}: ${tOr(`reason.${hold.reason}`, hold.reason)}${hold.message ? ` (${hold.message})` : ''}.${more}`;
+  }
+  return cell.stop_message ? `${word}: ${cell.stop_message}.` : `${word}.`;
+}
+
+/** Where a hold is, and of what. */
+export function holdPlace(hold) {
+  const section = hold.section ? t('part.section', { number: hold.section }) : '';
+  return [section, hold.component, hold.name || hold.task].filter(Boolean).join(', ');
+}
+
+function wishWords(wish) {
+  if (!wish) return '';
+  const values = { who: wish.who || t('stands.somebody'), command: tOr(`word.cell.${wish.command}`, wish.command), time: wish.time ? at(wish.time) : '' };
+  return `${t('stands.wish', values)}${wish.reason ? `: ${wish.reason}` : ''}.`;
+}

@@ -1,0 +1,103 @@
+/** The bar above every screen: how the cell is, why, what can be done now, and how old this is. */
+
+import { attribute, h, show, text } from '../core/dom.js';
+import { isEmergency } from '../core/requests.js';
+import { clock, news, part, subscribe } from '../core/store.js';
+import { at, duration, t, tOr } from '../core/text.js';
+import { everySecond } from '../core/tick.js';
+import { newsLine, newsTrouble } from './news_line.js';
+import { offers } from './offers.js';
+import { personMenu } from './person_menu.js';
+import { reshape, shape } from './shape.js';
+import { whyItStands } from './stands.js';
+
+const SHAPES = { working: 'play', quiet: 'ring', stopped: 'square', trouble: 'triangle' };
+const LATER = /^cell\.stop_after_/;
+
+/**
+ * Make the bar: an element, `choose(screen)` and `end()`.
+ * @param {Array<{name: string, href: string}>} screens those with a place in the navigation
+ * @param {function(string): void} speak is called with another language
+ */
+export function topbar(screens, speak) {
+  const state = stateBlock();
+  const commands = commandBlock();
+  const line = newsLine();
+  const person = personMenu(speak);
+  const links = screens.map(({ name, href }) => h('a', { href, 'data-screen': name }, t(`nav.${name}`)));
+  const nav = h('nav', { 'aria-label': t('nav.label') }, links);
+  const element = h(
+    'div',
+    { class: 'topbar' },
+    h('div', { class: 'top-row' }, state.element, commands.element),
+    h('div', { class: 'nav-row' }, nav, line.element, person.element),
+  );
+  return {
+    element,
+    choose(screen) {
+      for (const link of links) attribute(link, 'aria-current', link.dataset.screen === screen ? 'page' : null);
+    },
+    end() {
+      for (const one of [state, commands, line, person]) one.end();
+    },
+  };
+}
+
+function stateBlock() {
+  const drawn = shape('ring');
+  const name = h('span', { class: 'cell-name' });
+  const word = h('strong', { class: 'state-word' });
+  const since = h('span', { class: 'state-since' });
+  const why = h('p', { class: 'state-why' });
+  const element = h('div', { class: 'state', 'data-part': 'cell' }, drawn, h('div', { class: 'state-line' }, name, word, since), why);
+
+  function update() {
+    const cell = part('cell');
+    attribute(element, 'data-kind', cell?.state_kind ?? 'unknown');
+    attribute(element, 'data-state', cell?.state ?? '');
+    attribute(element, 'data-news', news().kind);
+    reshape(drawn, news().kind === 'fresh' ? (SHAPES[cell?.state_kind] ?? 'ring') : 'broken');
+    text(name, cell?.name ?? '');
+    text(word, cell ? tOr(`state.${cell.state}`, cell.state) : t('news.waiting'));
+    text(since, cell ? t('topbar.since', { time: at(cell.since), duration: duration(clock() - cell.since) }) : '');
+    const said = newsTrouble() || (cell ? whyItStands(cell) : '');
+    text(why, said);
+    attribute(why, 'title', said);
+    document.title = cell ? `${tOr(`state.${cell.state}`, cell.state)} · ${cell.name}` : 'bt_orchestrator';
+  }
+
+  const ends = ['cell', 'hold/', 'news'].map((prefix) => subscribe(prefix, update));
+  everySecond(element, update);
+  return { element, end: () => ends.forEach((end) => end()) };
+}
+
+function commandBlock() {
+  const now = offers({ isCompact: true, label: t('topbar.commands') });
+  const later = offers({ label: t('topbar.later') });
+  const menu = h('details', { class: 'menu later', 'data-menu': 'later' }, h('summary', {}, t('topbar.later')), h('div', { class: 'menu-body' }, later.element));
+  const element = h('div', { class: 'commands' }, h('div', { class: 'command-row' }, menu, now.element), h('p', { class: 'no-estop' }, t('topbar.no_estop')));
+
+  function update() {
+    const offered = part('cell')?.offers ?? [];
+    const stopsLater = offered.filter((offer) => LATER.test(offer.name));
+    const others = offered.filter((offer) => !LATER.test(offer.name));
+    // Danger has its place at the edge, whatever else there is.
+    now.update([...others.filter((offer) => !isEmergency(offer)), ...others.filter(isEmergency)]);
+    later.update(stopsLater);
+    show(menu, stopsLater.length);
+  }
+
+  menu.addEventListener('click', (event) => {
+    if (event.target.closest('button')) menu.open = false;
+  });
+  const end = subscribe('cell', update);
+  update();
+  return {
+    element,
+    end() {
+      end();
+      now.end();
+      later.end();
+    },
+  };
+}
