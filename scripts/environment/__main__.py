@@ -6,6 +6,7 @@ Steps, each skipped when nothing it reads has changed since it last ended well:
     variables     what ROS 2 expects to find in os.environ
     builds        bindings of every package in interfaces/ and of the user's own ones, and
                   bt_orchestrator, installed as a user would have it
+    browser       only if asked for: Chromium, and playwright, which steers it
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import sys
 import time
 from pathlib import Path
 
+from browser import install_missing_browser
 from lock import only_one
 from projects import remember
 from report import Failure, say
@@ -37,6 +39,9 @@ def main() -> None:
         install_missing_packages(environment.folder.with_suffix('.apt.log'))
         if environment.refresh():
             say(f'{environment.folder} is ready after {time.monotonic() - started:.0f} s')
+        if options.browser:
+            install_missing_browser(environment.folder.with_suffix('.apt.log'))
+            environment.add_browser_driver()
 
 
 def parse_arguments() -> argparse.Namespace:
@@ -57,6 +62,11 @@ def parse_arguments() -> argparse.Namespace:
         default=[],
         help='an interface package of your own (package.xml, action/, msg/, srv/), which is built '
         'and installed too, now and whenever it has changed; repeat it for several',
+    )
+    parser.add_argument(
+        '--browser',
+        action='store_true',
+        help='Chromium too, by apt-get where it is missing, and what steers it: for the gate page',
     )
     return parser.parse_args()
 

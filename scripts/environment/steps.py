@@ -17,6 +17,7 @@ from sources import digest
 SCRIPTS = Path(__file__).resolve().parents[1]
 REQUIREMENTS = SCRIPTS / 'requirements'
 INSTALLERS = REQUIREMENTS / 'installers.txt'
+BROWSER = REQUIREMENTS / 'browser.txt'
 VARIABLES = {
     Path(__file__).with_name('ros_variables.py'): '_ros_variables.py',
     SCRIPTS.parent / 'bt_orchestrator' / 'ros' / 'fast_dds.py': '_fast_dds.py',
@@ -73,6 +74,15 @@ class Environment:
             with step(f'{number}, {_names(due)}', self._logs):
                 self._build(due)
         return new or bool(due)
+
+    def add_browser_driver(self) -> None:
+        """Install what steers a browser, which one gate alone needs; after `refresh`."""
+        stamp = digest([BROWSER], REQUIREMENTS)
+        if self._is_done('browser', stamp):
+            return
+        with step('what steers a browser', self._logs):
+            self._installer.install_lists('browser', BROWSER)
+        self._done('browser', stamp)
 
     def _projects(self, foundation: str) -> list[Project]:
         interfaces = self._root / 'interfaces'

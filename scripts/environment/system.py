@@ -18,16 +18,26 @@ def install_missing_packages(log: Path) -> None:
     missing = _missing_packages()
     if not missing:
         return
-    if os.geteuid() != 0 or shutil.which('apt-get') is None:
+    if not can_install():
         raise Failure(
             'system packages are missing; install them and run this again:\n'
             f'    sudo apt-get install -y {" ".join(missing)}'
         )
-    with step(f'apt-get install {" ".join(missing)}', lambda: [log]):
-        _apt_get(log, 'update')
-        _apt_get(log, 'install', '--no-install-recommends', *missing)
+    install(log, *missing)
     if still := _missing_packages():
         raise Failure(f'apt-get succeeded, but what {" ".join(still)} should bring is not there')
+
+
+def can_install() -> bool:
+    """Tell whether this may install packages of the operating system."""
+    return os.geteuid() == 0 and shutil.which('apt-get') is not None
+
+
+def install(log: Path, *packages: str) -> None:
+    """Have apt-get install packages, of its newest lists."""
+    with step(f'apt-get install {" ".join(packages)}', lambda: [log]):
+        _apt_get(log, 'update')
+        _apt_get(log, 'install', '--no-install-recommends', *packages)
 
 
 def _missing_packages() -> list[str]:

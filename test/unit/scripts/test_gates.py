@@ -84,6 +84,16 @@ def test_what_fails_twice_has_failed(clone: Path) -> None:
     assert (done.returncode, 'system       FAILED' in done.stdout) == (1, True)
 
 
+def test_the_gate_of_the_page_has_a_browser_brought(clone: Path) -> None:
+    bootstrap = clone / 'scripts' / 'bootstrap'
+    program(bootstrap, 'case "$*" in *--browser*) echo no browser; exit 1;; esac')
+    done = gates(clone, '--only', 'system,page')
+    assert done.returncode == 1
+    assert 'system       passed' in done.stdout
+    assert 'no browser' in done.stdout
+    assert 'page         FAILED' in done.stdout
+
+
 def test_ci_takes_what_a_machine_may_have_by_hand_off_path(tmp_path: Path) -> None:
     for name in ('node', 'chromium', 'psql', 'redis-server', 'c++'):
         program(tmp_path / 'bin' / name, f'echo {name}')

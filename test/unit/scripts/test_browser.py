@@ -1,0 +1,68 @@
+"""scripts/environment: the browser of the gate page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import browser
+import pytest
+import system
+from browser import find_browser, install_missing_browser
+from report import Failure
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Give the only folder on PATH."""
+    monkeypatch.setenv('PATH', str(tmp_path))
+    monkeypatch.delenv('CHROMIUM', raising=False)
+    return tmp_path
+
+
+def program(path: Path, *lines: str) -> Path:
+    path.write_text('\n'.join(['#!/bin/sh', *lines, '']))
+    path.chmod(0o755)
+    return path
+
+
+def test_the_browser_on_path_is_taken(folder: Path) -> None:
+    assert find_browser() == ''
+    program(folder / 'google-chrome')
+    assert find_browser() == str(folder / 'google-chrome')
+    program(folder / 'chromium')
+    assert find_browser() == str(folder / 'chromium')
+    install_missing_browser(folder / 'log')
+    assert not (folder / 'log').exists()
+
+
+def test_an_own_browser_goes_first(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    program(folder / 'chromium')
+    monkeypatch.setenv('CHROMIUM', str(program(folder / 'mine')))
+    assert find_browser() == str(folder / 'mine')
+    monkeypatch.setenv('CHROMIUM', str(folder / 'nothing'))
+    with pytest.raises(Failure, match='CHROMIUM: expected the path of a browser'):
+        find_browser()
+
+
+def test_who_may_not_install_one_is_told_how(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(system.os, 'geteuid', lambda: 1000)
+    program(folder / 'apt-get')
+    with pytest.raises(Failure, match='sudo apt-get install -y chromium fonts-dejavu-core'):
+        install_missing_browser(folder / 'log')
+
+
+def test_apt_get_brings_one(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(system.os, 'geteuid', lambda: 0)
+    asked = folder / 'asked'
+    program(folder / 'apt-get', f'echo "$@" >>{asked}')
+    with pytest.raises(Failure, match='PATH has none of chromium'):
+        install_missing_browser(folder / 'log')
+    brings = f"printf '#!/bin/sh' >{folder}/chromium; /bin/chmod +x {folder}/chromium"
+    program(folder / 'apt-get', f'echo "$@" >>{asked}; {brings}')
+    install_missing_browser(folder / 'log')
+    update, install = asked.read_text().splitlines()[-2:]
+    assert update.endswith('update')
+    assert install.endswith('install --no-install-recommends chromium fonts-dejavu-core')
+    assert find_browser() == str(folder / browser.NAMES[0])
