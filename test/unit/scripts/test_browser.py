@@ -6,7 +6,6 @@ from pathlib import Path
 
 import browser
 import pytest
-import system
 from browser import find_browser, install_missing_browser
 from report import Failure
 
@@ -47,14 +46,14 @@ def test_an_own_browser_goes_first(folder: Path, monkeypatch: pytest.MonkeyPatch
 def test_who_may_not_install_one_is_told_how(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(system.os, 'geteuid', lambda: 1000)
+    monkeypatch.setattr('os.geteuid', lambda: 1000)
     program(folder / 'apt-get')
     with pytest.raises(Failure, match='sudo apt-get install -y chromium fonts-dejavu-core'):
         install_missing_browser(folder / 'log')
 
 
 def test_apt_get_brings_one(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(system.os, 'geteuid', lambda: 0)
+    monkeypatch.setattr('os.geteuid', lambda: 0)
     asked = folder / 'asked'
     program(folder / 'apt-get', f'echo "$@" >>{asked}')
     with pytest.raises(Failure, match='PATH has none of chromium'):

@@ -1,0 +1,52 @@
+"""Fixtures: cells that run in processes of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from cell_processes import SMALL_CELL, CellProcesses, StartCell
+from ros_domain import discover_fast
+
+
+@pytest.fixture(scope='session', autouse=True)
+def fast_discovery() -> Iterator[None]:
+    """Let processes find each other in tenths of a second instead of up to three seconds."""
+    with pytest.MonkeyPatch.context() as patch:
+        changed: dict[str, str] = {}
+        discover_fast(changed)
+        for name, value in changed.items():
+            patch.setenv(name, value)
+        yield
+
+
+@pytest.fixture
+def start_cell(tmp_path: Path) -> Iterator[StartCell]:
+    """Give a function that starts a cell."""
+    started: list[CellProcesses] = []
+
+    def start(*args: Any, folder: str = 'cell', **options: Any) -> CellProcesses:
+        started.append(CellProcesses(tmp_path / folder, *args, **options))
+        return started[-1]
+
+    yield start
+    for cell in started:
+        cell.close()
+
+
+@pytest.fixture
+def small_cell(start_cell: StartCell) -> CellProcesses:
+    """Give the small cell, connected."""
+    cell = start_cell()
+    cell.connect()
+    return cell
+
+
+@pytest.fixture
+def small_cell_file(tmp_path: Path) -> Path:
+    """Give the file of the small cell, of which nothing runs."""
+    path = tmp_path / 'cell.yaml'
+    path.write_text(SMALL_CELL)
+    return path
