@@ -61,11 +61,9 @@ class Book:
         self.history = history
         self.status = None
         self.ring = Ring(last)
+        self._parts.clear()
+        self._gone.clear()
         self._encoded.clear()
-
-    def add(self, entry: Happened | Lost) -> None:
-        """Add what happened next."""
-        self.ring.add(entry)
 
     def put(self, parts: Mapping[str, object]) -> None:
         """Take in all parts as they are now; those that did not change keep their version."""
@@ -127,7 +125,7 @@ class Book:
 
     def next_parts(self, cursor: Cursor) -> bytes | None:
         """Return a message of the parts that changed since, and move on; None: none did."""
-        if cursor.version >= self.version:
+        if cursor.version >= self.version or not self._parts:
             return None
         key = ('parts', cursor.version, self.version)
         if (known := self._encoded.get(key)) is None:

@@ -45,6 +45,7 @@ class Page:
         self._is_stale = False
         """The parts in the book are not those of the newest status."""
         self._refreshed_at = 0.0
+        """On the monotonic clock; 0: never."""
         self._later: asyncio.TimerHandle | None = None
         self._tasks: set[asyncio.Task[None]] = set()
 
@@ -96,8 +97,9 @@ class Page:
                 self.book.begin(fact.history, fact.last)
                 self.show.begin(fact.history)
                 self._was_silent = True
+                self._refreshed_at = 0.0
             else:
-                self.book.add(fact)
+                self.book.ring.add(fact)
                 if isinstance(fact, Happened):
                     self.show.hear(fact.event)
         if self.streams.readers:
@@ -136,7 +138,7 @@ class Page:
         if not self._is_stale or self._later is not None or self.book.status is None:
             return
         wait_s = self._refreshed_at + REFRESH_S - time.monotonic()
-        if wait_s > 0 and self.book.version:
+        if wait_s > 0:
             self._later = self._loop.call_later(wait_s, self._refresh_now)
         else:
             self._compute()

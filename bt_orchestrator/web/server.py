@@ -138,18 +138,24 @@ def _bound(host: str, port: int) -> socket.socket:
         family, kind, protocol, _, address = socket.getaddrinfo(
             host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
         )[0]
-        bound = socket.socket(family, kind, protocol)
-        bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        # Connections inherit these.
-        bound.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
-        if hasattr(socket, 'TCP_USER_TIMEOUT'):
-            limit_ms = int(SEND_LIMIT_S * 1000)
-            bound.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, limit_ms)
-        bound.bind(address)
-        bound.listen()
+        with contextlib.ExitStack() as stack:
+            bound = stack.enter_context(socket.socket(family, kind, protocol))
+            _prepare(bound)
+            bound.bind(address)
+            bound.listen()
+            stack.pop_all()
     except OSError as error:
         raise PageUnusable(_why(host, port, error)) from error
     return bound
+
+
+def _prepare(bound: socket.socket) -> None:
+    """Set what connections inherit."""
+    bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    bound.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
+    if hasattr(socket, 'TCP_USER_TIMEOUT'):  # the kernel ends a connection that takes nothing
+        limit_ms = int(SEND_LIMIT_S * 1000)
+        bound.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, limit_ms)
 
 
 def _why(host: str, port: int, error: OSError) -> str:

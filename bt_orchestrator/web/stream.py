@@ -173,9 +173,7 @@ class Streams:
         book, cursor = self._book, reader.cursor
         if cursor is not None and cursor.history == book.history:
             return None
-        version = 0 if cursor is None else cursor.version
         cursor = reader.cursor = book.start(reader.history, reader.seq)
-        cursor.version = version
         reader.seq = None
         return messages.message(
             'begin',
