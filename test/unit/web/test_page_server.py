@@ -23,8 +23,8 @@ from bt_orchestrator.ports import EventStore
 from bt_orchestrator.store.memory import MemoryStore
 from bt_orchestrator.web import server as server_module
 from bt_orchestrator.web import stream as stream_module
-from bt_orchestrator.web.page import Page, PageOptions
-from bt_orchestrator.web.plain_show import PlainShow
+from bt_orchestrator.web.access import Access
+from bt_orchestrator.web.page import Page
 from bt_orchestrator.web.server import PageServer, PageUnusable
 
 SPEED = 20.0
@@ -42,6 +42,10 @@ class Forgetful(MemoryStore):
         return super().read(max(after, self.KEPT_FROM - 1), most)
 
 
+def access(host: str = '127.0.0.1', port: int = 0) -> Access:
+    return Access(Path('no users'), host, port)
+
+
 class Scene:
     """A cell, and pages of it that come and go."""
 
@@ -50,8 +54,7 @@ class Scene:
 
     @contextmanager
     def page(self) -> Iterator[PageServer]:
-        page = Page(self.cell.node.name, self.cell.open_door, PlainShow(), PageOptions(port=0))
-        server = PageServer(page)
+        server = PageServer(Page(self.cell.node.name, self.cell.open_door, access()))
         with server.running():
             yield server
 
@@ -284,12 +287,12 @@ class TestServer:
     def test_a_port_in_use_is_a_sentence(self, scene: Scene) -> None:
         with socket.create_server(('127.0.0.1', 0)) as other:
             port = other.getsockname()[1]
-            page = Page('/x', scene.cell.open_door, PlainShow(), PageOptions(port=port))
+            page = Page('/x', scene.cell.open_door, access(port=port))
             with pytest.raises(PageUnusable, match=rf'port {port} of 127\.0\.0\.1 is in use'):
                 PageServer(page)
 
     def test_an_address_of_another_computer_is_a_sentence(self, scene: Scene) -> None:
-        page = Page('/x', scene.cell.open_door, PlainShow(), PageOptions('192.0.2.1', 0))
+        page = Page('/x', scene.cell.open_door, access('192.0.2.1'))
         with pytest.raises(PageUnusable, match=r'cannot listen at 192\.0\.2\.1'):
             PageServer(page)
 
@@ -306,7 +309,7 @@ class TestServer:
         def no_door(meanwhile: Callable[[], object]) -> Any:
             raise RuntimeError('there is no network')
 
-        server = PageServer(Page('/x', no_door, PlainShow(), PageOptions(port=0)))
+        server = PageServer(Page('/x', no_door, access()))
         with server.running(), pytest.raises(RuntimeError, match='there is no network'):
             server.wait()
 
