@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from bt_orchestrator.model.by import named
 from bt_orchestrator.model.hold_words import hold_words
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import CellDescription, CellStatus
 from bt_orchestrator.model.stop_reason import StopReason
+from bt_orchestrator.model.wish import Wish
 from bt_orchestrator.web.offers import cell_offers, hold_offers
 from bt_orchestrator.web.parts.waits import wait_parts
 
@@ -46,7 +48,7 @@ def cell_part(status: CellStatus, description: CellDescription, node: str) -> di
         'stop_reason': status.stop_reason.value if status.stop_reason else '',
         'stop_message': status.stop_message,
         'stop_after': status.stop_after,
-        'wish': str(status.wish) if status.wish else '',
+        'wish': _wish_part(status.wish) if status.wish else None,
         'waits_for': status.waits_for,
         'journal_failure': status.journal_failure,
         'disk_wait': status.disk_wait,
@@ -58,6 +60,15 @@ def cell_part(status: CellStatus, description: CellDescription, node: str) -> di
         'jobs': [job.id for job in status.jobs],
         'queued': status.queued,
         'components': [component.name for component in description.components],
+    }
+
+
+def _wish_part(wish: Wish) -> dict[str, object]:
+    return {
+        'command': wish.command,
+        'who': named(wish.who, wish.known),
+        'reason': wish.reason,
+        'time': wish.time,
     }
 
 

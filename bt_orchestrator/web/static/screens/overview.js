@@ -1,13 +1,127 @@
-/** The cell at a glance: what is held comes first, then the line, then the jobs. */
+/** The cell at a glance: what waits for a person comes first, then the line, then the jobs. */
 
-import { h, text } from '../core/dom.js';
-import { subscribe } from '../core/store.js';
+import { attribute, h, keyed, show, text } from '../core/dom.js';
+import { part, subscribe } from '../core/store.js';
 import { t } from '../core/text.js';
+import { everySecond } from '../core/tick.js';
+import { beltStrip } from '../parts/belt_strip.js';
+import { holdCard } from '../parts/hold_card.js';
+import { jobRow } from '../parts/job_row.js';
+import { sectionCard } from '../parts/section_card.js';
+import { flagList, troubleList } from '../parts/side_lists.js';
+
+const OVER = ['Ended', 'Aborted'];
+const MOST_JOBS = 12;
+const MOST_ENDED = 2;
 
 /** Show it. */
 export function mount(root) {
-  const title = h('h1', { class: 'for-readers' });
-  root.append(title);
-  text(title, t('overview.title'));
-  return subscribe('cell', () => {});
+  const holds = holdList();
+  const belt = beltStrip();
+  const sections = sectionGrid();
+  const jobs = jobList();
+  const troubles = troubleList();
+  const flags = flagList();
+  const page = h(
+    'div',
+    { class: 'overview' },
+    h('h1', { class: 'for-readers' }, t('overview.title')),
+    holds.element,
+    h('div', { class: 'overview-line' }, belt.element, sections.element),
+    h('div', { class: 'overview-side' }, troubles.element, jobs.element, flags.element),
+  );
+  root.append(page);
+  const shown = [
+    [['cell', 'hold/'], holds.update],
+    [['cell', 'belt', 'section/'], belt.update],
+    [['cell', 'section/'], sections.update],
+    [['cell', 'job/'], jobs.update],
+    [['component/'], troubles.update],
+    [['flags'], flags.update],
+  ];
+  const ends = shown.flatMap(([prefixes, update]) => {
+    update();
+    return prefixes.map((prefix) => subscribe(prefix, update));
+  });
+  everySecond(page, () => [holds, belt, sections].forEach((one) => one.tick()));
+  return () => {
+    ends.forEach((end) => end());
+    holds.end();
+  };
+}
+
+function partsNamed(kind, ids = []) {
+  return ids.map((id) => part(`${kind}/${id}`)).filter(Boolean);
+}
+
+function holdList() {
+  const nothing = h('p', { class: 'no-holds quiet' }, t('overview.no_holds'));
+  const list = h('div', { class: 'holds' });
+  const cards = live(list, (hold) => hold.id, holdCard);
+  return {
+    element: h('section', { class: 'hold-region', 'data-part': 'holds', 'aria-label': t('overview.holds') }, nothing, list),
+    tick: cards.tick,
+    end: cards.end,
+    update() {
+      const holds = partsNamed('hold', part('cell')?.holds);
+      cards.update(holds);
+      show(nothing, !holds.length);
+      show(list, holds.length);
+    },
+  };
+}
+
+function sectionGrid() {
+  const element = h('div', { class: 'sections', 'data-part': 'sections' });
+  const cards = live(element, (section) => section.number, sectionCard);
+  return {
+    element,
+    tick: cards.tick,
+    update() {
+      const sections = partsNamed('section', part('cell')?.sections);
+      attribute(element, 'data-many', sections.length > 12);
+      cards.update(sections);
+    },
+  };
+}
+
+function jobList() {
+  const list = h('ul', { class: 'jobs' });
+  const rows = keyed(list, (job) => job.id, jobRow);
+  const more = h('a', { class: 'more-jobs', href: '#/queue' });
+  const nothing = h('p', { class: 'quiet' }, t('overview.no_jobs'), ' ', h('a', { href: '#/order' }, t('nav.order')));
+  return {
+    element: h('section', { class: 'panel', 'data-part': 'jobs' }, h('h2', {}, t('overview.jobs')), nothing, list, more),
+    update() {
+      const all = partsNamed('job', part('cell')?.jobs);
+      const open = all.filter((job) => !OVER.includes(job.state));
+      const ended = all.filter((job) => OVER.includes(job.state)).slice(-MOST_ENDED);
+      const left = open.length > MOST_JOBS ? (part('cell')?.queued ?? 0) - open.slice(0, MOST_JOBS).filter((job) => job.position).length : 0;
+      rows([...open.slice(0, MOST_JOBS), ...ended]);
+      show(nothing, !open.length);
+      show(more, left > 0);
+      text(more, t('overview.more_jobs', { count: left }));
+    },
+  };
+}
+
+/** A keyed list of views that also tell time. */
+function live(parent, key, make) {
+  const views = new Map();
+  const update = keyed(parent, key, (thing) => {
+    const view = make();
+    views.set(key(thing), view);
+    return {
+      ...view,
+      end() {
+        view.end?.();
+        views.delete(key(thing));
+      },
+    };
+  });
+  return {
+    update,
+    tick: () => views.forEach((view) => view.tick()),
+    end: () => update([]),
+  };
 }

@@ -1,0 +1,71 @@
+/** The belt: its slots in the direction of travel, what stands in each, and whether it moves. */
+
+import { attribute, h, keyed, text } from '../core/dom.js';
+import { clock, part } from '../core/store.js';
+import { seconds, t } from '../core/text.js';
+import { foremostWait, waitWords } from '../core/waits.js';
+import { itemName } from './item_name.js';
+import { reshape, shape } from './shape.js';
+
+/** Make the strip: an element, `update()`, `tick()`. */
+export function beltStrip() {
+  const drawn = shape('quiet');
+  const word = h('strong', { class: 'belt-word' });
+  const why = h('span', { class: 'belt-why one-line' });
+  const list = h('ol', { class: 'slots' });
+  const slots = keyed(list, (section) => section.number, slotView);
+  const element = h('section', { class: 'belt panel', 'data-part': 'belt', 'aria-label': t('part.belt') }, h('p', { class: 'belt-line' }, drawn, word, why), list);
+
+  function tick() {
+    const belt = part('belt');
+    if (belt) text(word, beltWords(belt));
+  }
+
+  return {
+    element,
+    tick,
+    update() {
+      const belt = part('belt');
+      const sections = (part('cell')?.sections ?? []).map((number) => part(`section/${number}`)).filter(Boolean);
+      slots(sections);
+      if (!belt) return;
+      const wait = belt.moving ? null : foremostWait(belt.waits);
+      attribute(element, 'data-moving', belt.moving);
+      reshape(drawn, belt.moving ? 'play' : 'quiet');
+      attribute(why, 'data-ordinary', wait?.is_ordinary ?? true);
+      text(why, wait ? waitWords(wait) : '');
+      tick();
+    },
+  };
+}
+
+function beltWords(belt) {
+  if (!belt.moving) return t('overview.belt_rests');
+  const move = belt.running[0];
+  return move?.started ? t('overview.belt_moves_since', { elapsed: seconds(clock() - move.started) }) : t('overview.belt_moves');
+}
+
+function slotView() {
+  const number = h('span', { class: 'slot-number' });
+  const item = itemName({ isShort: true });
+  const link = h('a', { class: 'slot-link' }, number, item.element);
+  const element = h('li', { class: 'slot' }, link);
+  return {
+    element,
+    update(section) {
+      attribute(element, 'data-slot', section.number);
+      attribute(element, 'data-held', section.holds.length > 0);
+      attribute(link, 'href', `#/section/${section.number}`);
+      attribute(link, 'aria-label', slotWords(section));
+      text(number, section.number);
+      item.update(section.slot);
+    },
+  };
+}
+
+function slotWords({ number, slot, holds }) {
+  const where = t('part.section', { number });
+  const held = holds.length ? t('mark.held') : '';
+  const empty = slot?.present === false ? t('item_state.missing') : '';
+  return [where, slot?.id ?? t('overview.empty_slot'), empty, held].filter(Boolean).join(', ');
+}

@@ -1,0 +1,62 @@
+/** One hold: where, what and why, and each answer with its consequence. */
+
+import { attribute, h, show, text } from '../core/dom.js';
+import { clock } from '../core/store.js';
+import { at, duration, t, tOr } from '../core/text.js';
+import { offers } from './offers.js';
+import { shape } from './shape.js';
+import { holdPlace } from './stands.js';
+
+/** Make a card: an element, `update(hold)`, `tick()`, `end()`. */
+export function holdCard() {
+  let hold = null;
+  const place = h('h3', { class: 'hold-place' });
+  const why = h('p', { class: 'hold-why' });
+  const message = h('p', { class: 'hold-message' });
+  const facts = h('p', { class: 'hold-facts' });
+  const item = h('a', { class: 'hold-item' });
+  const answers = offers({ about: () => holdTitle(hold), label: t('overview.answers') });
+  const element = h(
+    'article',
+    { class: 'hold' },
+    h('div', { class: 'hold-said' }, h('div', { class: 'hold-head' }, shape('triangle'), place), why, message, h('p', { class: 'hold-foot' }, item, facts)),
+    answers.element,
+  );
+
+  function tick() {
+    text(facts, factWords(hold));
+  }
+
+  return {
+    element,
+    tick,
+    end: answers.end,
+    update(now) {
+      hold = now;
+      attribute(element, 'data-hold', hold.id);
+      attribute(element, 'data-pause', hold.is_pause);
+      text(place, holdTitle(hold));
+      text(why, tOr(`reason.${hold.reason}`, hold.reason));
+      text(message, hold.message);
+      attribute(message, 'title', hold.message);
+      show(item, hold.item);
+      if (hold.item) attribute(item, 'href', `#/item/${hold.item.split('/').map(encodeURIComponent).join('/')}`);
+      text(item, hold.item ?? '');
+      answers.update(hold.offers);
+      tick();
+    },
+  };
+}
+
+function holdTitle(hold) {
+  if (hold.is_pause) return t('part.cell');
+  if (hold.section) return holdPlace(hold);
+  const place = hold.job ? t('part.initialization') : t('part.belt');
+  return [place, holdPlace(hold)].filter(Boolean).join(', ');
+}
+
+function factWords(hold) {
+  const attempt = hold.attempt ? t('overview.attempt', { attempt: hold.attempt, attempts: Math.max(hold.attempts, hold.attempt) }) : '';
+  const since = t('topbar.since', { time: at(hold.since), duration: duration(clock() - hold.since) });
+  return [attempt, since, t('overview.hold_number', { id: hold.id })].filter(Boolean).join(' · ');
+}

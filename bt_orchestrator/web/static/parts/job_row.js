@@ -1,0 +1,51 @@
+/** One job in the overview: its state, its bar, and when it will be done. */
+
+import { attribute, h, show, text } from '../core/dom.js';
+import { about, t, tOr } from '../core/text.js';
+import { jobBar } from './bar.js';
+
+const MADE = ['done', 'marked_done', 'skipped', 'continued'];
+
+/** Make a row: an element and `update(job)`. */
+export function jobRow() {
+  const link = h('a', { class: 'job-id one-line' });
+  const script = h('span', { class: 'job-script one-line' });
+  const state = h('span', { class: 'job-state' });
+  const ends = h('span', { class: 'job-ends' });
+  const bar = jobBar();
+  const preparing = h('p', { class: 'job-preparing one-line' });
+  const element = h('li', { class: 'job' }, h('div', { class: 'job-line' }, link, script, state, ends), bar.element, preparing);
+  return {
+    element,
+    update(job) {
+      attribute(element, 'data-job', job.id);
+      attribute(element, 'data-state', job.state);
+      attribute(element, 'data-substate', job.substate);
+      attribute(link, 'href', `#/job/${encodeURIComponent(job.id)}`);
+      text(link, job.id);
+      text(script, job.script);
+      text(state, jobStateWords(job));
+      text(ends, job.ends ? t('overview.ends', { time: about(job.ends) }) : '');
+      bar.update(job);
+      const said = preparingWords(job);
+      show(preparing, said);
+      text(preparing, said);
+    },
+  };
+}
+
+/** Say the state of a job, and whether it is being ended. */
+export function jobStateWords(job) {
+  const key = job.substate ? `${job.state}/${job.substate}` : job.state;
+  const word = tOr(`job_state.${key}`, key);
+  return job.ending ? `${word}, ${t(`job_state.${job.ending}`)}` : word;
+}
+
+/** Say how far the initialization is; empty: there is none, or it is over. */
+function preparingWords(job) {
+  const open = job.tasks.filter((task) => !MADE.includes(task.mark));
+  if (!open.length || job.position > 1) return '';
+  const busy = open.filter((task) => task.mark !== 'new').map((task) => `${task.name || task.id} ${t(`mark.${task.mark}`)}`);
+  const count = t('overview.prepared', { done: job.tasks.length - open.length, all: job.tasks.length });
+  return [count, ...busy].join(' · ');
+}

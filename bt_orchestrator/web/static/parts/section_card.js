@@ -1,0 +1,44 @@
+/** One section: its item, the whole task list with times, and what it waits for. */
+
+import { attribute, h, keyed, text } from '../core/dom.js';
+import { t } from '../core/text.js';
+import { foremostWait, waitWords } from '../core/waits.js';
+import { itemName } from './item_name.js';
+import { reshape, shape } from './shape.js';
+import { taskRow } from './task_row.js';
+
+/** Make a card: an element, `update(section)`, `tick()`. */
+export function sectionCard() {
+  const alarm = shape('none');
+  const link = h('a', { class: 'section-link' });
+  const item = itemName();
+  const list = h('ul', { class: 'tasks' });
+  const rows = new Map();
+  const tasks = keyed(list, (task) => task.id, (task) => keepRow(rows, task.id));
+  const wait = h('p', { class: 'section-wait' });
+  const element = h('article', { class: 'section-card' }, h('h3', {}, alarm, link), item.element, list, wait);
+  return {
+    element,
+    tick: () => rows.forEach((row) => row.tick()),
+    update(section) {
+      const foremost = foremostWait(section.waits);
+      const isHeld = section.holds.length > 0;
+      attribute(element, 'data-section', section.number);
+      attribute(element, 'data-held', isHeld);
+      attribute(link, 'href', `#/section/${section.number}`);
+      text(link, t('part.section', { number: section.number }));
+      reshape(alarm, isHeld ? 'triangle' : 'none');
+      item.update(section.item ?? section.slot);
+      tasks(section.tasks);
+      attribute(wait, 'data-ordinary', foremost?.is_ordinary ?? true);
+      attribute(wait, 'title', section.waits.map(waitWords).join('\n'));
+      text(wait, foremost ? waitWords(foremost) : '');
+    },
+  };
+}
+
+function keepRow(rows, id) {
+  const row = taskRow();
+  rows.set(id, row);
+  return { ...row, end: () => rows.delete(id) };
+}

@@ -1,0 +1,72 @@
+/** Components that cannot work now, and the flags of the line: short lists beside the sections. */
+
+import { attribute, h, keyed, show, text } from '../core/dom.js';
+import { part, partsOf } from '../core/store.js';
+import { t } from '../core/text.js';
+import { shape } from './shape.js';
+
+/** Make the list of components in trouble: an element and `update()`; without any it is not shown. */
+export function troubleList() {
+  const list = h('ul', { class: 'troubles' });
+  const rows = keyed(list, (component) => component.name, troubleRow);
+  const element = h('section', { class: 'panel trouble', 'data-part': 'trouble' }, h('h2', {}, t('overview.trouble')), list);
+  return {
+    element,
+    update() {
+      const troubled = partsOf('component/').map(([, component]) => component).filter((one) => one.trouble);
+      rows(troubled);
+      show(element, troubled.length);
+    },
+  };
+}
+
+function troubleRow() {
+  const link = h('a', {});
+  const words = h('span', { class: 'trouble-words' });
+  const element = h('li', { class: 'trouble-row' }, shape('broken'), link, words);
+  return {
+    element,
+    update(component) {
+      attribute(element, 'data-component', component.name);
+      attribute(link, 'href', `#/component/${encodeURIComponent(component.name)}`);
+      text(link, component.name);
+      text(words, troubleWords(component));
+    },
+  };
+}
+
+/** Say what is wrong with a component; a contest is told by the node alone. */
+function troubleWords(component) {
+  if (!component.available) return t('trouble.away', { action: component.action });
+  if (component.contested) return component.contested;
+  return component.state ? t('trouble.state', { state: component.state }) : t('trouble.no_state');
+}
+
+/** Make the list of flags: an element and `update()`; without any it is not shown. */
+export function flagList() {
+  const list = h('ul', { class: 'flags' });
+  const rows = keyed(list, (flag) => flag.name, flagRow);
+  const element = h('section', { class: 'panel', 'data-part': 'flags' }, h('h2', {}, t('overview.flags')), list);
+  return {
+    element,
+    update() {
+      const flags = part('flags')?.flags ?? [];
+      rows(flags);
+      show(element, flags.length);
+    },
+  };
+}
+
+function flagRow() {
+  const name = h('span', { class: 'flag-name' });
+  const count = h('span', { class: 'flag-count' });
+  const element = h('li', { class: 'flag' }, name, count);
+  return {
+    element,
+    update(flag) {
+      attribute(element, 'data-flag', flag.name);
+      text(name, flag.name);
+      text(count, t('overview.flag_count', flag));
+    },
+  };
+}

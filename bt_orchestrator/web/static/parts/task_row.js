@@ -1,0 +1,55 @@
+/** One task in a list: its mark, its name, and how long it takes against what is expected. */
+
+import { attribute, h, text } from '../core/dom.js';
+import { clock } from '../core/store.js';
+import { seconds, t } from '../core/text.js';
+import { mark } from './mark.js';
+
+/** How many times the expected seconds are late. */
+const LATE = 1.5;
+
+/** Make a row: an element, `update(task)`, and `tick()` for the time that passes. */
+export function taskRow() {
+  const drawn = mark();
+  const name = h('span', { class: 'task-name one-line' });
+  const time = h('span', { class: 'task-time' });
+  const element = h('li', { class: 'task' }, drawn.element, name, time);
+  let task = null;
+
+  function tick() {
+    text(time, timeWords(task));
+    attribute(time, 'data-late', isLate(task));
+  }
+
+  return {
+    element,
+    tick,
+    update(now) {
+      task = now;
+      attribute(element, 'data-task', task.id);
+      attribute(element, 'data-mark', task.mark);
+      attribute(element, 'title', titleOf(task));
+      drawn.update(task.mark);
+      text(name, task.name || task.id);
+      tick();
+    },
+  };
+}
+
+/** Say how long a running task takes, of what is expected; of others only that. */
+export function timeWords(task) {
+  const expected = task.expected_s ? seconds(task.expected_s) : '';
+  if (task.mark !== 'running' || !task.started) return task.mark === 'new' || task.mark === 'waiting' ? expected : '';
+  const elapsed = seconds(clock() - task.started);
+  const said = expected ? t('task.of', { elapsed, expected }) : elapsed;
+  return isLate(task) ? `${said} ${t('task.late')}` : said;
+}
+
+function isLate(task) {
+  return task.mark === 'running' && Boolean(task.started) && Boolean(task.expected_s) && clock() - task.started > LATE * task.expected_s;
+}
+
+function titleOf(task) {
+  const attempt = task.attempt > 1 ? t('task.attempt', { attempt: task.attempt }) : '';
+  return [task.id, task.component, t(`mark.${task.mark}`), attempt, task.reason].filter(Boolean).join(' · ');
+}

@@ -1,0 +1,56 @@
+"""The files of the page: complete, of one piece, and nothing from elsewhere."""
+
+import re
+from pathlib import Path
+
+from fakes.page_files import STATIC, modules
+
+_IMPORT = re.compile(r'(?:\bfrom|\bimport)\s*\(?\s*[\'"](\.[^\'"]+)[\'"]')
+_WORKER = re.compile(r'new SharedWorker\(\s*\'(/static/[^\']+)\'')
+_SPACE_NAME = 'http://www.w3.org/2000/svg'
+"""The name of a format; nothing is fetched from there."""
+
+
+def test_nothing_is_fetched_from_elsewhere() -> None:
+    for path in STATIC.rglob('*'):
+        if path.is_file() and path.suffix != '.png':
+            text = path.read_text(encoding='utf-8').replace(_SPACE_NAME, '')
+            assert not re.search(r'https?://|@import|url\(', text), path
+
+
+def test_every_module_is_reachable_from_the_page_and_every_import_exists() -> None:
+    reached: set[Path] = set()
+    waiting = [STATIC / 'app.js']
+    while waiting:
+        path = waiting.pop()
+        if path not in reached:
+            assert path.is_file(), path
+            reached.add(path)
+            waiting += _imports(path)
+    assert sorted(reached) == modules()
+
+
+def test_every_style_is_used_by_the_page() -> None:
+    index = (STATIC / 'index.html').read_text(encoding='utf-8')
+    for path in (STATIC / 'style').iterdir():
+        assert f'/static/style/{path.name}' in index
+
+
+def test_the_policy_of_the_page_finds_no_inline_style_or_script() -> None:
+    index = (STATIC / 'index.html').read_text(encoding='utf-8')
+    assert not re.search(r'<style|\sstyle=|\son\w+=|<script(?![^>]*\ssrc=)', index)
+    for path in modules():
+        text = path.read_text(encoding='utf-8')
+        assert not re.search(r'innerHTML|outerHTML|insertAdjacentHTML|[{,]\s*style:', text), path
+
+
+def test_modules_are_short() -> None:
+    for path in modules():
+        assert len(path.read_text(encoding='utf-8').splitlines()) <= 250, path
+
+
+def _imports(path: Path) -> list[Path]:
+    text = path.read_text(encoding='utf-8')
+    own = [(path.parent / one).resolve() for one in _IMPORT.findall(text)]
+    workers = [STATIC / one.removeprefix('/static/') for one in _WORKER.findall(text)]
+    return own + workers
