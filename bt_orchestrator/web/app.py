@@ -13,7 +13,7 @@ from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import BaseRoute, Mount, Route
 from starlette.staticfiles import StaticFiles
 
-from bt_orchestrator.web import me
+from bt_orchestrator.web import archive, me
 from bt_orchestrator.web.endpoint import routes
 from bt_orchestrator.web.guards import GuardMiddleware
 from bt_orchestrator.web.replies import HANDLERS
@@ -43,7 +43,8 @@ def routes_of(page: Page) -> list[BaseRoute]:
     return [
         *_core(page),
         *routes(me.endpoints(page.people)),
-        # Further parts: commands, archive, scripts, what_if.
+        *routes(archive.endpoints(page.archive, page)),
+        # Further parts: commands, scripts, what_if.
         Mount('/static', _Files(directory=STATIC)),
     ]
 

@@ -10,13 +10,15 @@ from collections.abc import Callable, Sequence
 from bt_orchestrator.errors import NodeUnreachable
 from bt_orchestrator.model.status import CellDescription, CellStatus
 from bt_orchestrator.web.access import Access
+from bt_orchestrator.web.archive.archive import Archive
+from bt_orchestrator.web.archive.heard import Heard
 from bt_orchestrator.web.book import Book
 from bt_orchestrator.web.cell_show import CellShow
 from bt_orchestrator.web.door_thread import AskingDoor, Began, Doors, Fact, FollowingDoor
 from bt_orchestrator.web.known import Known, told_by
 from bt_orchestrator.web.people import People
 from bt_orchestrator.web.ring import Happened
-from bt_orchestrator.web.seams import OpenDoor, Show
+from bt_orchestrator.web.seams import OpenDoor, Show, Sources
 from bt_orchestrator.web.stream import BEAT_S, Streams
 
 REFRESH_S = 0.05
@@ -26,11 +28,14 @@ REFRESH_S = 0.05
 class Page:
     """States: made, started, ended. All but the constructor is called in the server's loop."""
 
-    def __init__(self, node: str, open_door: OpenDoor, access: Access) -> None:
+    def __init__(
+        self, node: str, open_door: OpenDoor, access: Access, sources: Sources | None = None
+    ) -> None:
         """Put the parts together; nothing is started.
 
         :param node: full name of the node
         """
+        self.sources = sources or Sources()
         self.access = access
         self.people = People(access)
         self.known = Known()
@@ -58,6 +63,7 @@ class Page:
         self._asking = AskingDoor(self._open_door, self._loop)
         self.doors = Doors(self._node, self._following, self._asking)
         self.streams = Streams(self.book, self.doors, self._refresh)
+        self.archive = Archive(Heard(self.book, self.doors), self.sources.open_records)
         self._following.on_error = on_error
         self._following.start()
         self._asking.start()
@@ -69,6 +75,7 @@ class Page:
         self._following.end()
         self._asking.end()
         self.people.close()
+        self.archive.close()
         for task in self._tasks:
             task.cancel()
 
@@ -76,6 +83,11 @@ class Page:
         """Wait for the end of the threads; the loop may have ended."""
         self._following.join()
         self._asking.join()
+
+    @property
+    def status(self) -> CellStatus | None:
+        """The newest one; None: nothing was heard."""
+        return self.book.status
 
     @property
     def error(self) -> BaseException | None:

@@ -67,6 +67,10 @@ class Ring:
             self._before = self._lasts[old - 1]
             del self._kept[:old], self._lasts[:old]
 
+    def entries(self) -> list[Happened | Lost]:
+        """Return everything that is kept, oldest first."""
+        return list(self._kept)
+
     def after(self, seq: int) -> Lost | list[Happened]:
         """Return what follows an event: some events, or that some are lost.
 

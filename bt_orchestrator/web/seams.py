@@ -2,17 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Protocol
 
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.status import CellDescription, CellStatus
-from bt_orchestrator.ports import CellLink
+from bt_orchestrator.ports import CellLink, Records
 
 OpenDoor = Callable[[Callable[[], object]], AbstractContextManager[CellLink]]
 """Opens a door to the node. Its argument is called again and again while the door waits for the
 node; what that raises ends the waiting. Called once in each thread that has a door."""
+
+
+@dataclass(frozen=True)
+class Sources:
+    """What else the page may read; each may be missing."""
+
+    open_records: Callable[[], Records] | None = None
+    """Opens the journal; raises JournalUnusable. None: the past is what the node tells."""
+    trees: Sequence[Path] = ()
+    """Folders in which scripts are looked up by name."""
 
 
 class Show(Protocol):

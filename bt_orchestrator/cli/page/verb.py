@@ -5,8 +5,11 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable
 from contextlib import AbstractContextManager
+from functools import partial
+from pathlib import Path
 
 from bt_orchestrator.cli.door import open_door
+from bt_orchestrator.cli.folders import add_trees_option, script_folders
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.page.access_options import access_of, add_access_options
 from bt_orchestrator.ports import CellLink
@@ -22,20 +25,35 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of the verb."""
     parser.description = DESCRIPTION
     add_access_options(parser)
+    add_trees_option(parser)
+    parser.add_argument(
+        '--journal',
+        type=Path,
+        metavar='FILE',
+        help='journal of the node, for everything that has been; it is only read (default: what '
+        'the node tells of its last events)',
+    )
     add_node_options(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns the exit status."""
+    from bt_orchestrator.cli.journal_file import open_records
     from bt_orchestrator.web.page import Page
+    from bt_orchestrator.web.seams import Sources
     from bt_orchestrator.web.server import PageServer
 
     def opened(meanwhile: Callable[[], object]) -> AbstractContextManager[CellLink]:
         return open_door(args.node, args.timeout, meanwhile)
 
     access = access_of(args)
+    journal = args.journal
+    sources = Sources(
+        open_records=None if journal is None else partial(open_records, journal),
+        trees=script_folders(args.trees),
+    )
     with StopSignals() as stop:
-        server = PageServer(Page(args.node, opened, access))
+        server = PageServer(Page(args.node, opened, access, sources))
         with server.running():
             print(f'page of {args.node}: {server.address}', flush=True)
             stop.notify(server.stop)
