@@ -36,6 +36,17 @@ class Chain:
     root: Root
 
 
+@dataclass(frozen=True)
+class Cause:
+    """A root cause with everything that waits for it."""
+
+    root: Root
+    is_ordinary: bool
+    """It ends by itself: only time is needed, or further work."""
+    waiting: tuple[str, ...]
+    """Parts whose chains end here."""
+
+
 _GRAVE = (
     WaitKind.HOLD.value,
     WaitKind.READINESS.value,
@@ -53,6 +64,17 @@ def chains(status: CellStatus) -> tuple[Chain, ...]:
     chosen = _chosen(links)
     waiting = [part for part in links if links[part] and _may_wait(part)]
     return tuple(_chain(part, chosen) for part in waiting if links[part][0].kind != TASK)
+
+
+def causes(found: Iterable[Chain]) -> tuple[Cause, ...]:
+    """Return the root causes of chains, the gravest first."""
+    roots: dict[tuple[str, str], tuple[Root, list[str]]] = {}
+    for chain in found:
+        _, waiting = roots.setdefault((chain.root.part, chain.root.kind), (chain.root, []))
+        waiting.append(chain.part)
+    ranked = sorted(roots.values(), key=lambda one: _rank(one[0]))
+    last = _GRAVE.index(TASK)
+    return tuple(Cause(root, _rank(root) >= last, tuple(parts)) for root, parts in ranked)
 
 
 def _may_wait(part: str) -> bool:
@@ -84,8 +106,8 @@ def _each(links: Mapping[str, Iterable[Link]]) -> Iterator[Link]:
     return (link for found in links.values() for link in found)
 
 
-def _rank(link: Link) -> int:
-    return _GRAVE.index(link.kind) if link.kind in _GRAVE else len(_GRAVE)
+def _rank(end: Link | Root) -> int:
+    return _GRAVE.index(end.kind) if end.kind in _GRAVE else len(_GRAVE)
 
 
 def _chain(part: str, chosen: Mapping[str, Link]) -> Chain:

@@ -7,13 +7,12 @@ from collections.abc import Mapping
 from bt_orchestrator.drawing.task_marks import held_tasks
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.status import CellDescription, CellStatus
-from bt_orchestrator.report.wait_chains import chains
 from bt_orchestrator.web.parts.cell import cell_part, flags_part, hold_part, now_part
 from bt_orchestrator.web.parts.components import component_part, line_part
 from bt_orchestrator.web.parts.jobs import job_part
 from bt_orchestrator.web.parts.sections import belt_part, section_part
 from bt_orchestrator.web.parts.tasks import TaskParts
-from bt_orchestrator.web.parts.waits import chain_part
+from bt_orchestrator.web.parts.waits import why_part
 
 _NOTHING: Mapping[str, Mapping[str, object]] = {}
 
@@ -38,7 +37,7 @@ def parts_of(
         'belt': belt_part(status, tasks),
         'flags': flags_part(status),
         'line': line_part(description),
-        'why': {'chains': list(map(chain_part, chains(status)))},
+        'why': why_part(status),
     }
     jobs = {job.id: job for job in status.jobs}
     for section in status.sections:

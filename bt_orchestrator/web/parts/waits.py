@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.model.wait import Wait, WaitKind
-from bt_orchestrator.report.wait_chains import Chain
+from bt_orchestrator.report.wait_chains import Cause, Chain, causes, chains
 
 _ORDINARY = frozenset(
     (
@@ -40,8 +41,24 @@ def _wait_part(wait: Wait) -> dict[str, object]:
     }
 
 
-def chain_part(chain: Chain) -> dict[str, object]:
-    """Return the walk from a part that waits to its root cause."""
+def why_part(status: CellStatus) -> dict[str, object]:
+    """Return the walk from each part that waits to its cause, and the causes, gravest first."""
+    found = chains(status)
+    return {
+        'chains': list(map(_chain_part, found)),
+        'causes': list(map(_cause_part, causes(found))),
+    }
+
+
+def _cause_part(cause: Cause) -> dict[str, object]:
+    return {
+        **vars(cause.root),
+        'is_ordinary': cause.is_ordinary,
+        'waiting': list(cause.waiting),
+    }
+
+
+def _chain_part(chain: Chain) -> dict[str, object]:
     return {
         'part': chain.part,
         'links': [dict(vars(link)) for link in chain.links],

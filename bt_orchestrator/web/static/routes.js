@@ -2,6 +2,13 @@
 
 export const SCREENS = {
   overview: () => import('./screens/overview.js'),
+  section: () => import('./screens/section.js'),
+  component: () => import('./screens/component.js'),
+  why: () => import('./screens/why.js'),
+  tree: () => import('./screens/tree.js'),
+  jobs: () => import('./screens/jobs.js'),
+  job: () => import('./screens/job.js'),
+  item: () => import('./screens/item.js'),
   login: () => import('./screens/login.js'),
 };
 

@@ -89,6 +89,16 @@ def test_every_part_has_a_name_of_its_own_and_says_more() -> None:
             assert svg.title(name) or is_arrow, name
 
 
+def test_every_part_lies_in_a_layer_and_in_no_other_part() -> None:
+    # so a page can change one part, and leave the others as they are
+    svg = SvgText(picture(True).svg)
+    layers = svg.root.findall(f'{SVG}g')
+    assert [layer.get('id') for layer in layers] == ['frames', 'lines', 'labels']
+    parts = [part for layer in layers for part in layer.findall(f'{SVG}g')]
+    assert len(parts) + len(layers) == len(list(svg.root.iter(f'{SVG}g')))
+    assert all(part.get('id') for part in parts)
+
+
 def test_a_screen_reader_is_told_what_it_is() -> None:
     svg = SvgText(picture(False).svg)
     assert svg.root.get('role') == 'img'

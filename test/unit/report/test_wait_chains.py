@@ -8,7 +8,7 @@ from fakes.statuses import section, status
 
 from bt_orchestrator.model.status import BeltStatus, SectionStatus
 from bt_orchestrator.model.wait import Wait, WaitKind
-from bt_orchestrator.report.wait_chains import chains
+from bt_orchestrator.report.wait_chains import causes, chains
 
 
 def test_the_belt_waits_for_a_section_that_waits_for_a_held_component() -> None:
@@ -112,3 +112,35 @@ def test_what_a_person_has_to_do_goes_before_what_time_does() -> None:
     )
     (root,) = (chain.root for chain in found if chain.part == 'belt')
     assert (root.part, root.kind) == ('job/WO-1', 'pause')
+
+
+def test_a_cause_that_needs_a_person_comes_first_and_names_all_that_wait_for_it() -> None:
+    paused = Wait('waiting for WO-1 to be resumed', WaitKind.PAUSE, 'WO-1')
+    nothing = Wait('waiting for a job', WaitKind.JOB)
+    turn = Wait('waiting for section 3 to finish with WO-1/2', WaitKind.TURN, sections=(3,))
+    found = causes(
+        chains(
+            status(
+                belt=BeltStatus(waits=(turn,)),
+                sections=(
+                    SectionStatus(1, waits=(nothing,)),
+                    SectionStatus(2, waits=(nothing,)),
+                    SectionStatus(3, waits=(paused,)),
+                ),
+            )
+        )
+    )
+    assert [(one.root.kind, one.is_ordinary, one.waiting) for one in found] == [
+        ('pause', False, ('section/3', 'belt')),
+        ('job', True, ('section/1',)),
+        ('job', True, ('section/2',)),
+    ]
+
+
+def test_a_task_that_takes_its_time_is_an_ordinary_cause() -> None:
+    run = Line(3, seconds={'a1': 10.0}).begin()
+    run.go(until=5.0)
+    causes_now = page_parts(run)['why']['causes']
+    (works,) = (one for one in causes_now if one['part'] == 'component/a1')
+    assert works['is_ordinary']
+    assert 'belt' in works['waiting']

@@ -1,0 +1,18 @@
+/** Attempts that failed, as a table. */
+import { at, t } from '../core/text.js';
+import { itemLink } from './links.js';
+import { table } from './table.js';
+
+/** A table of them: an element and `show(failures)`. */
+export function failureTable() {
+  const columns = [
+    { head: t('failure.time'), cell: (one) => at(one.time) },
+    { head: t('failure.item'), cell: (one) => (one.item ? itemLink(one.item) : '') },
+    { head: t('failure.task'), cell: (one) => one.task },
+    { head: t('failure.attempt'), cell: (one) => one.attempt, isNumber: true },
+    { head: t('failure.reason'), cell: (one) => one.reason },
+    { head: t('failure.message'), cell: (one) => one.message },
+  ];
+  const key = (one) => `${one.time} ${one.item} ${one.task} ${one.attempt}`;
+  return table({ caption: t('failure.title'), columns, key, empty: t('failure.nothing') });
+}

@@ -1,0 +1,71 @@
+/** The record of an item told as a story: what happened to it, in order of time. */
+import { h } from '../core/dom.js';
+import { at, seconds, t } from '../core/text.js';
+import { componentLink, sectionLink } from './links.js';
+import { shape } from './shape.js';
+import { values } from './values.js';
+
+const SHAPES = { done: 'check', failed: 'cross', running: 'play', skipped: 'skip', marked_done: 'check' };
+
+/** The story of an item as a list; `record` is the answer of /api/items/ID. */
+export function story(record) {
+  return h('ol', { class: 'story', 'aria-label': t('item.story') }, entriesOf(record).map(told));
+}
+
+/** Everything that happened, oldest first: {time, kind, …}. */
+export function entriesOf({ item, tasks, decisions, waits }) {
+  const entries = [
+    { time: item.started, kind: 'begun' },
+    ...tasks.map((one) => ({ ...one, time: one.started ?? one.ended, kind: 'task' })),
+    ...decisions.map((one) => ({ ...one, kind: 'decision' })),
+    ...(waits ?? []).map((one) => ({ ...one, time: one.started, kind: 'wait' })),
+  ];
+  if (item.ended !== null) entries.push({ time: item.ended, kind: 'ended', how: item.how });
+  const order = ['begun', 'task', 'wait', 'decision', 'ended'];
+  return entries.sort((one, other) =>
+    one.time - other.time || order.indexOf(one.kind) - order.indexOf(other.kind));
+}
+
+function told(entry) {
+  return h(
+    'li',
+    { class: 'told', 'data-kind': entry.kind, 'data-outcome': entry.outcome ?? entry.how ?? null },
+    h('time', { datetime: new Date(entry.time * 1000).toISOString() }, at(entry.time)),
+    h('div', {}, TOLD[entry.kind](entry)),
+  );
+}
+
+const TOLD = {
+  begun: () => h('p', {}, t('item.begun')),
+  task: task,
+  wait: ({ words, seconds: took }) => h('p', { class: 'quiet' }, t('item.waited', { took: seconds(took), words })),
+  decision: ({ who, what, reason }) => [
+    h('p', {}, shape('square'), ' ', t('item.decided', { who: who || t('item.somebody'), what })),
+    reason ? h('p', { class: 'quote' }, reason) : null,
+  ],
+  ended: ({ how }) => h('p', {}, h('strong', {}, t(`item.is_${how || 'on_line'}`))),
+};
+
+function task(entry) {
+  const { section, task: id, name, component, attempt, outcome } = entry;
+  const where = section ? sectionLink(section) : null;
+  const by = component ? [' · ', componentLink(component)] : null;
+  return [
+    h('p', {}, where, ' · ', h('strong', {}, id), name && name !== id ? ` ${name}` : '', by,
+      attempt > 1 ? ` · ${t('item.attempt', { attempt })}` : ''),
+    h('p', { class: 'outcome' }, shape(SHAPES[outcome] ?? 'dots'), ' ', outcomeWords(entry)),
+    details('item.args', entry.args),
+    details('item.results', entry.results),
+  ];
+}
+
+function outcomeWords({ outcome, seconds: took, reason, message }) {
+  const word = t(`item.outcome_${outcome}`, { took: took === null ? '' : seconds(took) });
+  const why = [reason, message && `“${message}”`].filter(Boolean).join(' ');
+  return why ? `${word}: ${why}` : word;
+}
+
+function details(word, mapping) {
+  if (!mapping || !Object.keys(mapping).length) return null;
+  return h('details', {}, h('summary', {}, t(word)), values(mapping));
+}

@@ -1,0 +1,98 @@
+/** One component: whether it can work, what it does now, and what it did lately. */
+import { children, h, keyed, show } from '../core/dom.js';
+import { part, partsOf, subscribe } from '../core/store.js';
+import { t } from '../core/text.js';
+import { happenings, isEnd } from '../parts/happenings.js';
+import { history } from '../parts/history.js';
+import { holdHere } from '../parts/hold_here.js';
+import { inPath, sectionLink } from '../parts/links.js';
+import { shape } from '../parts/shape.js';
+import { taskList } from '../parts/task_list.js';
+import { jsonValues } from '../parts/values.js';
+
+/** Show it in a root; `route.id` is its name. */
+export function mount(root, route) {
+  const screen = new Component(route.id);
+  root.append(screen.element);
+  screen.update();
+  screen.history.read();
+  const end = subscribe('', () => screen.update());
+  return () => {
+    end();
+    screen.end();
+  };
+}
+
+class Component {
+  constructor(name) {
+    this.name = name;
+    this.hasNews = happenings((event) => isEnd(event) && this.tasks.has(event.task));
+    this.tasks = new Set(); // ids of its tasks in the scripts of now
+    this.unknown = h('p', { class: 'nothing' }, t('component.unknown', { name }));
+    this.trouble = h('p', { class: 'trouble' });
+    this.facts = h('dl', { class: 'facts' });
+    this.holds = h('div', { class: 'holds' });
+    this.fillHolds = keyed(this.holds, (hold) => hold.id, holdHere);
+    this.list = taskList();
+    this.feedback = h('div', { class: 'feedback' });
+    this.history = history(`/api/components/${inPath(name)}/history`);
+    this.body = h(
+      'div',
+      {},
+      this.trouble,
+      this.holds,
+      h(
+        'div',
+        { class: 'now-sides' },
+        h('section', { class: 'panel' }, h('h2', {}, t('component.tasks')), this.list.element),
+        h('section', { class: 'panel' }, h('h2', {}, t('component.about')), this.facts, h('h2', {}, t('section.feedback')), this.feedback),
+      ),
+      this.history.element,
+    );
+    this.element = h('div', { class: 'screen' }, h('div', { class: 'screen-head' }, h('h1', {}, name)), this.unknown, this.body);
+  }
+
+  end() {
+    this.fillHolds([]);
+  }
+
+  update() {
+    const component = part(`component/${this.name}`);
+    show(this.unknown, !component && part('cell'));
+    show(this.body, component);
+    if (!component) return;
+    const tasks = this.#tasks();
+    this.tasks = new Set(tasks.map((task) => task.id));
+    const now = JSON.stringify(component);
+    if (now !== this.shown) this.#show(component);
+    this.shown = now;
+    this.list.update(tasks);
+    this.fillHolds(partsOf('hold/').map(([, one]) => one).filter((one) => one.component === this.name));
+    if (this.hasNews()) this.history.soon();
+  }
+
+  /** Its tasks in the lists that are shown: of sections, of initialization, of the belt. */
+  #tasks() {
+    const lists = [...partsOf('section/'), ...partsOf('job/')].flatMap(([, one]) => one.tasks ?? []);
+    const all = [...lists, ...(part('belt')?.running ?? [])].filter((task) => task.component === this.name);
+    return [...new Map(all.map((task) => [task.id, task])).values()];
+  }
+
+  #show(component) {
+    const described = part('line')?.components.find((one) => one.name === this.name);
+    children(this.trouble, component.trouble ? [shape('broken'), h('span', {}, ` ${component.trouble}`)] : []);
+    show(this.trouble, Boolean(component.trouble));
+    const sections = component.sections.flatMap((number) => [sectionLink(number), ' ']);
+    const facts = [
+      ['ready', t(component.available ? (component.ready ? 'component.is_ready' : 'component.is_not_ready') : 'component.is_away')],
+      ['state', component.state],
+      ['task', component.task],
+      ['sections', sections.length ? sections : t('component.no_section')],
+      ['action', component.action],
+      ['type', described?.type],
+    ];
+    const told = facts.filter(([, value]) => value);
+    children(this.facts, told.map(([name, value]) => h('div', {}, h('dt', {}, t(`component.${name}`)), h('dd', {}, value))));
+    children(this.feedback, component.feedback ? jsonValues(component.feedback) : h('p', { class: 'nothing' }, t('section.no_feedback')));
+  }
+}

@@ -1,0 +1,75 @@
+/** What happened to one item. */
+import { get } from '../core/api.js';
+import { children, h, show, text } from '../core/dom.js';
+import { subscribe } from '../core/store.js';
+import { duration, t } from '../core/text.js';
+import { happenings } from '../parts/happenings.js';
+import { inPath, jobLink } from '../parts/links.js';
+import { story } from '../parts/story.js';
+
+const PAUSE_MS = 1000;
+
+/** Show it in a root; `route.id` is the id of the item. */
+export function mount(root, route) {
+  const screen = new Item(route.id);
+  root.append(screen.element);
+  screen.read();
+  const end = subscribe('event', () => screen.happened());
+  return () => end();
+}
+
+class Item {
+  constructor(id) {
+    this.id = id;
+    this.hasNews = happenings((event) => event.item === id);
+    this.about = h('p', { class: 'about' });
+    this.note = h('p', { class: 'remark', role: 'status' });
+    this.story = h('div');
+    this.element = h(
+      'div',
+      { class: 'screen' },
+      h(
+        'div',
+        { class: 'screen-head' },
+        h('h1', {}, t('item.title', { item: id })),
+        h('a', { class: 'button', href: `/api/items/${inPath(id)}`, download: `${id.replaceAll('/', '-')}.json` }, t('item.download')),
+      ),
+      this.about,
+      this.note,
+      this.story,
+    );
+  }
+
+  async read() {
+    try {
+      this.#show(await get(`/api/items/${inPath(this.id)}`));
+      text(this.note, '');
+    } catch (refused) {
+      text(this.note, refused.message || t('jobs.silent'));
+    }
+    show(this.note, Boolean(this.note.textContent));
+  }
+
+  /** Something happened; if it was to this item, its record is longer now. */
+  happened() {
+    if (!this.hasNews()) return;
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => this.element.isConnected && this.read(), PAUSE_MS);
+  }
+
+  #show(record) {
+    const { item, job, script } = record;
+    const took = item.ended === null ? '' : duration(item.ended - item.started);
+    children(
+      this.about,
+      jobLink(job),
+      h('span', {}, script),
+      h('strong', {}, t(`item.is_${item.how || 'on_line'}`)),
+      took ? h('span', {}, took) : null,
+      item.nonconforming.length ? h('span', {}, t('item.nonconforming', { tasks: item.nonconforming.join(', ') })) : null,
+    );
+    const now = JSON.stringify(record);
+    if (now !== this.before) children(this.story, story(record));
+    this.before = now;
+  }
+}

@@ -1,0 +1,98 @@
+/** All jobs that the journal knows, newest first, page by page. */
+import { get } from '../core/api.js';
+import { h, show, text } from '../core/dom.js';
+import { subscribe } from '../core/store.js';
+import { at, duration, number, t } from '../core/text.js';
+import { jobLink } from '../parts/links.js';
+import { table } from '../parts/table.js';
+
+const MOST = 50;
+
+/** Show it in a root, until the function that is returned is called. */
+export function mount(root) {
+  const screen = new Jobs();
+  root.append(screen.element);
+  screen.first();
+  const end = subscribe('cell', () => screen.refresh());
+  return () => end();
+}
+
+const COLUMNS = [
+  ['job', (job) => jobLink(job.job)],
+  ['script', (job) => job.script],
+  ['status', (job) => t(`job.is_${job.status}`)],
+  ['queued', (job) => at(job.queued)],
+  ['ended', (job) => at(job.ended)],
+  ['took', (job) => took(job), 'number'],
+  ['packed', (job) => t('jobs.of', { packed: number(job.counts.packed), quantity: number(job.quantity) }), 'number'],
+  ['bad', (job) => bad(job.counts)],
+];
+
+class Jobs {
+  constructor() {
+    const columns = COLUMNS.map(([name, cell, kind]) => ({ head: t(`jobs.${name}`), cell, isNumber: kind === 'number' }));
+    this.table = table({
+      caption: t('jobs.title'),
+      columns,
+      key: (job) => `${job.job}@${job.queued}`,
+      empty: t('jobs.nothing'),
+    });
+    this.older = h('button', { type: 'button', onclick: () => this.next() }, t('jobs.older'));
+    this.note = h('p', { class: 'remark', role: 'status' });
+    this.jobs = [];
+    this.element = h(
+      'div',
+      { class: 'screen' },
+      h('div', { class: 'screen-head' }, h('h1', {}, t('jobs.title'))),
+      this.note,
+      this.table.element,
+      this.older,
+    );
+  }
+
+  /** Read the newest page again: jobs may have come, or ended. */
+  async first() {
+    await this.#read('', (page) => {
+      const newest = new Set(page.jobs.map((job) => job.job));
+      this.jobs = [...page.jobs, ...this.jobs.filter((job) => !newest.has(job.job))];
+      if (this.jobs.length === page.jobs.length) this.rest = page.rest;
+    });
+  }
+
+  async next() {
+    await this.#read(`&after=${encodeURIComponent(this.rest)}`, (page) => {
+      const known = new Set(this.jobs.map((job) => job.job));
+      this.jobs = [...this.jobs, ...page.jobs.filter((job) => !known.has(job.job))];
+      this.rest = page.rest;
+    });
+  }
+
+  /** The list of the cell's jobs is another one: look again, soon, and once. */
+  refresh() {
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => this.element.isConnected && this.first(), 500);
+  }
+
+  async #read(after, take) {
+    try {
+      const page = await get(`/api/jobs?most=${MOST}${after}`);
+      take(page);
+      text(this.note, page.is_whole ? '' : t('jobs.not_whole', { why: page.why_not }));
+    } catch (refused) {
+      text(this.note, refused.message || t('jobs.silent'));
+    }
+    show(this.note, Boolean(this.note.textContent));
+    this.table.show(this.jobs);
+    show(this.older, Boolean(this.rest));
+  }
+}
+
+function took({ started, ended }) {
+  return started === null || ended === null ? '' : duration(ended - started);
+}
+
+/** Say how many items were bad, by kinds. */
+export function bad(counts) {
+  const kinds = ['rejected', 'missing', 'nonconforming'].filter((kind) => counts[kind]);
+  return kinds.map((kind) => t(`bar.${kind}`, { count: counts[kind] })).join(', ');
+}

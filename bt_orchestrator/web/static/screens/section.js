@@ -1,0 +1,106 @@
+/** One section: what it does now, with feedback and holds, and what it did lately. */
+import { children, h, keyed, show } from '../core/dom.js';
+import { part, partsOf, subscribe } from '../core/store.js';
+import { t } from '../core/text.js';
+import { feedback } from '../parts/feedback.js';
+import { happenings, isEnd } from '../parts/happenings.js';
+import { history } from '../parts/history.js';
+import { holdHere } from '../parts/hold_here.js';
+import { componentLink, itemLink, jobLink, sectionLink } from '../parts/links.js';
+import { offers } from '../parts/offers.js';
+import { taskList } from '../parts/task_list.js';
+import { waitWords } from '../core/waits.js';
+
+/** Show it in a root; `route.id` is its number. */
+export function mount(root, route) {
+  const screen = new Section(Number(route.id));
+  root.append(screen.element);
+  screen.update();
+  screen.history.read();
+  const end = subscribe('', () => screen.update());
+  return () => {
+    end();
+    screen.end();
+  };
+}
+
+class Section {
+  constructor(number) {
+    this.number = number;
+    this.hasNews = happenings((event) => isEnd(event) && event.section === number);
+    this.unknown = h('p', { class: 'nothing' }, t('section.unknown', { number }));
+    this.about = h('p', { class: 'about' });
+    this.holds = h('div', { class: 'holds' });
+    this.fillHolds = keyed(this.holds, (hold) => hold.id, holdHere);
+    this.waits = h('ul', { class: 'waits' });
+    this.tasks = taskList();
+    this.feedback = feedback();
+    this.offers = offers({ about: () => t('part.section', { number }), label: t('section.offers') });
+    this.components = h('ul', { class: 'links' });
+    this.history = history(`/api/sections/${number}/history`);
+    this.before = h('span');
+    this.after = h('span');
+    this.body = h(
+      'div',
+      {},
+      this.about,
+      this.holds,
+      h(
+        'div',
+        { class: 'now-sides' },
+        h('section', { class: 'panel' }, h('h2', {}, t('section.now')), this.waits, this.tasks.element, this.offers.element),
+        h('section', { class: 'panel' }, h('h2', {}, t('section.feedback')), this.feedback.element, h('h2', {}, t('section.components')), this.components),
+      ),
+      this.history.element,
+    );
+    this.element = h(
+      'div',
+      { class: 'screen' },
+      h('div', { class: 'screen-head' }, h('h1', {}, t('part.section', { number })), h('div', { class: 'beside', role: 'group', 'aria-label': t('section.beside') }, this.before, this.after)),
+      this.unknown,
+      this.body,
+    );
+  }
+
+  end() {
+    this.offers.end();
+    this.fillHolds([]);
+  }
+
+  update() {
+    const section = part(`section/${this.number}`);
+    show(this.unknown, !section && part('cell'));
+    show(this.body, section);
+    if (!section) return;
+    const now = JSON.stringify([section, part('line')]);
+    if (now !== this.shown) this.#show(section);
+    this.shown = now;
+    this.fillHolds(section.holds.map((id) => part(`hold/${id}`)).filter(Boolean));
+    if (this.hasNews()) this.history.soon();
+  }
+
+  #show(section) {
+    this.#beside(part('cell')?.sections ?? []);
+    children(this.about, aboutOf(section));
+    children(this.waits, section.waits.map((wait) => h('li', { 'data-ordinary': wait.is_ordinary }, waitWords(wait))));
+    this.tasks.update(section.tasks);
+    this.feedback.update(section.tasks);
+    this.offers.update(section.offers ?? []);
+    show(this.offers.element, section.offers?.length);
+    const here = partsOf('component/').map(([, one]) => one).filter((one) => one.sections.includes(this.number));
+    children(this.components, here.map((one) => h('li', {}, componentLink(one.name), ' ', one.trouble || one.state)));
+  }
+
+  #beside(numbers) {
+    const to = (number, sign) => (numbers.includes(number) ? h('span', {}, sign, ' ', sectionLink(number)) : []);
+    children(this.before, to(this.number - 1, '←'));
+    children(this.after, to(this.number + 1, '→'));
+  }
+}
+
+function aboutOf({ slot, item, job }) {
+  const there = slot ? [t('section.slot'), ' ', itemLink(slot.id), slot.present ? '' : ` (${t('section.empty_position')})`] : t('section.slot_empty');
+  const work = item ? [t('section.works_on'), ' ', itemLink(item.id), ' · ', jobLink(job)] : t('section.no_cycle');
+  const bad = slot?.rejected ? t('section.rejected') : '';
+  return [h('span', {}, there), h('span', {}, work), bad ? h('strong', {}, bad) : null];
+}

@@ -1,0 +1,81 @@
+/** The behaviour tree of the node, asked for only while it is shown. */
+import { h, show, text } from '../core/dom.js';
+import { get } from '../core/api.js';
+import { t } from '../core/text.js';
+import { count } from '../parts/branches.js';
+import { treeView } from '../parts/tree_view.js';
+
+const PAUSE_MS = 1000;
+
+/** Show it in a root, until the function that is returned is called. */
+export function mount(root) {
+  const screen = new Tree();
+  root.append(screen.element);
+  return () => screen.end();
+}
+
+class Tree {
+  constructor() {
+    this.view = treeView(t('tree.title'));
+    this.note = h('p', { class: 'nothing', role: 'status' }, t('tree.asking'));
+    this.size = h('span', { class: 'help' });
+    const button = (word, isOpen) =>
+      h('button', { type: 'button', onclick: () => this.view.all(isOpen) }, t(word));
+    this.element = h(
+      'div',
+      { class: 'screen' },
+      h(
+        'div',
+        { class: 'screen-head' },
+        h('h1', {}, t('tree.title')),
+        this.size,
+        button('tree.open_all', true),
+        button('tree.fold_all', false),
+      ),
+      h('p', { class: 'help' }, t('tree.help')),
+      this.note,
+      this.view.element,
+    );
+    this.version = '';
+    this.onShown = () => this.#again(0);
+    document.addEventListener('visibilitychange', this.onShown);
+    this.#again(0);
+  }
+
+  end() {
+    this.isOver = true;
+    clearTimeout(this.timer);
+    document.removeEventListener('visibilitychange', this.onShown);
+  }
+
+  #again(wait) {
+    clearTimeout(this.timer);
+    if (!this.isOver && !document.hidden) this.timer = setTimeout(() => this.#ask(), wait);
+  }
+
+  async #ask() {
+    try {
+      this.#take(await get(`/api/tree${this.version === '' ? '' : `?after=${this.version}`}`));
+    } catch (refused) {
+      this.version = '';
+      this.#say(refused.message || t('tree.silent'));
+    }
+    this.#again(PAUSE_MS);
+  }
+
+  #take({ version, tree }) {
+    this.version = version ?? '';
+    if (!tree) {
+      if (!this.view.tree) this.#say(t('tree.asking'));
+      return;
+    }
+    this.view.show(tree);
+    text(this.size, t('tree.size', { count: count(tree) }));
+    this.#say('');
+  }
+
+  #say(words) {
+    text(this.note, words);
+    show(this.note, Boolean(words));
+  }
+}
