@@ -146,13 +146,45 @@ class TestLeanExecutor:
         def call() -> None:
             timer.cancel()
             waits = counter.waits
-            executor.soon(lambda: executor.soon(lambda: seen.append(counter.waits - waits)))
+            executor.soon(lambda: seen.append(counter.waits - waits))
 
         timer = node.create_timer(0.01, call)
         executor.add_node(node)
         spin_until(executor, lambda: seen, 'the call')
         spin_once(executor, 0.02)
         assert seen == [0]
+
+    def test_what_such_a_call_asks_for_comes_after_a_look_at_the_others_that_waits_for_nothing(
+        self, executor: LeanExecutor, node: Node
+    ) -> None:
+        seen: list[int] = []
+        counter = WaitCounter(node)
+        executor.add_node(node)
+        began = time.monotonic()
+        executor.soon(lambda: executor.soon(lambda: seen.append(counter.waits)))
+        spin_once(executor, PATIENCE_S)
+        spin_once(executor, PATIENCE_S)
+        assert seen == [1]
+        assert time.monotonic() < began + PATIENCE_S
+
+    def test_a_call_that_asks_for_itself_again_keeps_nobody_waiting(
+        self, executor: LeanExecutor, node: Node
+    ) -> None:
+        calls: list[int] = []
+        served: list[int] = []
+
+        def call() -> None:
+            calls.append(1)
+            executor.soon(call)
+
+        timer = node.create_timer(0.01, lambda: served.append(len(calls)))
+        executor.add_node(node)
+        wait_until_ready(timer)
+        executor.soon(call)
+        for _ in range(10):
+            spin_once(executor, 0.0)
+        assert served
+        assert served[0] == 1
 
     def test_shutdown_by_another_thread_ends_a_wait(
         self, executor: LeanExecutor, node: Node

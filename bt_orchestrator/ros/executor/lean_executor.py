@@ -66,6 +66,9 @@ class LeanExecutor(SingleThreadedExecutor):
     def soon(self, call: Callable[[], None]) -> None:
         """Call something before the next wait; may be asked for by any thread.
 
+        What such a call asks for comes after a look at the others, which waits for nothing: a call
+        that goes on in pieces keeps nobody from being served.
+
         :param call: raises nothing
         """
         self._soon.append(call)
@@ -95,7 +98,7 @@ class LeanExecutor(SingleThreadedExecutor):
         :raises TimeoutException: nothing came
         """
         assert nodes is None, 'it waits for the nodes that were added'
-        while self._soon:
+        for _ in range(len(self._soon)):
             yield _PlainTurn(self._soon.popleft()), None, None
         tasks = self._open_tasks()
         yield from tasks
@@ -131,10 +134,8 @@ class LeanExecutor(SingleThreadedExecutor):
                 raise ShutdownException
             if condition():
                 raise ConditionReachedException
-            if self._soon:
-                return []
             self._follow_nodes()
-            ready = self._wait_list.wait(_left_ns(until))
+            ready = self._wait_list.wait(0 if self._soon else _left_ns(until))
             if self._is_shutdown:
                 raise ShutdownException
             if not self._context.ok():
