@@ -244,6 +244,25 @@ class TestLeanExecutor:
         spin_until(executor, lambda: len(called) > 2, 'the second timer')
         assert set(called) == {'second'}
 
+    def test_one_that_changes_the_entities_each_time_keeps_no_other_one_waiting(
+        self, executor: LeanExecutor, node: Node
+    ) -> None:
+        calls: list[int] = []
+        served: list[int] = []
+
+        def call() -> None:
+            calls.append(1)
+            node.create_timer(PATIENCE_S, print)
+
+        always = node.create_timer(1e-9, call)
+        timer = node.create_timer(0.01, lambda: served.append(len(calls)))
+        executor.add_node(node)
+        wait_until_ready(always, timer)
+        for _ in range(10):
+            spin_once(executor, 0.0)
+        assert served
+        assert served[0] == 1
+
     def test_what_is_destroyed_while_it_is_ready_does_not_run(
         self, executor: LeanExecutor, node: Node
     ) -> None:

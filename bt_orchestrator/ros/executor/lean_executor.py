@@ -109,8 +109,10 @@ class LeanExecutor(SingleThreadedExecutor):
             one = ready.pop(0)
             if one.may_run():
                 yield self._turn(one), one.entity, one.node
-            if ready and not self._wait_list.is_of(self.get_nodes()):
-                return  # what is still there will be found again
+            if ready and self._follow_nodes():
+                # The others have their turn all the same: one that changes the entities each time,
+                # and is ready again, would come first for ever.
+                ready = [other for other in ready if self._wait_list.has(other)]
 
     def _open_tasks(self) -> Sequence[Any]:
         with self._tasks_lock:
@@ -145,11 +147,14 @@ class LeanExecutor(SingleThreadedExecutor):
             if time.monotonic() >= until:
                 raise TimeoutException
 
-    def _follow_nodes(self) -> None:
+    def _follow_nodes(self) -> bool:
+        """Wait for what the nodes have now; tell whether that has changed."""
         nodes = self.get_nodes()
-        if not self._wait_list.is_of(nodes):
-            self._wait_list.close()
-            self._wait_list = WaitList(nodes, self._own_guards(), self._context)
+        if self._wait_list.is_of(nodes):
+            return False
+        self._wait_list.close()
+        self._wait_list = WaitList(nodes, self._own_guards(), self._context)
+        return True
 
     def _own_guards(self) -> Sequence[GuardCondition]:
         return [guard for guard in (self._guard, self._sigint_gc) if guard is not None]

@@ -63,6 +63,7 @@ class WaitList:
             Member(_kind(e, kind), e, n) for n in nodes for kind, es in _kinds(n) for e in es
         ]
         self._nodes = list(nodes)
+        self._members = frozenset(members)
         self._gathered = [(live, list(live)) for n in nodes for live in _lists(n)]
         self._groups = {one.entity.callback_group: one.entity for one in members}
         self._waitables = [one for one in members if one.kind == WAITABLE]
@@ -83,6 +84,10 @@ class WaitList:
     def is_of(self, nodes: Sequence[Node]) -> bool:
         """Tell whether the nodes still have these entities, and no others."""
         return self._nodes == nodes and all(live == then for live, then in self._gathered)
+
+    def has(self, one: Member) -> bool:
+        """Tell whether the nodes had this entity when they were looked at."""
+        return one in self._members
 
     def wait(self, timeout_ns: int) -> list[Member]:
         """Wait until something is ready, and return that in the order in which it is to run.
