@@ -99,6 +99,9 @@ LOG_LINES = Share(50, 0.1)
 UNHEARD_S = Share(2.0, 0.1)
 """Seconds of the tick thread that one service may spend on answers to clients that are gone."""
 
+UNHEARD_TOGETHER_S = Share(4.0, 0.2)
+"""The same of all services together that have made such answers lately."""
+
 REFUSED_GOALS = Share(1_000, 1.0)
 """Goals of `run_job` that are refused with words; each result is kept for a while."""
 

@@ -6,8 +6,9 @@ warns. The client would wait for ever.
 
 A client that never hears, because it is discovered in part only or wants a quality of service that
 does not fit, would keep the thread for as long with each of its answers, and the middleware does
-not say whose the next one is. So a service has an allowance for such tries. When it is used up,
-answers of this service wait; the line and all other services do not.
+not say whose the next one is. So after each such try everything else has its turn (`Turns`), and
+there are two allowances for tries: of each service, and of all that have made some lately. When
+one is used up, answers of these services wait; the line and all other services do not.
 
 What takes long is not waited for: a callback returns a `Reply`, and the answer is sent
 when it is there.
@@ -15,17 +16,20 @@ when it is there.
 
 from __future__ import annotations
 
+import math
 import time
 import warnings
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, MutableMapping
 from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
+from weakref import WeakKeyDictionary
 
 from bt_orchestrator.model.allowance import Allowance
 from bt_orchestrator.model.limits import UNHEARD_S
 from bt_orchestrator.replies import Reply
 from bt_orchestrator.ros.qos import SERVICES
+from bt_orchestrator.ros.services.turns import Later, Turns
 from bt_orchestrator.ros.spare_log import SpareLog
 
 if TYPE_CHECKING:
@@ -39,6 +43,12 @@ KEPT_FOR_NEW = UNHEARD_S.at_once / 2
 
 HELD_S = 0.1
 """Wait before sending the answers that the allowance did not cover."""
+
+SUSPECT_S = 30.0
+"""How long after an answer that was not heard a service shares the common allowance."""
+
+_turns: MutableMapping[Node, Turns] = WeakKeyDictionary()
+"""Of each node, whose services share one thread."""
 
 MOST_HELD = 100
 """Answers of one service that wait; the oldest are dropped."""
@@ -64,7 +74,8 @@ def create_patient_service(
     service: Any = node.create_service(kind, name, callback, qos_profile=SERVICES)
     log = SpareLog(node.get_logger())
     later = partial(_once, node)
-    answers = PatientAnswers(service.service_name, service.send_response, later, log)
+    turns = _turns.setdefault(node, Turns())
+    answers = PatientAnswers(service.service_name, service.send_response, later, turns, log)
     service.send_response = answers.send  # what every executor calls
 
 
@@ -75,7 +86,8 @@ class PatientAnswers:
         self,
         name: str,
         send: Callable[[Any, Any], object],
-        later: Callable[[float, Callable[[], None]], None],
+        later: Later,
+        turns: Turns,
         logger: Logger,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
@@ -83,15 +95,22 @@ class PatientAnswers:
 
         :param send: warns if the client cannot hear it, after having waited for it
         :param later: calls back once, after so many seconds
+        :param turns: those of all services of the node
         """
         self._name = name
         self._send = send
         self._later = later
+        self._turns = turns
         self._logger = logger
         self._clock = clock
         self._allowance = Allowance(UNHEARD_S)
-        self._waiting: deque[tuple[Any, Any]] = deque()
+        self._waiting: deque[tuple[Any, Any, int]] = deque()
+        """Answers with their headers, and how often each was tried: never."""
+        self._again: deque[tuple[Any, Any, int]] = deque()
+        """The same of those to be sent again; few, since the allowances limit the tries."""
         self._holds = False
+        """Whether there will be a call that sends what waits."""
+        self._unheard_at = -math.inf
 
     def send(self, response: Any, header: Any) -> None:
         """Send an answer: now, or when it is there, and again if need be."""
@@ -101,7 +120,7 @@ class PatientAnswers:
             self._send_in_turn(response, header)
 
     def _send_in_turn(self, response: Any, header: Any) -> None:
-        self._waiting.append((response, header))
+        self._waiting.append((response, header, 0))
         if len(self._waiting) > MOST_HELD:
             self._waiting.popleft()
             self._warn('was dropped: too many wait, since clients do not hear theirs')
@@ -111,26 +130,45 @@ class PatientAnswers:
     def _send_waiting(self) -> None:
         self._holds = False
         try:
-            while self._waiting and self._left > 0:
-                self._attempt(*self._waiting.popleft(), 0)
+            while self._is_owing and not self._turns.pauses and self._left > 0:
+                self._attempt(*(self._again or self._waiting).popleft())
         finally:
-            if self._waiting:
+            if self._is_owing:
                 self._holds = True
-                self._later(HELD_S, self._send_waiting)
+                if self._turns.pauses:
+                    self._turns.wait(self._send_waiting)
+                else:
+                    self._later(HELD_S, self._send_waiting)
+
+    @property
+    def _is_owing(self) -> bool:
+        return bool(self._again or self._waiting)
 
     @property
     def _left(self) -> float:
-        return self._allowance.left(self._clock())
+        now = self._clock()
+        own = self._allowance.left(now)
+        is_suspect = now - self._unheard_at < SUSPECT_S
+        return min(own, self._turns.left(now)) if is_suspect else own
 
-    def _attempt(self, response: Any, header: Any, number: int) -> None:
-        may_try = number == 0 or self._left > KEPT_FOR_NEW
-        if may_try and self._is_heard(response, header):
+    def _attempt(self, response: Any, header: Any, tried: int) -> None:
+        if not self._is_heard(response, header):
+            self._send_later(response, header, tried + 1)
+
+    def _send_later(self, response: Any, header: Any, tried: int) -> None:
+        if tried <= len(AGAIN_AFTER_S):
+            again = partial(self._send_again, response, header, tried)
+            self._later(AGAIN_AFTER_S[tried - 1], again)
+        else:
+            self._warn('was not heard: its client is gone, not discovered, or wants another QoS')
+
+    def _send_again(self, response: Any, header: Any, tried: int) -> None:
+        if self._left <= KEPT_FOR_NEW:
+            self._send_later(response, header, tried + 1)
             return
-        if number < len(AGAIN_AFTER_S):
-            again = partial(self._attempt, response, header, number + 1)
-            self._later(AGAIN_AFTER_S[number], again)
-            return
-        self._warn('was not heard: its client is gone, not discovered, or wants another QoS')
+        self._again.append((response, header, tried))
+        if not self._holds:
+            self._send_waiting()
 
     def _warn(self, what: str) -> None:
         text = f'an answer of {self._name} {what}'
@@ -147,7 +185,9 @@ class PatientAnswers:
             if one not in unheard:
                 warnings.warn_explicit(one.message, one.category, one.filename, one.lineno)
         if unheard:
+            self._unheard_at = now
             self._allowance.use(now - began, now)
+            self._turns.use(now - began, now, self._later)
         return not unheard
 
 

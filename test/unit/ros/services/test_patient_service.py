@@ -8,9 +8,15 @@ from collections.abc import Callable
 
 import pytest
 
-from bt_orchestrator.model.limits import UNHEARD_S
+from bt_orchestrator.model.limits import UNHEARD_S, UNHEARD_TOGETHER_S
 from bt_orchestrator.replies import Reply
-from bt_orchestrator.ros.services.patient_service import AGAIN_AFTER_S, MOST_HELD, PatientAnswers
+from bt_orchestrator.ros.services.patient_service import (
+    AGAIN_AFTER_S,
+    MOST_HELD,
+    SUSPECT_S,
+    PatientAnswers,
+)
+from bt_orchestrator.ros.services.turns import PAUSE_S, Turns
 
 UNHEARD = (
     'an answer of /ask was not heard: its client is gone, not discovered, or wants another QoS'
@@ -33,7 +39,16 @@ class Bench:
         """How long the thread was kept by answers that nobody heard."""
         self._deaf: set[str] = set()
         self._due: list[tuple[float, Callable[[], None]]] = []
-        self.answers = PatientAnswers('/ask', self._send, self._later, self, lambda: self.now)
+        self._turns = Turns()
+        self.longest_s = 0.0
+        """How long the thread was kept at most, between two times at which others had theirs."""
+        self._others_at = 0.0
+        self.answers = self.service('/ask')
+
+    def service(self, name: str) -> PatientAnswers:
+        """Return the answers of a service more."""
+        turns = self._turns
+        return PatientAnswers(name, self._send, self._later, turns, self, lambda: self.now)
 
     def warning(self, message: str) -> None:
         self.log.append(message)
@@ -47,9 +62,11 @@ class Bench:
         while self._due and min(self._due, key=_time)[0] <= end:
             due = min(self._due, key=_time)
             self._due.remove(due)
-            self.now = max(self.now, due[0])
+            if due[0] > self.now:  # only then the thread is free
+                self.now = self._others_at = due[0]
             due[1]()
-        self.now = max(self.now, end) if end < math.inf else self.now
+        if self.now < end < math.inf:
+            self.now = self._others_at = end
 
     def deafen(self, client: str) -> None:
         """Let a client hear nothing any more."""
@@ -60,6 +77,7 @@ class Bench:
         if len(self.sent) <= self._deaf_times or header in self._deaf:
             self.now += TIMEOUT_S
             self.kept_s += TIMEOUT_S
+            self.longest_s = max(self.longest_s, self.now - self._others_at)
             warnings.warn(self._words, RuntimeWarning, stacklevel=1)
 
     def _later(self, delay_s: float, callback: Callable[[], None]) -> None:
@@ -77,7 +95,8 @@ def test_it_is_sent_until_it_is_heard(deaf_times: int) -> None:
     bench.answers.send('yes', 'client 1')
     bench.run()
     assert bench.sent == [('yes', 'client 1')] * (deaf_times + 1)
-    assert bench.delays == list(AGAIN_AFTER_S[:deaf_times])
+    again = [delay for delay in bench.delays if delay != PAUSE_S]
+    assert again == list(AGAIN_AFTER_S[:deaf_times])
     assert bench.log == []
 
 
@@ -122,13 +141,52 @@ def test_a_client_that_never_hears_keeps_the_thread_for_a_small_part_of_the_time
     assert UNHEARD in bench.log
 
 
-def test_others_are_answered_at_once_beside_a_client_that_never_hears() -> None:
+def test_many_that_never_hear_keep_the_thread_for_one_answer_at_a_time() -> None:
+    bench, clients = Bench(deaf_times=0), 10
+    services = [bench.service(f'/{number}') for number in range(3)]
+    for number in range(clients):
+        bench.deafen(f'client {number}')
+        for service in services:
+            service.send('no', f'client {number}')
+    bench.run()
+    assert len(bench.sent) > len(services) * clients  # some of them were sent again, together
+    assert bench.longest_s == pytest.approx(TIMEOUT_S)
+
+
+def test_many_services_keep_the_thread_for_a_small_part_of_the_time_too() -> None:
+    bench, seconds = Bench(deaf_times=0), 200
+    services = [bench.service(f'/{number}') for number in range(20)]
+    bench.deafen('client 1')
+    for turn in range(seconds):
+        bench.run_until(turn)
+        for service in services:
+            service.send(f'{turn}', 'client 1')
+    first_of_each_s = len(services) * TIMEOUT_S * (1 + seconds / SUSPECT_S)
+    together_s = UNHEARD_TOGETHER_S.at_once + seconds * UNHEARD_TOGETHER_S.per_s
+    assert bench.kept_s <= together_s + first_of_each_s
+
+
+def test_a_service_whose_clients_hear_answers_beside_others_whose_clients_never_do() -> None:
+    bench = Bench(deaf_times=0)
+    deaf, well = bench.service('/deaf'), bench.service('/well')
+    bench.deafen('client 1')
+    for turn in range(100):
+        bench.run_until(float(turn))
+        for _ in range(10):
+            deaf.send(f'{turn}', 'client 1')
+        well.send(f'{turn}', 'client 2')
+        bench.run_until(bench.now + TIMEOUT_S + 2 * PAUSE_S)
+        assert (f'{turn}', 'client 2') in bench.sent
+
+
+def test_others_are_answered_soon_beside_a_client_that_never_hears() -> None:
     bench = Bench(deaf_times=0)
     bench.deafen('client 1')
     for turn in range(100):
         bench.run_until(2.0 * turn)
         bench.answers.send(f'{turn}', 'client 1')
         bench.answers.send(f'{turn}', 'client 2')
+        bench.run_until(bench.now + PAUSE_S)
         assert bench.sent[-1] == (f'{turn}', 'client 2')
     bench.run()
     assert len([1 for _, client in bench.sent if client == 'client 2']) == 100
