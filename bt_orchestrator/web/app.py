@@ -13,7 +13,7 @@ from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import BaseRoute, Mount, Route
 from starlette.staticfiles import StaticFiles
 
-from bt_orchestrator.web import archive, me
+from bt_orchestrator.web import archive, me, scripts
 from bt_orchestrator.web.endpoint import routes
 from bt_orchestrator.web.guards import GuardMiddleware
 from bt_orchestrator.web.replies import HANDLERS
@@ -44,7 +44,8 @@ def routes_of(page: Page) -> list[BaseRoute]:
         *_core(page),
         *routes(me.endpoints(page.people)),
         *routes(archive.endpoints(page.archive, page)),
-        # Further parts: commands, scripts, what_if.
+        *routes(scripts.endpoints(page.shelf, page)),
+        # Further parts: commands, what_if.
         Mount('/static', _Files(directory=STATIC)),
     ]
 

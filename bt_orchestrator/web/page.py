@@ -18,6 +18,7 @@ from bt_orchestrator.web.door_thread import AskingDoor, Began, Doors, Fact, Foll
 from bt_orchestrator.web.known import Known, told_by
 from bt_orchestrator.web.people import People
 from bt_orchestrator.web.ring import Happened
+from bt_orchestrator.web.scripts.shelf import Shelf
 from bt_orchestrator.web.seams import OpenDoor, Show, Sources
 from bt_orchestrator.web.stream import BEAT_S, Streams
 
@@ -64,6 +65,8 @@ class Page:
         self.doors = Doors(self._node, self._following, self._asking)
         self.streams = Streams(self.book, self.doors, self._refresh)
         self.archive = Archive(Heard(self.book, self.doors), self.sources.open_records)
+        trees = self.sources.trees
+        self.shelf = Shelf(self.known, self.archive, trees, self._ask_moment)
         self._following.on_error = on_error
         self._following.start()
         self._asking.start()
@@ -130,6 +133,7 @@ class Page:
     async def _describe(self) -> None:
         with contextlib.suppress(NodeUnreachable):
             self.description = await self.doors.description()
+            self.known.cell = None
             self._show_anew()
 
     async def _ask_moment(self) -> None:

@@ -7,6 +7,7 @@ import time
 from pathlib import Path
 
 from fakes.quick_users import write_users
+from fakes.shipped import TREES
 from web.stand_cell import StandCell
 
 from bt_orchestrator.model.jobs.order import Terms, WorkOrder
@@ -14,6 +15,7 @@ from bt_orchestrator.model.roles import Role
 from bt_orchestrator.store.memory import MemoryStore
 from bt_orchestrator.web.access import Access
 from bt_orchestrator.web.page import Page
+from bt_orchestrator.web.seams import Sources
 from bt_orchestrator.web.server import PageServer
 
 USERS = {'ann': Role.OPERATE, 'eve': Role.ENGINEER, 'mes': Role.MES, 'vic': Role.VIEW}
@@ -34,7 +36,8 @@ def stand_page(folder: Path, args: argparse.Namespace) -> tuple[StandCell, PageS
         args.port,
         local_user='' if args.login else 'stand',
     )
-    return stand, PageServer(Page(stand.node.name, stand.open_door, access))
+    sources = Sources(trees=(TREES if args.sections == 5 else folder,))
+    return stand, PageServer(Page(stand.node.name, stand.open_door, access, sources))
 
 
 def _order(stand: StandCell, number: int, quantity: int) -> WorkOrder:

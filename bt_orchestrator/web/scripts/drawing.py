@@ -1,0 +1,57 @@
+"""The line of a script as SVG, with the state of now if it is asked for."""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+from typing import NamedTuple
+
+from bt_orchestrator.drawing.line import draw_line
+from bt_orchestrator.drawing.line_state import LineState
+from bt_orchestrator.drawing.picture import SVG
+from bt_orchestrator.drawing.status_marks import line_state
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.model.status import CellStatus
+
+MOST_KEPT = 8
+"""Drawings that need not be made again: of some scripts, as they are and live."""
+
+
+class Drawn(NamedTuple):
+    """A drawing, and its name in the caches of browsers."""
+
+    svg: bytes
+    tag: str
+
+
+class Drawings:
+    """Draws in another thread, one after the other, and only what has changed."""
+
+    def __init__(self) -> None:
+        self._kept: dict[tuple[str, bool], tuple[Cell, LineState | None, Drawn]] = {}
+        self._turn = asyncio.Lock()
+
+    async def drawn(
+        self, digest: str, script: Script, cell: Cell, status: CellStatus | None
+    ) -> Drawn:
+        """Return the drawing of a script.
+
+        :param status: as the line stands; None: the script alone
+        :raises NotThisLine: the status is of another cell
+        """
+        state = None if status is None else line_state(status, script, cell)
+        key = (digest, status is not None)
+        async with self._turn:
+            known = self._kept.pop(key, None)
+            if known is None or known[:2] != (cell, state):
+                known = (cell, state, await asyncio.to_thread(_drawn, script, cell, state))
+            self._kept[key] = known
+            if len(self._kept) > MOST_KEPT:
+                self._kept.pop(next(iter(self._kept)))
+        return known[2]
+
+
+def _drawn(script: Script, cell: Cell, state: LineState | None) -> Drawn:
+    svg = draw_line(script, cell, state).content(SVG)
+    return Drawn(svg, f'"{hashlib.sha256(svg).hexdigest()[:16]}"')
