@@ -1,7 +1,7 @@
 /** What a section or a component did lately: how long tasks took, cycles, failures, time in states. */
 import { get } from '../core/api.js';
 import { children, h, show, text } from '../core/dom.js';
-import { at, duration, number, seconds, t, tOr } from '../core/text.js';
+import { at, duration, number, seconds, t } from '../core/text.js';
 import { failureTable } from './failures.js';
 import { itemLink } from './links.js';
 import { table } from './table.js';
@@ -99,9 +99,15 @@ function taskTime(task) {
   return h('span', { class: 'task-time', 'data-outcome': task.outcome }, task.outcome === 'failed' ? `✗ ${words}` : words);
 }
 
+/** Whether it worked, and what its state topic said meanwhile. */
+function stateWords(state) {
+  const [work, ...reported] = state.split(', ');
+  return [t(`history.is_${work}`), ...reported].join(', ');
+}
+
 function stateBar(state, spent, share) {
   const bar = h('span', { class: 'state-bar' });
   bar.style.width = `${share * 100}%`; // the policy forbids a style attribute
   const percent = `${number(Math.round(share * 100))} %`;
-  return h('li', {}, h('span', {}, tOr(`state.${state}`, state)), h('span', { class: 'state-room' }, bar), h('span', {}, duration(spent), ' · ', percent));
+  return h('li', {}, h('span', {}, stateWords(state)), h('span', { class: 'state-room' }, bar), h('span', {}, duration(spent), ' · ', percent));
 }

@@ -94,7 +94,7 @@ class Picture {
       && [...fresh.keys()].every((name) => this.parts.has(name));
     this.size = svg.getAttribute('viewBox');
     for (const [name, element] of fresh) {
-      const source = element.outerHTML;
+      const source = new XMLSerializer().serializeToString(element);
       const before = this.parts.get(name);
       if (isSame && before.source === source) continue;
       if (isSame) before.element.replaceWith(element);

@@ -1,11 +1,18 @@
 /** The record of an item told as a story: what happened to it, in order of time. */
 import { h } from '../core/dom.js';
-import { at, seconds, t } from '../core/text.js';
+import { at, seconds, t, tOr } from '../core/text.js';
 import { componentLink, sectionLink } from './links.js';
 import { shape } from './shape.js';
 import { values } from './values.js';
 
-const SHAPES = { done: 'check', failed: 'cross', running: 'play', skipped: 'skip', marked_done: 'check' };
+const SHAPES = {
+  succeeded: 'check',
+  failed: 'cross',
+  running: 'play',
+  skipped: 'skip',
+  marked_done: 'check',
+  continued: 'cross',
+};
 
 /** The story of an item as a list; `record` is the answer of /api/items/ID. */
 export function story(record) {
@@ -13,15 +20,15 @@ export function story(record) {
 }
 
 /** Everything that happened, oldest first: {time, kind, …}. */
-export function entriesOf({ item, tasks, decisions, waits }) {
+export function entriesOf({ started, ended, how, tasks, holds, decisions }) {
   const entries = [
-    { time: item.started, kind: 'begun' },
     ...tasks.map((one) => ({ ...one, time: one.started ?? one.ended, kind: 'task' })),
     ...decisions.map((one) => ({ ...one, kind: 'decision' })),
-    ...(waits ?? []).map((one) => ({ ...one, time: one.started, kind: 'wait' })),
+    ...holds.map((one) => ({ ...one, kind: 'held' })),
   ];
-  if (item.ended !== null) entries.push({ time: item.ended, kind: 'ended', how: item.how });
-  const order = ['begun', 'task', 'wait', 'decision', 'ended'];
+  if (started !== null) entries.push({ time: started, kind: 'begun' });
+  if (ended !== null) entries.push({ time: ended, kind: 'ended', how });
+  const order = ['begun', 'task', 'held', 'decision', 'ended'];
   return entries.sort((one, other) =>
     one.time - other.time || order.indexOf(one.kind) - order.indexOf(other.kind));
 }
@@ -38,7 +45,7 @@ function told(entry) {
 const TOLD = {
   begun: () => h('p', {}, t('item.begun')),
   task: task,
-  wait: ({ words, seconds: took }) => h('p', { class: 'quiet' }, t('item.waited', { took: seconds(took), words })),
+  held: ({ id, words }) => h('p', {}, shape('triangle'), ' ', t('item.held', { hold: id, words })),
   decision: ({ who, what, reason }) => [
     h('p', {}, shape('square'), ' ', t('item.decided', { who: who || t('item.somebody'), what })),
     reason ? h('p', { class: 'quote' }, reason) : null,
@@ -61,7 +68,7 @@ function task(entry) {
 
 function outcomeWords({ outcome, seconds: took, reason, message }) {
   const word = t(`item.outcome_${outcome}`, { took: took === null ? '' : seconds(took) });
-  const why = [reason, message && `“${message}”`].filter(Boolean).join(' ');
+  const why = [reason && tOr(`reason.${reason}`, reason), message && `“${message}”`].filter(Boolean).join(' ');
   return why ? `${word}: ${why}` : word;
 }
 

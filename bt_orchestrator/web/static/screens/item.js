@@ -43,7 +43,6 @@ class Item {
   async read() {
     try {
       this.#show(await get(`/api/items/${inPath(this.id)}`));
-      text(this.note, '');
     } catch (refused) {
       text(this.note, refused.message || t('jobs.silent'));
     }
@@ -58,15 +57,16 @@ class Item {
   }
 
   #show(record) {
-    const { item, job, script } = record;
-    const took = item.ended === null ? '' : duration(item.ended - item.started);
+    text(this.note, record.is_whole ? '' : t('jobs.not_whole', { why: record.why_not }));
+    const { job, script } = record;
+    const took = record.ended === null || record.started === null ? '' : duration(record.ended - record.started);
     children(
       this.about,
       jobLink(job),
       h('span', {}, script),
-      h('strong', {}, t(`item.is_${item.how || 'on_line'}`)),
+      h('strong', {}, t(`item.is_${record.how || 'on_line'}`)),
       took ? h('span', {}, took) : null,
-      item.nonconforming.length ? h('span', {}, t('item.nonconforming', { tasks: item.nonconforming.join(', ') })) : null,
+      record.rejected ? h('span', {}, t('item.rejected', { why: record.rejected })) : null,
     );
     const now = JSON.stringify(record);
     if (now !== this.before) children(this.story, story(record));

@@ -45,7 +45,7 @@ class Job {
       this.offers.element,
       this.note,
       h('section', { class: 'panel' }, h('h2', {}, t('job.about')), this.about, this.params),
-      h('section', { class: 'panel' }, h('h2', {}, t('job.failures')), this.failures.element),
+      h('section', { class: 'panel' }, h('h2', {}, t('failure.title')), this.failures.element),
       h('section', { class: 'panel' }, h('h2', {}, t('job.items')), this.items.element),
     );
   }

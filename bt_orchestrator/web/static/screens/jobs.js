@@ -18,7 +18,7 @@ export function mount(root) {
 }
 
 const COLUMNS = [
-  ['job', (job) => jobLink(job.job)],
+  ['job', (job) => jobLink(job.id)],
   ['script', (job) => job.script],
   ['status', (job) => t(`job.is_${job.status}`)],
   ['queued', (job) => at(job.queued)],
@@ -34,7 +34,7 @@ class Jobs {
     this.table = table({
       caption: t('jobs.title'),
       columns,
-      key: (job) => `${job.job}@${job.queued}`,
+      key: (job) => `${job.id}@${job.queued}`,
       empty: t('jobs.nothing'),
     });
     this.older = h('button', { type: 'button', onclick: () => this.next() }, t('jobs.older'));
@@ -53,16 +53,16 @@ class Jobs {
   /** Read the newest page again: jobs may have come, or ended. */
   async first() {
     await this.#read('', (page) => {
-      const newest = new Set(page.jobs.map((job) => job.job));
-      this.jobs = [...page.jobs, ...this.jobs.filter((job) => !newest.has(job.job))];
+      const newest = new Set(page.jobs.map((job) => job.id));
+      this.jobs = [...page.jobs, ...this.jobs.filter((job) => !newest.has(job.id))];
       if (this.jobs.length === page.jobs.length) this.rest = page.rest;
     });
   }
 
   async next() {
     await this.#read(`&after=${encodeURIComponent(this.rest)}`, (page) => {
-      const known = new Set(this.jobs.map((job) => job.job));
-      this.jobs = [...this.jobs, ...page.jobs.filter((job) => !known.has(job.job))];
+      const known = new Set(this.jobs.map((job) => job.id));
+      this.jobs = [...this.jobs, ...page.jobs.filter((job) => !known.has(job.id))];
       this.rest = page.rest;
     });
   }
