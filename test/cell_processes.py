@@ -77,6 +77,7 @@ class CellProcesses:
         namespace: str = '',
         remapped: bool = False,
         speed: float = SPEED,
+        sim_options: Sequence[str] = (),
         run_options: Sequence[str] = (),
         node_program: Sequence[str] = PROGRAM,
     ) -> None:
@@ -96,7 +97,7 @@ class CellProcesses:
             spaced = ['--ros-args', '-r', f'__ns:={namespace}', '--']
         self._sim_words = ['sim-cell', '--cell', str(self.cell), '--log', str(self.log)]
         self._sim_words += [*spaced, '--speed', str(speed)]
-        self._sim_words += [f'--fail={fault}' for fault in fail]
+        self._sim_words += [*sim_options, *(f'--fail={fault}' for fault in fail)]
         self._started = 0
         self.sims = [self.start_sim(share) for share in shares]
         words = ['run', '--cell', str(self.cell), '--trees', str(folder), *spaced]

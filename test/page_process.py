@@ -40,7 +40,7 @@ class PageProcess:
 
     def wait_ready(self) -> None:
         """Wait until it serves."""
-        self.process.wait_ready()
+        self.process.wait_ready('page of ')
 
     def kill_and_restart(self) -> None:
         """Kill it as kill -9 does, and start it again."""

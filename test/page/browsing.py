@@ -59,6 +59,11 @@ class Person:
         tab.until_screen(screen)
         return tab
 
+    @property
+    def loaded(self) -> int:
+        """How many times a tab was loaded."""
+        return self.requested.count(f'{self.url}/')
+
     def leave(self) -> None:
         """Close everything, and fail if something went wrong meanwhile."""
         self.context.close()
@@ -87,20 +92,16 @@ class Tab:
     def until_screen(self, screen: str) -> None:
         """Wait until a screen is drawn."""
         name = screen.partition('/')[0]
-        self.until(lambda: self.data('screen') == name, f'the screen {name}')
+        self.page.locator(f'main[data-screen="{name}"]').wait_for()
 
     def data(self, name: str) -> str:
-        """Return what the page says of itself, for tests; see `static/core/store.js`."""
+        """Return what the page says of itself; see `static/core/store.js`."""
         found = self.page.evaluate('name => document.body.dataset[name] ?? ""', name)
         return str(found)
 
-    def until_live(self) -> None:
-        """Wait until it shows what happens."""
-        self.until_state('live')
-
-    def until_state(self, state: str) -> None:
-        """Wait until it says that it is live, or what is silent."""
-        self.until(lambda: self.data('state') == state, f'the page to be {state}')
+    def until_news(self, kind: str = 'fresh') -> None:
+        """Wait until it says that its news are fresh, or that `page` or `node` is silent."""
+        self.until(lambda: self.data('news') == kind, f'the news to be {kind}')
 
     @property
     def seq(self) -> int:
@@ -108,9 +109,20 @@ class Tab:
         return int(self.data('seq') or 0)
 
     @property
+    def first(self) -> int:
+        """Number of the first event that it was to take in."""
+        return int(self.data('first'))
+
+    @property
     def seen(self) -> list[int]:
-        """Every event that it took in, in order."""
-        return numbers(self.data('seen'))
+        """Numbers of all events that it took in, in order."""
+        missing = {
+            number
+            for span in self.data('gaps').split()
+            for first, _, last in [span.partition('-')]
+            for number in range(int(first), int(last) + 1)
+        }
+        return [n for n in range(self.first, self.seq + 1) if n not in missing]
 
     def until(
         self, condition: Callable[[], object], what: str, within_s: float = PATIENCE_S
@@ -118,19 +130,10 @@ class Tab:
         """Look at a condition until it holds; the page goes on meanwhile."""
         deadline = time.monotonic() + within_s
         while not condition():
-            state = {name: self.data(name) for name in ('screen', 'state', 'seq', 'seen')}
+            state = {name: self.data(name) for name in ('news', 'first', 'seq', 'gaps', 'twice')}
             assert time.monotonic() < deadline, f'waited {within_s:g} s for {what}; {state}'
             self.page.wait_for_timeout(_LOOK_MS)
 
     def count(self, selector: str) -> int:
         """Return how many elements there are."""
         return int(self.page.locator(selector).count())
-
-
-def numbers(ranges: str) -> list[int]:
-    """Return the numbers of ranges such as `1-3,5`."""
-    found: list[int] = []
-    for part in filter(None, ranges.split(',')):
-        first, _, last = part.partition('-')
-        found += range(int(first), int(last or first) + 1)
-    return found

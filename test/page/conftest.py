@@ -18,6 +18,9 @@ __all__ = ['fast_discovery', 'start_cell']
 StartPage = Callable[..., PageProcess]
 """Starts the page of a node and waits until it serves; takes options of the verb."""
 
+StartProxy = Callable[[int], Proxy]
+"""Lays a wire to a port."""
+
 Sit = Callable[..., Person]
 """Seats somebody at a browser; takes the port of the page, or of a wire to it."""
 
@@ -44,7 +47,7 @@ def start_page(tmp_path: Path) -> Iterator[StartPage]:
 
 
 @pytest.fixture
-def start_proxy() -> Iterator[Callable[[int], Proxy]]:
+def start_proxy() -> Iterator[StartProxy]:
     """Give a function that lays a wire to a port."""
     with ExitStack() as stack:
 

@@ -105,6 +105,8 @@ class Proxy:
                 self._carry(reader, far_writer, lambda piece: piece),
                 self._carry(far_reader, writer, self._filtered),
             )
+        except asyncio.CancelledError:
+            pass  # asyncio's own callback stumbles over a handler that was cancelled
         finally:
             self._wires -= {writer, far_writer}
 

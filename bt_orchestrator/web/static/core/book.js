@@ -9,6 +9,8 @@ export class Book {
     this.history = '';
     this.version = 0;
     this.seq = 0;
+    /** The first event that is told here, if it comes. */
+    this.first = 1;
     this.node = '';
     /** Numbers of events that came twice, and spans that did not come. */
     this.twice = 0;
@@ -27,6 +29,7 @@ export class Book {
     if (isNew) {
       this.history = history;
       this.seq = after;
+      this.first = after + 1;
       this.gaps = [];
       this.twice = 0;
     } else if (after > this.seq) {

@@ -143,6 +143,7 @@ function kindNow() {
 function mark() {
   const marks = document.body.dataset;
   marks.history = book.history;
+  marks.first = book.first;
   marks.seq = book.seq;
   marks.version = book.version;
   marks.twice = book.twice;
