@@ -30,7 +30,7 @@ from bt_orchestrator.model.limits import COMMANDS, COMMANDS_OF_ONE, NAME, ORIGIN
 from bt_orchestrator.runtime.command_record import refused
 from bt_orchestrator.runtime.commands import answer_to
 from bt_orchestrator.runtime.ledger import Ledger
-from bt_orchestrator.runtime.refusals import Refusals
+from bt_orchestrator.runtime.refusals import Refusals, sender_of
 
 _MUST_WAIT = (AddJobs, UpdateJob, MoveJob, RunNext, StopAfter, Resume, Reset, Start, Clear)
 """Commands that can be repeated without limit, so their rate is limited. A stop, pause or answer
@@ -71,7 +71,7 @@ class Inbox:
             _check_texts(command)
         if command.by is None:
             return answer_to(command, self._ledger)
-        sender, now = (command.by.who, command.by.origin), self._ledger.steady
+        sender, now = sender_of(command.by), self._ledger.steady
         if _must_wait(command):
             _check_left(command.by, self._allowances.left(sender, now))
         before = self._ledger.state.seq

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.allowance import Allowances
+from bt_orchestrator.model.by import By
 from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.limits import (
@@ -20,6 +21,7 @@ from bt_orchestrator.model.limits import (
     WHO,
     cut,
 )
+from bt_orchestrator.model.ticket import without_ticket
 from bt_orchestrator.runtime.ledger import Ledger
 
 TOLD_EVERY_S = 60.0
@@ -63,7 +65,7 @@ class Refusals:
     def record(self, refusals: Iterable[e.OperatorRefused]) -> None:
         """Record refusals, or count them if there are too many."""
         for refused in map(_shortened, refusals):
-            sender, now = (refused.who, refused.origin), self._ledger.steady
+            sender, now = sender_of(refused), self._ledger.steady
             size = len(to_text(refused).encode())
             if size <= self._allowances.left(sender, now):
                 self._allowances.use(sender, size, now)
@@ -88,6 +90,11 @@ class Refusals:
         if sender not in self._counted and len(self._counted) >= _SENDERS:
             sender = ('', '')
         self._counted.setdefault(sender, _Counted(self._ledger.now)).add(refused)
+
+
+def sender_of(said: By | e.OperatorRefused) -> tuple[str, str]:
+    """Return the sender whose limits apply: name and origin, without the ticket of one command."""
+    return said.who, without_ticket(said.origin)
 
 
 def _shortened(refused: e.OperatorRefused) -> e.OperatorRefused:

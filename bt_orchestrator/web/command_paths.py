@@ -46,30 +46,44 @@ def place_of(request: Request, subject: str = '') -> Place:
 
     :param subject: id of its job, item or hold; empty: it has none
     """
+    path = (
+        pattern_of(request)
+        .replace('{hold}', quote(subject, safe=''))
+        .replace('{item:path}', quote(subject))
+        .replace('{command}', request.word)
+    )
+    return Place(
+        path, {**({'job': subject} if request.about is About.JOB else {}), **_says(request)}
+    )
+
+
+def pattern_of(request: Request) -> str:
+    """Return the path of a request with the names of its parts, as routes write it."""
     match request.about:
         case About.HOLD:
-            hold = quote(subject, safe='')
-            return Place(ANSWER.replace('{hold}', hold), {'answer': request.word})
+            return ANSWER
         case About.ITEM:
-            return Place(ITEM.replace('{item:path}', quote(subject)), {})
+            return ITEM
         case About.QUEUE:
-            return Place(QUEUE_ADD, {})
+            return QUEUE_ADD
         case About.JOB:
-            return _of_job(request, subject)
+            return {MOVE.name: QUEUE_MOVE, NEXT.name: QUEUE_MOVE, UPDATE.name: QUEUE_UPDATE}.get(
+                request.name, QUEUE_COMMAND
+            )
         case About.CELL:
-            if request in STOP_AFTERS.values():
-                return Place(QUEUE_STOP_AFTER, {'after': request.word.removeprefix(STOP_AFTER)})
-            return Place(CELL_COMMAND.replace('{command}', request.word), {})
+            return QUEUE_STOP_AFTER if request in STOP_AFTERS.values() else CELL_COMMAND
 
 
-def _of_job(request: Request, job: str) -> Place:
-    if request == MOVE:
-        return Place(QUEUE_MOVE, {'job': job})
-    if request == NEXT:
-        return Place(QUEUE_MOVE, {'job': job, 'next': True})
-    if request == UPDATE:
-        return Place(QUEUE_UPDATE, {'job': job})
-    return Place(QUEUE_COMMAND, {'job': job, 'command': request.word})
+def _says(request: Request) -> Mapping[str, object]:
+    """Return what tells a request from the others with its path."""
+    match pattern_of(request):
+        case path if path == ANSWER:
+            return {'answer': request.word}
+        case path if path == QUEUE_COMMAND:
+            return {'command': request.word}
+        case path if path == QUEUE_STOP_AFTER:
+            return {'after': request.word.removeprefix(STOP_AFTER)}
+    return {'next': True} if request == NEXT else {}
 
 
 # --- back ---------------------------------------------------------------------------------------

@@ -29,7 +29,7 @@ from bt_orchestrator.model.commands import (
 )
 from bt_orchestrator.model.jobs.job_commands import AddJobs, ControlJob, MoveJob, StopAfter
 from bt_orchestrator.model.jobs.order import Job
-from bt_orchestrator.model.limits import COMMANDS_OF_ONE
+from bt_orchestrator.model.limits import COMMANDS_OF_ONE, REFUSALS_OF_ONE
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.gateway import VirtualGateway
@@ -132,6 +132,18 @@ def test_7_1_forty_refusals_with_long_reasons_leave_the_journal_small(cell: Cell
     for _ in range(40):
         assert not cell.ask(Stop(by(reason=LONG))).accepted
     assert cell.bytes - before < A_MINUTE_OF_REFUSALS
+
+
+def test_7_1_a_ticket_makes_no_other_sender_of_a_command(cell: Cell) -> None:
+    for number in range(300):
+        assert not cell.ask(Stop(by(reason=LONG, origin=f'page {number:016x}'))).accepted
+    told = sum(
+        len(to_text(event)) for event in cell.store.read() if event.event == 'operator.refused'
+    )
+    assert told <= REFUSALS_OF_ONE.at_once
+    cell.wait(61)
+    (counted,) = cell.of('request.refused')
+    assert (counted['who'], counted['origin']) == ('Eve', 'page')
 
 
 def new_names() -> Callable[[], By]:

@@ -9,88 +9,28 @@ from typing import Any
 
 import pytest
 from fakes.browser import Browser
+from fakes.page_bench import ROLES, PeopleBench, log_in
 from fakes.quick_users import PASSWORD, write_users
-from starlette.applications import Starlette
-from starlette.middleware import Middleware
-from starlette.requests import Request
-from starlette.responses import Response
 
 from bt_orchestrator.model.requests import TABLE
 from bt_orchestrator.model.roles import Role
-from bt_orchestrator.web import me
-from bt_orchestrator.web.access import IDLE_S, SESSION_S, Access
+from bt_orchestrator.web.access import IDLE_S, SESSION_S
 from bt_orchestrator.web.attempts import FREE_OF_NAME
-from bt_orchestrator.web.endpoint import Endpoint, routes
-from bt_orchestrator.web.guards import GuardMiddleware
-from bt_orchestrator.web.people import MOST_WAITING, People
-from bt_orchestrator.web.replies import HANDLERS, Json, body_of
+from bt_orchestrator.web.people import MOST_WAITING
 from bt_orchestrator.web.sessions import MOST_OF_ONE, MOST_UNLOCKS
-
-ROLES = {'ann': Role.OPERATE, 'eve': Role.ENGINEER, 'mes': Role.MES, 'vic': Role.VIEW}
-
-
-async def look(request: Request) -> Response:
-    session = request.state.session
-    return Json({'who': session.name if session else ''})
-
-
-async def echo(request: Request) -> Response:
-    return Json({'body': await body_of(request)})
-
-
-async def fail(_: Request) -> Response:
-    raise RuntimeError('secrets of the page')
-
-
-class Bench:
-    """A page with nothing but people, and a clock that is set."""
-
-    def __init__(self, folder: Path, **options: Any) -> None:
-        self.now = 1000.0
-        self.users = write_users(folder / 'users.yaml', ROLES)
-        self.people = People(Access(self.users, **options), lambda: self.now)
-        self.loop = asyncio.new_event_loop()
-        own = (
-            Endpoint('GET', '/api/look', look, ''),
-            Endpoint('POST', '/api/echo', echo, ''),
-            Endpoint('GET', '/api/fail', fail, ''),
-            Endpoint('GET', '/static/app.js', look, ''),
-        )
-        self.app = Starlette(
-            routes=routes((*me.endpoints(self.people), *own)),
-            middleware=[Middleware(GuardMiddleware, people=self.people)],
-            exception_handlers=HANDLERS,
-        )
-
-    def browser(self, **about: Any) -> Browser:
-        return Browser(self.app, self.loop, **about)
-
-    def logged_in(self, name: str, **about: Any) -> Browser:
-        browser = self.browser(**about)
-        answer = log_in(browser, name)
-        assert answer.status == 200, answer.body
-        return browser
-
-    def close(self) -> None:
-        self.people.close()
-        self.loop.close()
-
-
-def log_in(browser: Browser, name: str, password: str = PASSWORD) -> Any:
-    return browser.post('/api/login', {'name': name, 'password': password})
 
 
 @pytest.fixture
-def benches() -> Iterator[list[Bench]]:
-    made: list[Bench] = []
+def benches() -> Iterator[list[PeopleBench]]:
+    made: list[PeopleBench] = []
     yield made
     for bench in made:
         bench.close()
 
 
 @pytest.fixture
-def bench(tmp_path: Path, benches: list[Bench]) -> Bench:
-    benches.append(Bench(tmp_path))
+def bench(tmp_path: Path, benches: list[PeopleBench]) -> PeopleBench:
+    benches.append(PeopleBench(tmp_path))
     return benches[0]
 
 
@@ -102,7 +42,7 @@ def who(browser: Browser) -> str:
 # --- login ----------------------------------------------------------------------------------
 
 
-def test_a_login_begins_a_session_in_a_cookie_that_scripts_cannot_read(bench: Bench) -> None:
+def test_a_login_begins_a_session_in_a_cookie_that_scripts_cannot_read(bench: PeopleBench) -> None:
     browser = bench.browser()
     answer = log_in(browser, 'ann')
     assert answer.json['name'] == 'ann'
@@ -115,21 +55,21 @@ def test_a_login_begins_a_session_in_a_cookie_that_scripts_cannot_read(bench: Be
     assert who(bench.browser()) == ''
 
 
-def test_under_tls_the_cookie_stays_there(tmp_path: Path, benches: list[Bench]) -> None:
-    bench = Bench(tmp_path, certificate=tmp_path, key=tmp_path)
+def test_under_tls_the_cookie_stays_there(tmp_path: Path, benches: list[PeopleBench]) -> None:
+    bench = PeopleBench(tmp_path, certificate=tmp_path, key=tmp_path)
     benches.append(bench)
     (cookie,) = log_in(bench.browser(scheme='https'), 'ann').set_cookies
     assert 'Secure' in cookie.split('; ')
 
 
-def test_what_one_may_comes_from_the_table(bench: Bench) -> None:
+def test_what_one_may_comes_from_the_table(bench: PeopleBench) -> None:
     for name, role in ROLES.items():
         may = bench.logged_in(name).get('/api/me').json['may']
         assert may == {one.name: role in one.roles for one in TABLE}
     assert not any(bench.browser().get('/api/me').json['may'].values())
 
 
-def test_a_wrong_password_and_an_unknown_name_are_refused_alike(bench: Bench) -> None:
+def test_a_wrong_password_and_an_unknown_name_are_refused_alike(bench: PeopleBench) -> None:
     wrong = log_in(bench.browser(), 'ann', 'another one')
     unknown = log_in(bench.browser(), 'nobody')
     assert (wrong.status, wrong.body) == (unknown.status, unknown.body)
@@ -138,11 +78,11 @@ def test_a_wrong_password_and_an_unknown_name_are_refused_alike(bench: Bench) ->
 
 
 @pytest.mark.parametrize('body', [{}, {'name': 'ann'}, {'name': 1, 'password': PASSWORD}])
-def test_a_login_without_texts(bench: Bench, body: object) -> None:
+def test_a_login_without_texts(bench: PeopleBench, body: object) -> None:
     assert bench.browser().post('/api/login', body).status == 422
 
 
-def test_guesses_must_wait(bench: Bench) -> None:
+def test_guesses_must_wait(bench: PeopleBench) -> None:
     browser = bench.browser()
     for _ in range(FREE_OF_NAME):
         assert log_in(browser, 'ann', 'another one').status == 401
@@ -155,7 +95,7 @@ def test_guesses_must_wait(bench: Bench) -> None:
     assert log_in(browser, 'ann').status == 200
 
 
-def test_guesses_at_one_time_are_counted_as_they_begin(bench: Bench) -> None:
+def test_guesses_at_one_time_are_counted_as_they_begin(bench: PeopleBench) -> None:
     browser = bench.browser()
 
     async def at_once() -> list[int]:
@@ -170,11 +110,11 @@ def test_guesses_at_one_time_are_counted_as_they_begin(bench: Bench) -> None:
     assert set(statuses) == {401, 429}
 
 
-def test_passwords_are_checked_one_at_a_time(bench: Bench) -> None:
+def test_passwords_are_checked_one_at_a_time(bench: PeopleBench) -> None:
     assert bench.people._checks._max_workers == 1
 
 
-def test_a_new_login_ends_the_session_before(bench: Bench) -> None:
+def test_a_new_login_ends_the_session_before(bench: PeopleBench) -> None:
     browser = bench.logged_in('ann')
     old = dict(browser.cookies)
     assert log_in(browser, 'eve').status == 200
@@ -182,7 +122,7 @@ def test_a_new_login_ends_the_session_before(bench: Bench) -> None:
     assert who(bench.browser(cookies=old)) == ''
 
 
-def test_logout_ends_it_for_good(bench: Bench) -> None:
+def test_logout_ends_it_for_good(bench: PeopleBench) -> None:
     browser = bench.logged_in('ann')
     old = dict(browser.cookies)
     assert browser.post('/api/logout').json['name'] == ''
@@ -190,7 +130,7 @@ def test_logout_ends_it_for_good(bench: Bench) -> None:
     assert who(bench.browser(cookies=old)) == ''
 
 
-def test_one_user_has_so_many_sessions(bench: Bench) -> None:
+def test_one_user_has_so_many_sessions(bench: PeopleBench) -> None:
     browsers = [bench.logged_in('ann') for _ in range(MOST_OF_ONE + 1)]
     assert [who(one) for one in browsers] == ['', *['ann'] * MOST_OF_ONE]
 
@@ -198,7 +138,7 @@ def test_one_user_has_so_many_sessions(bench: Bench) -> None:
 # --- the end, and the lock ------------------------------------------------------------------
 
 
-def test_a_session_ends(bench: Bench) -> None:
+def test_a_session_ends(bench: PeopleBench) -> None:
     browser = bench.logged_in('ann')
     bench.now += SESSION_S - 1
     assert who(browser) == 'ann'
@@ -206,7 +146,7 @@ def test_a_session_ends(bench: Bench) -> None:
     assert who(browser) == ''
 
 
-def test_a_session_that_nobody_uses_locks(bench: Bench) -> None:
+def test_a_session_that_nobody_uses_locks(bench: PeopleBench) -> None:
     browser = bench.logged_in('ann')
     bench.now += IDLE_S - 1
     assert browser.get('/api/me').json['idle_s'] == 1.0
@@ -216,7 +156,7 @@ def test_a_session_that_nobody_uses_locks(bench: Bench) -> None:
     assert (locked['is_locked'], locked['name']) == (True, 'ann')
 
 
-def test_looking_does_not_keep_it_open_but_somebody_does(bench: Bench) -> None:
+def test_looking_does_not_keep_it_open_but_somebody_does(bench: PeopleBench) -> None:
     browser = bench.logged_in('ann')
     bench.now += IDLE_S - 1
     browser.get('/api/look')
@@ -228,7 +168,7 @@ def test_looking_does_not_keep_it_open_but_somebody_does(bench: Bench) -> None:
     assert browser.post('/api/active').json['is_locked'], 'no sign of life unlocks it'
 
 
-def test_a_locked_session_is_unlocked_by_the_password_alone(bench: Bench) -> None:
+def test_a_locked_session_is_unlocked_by_the_password_alone(bench: PeopleBench) -> None:
     browser = bench.logged_in('ann')
     assert browser.post('/api/lock').json['is_locked']
     refused = browser.post('/api/unlock', {'password': 'another one'})
@@ -237,7 +177,7 @@ def test_a_locked_session_is_unlocked_by_the_password_alone(bench: Bench) -> Non
     assert not browser.post('/api/unlock', {'password': PASSWORD}).json['is_locked']
 
 
-def test_wrong_passwords_end_a_locked_session_and_keep_nobody_else_out(bench: Bench) -> None:
+def test_wrong_passwords_end_a_locked_session_and_keep_nobody_else_out(bench: PeopleBench) -> None:
     browser, other = bench.logged_in('ann'), bench.logged_in('ann')
     browser.post('/api/lock')
     for _ in range(MOST_UNLOCKS):
@@ -251,7 +191,7 @@ def test_wrong_passwords_end_a_locked_session_and_keep_nobody_else_out(bench: Be
 # --- the file of users ----------------------------------------------------------------------
 
 
-def test_another_role_counts_at_once(bench: Bench) -> None:
+def test_another_role_counts_at_once(bench: PeopleBench) -> None:
     browser = bench.logged_in('ann')
     write_users(bench.users, {**ROLES, 'ann': Role.VIEW})
     me_now = browser.get('/api/me').json
@@ -262,7 +202,7 @@ def test_another_role_counts_at_once(bench: Bench) -> None:
     assert browser.get('/api/me').json['role'] == 'engineer'
 
 
-def test_a_removed_user_is_out_at_once(bench: Bench) -> None:
+def test_a_removed_user_is_out_at_once(bench: PeopleBench) -> None:
     browser = bench.logged_in('ann')
     write_users(bench.users, {'eve': Role.ENGINEER})
     assert who(browser) == ''
@@ -270,7 +210,7 @@ def test_a_removed_user_is_out_at_once(bench: Bench) -> None:
     assert who(browser) == '', 'the session is over, whoever has the name later'
 
 
-def test_a_damaged_file_lets_nobody_in(bench: Bench) -> None:
+def test_a_damaged_file_lets_nobody_in(bench: PeopleBench) -> None:
     browser = bench.logged_in('ann')
     bench.users.chmod(0o644)
     assert who(browser) == ''
@@ -279,7 +219,7 @@ def test_a_damaged_file_lets_nobody_in(bench: Bench) -> None:
     assert 'chmod 600' in answer.message
 
 
-def test_without_a_file_there_are_no_users(bench: Bench) -> None:
+def test_without_a_file_there_are_no_users(bench: PeopleBench) -> None:
     bench.users.unlink()
     assert log_in(bench.browser(), 'ann').status == 401
 
@@ -287,8 +227,10 @@ def test_without_a_file_there_are_no_users(bench: Bench) -> None:
 # --- without a login ------------------------------------------------------------------------
 
 
-def test_a_trusted_computer_is_its_user_an_engineer(tmp_path: Path, benches: list[Bench]) -> None:
-    bench = Bench(tmp_path, local_user='pat')
+def test_a_trusted_computer_is_its_user_an_engineer(
+    tmp_path: Path, benches: list[PeopleBench]
+) -> None:
+    bench = PeopleBench(tmp_path, local_user='pat')
     benches.append(bench)
     me_now = bench.browser().get('/api/me').json
     assert (me_now['name'], me_now['role'], me_now['how']) == ('pat', 'engineer', 'this computer')
@@ -298,9 +240,9 @@ def test_a_trusted_computer_is_its_user_an_engineer(tmp_path: Path, benches: lis
 
 class TestBehindAProxy:
     @pytest.fixture
-    def bench(self, tmp_path: Path, benches: list[Bench]) -> Bench:
+    def bench(self, tmp_path: Path, benches: list[PeopleBench]) -> PeopleBench:
         benches.append(
-            Bench(
+            PeopleBench(
                 tmp_path,
                 proxy_header='X-Remote-User',
                 proxy_addresses=('10.0.0.2',),
@@ -309,26 +251,28 @@ class TestBehindAProxy:
         )
         return benches[0]
 
-    def test_the_header_says_who_it_is_and_the_file_with_which_role(self, bench: Bench) -> None:
+    def test_the_header_says_who_it_is_and_the_file_with_which_role(
+        self, bench: PeopleBench
+    ) -> None:
         browser = bench.browser(headers={'x-remote-user': 'ann'})
         me_now = browser.get('/api/me').json
         assert (me_now['name'], me_now['role'], me_now['how']) == ('ann', 'operate', 'proxy')
         assert not me_now['can_log_in']
         assert who(bench.browser(headers={'x-remote-user': 'ann'}, address='10.0.0.2')) == 'ann'
 
-    def test_from_elsewhere_the_header_is_nothing(self, bench: Bench) -> None:
+    def test_from_elsewhere_the_header_is_nothing(self, bench: PeopleBench) -> None:
         browser = bench.browser(headers={'x-remote-user': 'ann'}, address='10.0.0.3')
         assert who(browser) == ''
         refused = browser.get('/api/look')
         assert (refused.status, refused.json['why']) == (401, 'login')
         assert '10.0.0.3 is not the proxy of this page' in refused.message
 
-    def test_nobody_looks_without_a_name(self, bench: Bench) -> None:
+    def test_nobody_looks_without_a_name(self, bench: PeopleBench) -> None:
         assert 'named nobody in X-Remote-User' in bench.browser().get('/api/look').message
         browser = bench.browser(headers={'x-remote-user': 'joe'})
         assert 'joe is no user of this page; add one' in browser.get('/api/look').message
 
-    def test_a_header_that_stands_there_twice_names_nobody(self, bench: Bench) -> None:
+    def test_a_header_that_stands_there_twice_names_nobody(self, bench: PeopleBench) -> None:
         class Twice(Browser):
             def _headers(self, method: str, more: Any) -> list[tuple[bytes, bytes]]:
                 own = super()._headers(method, more)
@@ -337,10 +281,10 @@ class TestBehindAProxy:
         browser = Twice(bench.app, bench.loop, headers={'x-remote-user': 'ann'})
         assert who(browser) == ''
 
-    def test_there_is_no_other_login(self, bench: Bench) -> None:
+    def test_there_is_no_other_login(self, bench: PeopleBench) -> None:
         assert log_in(bench.browser(), 'ann').status == 403
 
-    def test_the_origin_is_a_name_of_the_proxy(self, bench: Bench) -> None:
+    def test_the_origin_is_a_name_of_the_proxy(self, bench: PeopleBench) -> None:
         browser = bench.browser(headers={'x-remote-user': 'ann'})
         ours = browser.post('/api/echo', origin='https://page.example.org')
         assert ours.status == 200
@@ -350,15 +294,17 @@ class TestBehindAProxy:
 # --- the guards -----------------------------------------------------------------------------
 
 
-def test_looking_is_free_on_this_computer_and_commands_need_a_login(bench: Bench) -> None:
+def test_looking_is_free_on_this_computer_and_commands_need_a_login(bench: PeopleBench) -> None:
     assert bench.browser().get('/api/look').status == 200
     refused = bench.browser().post('/api/echo', {'a': 1})
     assert (refused.status, refused.json['why']) == (401, 'login')
     assert bench.logged_in('vic').post('/api/echo', {'a': 1}).json == {'body': {'a': 1}}
 
 
-def test_elsewhere_only_the_way_to_the_login_is_free(tmp_path: Path, benches: list[Bench]) -> None:
-    bench = Bench(tmp_path, host='0.0.0.0', certificate=tmp_path, key=tmp_path)
+def test_elsewhere_only_the_way_to_the_login_is_free(
+    tmp_path: Path, benches: list[PeopleBench]
+) -> None:
+    bench = PeopleBench(tmp_path, host='0.0.0.0', certificate=tmp_path, key=tmp_path)
     benches.append(bench)
     browser = bench.browser(host='10.0.0.1:8080', scheme='https', address='10.0.0.9')
     assert browser.get('/api/look').status == 401
@@ -370,7 +316,7 @@ def test_elsewhere_only_the_way_to_the_login_is_free(tmp_path: Path, benches: li
 
 
 @pytest.mark.parametrize('host', ['evil.example.org', 'evil.example.org:8080', '10.0.0.1', ''])
-def test_a_host_that_is_not_this_page(bench: Bench, host: str) -> None:
+def test_a_host_that_is_not_this_page(bench: PeopleBench, host: str) -> None:
     browser = bench.logged_in('ann')
     answer = browser.get('/api/me', host=host)
     assert answer.status == 403
@@ -390,14 +336,14 @@ def test_a_host_that_is_not_this_page(bench: Bench, host: str) -> None:
         'http://127.0.0.1:8080.evil.example.org',
     ],
 )
-def test_what_comes_from_another_page(bench: Bench, origin: str) -> None:
+def test_what_comes_from_another_page(bench: PeopleBench, origin: str) -> None:
     answer = bench.logged_in('ann').post('/api/echo', origin=origin)
     assert answer.status == 403
     assert 'http://127.0.0.1:8080' in answer.message
 
 
 @pytest.mark.parametrize('kind', ['', 'text/plain', 'application/x-www-form-urlencoded'])
-def test_what_a_form_could_send(bench: Bench, kind: str) -> None:
+def test_what_a_form_could_send(bench: PeopleBench, kind: str) -> None:
     answer = bench.logged_in('ann').post('/api/echo', {'a': 1}, content_type=kind)
     assert answer.status == 415
 
@@ -421,13 +367,13 @@ def test_what_a_form_could_send(bench: Bench, kind: str) -> None:
         (b'"' + b'x' * 1_000_001 + b'"', 413),
     ],
 )
-def test_bodies(bench: Bench, body: bytes, status: int) -> None:
+def test_bodies(bench: PeopleBench, body: bytes, status: int) -> None:
     answer = bench.logged_in('ann').post('/api/echo', body)
     assert answer.status == status, answer.body
     assert status == 200 or answer.message
 
 
-def test_errors_are_a_sentence_and_no_traceback(bench: Bench) -> None:
+def test_errors_are_a_sentence_and_no_traceback(bench: PeopleBench) -> None:
     answer = bench.browser().get('/api/fail')
     assert answer.status == 500
     assert b'secrets' not in answer.body
@@ -438,7 +384,7 @@ def test_errors_are_a_sentence_and_no_traceback(bench: Bench) -> None:
     assert bench.logged_in('ann').post('/api/look').status == 405
 
 
-def test_every_answer_has_the_headers(bench: Bench) -> None:
+def test_every_answer_has_the_headers(bench: PeopleBench) -> None:
     browser = bench.browser()
     for path in ('/api/me', '/api/fail', '/api/none', '/static/app.js'):
         answer = browser.get(path)
