@@ -13,7 +13,7 @@ from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import BaseRoute, Mount, Route
 from starlette.staticfiles import StaticFiles
 
-from bt_orchestrator.web import archive, me, scripts
+from bt_orchestrator.web import archive, commands, me, scripts
 from bt_orchestrator.web.endpoint import routes
 from bt_orchestrator.web.guards import GuardMiddleware
 from bt_orchestrator.web.replies import HANDLERS
@@ -43,9 +43,10 @@ def routes_of(page: Page) -> list[BaseRoute]:
     return [
         *_core(page),
         *routes(me.endpoints(page.people)),
+        *routes(commands.endpoints(page.tickets)),
         *routes(archive.endpoints(page.archive, page)),
         *routes(scripts.endpoints(page.shelf, page)),
-        # Further parts: commands, what_if.
+        # Further parts: what_if.
         Mount('/static', _Files(directory=STATIC)),
     ]
 

@@ -21,6 +21,7 @@ from bt_orchestrator.web.ring import Happened
 from bt_orchestrator.web.scripts.shelf import Shelf
 from bt_orchestrator.web.seams import OpenDoor, Show, Sources
 from bt_orchestrator.web.stream import BEAT_S, Streams
+from bt_orchestrator.web.tickets import Tickets
 
 REFRESH_S = 0.05
 """Shortest time between two computations of the parts."""
@@ -64,6 +65,7 @@ class Page:
         self._asking = AskingDoor(self._open_door, self._loop)
         self.doors = Doors(self._node, self._following, self._asking)
         self.streams = Streams(self.book, self.doors, self._refresh)
+        self.tickets = Tickets(self.doors, lambda: self.book.newest)
         self.archive = Archive(Heard(self.book, self.doors), self.sources.open_records)
         trees = self.sources.trees
         self.shelf = Shelf(self.known, self.archive, trees, self._ask_moment)
