@@ -4,6 +4,13 @@ import { h } from './dom.js';
 
 const HELD_MS = 1200;
 
+/** A key that is still held repeats, on whatever has the focus next: it must press nothing there. */
+function swallowKeys() {
+  const swallow = (event) => event.repeat && event.preventDefault();
+  document.addEventListener('keydown', swallow, { capture: true });
+  document.addEventListener('keyup', () => document.removeEventListener('keydown', swallow, { capture: true }), { once: true });
+}
+
 /**
  * Make it: fires only after it was held down for the whole time.
  * @param {string} words
@@ -21,6 +28,7 @@ export function holdButton(words, how, isReady, done) {
     button.classList.add('is-held');
     timer = setTimeout(() => {
       release();
+      swallowKeys();
       done();
     }, HELD_MS);
   }

@@ -49,6 +49,11 @@ export function clock() {
   return Date.now() / 1000 + clockAhead;
 }
 
+/** The moment that the parts show: what runs is not known to go on while nothing is heard of it. */
+export function shownMoment() {
+  return freshness.kind === 'fresh' ? clock() : Math.min(clock(), freshness.heard ?? clock());
+}
+
 /**
  * Call a function whenever parts change whose key begins so; also 'news' (how fresh they are),
  * 'event' (something happened), and '' (anything).

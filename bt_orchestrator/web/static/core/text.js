@@ -106,6 +106,16 @@ export function duration(seconds) {
   return t('time.d', { d: Math.floor(minutes / 1440), h: Math.floor((minutes % 1440) / 60) });
 }
 
+/** Say how long something takes so far, as a stopwatch does: narrow, and to the second. */
+export function stopwatch(value) {
+  const whole = Math.max(0, Math.floor(value));
+  const two = (part) => String(part).padStart(2, '0');
+  if (whole < 60) return String(whole);
+  const minutes = Math.floor(whole / 60);
+  if (minutes < 60) return `${minutes}:${two(whole % 60)}`;
+  return `${Math.floor(minutes / 60)}:${two(minutes % 60)}:${two(whole % 60)}`;
+}
+
 /** Say how long a task took or takes: tenths where they matter. */
 export function seconds(value) {
   if (value === null || value === undefined) return '';

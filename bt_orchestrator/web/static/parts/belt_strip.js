@@ -1,11 +1,14 @@
 /** The belt: its slots in the direction of travel, what stands in each, and whether it moves. */
 
 import { attribute, h, keyed, text } from '../core/dom.js';
-import { clock, part } from '../core/store.js';
+import { part, shownMoment } from '../core/store.js';
 import { seconds, t } from '../core/text.js';
 import { foremostWait, waitWords } from '../core/waits.js';
 import { itemName } from './item_name.js';
 import { reshape, shape } from './shape.js';
+
+/** So many slots need more than one row. */
+const MANY = 20;
 
 /** Make the strip: an element, `update()`, `tick()`. */
 export function beltStrip() {
@@ -28,6 +31,7 @@ export function beltStrip() {
       const belt = part('belt');
       const sections = (part('cell')?.sections ?? []).map((number) => part(`section/${number}`)).filter(Boolean);
       slots(sections);
+      attribute(list, 'data-many', sections.length > MANY);
       if (!belt) return;
       const wait = belt.moving ? null : foremostWait(belt.waits);
       attribute(element, 'data-moving', belt.moving);
@@ -42,7 +46,7 @@ export function beltStrip() {
 function beltWords(belt) {
   if (!belt.moving) return t('overview.belt_rests');
   const move = belt.running[0];
-  return move?.started ? t('overview.belt_moves_since', { elapsed: seconds(clock() - move.started) }) : t('overview.belt_moves');
+  return move?.started ? t('overview.belt_moves_since', { elapsed: seconds(shownMoment() - move.started) }) : t('overview.belt_moves');
 }
 
 function slotView() {

@@ -1,15 +1,16 @@
 /** One hold: where, what and why, and each answer with its consequence. */
 
 import { attribute, h, show, text } from '../core/dom.js';
-import { clock } from '../core/store.js';
+import { shownMoment } from '../core/store.js';
 import { at, duration, t, tOr } from '../core/text.js';
 import { offers } from './offers.js';
-import { shape } from './shape.js';
+import { reshape, shape } from './shape.js';
 import { holdPlace } from './stands.js';
 
 /** Make a card: an element, `update(hold)`, `tick()`, `end()`. */
 export function holdCard() {
   let hold = null;
+  const drawn = shape('triangle');
   const place = h('h3', { class: 'hold-place' });
   const why = h('p', { class: 'hold-why' });
   const message = h('p', { class: 'hold-message' });
@@ -19,7 +20,7 @@ export function holdCard() {
   const element = h(
     'article',
     { class: 'hold' },
-    h('div', { class: 'hold-said' }, h('div', { class: 'hold-head' }, shape('triangle'), place), why, message, h('p', { class: 'hold-foot' }, item, facts)),
+    h('div', { class: 'hold-said' }, h('div', { class: 'hold-head' }, drawn, place), why, message, h('p', { class: 'hold-foot' }, item, facts)),
     answers.element,
   );
 
@@ -35,6 +36,7 @@ export function holdCard() {
       hold = now;
       attribute(element, 'data-hold', hold.id);
       attribute(element, 'data-pause', hold.is_pause);
+      reshape(drawn, hold.is_pause ? 'pause' : 'triangle');
       text(place, holdTitle(hold));
       text(why, tOr(`reason.${hold.reason}`, hold.reason));
       text(message, hold.message);
@@ -57,6 +59,6 @@ function holdTitle(hold) {
 
 function factWords(hold) {
   const attempt = hold.attempt ? t('overview.attempt', { attempt: hold.attempt, attempts: Math.max(hold.attempts, hold.attempt) }) : '';
-  const since = t('topbar.since', { time: at(hold.since), duration: duration(clock() - hold.since) });
+  const since = t('topbar.since', { time: at(hold.since), duration: duration(shownMoment() - hold.since) });
   return [attempt, since, t('overview.hold_number', { id: hold.id })].filter(Boolean).join(' · ');
 }

@@ -31,8 +31,9 @@ export function newsTrouble() {
   if (kind === 'fresh') return gapWords();
   if (full) return t('news.full');
   if (refused && kind === 'none') return t('news.refused');
-  const since = heard === null ? t('news.never_heard') : t('news.last_heard', { time: at(heard), ago: duration(clock() - heard) });
-  return `${t(`news.${kind}`)} ${since} ${kind === 'none' ? '' : t('news.old')}`.trim();
+  if (heard === null) return `${t(`news.${kind}`)} ${t('news.never_heard')}`;
+  const since = t('news.last_heard', { time: at(heard), ago: duration(clock() - heard) });
+  return `${t(`news.${kind}`)} ${since} ${t('news.old')}`;
 }
 
 function gapWords() {

@@ -1,9 +1,10 @@
 /** One task in a list: its mark, its name, and how long it takes against what is expected. */
 
 import { attribute, h, text } from '../core/dom.js';
-import { clock } from '../core/store.js';
-import { seconds, t } from '../core/text.js';
+import { shownMoment } from '../core/store.js';
+import { seconds, stopwatch, t } from '../core/text.js';
 import { mark } from './mark.js';
+import { reshape, shape } from './shape.js';
 
 /** How many times the expected seconds are late. */
 const LATE = 1.5;
@@ -12,13 +13,17 @@ const LATE = 1.5;
 export function taskRow() {
   const drawn = mark();
   const name = h('span', { class: 'task-name one-line' });
-  const time = h('span', { class: 'task-time' });
+  const late = shape('none');
+  const timeWord = h('span', {});
+  const time = h('span', { class: 'task-time' }, late, timeWord);
   const element = h('li', { class: 'task' }, drawn.element, name, time);
   let task = null;
 
   function tick() {
-    text(time, timeWords(task));
+    text(timeWord, timeWords(task));
     attribute(time, 'data-late', isLate(task));
+    attribute(time, 'title', isLate(task) ? t('task.late') : null);
+    reshape(late, isLate(task) ? 'triangle' : 'none');
   }
 
   return {
@@ -40,13 +45,12 @@ export function taskRow() {
 export function timeWords(task) {
   const expected = task.expected_s ? seconds(task.expected_s) : '';
   if (task.mark !== 'running' || !task.started) return task.mark === 'new' || task.mark === 'waiting' ? expected : '';
-  const elapsed = seconds(clock() - task.started);
-  const said = expected ? t('task.of', { elapsed, expected }) : elapsed;
-  return isLate(task) ? `${said} ${t('task.late')}` : said;
+  const elapsed = shownMoment() - task.started;
+  return expected ? t('task.of', { elapsed: stopwatch(elapsed), expected }) : seconds(Math.floor(elapsed));
 }
 
 function isLate(task) {
-  return task.mark === 'running' && Boolean(task.started) && Boolean(task.expected_s) && clock() - task.started > LATE * task.expected_s;
+  return task.mark === 'running' && Boolean(task.started) && Boolean(task.expected_s) && shownMoment() - task.started > LATE * task.expected_s;
 }
 
 function titleOf(task) {

@@ -2,7 +2,7 @@
 
 import { attribute, h, show, text } from '../core/dom.js';
 import { isEmergency } from '../core/requests.js';
-import { clock, news, part, subscribe } from '../core/store.js';
+import { news, part, shownMoment, subscribe } from '../core/store.js';
 import { at, duration, t, tOr } from '../core/text.js';
 import { everySecond } from '../core/tick.js';
 import { newsLine, newsTrouble } from './news_line.js';
@@ -58,8 +58,8 @@ function stateBlock() {
     attribute(element, 'data-news', news().kind);
     reshape(drawn, news().kind === 'fresh' ? (SHAPES[cell?.state_kind] ?? 'ring') : 'broken');
     text(name, cell?.name ?? '');
-    text(word, cell ? tOr(`state.${cell.state}`, cell.state) : t('news.waiting'));
-    text(since, cell ? t('topbar.since', { time: at(cell.since), duration: duration(clock() - cell.since) }) : '');
+    text(word, cell ? stateWords(cell) : t('news.waiting'));
+    text(since, cell ? t('topbar.since', { time: at(cell.since), duration: duration(shownMoment() - cell.since) }) : '');
     const said = newsTrouble() || (cell ? whyItStands(cell) : '');
     text(why, said);
     attribute(why, 'title', said);
@@ -69,6 +69,11 @@ function stateBlock() {
   const ends = ['cell', 'hold/', 'news'].map((prefix) => subscribe(prefix, update));
   everySecond(element, update);
   return { element, end: () => ends.forEach((end) => end()) };
+}
+
+function stateWords(cell) {
+  const state = tOr(`state.${cell.state}`, cell.state);
+  return news().kind === 'fresh' ? state : t('news.last_known', { state });
 }
 
 function commandBlock() {

@@ -25,13 +25,14 @@ export function mount(root) {
   const page = h(
     'div',
     { class: 'overview' },
-    h('h1', { class: 'for-readers' }, t('overview.title')),
     holds.element,
     h('div', { class: 'overview-line' }, belt.element, sections.element),
     h('div', { class: 'overview-side' }, troubles.element, jobs.element, flags.element),
   );
-  root.append(page);
+  const silence = h('p', { class: 'panel' }, t('overview.nothing_heard'));
+  root.append(h('h1', { class: 'for-readers' }, t('overview.title')), silence, page);
   const shown = [
+    [['cell'], () => showWhichThereIs(silence, page)],
     [['cell', 'hold/'], holds.update],
     [['cell', 'belt', 'section/'], belt.update],
     [['cell', 'section/'], sections.update],
@@ -48,6 +49,11 @@ export function mount(root) {
     ends.forEach((end) => end());
     holds.end();
   };
+}
+
+function showWhichThereIs(silence, page) {
+  show(silence, !part('cell'));
+  show(page, part('cell'));
 }
 
 function partsNamed(kind, ids = []) {
