@@ -16,6 +16,8 @@ from starlette.staticfiles import StaticFiles
 from bt_orchestrator.web import archive, commands, me, scripts
 from bt_orchestrator.web.endpoint import routes
 from bt_orchestrator.web.guards import GuardMiddleware
+from bt_orchestrator.web.planning import endpoints as planning
+from bt_orchestrator.web.planning.page_queue import PageQueue
 from bt_orchestrator.web.replies import HANDLERS
 
 if TYPE_CHECKING:
@@ -46,7 +48,7 @@ def routes_of(page: Page) -> list[BaseRoute]:
         *routes(commands.endpoints(page.tickets)),
         *routes(archive.endpoints(page.archive, page)),
         *routes(scripts.endpoints(page.shelf, page)),
-        # Further parts: what_if.
+        *routes(planning.endpoints(page.questions, PageQueue(page))),
         Mount('/static', _Files(directory=STATIC)),
     ]
 

@@ -9,10 +9,19 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from bt_orchestrator.model.events import INDEX_KEY
+from bt_orchestrator.model.jobs import job_control
 from bt_orchestrator.model.jobs.isa95 import OVER, JobWord
 from bt_orchestrator.model.packml import VERBS, Cause, PackmlState
 from bt_orchestrator.model.requests import About, Request, of_hold, of_job, of_word
-from bt_orchestrator.model.requests.table import CELL, MOVE, NEXT, REMOVE_ITEM, STOP_AFTERS, UPDATE
+from bt_orchestrator.model.requests.table import (
+    ADD,
+    CELL,
+    MOVE,
+    NEXT,
+    REMOVE_ITEM,
+    STOP_AFTERS,
+    UPDATE,
+)
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import CellStatus, ItemStatus, JobStatus
@@ -104,6 +113,11 @@ def job_offers(job: JobStatus, status: CellStatus) -> list[Offer]:
     ]
 
 
+def add_offer() -> Offer:
+    """Return what is always possible: to queue orders."""
+    return _offer(ADD, '/api/queue/add', {})
+
+
 def _changes_job(request: Request, job: JobStatus, status: CellStatus) -> bool:
     if request is MOVE:
         return status.queued > 1
@@ -142,7 +156,17 @@ def _offer(
         'path': path,
         'body': dict(body),
         'parameters': list(_parameters(request, {*body, *without})),
+        'foresee': _foreseen(request, body),
     }
+
+
+def _foreseen(request: Request, body: Mapping[str, object]) -> dict[str, object] | None:
+    """Return the command whose effect on jobs can be asked before; None: it has none."""
+    if request.about not in (About.QUEUE, About.JOB) or request.word == job_control.CLEAR.verb:
+        return None
+    subject = request.subject
+    given = {subject.name: body[subject.name]} if subject else {}
+    return {'name': request.name, 'arguments': given}
 
 
 def _parameters(request: Request, given: set[str]) -> Iterator[dict[str, object]]:

@@ -17,6 +17,7 @@ from bt_orchestrator.web.cell_show import CellShow
 from bt_orchestrator.web.door_thread import AskingDoor, Began, Doors, Fact, FollowingDoor
 from bt_orchestrator.web.known import Known, told_by
 from bt_orchestrator.web.people import People
+from bt_orchestrator.web.planning.questions import Questions
 from bt_orchestrator.web.ring import Happened
 from bt_orchestrator.web.scripts.shelf import Shelf
 from bt_orchestrator.web.seams import OpenDoor, Show, Sources
@@ -66,6 +67,7 @@ class Page:
         self.doors = Doors(self._node, self._following, self._asking)
         self.streams = Streams(self.book, self.doors, self._refresh)
         self.tickets = Tickets(self.doors, lambda: self.book.newest)
+        self.questions = Questions(self.sources.planning, self.doors.moment)
         self.archive = Archive(Heard(self.book, self.doors), self.sources.open_records)
         trees = self.sources.trees
         self.shelf = Shelf(self.known, self.archive, trees, self._ask_moment)
@@ -81,6 +83,7 @@ class Page:
         self._asking.end()
         self.people.close()
         self.archive.close()
+        self.questions.close()
         for task in self._tasks:
             task.cancel()
 

@@ -10,7 +10,7 @@ from typing import Protocol
 
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.status import CellDescription, CellStatus
-from bt_orchestrator.ports import CellLink, Records
+from bt_orchestrator.ports import CellLink, Planning, Records
 
 OpenDoor = Callable[[Callable[[], object]], AbstractContextManager[CellLink]]
 """Opens a door to the node. Its argument is called again and again while the door waits for the
@@ -25,6 +25,8 @@ class Sources:
     """Opens the journal; raises JournalUnusable. None: the past is what the node tells."""
     trees: Sequence[Path] = ()
     """Folders in which scripts are looked up by name."""
+    planning: Planning | None = None
+    """Works out what-if and checks orders; the page closes it."""
 
 
 class Show(Protocol):

@@ -10,6 +10,7 @@ from fakes.quick_users import write_users
 from fakes.shipped import TREES
 from web.stand_cell import StandCell
 
+from bt_orchestrator.cli.planning_process import PlanningProcess
 from bt_orchestrator.model.jobs.order import Terms, WorkOrder
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.store.memory import MemoryStore
@@ -36,7 +37,8 @@ def stand_page(folder: Path, args: argparse.Namespace) -> tuple[StandCell, PageS
         args.port,
         local_user='' if args.login else 'stand',
     )
-    sources = Sources(trees=(TREES if args.sections == 5 else folder,))
+    trees = (TREES if args.sections == 5 else folder,)
+    sources = Sources(trees=trees, planning=PlanningProcess(trees))
     return stand, PageServer(Page(stand.node.name, stand.open_door, access, sources))
 
 

@@ -12,6 +12,7 @@ from bt_orchestrator.cli.door import open_door
 from bt_orchestrator.cli.folders import add_trees_option, script_folders
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.page.access_options import access_of, add_access_options
+from bt_orchestrator.cli.planning_process import PlanningProcess
 from bt_orchestrator.ports import CellLink
 from bt_orchestrator.stop_signals import StopSignals
 
@@ -51,6 +52,7 @@ def run(args: argparse.Namespace) -> int:
     sources = Sources(
         open_records=None if journal is None else partial(open_records, journal),
         trees=script_folders(args.trees),
+        planning=PlanningProcess(script_folders(args.trees)),
     )
     with StopSignals() as stop:
         server = PageServer(Page(args.node, opened, access, sources))

@@ -9,7 +9,7 @@ from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import CellDescription, CellStatus
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.model.wish import Wish
-from bt_orchestrator.web.offers import cell_offers, hold_offers
+from bt_orchestrator.web.offers import add_offer, cell_offers, hold_offers
 from bt_orchestrator.web.parts.waits import wait_parts
 
 WORKING, QUIET, STOPPED, TROUBLE = 'working', 'quiet', 'stopped', 'trouble'
@@ -55,6 +55,7 @@ def cell_part(status: CellStatus, description: CellDescription, node: str) -> di
         'unauthenticated_role': role.value if role else '',
         'initialization': wait_parts(status.initialization),
         'offers': cell_offers(status),
+        'add': add_offer(),
         'sections': [section.number for section in status.sections],
         'holds': [hold.id for hold in sorted(status.holds, key=lambda hold: hold.since)],
         'jobs': [job.id for job in status.jobs],

@@ -2,6 +2,8 @@
 
 export const SCREENS = {
   overview: () => import('./screens/overview.js'),
+  queue: () => import('./screens/queue.js'),
+  order: () => import('./screens/order.js'),
   section: () => import('./screens/section.js'),
   component: () => import('./screens/component.js'),
   why: () => import('./screens/why.js'),

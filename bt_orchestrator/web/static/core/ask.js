@@ -16,6 +16,7 @@ import { note } from './notes.js';
 import { keepReason, reasonField } from './reason.js';
 import { effectOf, isEmergency, rolesOf, wordOf } from './requests.js';
 import { at, t } from './text.js';
+import { whatIf } from '../parts/what_if.js';
 
 /**
  * Ask for what is missing and send a request.
@@ -58,14 +59,27 @@ function openAsking(offer, about, known, done) {
   let ticket = newTicket();
   const answer = h('div', { class: 'answer', role: 'alert', hidden: true });
   const go = offer.is_confirmed ? holdButton(wordOf(offer), t('ask.hold_down'), isReady, act) : pressButton(offer, () => isReady() && act());
+  const ahead = offer.foresee ? whatIf(offer.foresee) : null;
   let accepted = false;
   let isSending = false;
   const dialog = openDialog(
     title(offer, about),
-    [h('p', { class: 'effect' }, effectOf(offer)), form.element, reason.element, answer, dialogButtons(() => dialog.close(), go)],
-    { name: offer.name, closed: () => done(accepted) },
+    [h('p', { class: 'effect' }, effectOf(offer)), form.element, ahead?.element ?? '', reason.element, answer, dialogButtons(() => dialog.close(), go)],
+    { name: offer.name, closed },
   );
   if (form.isEmpty) reason.focus();
+  form.element.addEventListener('input', lookAhead);
+  lookAhead();
+
+  function lookAhead() {
+    const values = form.sofar();
+    ahead?.ask(values && { ...known, ...values });
+  }
+
+  function closed() {
+    ahead?.end();
+    done(accepted);
+  }
 
   function isReady() {
     return !isSending && form.values() !== null && reason.isGiven();

@@ -4,13 +4,15 @@ import { attribute, h } from './dom.js';
 import { who } from './me.js';
 import { meaningOf } from './requests.js';
 import { t } from './text.js';
+import { UPDATE_FIELDS } from '../parts/update_fields.js';
 import { beltField } from './belt_field.js';
 
 /** Parameters that the page asks for in its own way, by request and name. */
-const SPECIAL = { 'cell.clear.belt': beltField };
+const SPECIAL = { 'cell.clear.belt': beltField, ...UPDATE_FIELDS };
 
 /**
- * Make the fields of an offer: an element and `values()`; null where an entry is missing or wrong.
+ * Make the fields of an offer: an element and `values()`; null where an entry is missing or wrong,
+ * which is shown. `sofar()` is the same and shows nothing.
  * What need not be said is folded away.
  */
 export function parameterForm(offer) {
@@ -25,20 +27,20 @@ export function parameterForm(offer) {
     fields.filter(isPlain).map((field) => field.element),
     folded.length ? h('details', {}, h('summary', {}, t('ask.more')), folded.map((field) => field.element)) : null,
   );
-  return { element, isEmpty: !fields.length, values: () => valuesOf(fields) };
+  return { element, isEmpty: !fields.length, values: () => valuesOf(fields), sofar: () => valuesOf(fields, true) };
 }
 
 function isMine(parameter) {
   return !parameter.roles || parameter.roles.includes(who().role);
 }
 
-function valuesOf(fields) {
+function valuesOf(fields, isQuiet = false) {
   const values = {};
   let isFine = true;
   for (const { parameter, read, warn } of fields) {
     const { value, isWrong } = read();
     const isMissing = value === undefined && parameter.is_required;
-    warn(isWrong || isMissing);
+    if (!isQuiet) warn(isWrong || isMissing);
     isFine &&= !(isWrong || isMissing);
     if (value === undefined) continue;
     // A field may speak for other parameters too: what the belt is, instead of as it was shown.
@@ -50,7 +52,7 @@ function valuesOf(fields) {
 
 function fieldOf(offer, parameter) {
   const special = SPECIAL[`${offer.name}.${parameter.name}`];
-  if (special) return special();
+  if (special) return special(offer);
   const { input, read } = inputOf(parameter);
   const warning = h('p', { class: 'field-warning', role: 'alert', hidden: true }, t('ask.field_wrong'));
   const label = h('label', {}, h('span', {}, meaningOf(offer, parameter)), input);

@@ -20,6 +20,10 @@ const PATHS = {
   lock: 'M4 7V5a4 4 0 1 1 8 0v2h1v8H3V7zm2 0h4V5a2 2 0 1 0-4 0z',
   item: 'M2.5 4.5 8 1.5l5.5 3v7L8 14.5l-5.5-3z',
   hollow: 'M2 2h3v1.6H3.6V5H2zm9 0h3v3h-1.6V3.6H11zM2 11h1.6v1.4H5V14H2zm10.4 0H14v3h-3v-1.6h1.4z',
+  grip: 'M5 2h2v2H5zm4 0h2v2H9zM5 7h2v2H5zm4 0h2v2H9zm-4 5h2v2H5zm4 0h2v2H9z',
+  up: 'M8 3 14 10.6H2z',
+  down: 'M8 13 2 5.4h12z',
+  more: 'M2 4 8 10.4 14 4v2.8L8 13 2 6.8z',
   none: '',
 };
 

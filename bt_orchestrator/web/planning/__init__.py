@@ -1,0 +1,1 @@
+"""A planner's questions: what would become of jobs, and whether an order would be queued."""

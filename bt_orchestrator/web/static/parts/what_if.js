@@ -1,0 +1,155 @@
+/** What would become of every job: asked before a command is sent, shown as a table. */
+
+import { Refused, post } from '../core/api.js';
+import { children, h } from '../core/dom.js';
+import { part } from '../core/store.js';
+import { about, duration, t } from '../core/text.js';
+import { shape } from './shape.js';
+
+const WITHIN_MS = 75000;
+const WAIT_MS = 400;
+/** Ends that differ by less are the same: both runs begin with the same moment. */
+const SAME_S = 1;
+/** Jobs that end as before are folded away where there are more of them. */
+const FEW = 8;
+
+/**
+ * Make the table of a command: an element, `ask(values)`, `end()`.
+ * @param {{name: string, arguments: Object}} command as its offer says
+ */
+export function whatIf(command) {
+  const element = h('section', { class: 'what-if', 'aria-live': 'polite', 'aria-label': t('whatif.title') });
+  let turn = 0;
+  let timer = 0;
+
+  /** Ask what these values would lead to; null: some are missing still. */
+  function ask(values) {
+    const mine = (turn += 1);
+    clearTimeout(timer);
+    if (values === null) return say('missing', t('whatif.missing'));
+    const wait = turn === 1 ? 0 : WAIT_MS;
+    timer = setTimeout(() => compute(mine, values), wait);
+    return say('computing', t('whatif.computing'));
+  }
+
+  async function compute(mine, values) {
+    const commands = [{ name: command.name, arguments: { ...command.arguments, ...values } }];
+    try {
+      const found = await post('/api/what-if', { commands }, WITHIN_MS);
+      if (mine === turn) show(found, dueOf(values));
+    } catch (refused) {
+      if (!(refused instanceof Refused)) throw refused;
+      if (mine === turn) say('unknown', t('whatif.cannot', { why: refused.message || t('whatif.no_answer') }));
+    }
+  }
+
+  function say(kind, words) {
+    element.dataset.whatIf = kind;
+    children(element, heading(), h('p', { class: 'what-if-words' }, kind === 'unknown' ? shape('triangle') : null, words));
+  }
+
+  function show(found, due) {
+    element.dataset.whatIf = found.refusals.length ? 'refused' : 'known';
+    const rows = rowsOf(found, due);
+    const changed = rows.filter((row) => row.change !== 'same');
+    const same = rows.filter((row) => row.change === 'same');
+    children(
+      element,
+      heading(),
+      found.refusals.map((one) => h('p', { class: 'what-if-refusal' }, shape('triangle'), t('whatif.refused', { why: one }))),
+      h('p', { class: 'what-if-words' }, summary(rows)),
+      changed.length || same.length <= FEW ? table(same.length <= FEW ? rows : changed) : null,
+      same.length > FEW ? h('details', {}, h('summary', {}, t('whatif.same_count', { count: same.length })), table(same)) : null,
+      found.left_out ? h('p', { class: 'hint' }, t('whatif.left_out', { count: found.left_out })) : null,
+    );
+  }
+
+  return {
+    element,
+    ask,
+    end() {
+      turn += 1;
+      clearTimeout(timer);
+    },
+  };
+}
+
+function heading() {
+  return h('h3', {}, t('whatif.title'));
+}
+
+/** The due times that the command itself brings, by job. */
+function dueOf(values) {
+  return Object.fromEntries((values.orders ?? []).map((order) => [order.order, order.due ? Date.parse(order.due) / 1000 : null]));
+}
+
+function rowsOf(found, due) {
+  const before = endsOf(found.before);
+  const after = endsOf(found.after);
+  const names = [...new Set([...after.keys(), ...before.keys()])];
+  return names.map((job) => {
+    const row = { job, before: before.get(job), after: after.get(job), due: due[job] ?? part(`job/${job}`)?.due ?? null };
+    return { ...row, change: changeOf(row), isLate: isLate(row.after, row.due), wasLate: isLate(row.before, row.due) };
+  });
+}
+
+function endsOf(jobs) {
+  return new Map(jobs.map(({ job, ends }) => [job, ends]));
+}
+
+/** undefined: the job is not there; null: nobody knows when it ends. */
+function changeOf({ before, after }) {
+  if (before === undefined) return 'new';
+  if (after === undefined) return 'gone';
+  if (before === null || after === null) return before === after ? 'same' : after === null ? 'open' : 'known';
+  if (Math.abs(after - before) < SAME_S) return 'same';
+  return after > before ? 'later' : 'earlier';
+}
+
+function isLate(ends, due) {
+  return Boolean(due && ends && ends > due);
+}
+
+function summary(rows) {
+  const count = (change) => rows.filter((row) => row.change === change).length;
+  const words = ['later', 'earlier', 'gone', 'open'].filter(count).map((change) => t(`whatif.count_${change}`, { count: count(change) }));
+  const missed = rows.filter((row) => row.isLate && !row.wasLate);
+  if (missed.length) words.push(t('whatif.count_missed', { count: missed.length, jobs: missed.map((row) => row.job).join(', ') }));
+  return words.length ? `${words.join('; ')}.` : t('whatif.nothing');
+}
+
+function table(rows) {
+  const heads = ['job', 'before', 'after', 'change', 'due'].map((name) => h('th', { scope: 'col' }, t(`whatif.${name}`)));
+  return h('div', { class: 'table-scroll', tabindex: 0, role: 'group', 'aria-label': t('whatif.title') }, h('table', {}, h('thead', {}, h('tr', {}, heads)), h('tbody', {}, rows.map(line))));
+}
+
+function line(row) {
+  const { job, change } = row;
+  return h(
+    'tr',
+    { 'data-job': job, 'data-change': change, 'data-late': row.isLate },
+    h('th', { scope: 'row' }, job),
+    h('td', {}, endWords(row.before)),
+    h('td', {}, endWords(row.after)),
+    h('td', { class: 'what-if-change' }, changeWords(row)),
+    h('td', {}, dueWords(row)),
+  );
+}
+
+function endWords(ends) {
+  if (ends === undefined) return '–';
+  return ends === null ? t('whatif.unknown_end') : about(ends);
+}
+
+function changeWords({ change, before, after }) {
+  if (change !== 'later' && change !== 'earlier') return t(`whatif.is_${change}`);
+  const sign = change === 'later' ? '+' : '−';
+  return `${sign}${duration(Math.abs(after - before))} ${t(`whatif.is_${change}`)}`;
+}
+
+function dueWords(row) {
+  if (!row.due) return '';
+  if (!row.isLate) return row.wasLate ? t('whatif.due_met', { time: about(row.due) }) : about(row.due);
+  const by = t('whatif.due_missed', { time: about(row.due), by: duration(row.after - row.due) });
+  return [shape('triangle'), ` ${by}`];
+}

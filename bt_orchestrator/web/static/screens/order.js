@@ -1,0 +1,58 @@
+/** A new order: a script, its parameters and terms; checked while it is written, then queued. */
+
+import { Refused, get } from '../core/api.js';
+import { ask } from '../core/ask.js';
+import { children, h, show, text } from '../core/dom.js';
+import { part, subscribe } from '../core/store.js';
+import { t } from '../core/text.js';
+import { checking } from './order/checking.js';
+import { orderForm } from './order/form.js';
+
+/** Show the screen. */
+export function mount(root) {
+  const said = h('p', { class: 'order-said', role: 'status' });
+  const done = h('p', { class: 'order-done', role: 'status', hidden: true });
+  const form = orderForm(changed);
+  const go = h('button', { type: 'submit', class: 'primary', 'data-do': 'order' }, t('order.go'));
+  const form_ = h('form', { class: 'order-form', novalidate: true, onsubmit: send }, form.element, h('div', { class: 'order-buttons' }, said, go));
+  const check = checking(form, said);
+  root.append(h('section', { class: 'panel order' }, h('h1', {}, t('order.title')), done, form_));
+
+  function changed() {
+    show(done, false);
+    check.later();
+  }
+
+  async function send(event) {
+    event.preventDefault();
+    go.disabled = true;
+    const isFine = await check.now();
+    go.disabled = false;
+    if (!isFine) return form.focusMistake();
+    const { order, position, held } = form.value();
+    const offer = part('cell')?.add;
+    if (!offer) return text(said, t('order.no_cell'));
+    const values = { orders: [order], ...(position ? { position } : {}), ...(held ? { held } : {}) };
+    if (!(await ask(offer, { about: order.order, values }))) return null;
+    children(done, t('order.done', { job: order.order }), ' ', h('a', { href: `#/queue?job=${encodeURIComponent(order.order)}` }, t('order.to_queue')));
+    show(done, true);
+    return form.another();
+  }
+
+  load(form, said);
+  const ends = [subscribe('cell', () => form.setQueued(part('cell')?.queued ?? 0))];
+  form.setQueued(part('cell')?.queued ?? 0);
+  return () => {
+    check.end();
+    ends.forEach((end) => end());
+  };
+}
+
+async function load(form, said) {
+  try {
+    form.setScripts(await get('/api/scripts'));
+  } catch (refused) {
+    if (!(refused instanceof Refused)) throw refused;
+    text(said, refused.message || t('order.no_scripts'));
+  }
+}

@@ -1,0 +1,107 @@
+/** The form of an order. What is right in it, the page says: here is only what was entered. */
+
+import { h, children, show } from '../../core/dom.js';
+import { t } from '../../core/text.js';
+import { fieldWith } from '../../parts/entry.js';
+import { jsonField } from '../../parts/json_field.js';
+import { scriptParams } from '../../parts/script_params.js';
+import { timeField } from '../../parts/time_field.js';
+import { newOrderId } from './order_id.js';
+
+/** Make it: an element, `value()`, `warn(findings)` and what fills it. `changed` is called for each entry. */
+export function orderForm(changed) {
+  const script = fieldWith(t('order.script'), h('select', { name: 'script' }, h('option', { value: '' }, t('order.choose'))));
+  const quantity = fieldWith(t('order.quantity'), h('input', { type: 'text', inputmode: 'numeric', name: 'quantity', autocomplete: 'off' }));
+  const order = fieldWith(t('order.id'), h('input', { type: 'text', name: 'order', autocomplete: 'off', spellcheck: 'false' }), t('order.id_hint'));
+  const priority = fieldWith(t('order.priority'), h('input', { type: 'text', inputmode: 'numeric', name: 'priority', autocomplete: 'off', placeholder: '0' }), t('order.priority_hint'));
+  const start = timeField(t('order.start'), 'start');
+  const due = timeField(t('order.due'), 'due');
+  const details = jsonField(t('order.details'), 'details', t('order.details_hint'));
+  const position = fieldWith(t('order.position'), h('input', { type: 'number', name: 'position', min: 1, step: 1, inputmode: 'numeric' }));
+  const held = h('input', { type: 'checkbox', name: 'held' });
+  const params = h('div', { class: 'order-params' });
+  const touched = new Set();
+  let scripts = [];
+  let entries = scriptParams([]);
+
+  const element = h(
+    'div',
+    { class: 'order-parts' },
+    group('order.what', script.element, quantity.element, params),
+    group('order.when', priority.element, start.element, due.element),
+    group('order.where', position.element, h('div', { class: 'field' }, h('label', { class: 'check' }, held, h('span', {}, t('order.held'))))),
+    group('order.more', order.element, h('details', {}, h('summary', {}, t('order.details')), details.element)),
+  );
+  element.addEventListener('input', changed);
+  element.addEventListener('focusout', ({ target }) => {
+    if (target.name) touched.add(target.name);
+    changed();
+  });
+  script.input.addEventListener('input', choose);
+  order.input.value = newOrderId();
+
+  function choose() {
+    const chosen = scripts.find((one) => one.name === script.value());
+    entries = scriptParams(chosen?.parameters ?? []);
+    children(params, entries.element);
+    quantity.input.placeholder = chosen?.quantity ?? '';
+  }
+
+  const fields = () => new Map([['script', script], ['quantity', quantity], ['order', order], ['priority', priority], ['start', start], ['due', due], ['details', details], ['position', position], ...[...entries.fields].map(([name, field]) => [`params.${name}`, field])]);
+
+  function value() {
+    const said = { script: script.value(), order: order.value(), quantity: whole(quantity.value()), priority: whole(priority.value()), start: start.value(), due: due.value(), details: details.read() };
+    const filled = Object.fromEntries(Object.entries(said).filter(([, one]) => one !== '' && one !== undefined));
+    const given = entries.values();
+    if (Object.keys(given).length) filled.params = given;
+    return { order: filled, position: Number(position.value()) || null, held: held.checked };
+  }
+
+  return {
+    element,
+    value,
+
+    /** Show what is wrong; of entries that nobody has touched yet, only when everything is checked. */
+    warn(findings, isAll) {
+      const known = fields();
+      const words = new Map();
+      for (const { field, what, hint } of findings) {
+        const name = known.has(field) ? field : '';
+        words.set(name, [words.get(name), hint ? `${what}; ${hint}` : what].filter(Boolean).join('. '));
+      }
+      for (const [name, field] of known) field.warn(isAll || touched.has(name) ? words.get(name) ?? '' : '');
+      return words.get('') ?? '';
+    },
+
+    focusMistake: () => element.querySelector('[aria-invalid="true"]')?.focus(),
+
+    setScripts(found) {
+      scripts = found;
+      const names = [...new Set(found.map((one) => one.name))];
+      children(script.input, script.input.firstChild, names.map((name) => h('option', { value: name }, name)));
+      if (names.length === 1) script.input.value = names[0];
+      choose();
+    },
+
+    setQueued(queued) {
+      position.input.placeholder = t('order.at_end', { place: queued + 1 });
+    },
+
+    /** Be ready for another order like this one. */
+    another() {
+      order.input.value = newOrderId();
+      touched.clear();
+      show(element, true);
+      script.input.focus();
+    },
+  };
+}
+
+function group(title, ...fields) {
+  return h('fieldset', { class: 'order-group' }, h('legend', {}, t(title)), ...fields);
+}
+
+/** A whole number where it is one; else the text, and the page says what is wrong with it. */
+function whole(said) {
+  return /^[-+]?\d{1,15}$/.test(said) ? Number(said) : said;
+}

@@ -1,0 +1,111 @@
+/** One job of the queue: how far it is, when it ends, its place, and what can be asked of it. */
+
+import { attribute, children, h, show, text } from '../../core/dom.js';
+import { about, t } from '../../core/text.js';
+import { everySecond } from '../../core/tick.js';
+import { jobBar } from '../../parts/bar.js';
+import { offers } from '../../parts/offers.js';
+import { shape } from '../../parts/shape.js';
+import { dueWords, stateWords } from './job_words.js';
+
+/** What the row itself shows as handle and buttons; the rest is unfolded. */
+const IN_ROW = ['job.next'];
+const BY_HANDLE = 'job.move';
+
+/** Make a row: an element, `update(job)`, `end()`. */
+export function jobRow(id, context) {
+  const { move, unfolded } = context;
+  const place = h('span', { class: 'place' });
+  const handle = h('button', { type: 'button', class: 'handle', 'data-do': 'place' }, shape('grip'), place);
+  const name = h('a', { href: `#/job/${id}`, class: 'job-id' }, id);
+  const script = h('span', { class: 'quiet one-line' });
+  const state = h('span', { class: 'job-state' });
+  const bar = jobBar();
+  const cells = Object.fromEntries(['priority', 'start', 'due', 'ends'].map((key) => [key, cell(key)]));
+  const step = (key, delta) => h('button', { type: 'button', class: 'icon-button', tabindex: -1, 'data-do': key, 'aria-label': t(`queue.${key}`, { job: id }), title: t(`queue.${key}`, { job: id }), onclick: () => move.step(id, delta) }, shape(key));
+  const steps = h('span', { class: 'steps' }, step('up', -1), step('down', 1));
+  const first = offers({ about: () => id, isCompact: true, label: t('queue.commands', { job: id }) });
+  const rest = offers({ about: () => id, label: t('queue.commands', { job: id }) });
+  const params = h('p', { class: 'quiet' });
+  const unfold = h('button', { type: 'button', class: 'unfold', 'data-do': 'unfold', 'aria-expanded': 'false', 'aria-label': t('queue.more', { job: id }), onclick: toggle }, shape('more'));
+  const folded = h('div', { class: 'job-folded' }, params, rest.element);
+  const element = h(
+    'li',
+    { class: 'job-row', 'data-job': id },
+    h('div', { class: 'job-line' }, handle, h('div', { class: 'job-name' }, name, script), state, bar.element, Object.values(cells).map((one) => one.element), h('div', { class: 'job-moves' }, steps, first.element), unfold),
+    folded,
+  );
+  let job = null;
+
+  function toggle() {
+    if (!unfolded.delete(id)) unfolded.add(id);
+    fold();
+  }
+
+  function fold() {
+    const isOpen = unfolded.has(id);
+    show(folded, isOpen);
+    attribute(unfold, 'aria-expanded', String(isOpen));
+  }
+
+  function sayTimes() {
+    if (!job) return;
+    const due = dueWords(job);
+    cells.due.say(due.isLate ? [shape('triangle'), ' ', due.words] : due.words);
+    attribute(cells.due.element, 'class', due.isLate ? 'job-cell is-late' : 'job-cell');
+    attribute(element, 'data-late', due.isLate);
+  }
+
+  function update(now) {
+    job = now;
+    const isQueued = job.position > 0;
+    const canMove = job.offers.some((offer) => offer.name === BY_HANDLE);
+    attribute(element, 'data-state', job.state);
+    attribute(element, 'data-position', job.position || null);
+    show(handle, isQueued);
+    handle.disabled = !canMove;
+    text(place, isQueued ? job.position : '');
+    attribute(handle, 'aria-label', t('queue.handle', { job: id, place: job.position, count: move.count() }));
+    text(script, t('queue.of_script', { script: job.script, quantity: job.quantity }));
+    text(state, stateWords(job));
+    bar.update(job);
+    cells.priority.say(job.priority ? String(job.priority) : '');
+    cells.start.say(job.start ? about(job.start) : '');
+    cells.ends.say(job.ends ? about(job.ends) : '');
+    sayTimes();
+    show(steps, canMove);
+    first.update(job.offers.filter((offer) => IN_ROW.includes(offer.name)));
+    rest.update(job.offers.filter((offer) => offer.name !== BY_HANDLE && !IN_ROW.includes(offer.name)));
+    text(params, paramWords(job));
+    fold();
+    move.mark(element, job);
+  }
+
+  move.handle(handle, element, id);
+  everySecond(cells.due.element, sayTimes);
+  return {
+    element,
+    update,
+    end() {
+      first.end();
+      rest.end();
+    },
+  };
+}
+
+function cell(key) {
+  const value = h('span', { class: 'job-value' });
+  const label = h('span', { class: 'job-label' }, t(`queue.${key}`));
+  return {
+    element: h('div', { class: 'job-cell', 'data-cell': key }, label, value),
+    say(words) {
+      if (typeof words === 'string') text(value, words || '–');
+      else children(value, words.map((one) => (typeof one === 'string' ? document.createTextNode(one) : one)));
+    },
+  };
+}
+
+function paramWords(job) {
+  const said = Object.entries(job.params ?? {}).map(([name, value]) => `${name} = ${value}`);
+  return said.length ? said.join(' · ') : t('queue.no_params');
+}

@@ -1,0 +1,22 @@
+/** The words about a job: its state, and its due date. */
+
+import { clock } from '../../core/store.js';
+import { about, duration, t, tOr } from '../../core/text.js';
+
+/** Say its state; one that ends says how. */
+export function stateWords({ state, substate, ending }) {
+  if (ending) return t(`job_state.${ending}`);
+  const whole = [state, substate].filter(Boolean).join('/');
+  return tOr(`job_state.${whole}`, whole);
+}
+
+/** Say when it is due, and by how much that is missed. */
+export function dueWords({ due, ends, state }) {
+  if (!due) return { words: '', isLate: false };
+  const isOver = state === 'Ended' || state === 'Aborted';
+  const late = (isOver ? 0 : Math.max(ends ?? 0, clock())) - due;
+  if (late <= 0) return { words: about(due), isLate: false };
+  const isPast = clock() > due;
+  const key = isPast ? 'queue.overdue' : 'queue.late';
+  return { words: t(key, { time: about(due), by: duration(late) }), isLate: true };
+}
