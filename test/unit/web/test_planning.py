@@ -208,7 +208,7 @@ def test_a_page_without_planning_says_so() -> None:
 def test_only_some_questions_wait(bench: Bench) -> None:
     async def crowd() -> list[Answered]:
         bench.may_go_on = asyncio.Event()
-        body = {'commands': []}
+        body: dict[str, list[object]] = {'commands': []}
         asked = [
             asyncio.ensure_future(bench.browser.posted('/api/what-if', body))
             for _ in range(MOST_WAITING + 1)
