@@ -11,6 +11,7 @@ from starlette.responses import Response
 from bt_orchestrator.errors import JournalUnusable
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.model.status import CellDescription, CellStatus
+from bt_orchestrator.web.archive import downloads
 from bt_orchestrator.web.archive.archive import Archive, Look
 from bt_orchestrator.web.archive.events import MOST as MOST_EVENTS
 from bt_orchestrator.web.archive.events import events_page
@@ -46,6 +47,7 @@ def endpoints(archive: Archive, cell: Cell) -> tuple[Endpoint, ...]:
     """Return the endpoints."""
     routes = _Routes(archive, cell)
     return (
+        *downloads.endpoints(archive),  # before /api/jobs/{job:path}, which takes any path
         Endpoint(
             'GET',
             '/api/events',

@@ -51,10 +51,7 @@ def jobs_page(look: Look, cursor: str, most: int) -> dict[str, Any]:
 
 def job_with_items(look: Look, job: str) -> dict[str, Any] | None:
     """Return a job with its items and failures; None: nothing is known of it."""
-    fold = JobFold()
-    for event in events(look, Wanted(job=job, events=FOLLOWED)):
-        fold.follow(event)
-    record = fold.jobs.get(job) or next(_summaries_of(look, {job}), None)
+    record = job_record(look, job)
     if record is None:
         return None
     items = list(record.items.values())
@@ -68,6 +65,14 @@ def job_with_items(look: Look, job: str) -> dict[str, Any] | None:
             [*([] if record.complete else ['its events are not kept any more']), *look.damage]
         ),
     }
+
+
+def job_record(look: Look, job: str) -> JobRecord | None:
+    """Return the record of a job, from its events or else its summary; None: it is not known."""
+    fold = JobFold()
+    for event in events(look, Wanted(job=job, events=FOLLOWED)):
+        fold.follow(event)
+    return fold.jobs.get(job) or next(_summaries_of(look, {job}), None)
 
 
 def summary(record: JobRecord, *, is_whole: bool) -> dict[str, Any]:

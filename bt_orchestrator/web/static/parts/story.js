@@ -38,7 +38,7 @@ function told(entry) {
     'li',
     { class: 'told', 'data-kind': entry.kind, 'data-outcome': entry.outcome ?? entry.how ?? null },
     h('time', { datetime: new Date(entry.time * 1000).toISOString() }, at(entry.time)),
-    h('div', {}, TOLD[entry.kind](entry)),
+    h('div', { class: 'told-what' }, TOLD[entry.kind](entry)),
   );
 }
 
@@ -67,6 +67,7 @@ function task(entry) {
 }
 
 function outcomeWords({ outcome, seconds: took, reason, message }) {
+  if (outcome === 'continued') return t(`item.policy_${reason}`);
   const word = t(`item.outcome_${outcome}`, { took: took === null ? '' : seconds(took) });
   const why = [reason && tOr(`reason.${reason}`, reason), message && `“${message}”`].filter(Boolean).join(' ');
   return why ? `${word}: ${why}` : word;

@@ -24,7 +24,7 @@ class Item {
     this.hasNews = happenings((event) => event.item === id);
     this.about = h('p', { class: 'about' });
     this.note = h('p', { class: 'remark', role: 'status' });
-    this.story = h('div');
+    this.story = h('section', { class: 'panel' });
     this.element = h(
       'div',
       { class: 'screen' },

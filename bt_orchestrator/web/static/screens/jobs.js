@@ -45,7 +45,7 @@ class Jobs {
       { class: 'screen' },
       h('div', { class: 'screen-head' }, h('h1', {}, t('jobs.title'))),
       this.note,
-      this.table.element,
+      h('section', { class: 'panel' }, this.table.element),
       this.older,
     );
   }

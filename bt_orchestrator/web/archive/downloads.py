@@ -1,0 +1,91 @@
+"""The items of a job as files, all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from io import StringIO
+from typing import NamedTuple
+from urllib.parse import quote
+
+from starlette.requests import Request
+from starlette.responses import Response
+
+from bt_orchestrator.errors import JournalUnusable
+from bt_orchestrator.model.codec import json_of
+from bt_orchestrator.model.jobs.job_record import JobRecord, job_to_plain
+from bt_orchestrator.report.items_csv import write_items
+from bt_orchestrator.web.archive.archive import Archive, Look
+from bt_orchestrator.web.archive.jobs import job_record
+from bt_orchestrator.web.endpoint import Endpoint
+from bt_orchestrator.web.replies import Problem
+
+_REFUSALS = {
+    404: 'nothing is known of the job',
+    410: 'its items are not kept any more',
+    503: 'the journal cannot be read now: the message says why',
+}
+
+
+class Kind(NamedTuple):
+    """A kind of file."""
+
+    ending: str
+    media: str
+    content: Callable[[JobRecord], str]
+
+
+def _csv(job: JobRecord) -> str:
+    file = StringIO(newline='')
+    write_items(job, file)
+    return file.getvalue()
+
+
+def _json(job: JobRecord) -> str:
+    return json_of(job_to_plain(job)) + '\n'
+
+
+KINDS = (Kind('csv', 'text/csv', _csv), Kind('json', 'application/json', _json))
+
+
+def endpoints(archive: Archive) -> tuple[Endpoint, ...]:
+    """Return the endpoints."""
+    return tuple(
+        Endpoint(
+            'GET',
+            f'/api/jobs/{{job}}/items.{kind.ending}',
+            _answer(archive, kind),
+            f'returns all items of a job as a {kind.ending.upper()} file',
+            refusals=_REFUSALS,
+            media=kind.media,
+        )
+        for kind in KINDS
+    )
+
+
+def _answer(archive: Archive, kind: Kind) -> Callable[[Request], Awaitable[Response]]:
+    async def answer(request: Request) -> Response:
+        name = request.path_params['job']
+        try:
+            text, is_whole = await archive.read(lambda look: _file(look, name, kind))
+        except JournalUnusable as error:
+            raise Problem(503, str(error)) from error
+        # a file cannot say what it lacks in a way that every reader sees; its name can
+        lacks = '' if is_whole else '-incomplete'
+        named = quote(f'{name}-items{lacks}.{kind.ending}', safe='')
+        headers = {'content-disposition': f"attachment; filename*=UTF-8''{named}"}
+        return Response(text.encode(), media_type=kind.media, headers=headers)
+
+    return answer
+
+
+def _file(look: Look, name: str, kind: Kind) -> tuple[str, bool]:
+    """Return the text of a file, and whether everything is in it.
+
+    :raises Problem: there is nothing to write
+    """
+    job = job_record(look, name)
+    if job is None:
+        raise Problem(404, f'nothing is known here of job {name}')
+    if not job.complete:
+        raise Problem(410, f'the items of job {name} are not kept any more: their events are gone')
+    return kind.content(job), not look.damage
