@@ -36,6 +36,14 @@ def test_every_style_is_used_by_the_page() -> None:
         assert f'/static/style/{path.name}' in index
 
 
+def test_a_class_is_styled_in_one_file() -> None:
+    owners: dict[str, set[str]] = {}
+    for path in (STATIC / 'style').glob('*.css'):
+        for name in re.findall(r'^\.([\w-]+)', path.read_text(encoding='utf-8'), re.MULTILINE):
+            owners.setdefault(name, set()).add(path.name)
+    assert {name: files for name, files in owners.items() if len(files) > 1} == {}
+
+
 def test_the_policy_of_the_page_finds_no_inline_style_or_script() -> None:
     index = (STATIC / 'index.html').read_text(encoding='utf-8')
     assert not re.search(r'<style|\sstyle=|\son\w+=|<script(?![^>]*\ssrc=)', index)

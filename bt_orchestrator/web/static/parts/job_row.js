@@ -8,13 +8,13 @@ const MADE = ['done', 'marked_done', 'skipped', 'continued'];
 
 /** Make a row: an element and `update(job)`. */
 export function jobRow() {
-  const link = h('a', { class: 'job-id one-line' });
+  const link = h('a', { class: 'job-link one-line' });
   const script = h('span', { class: 'job-script one-line' });
-  const state = h('span', { class: 'job-state' });
+  const state = h('span', { class: 'job-word' });
   const ends = h('span', { class: 'job-ends' });
   const bar = jobBar();
   const preparing = h('p', { class: 'job-preparing one-line' });
-  const element = h('li', { class: 'job' }, h('div', { class: 'job-line' }, link, script, state, ends), bar.element, preparing);
+  const element = h('li', { class: 'job' }, h('div', { class: 'job-head' }, link, script, state, ends), bar.element, preparing);
   return {
     element,
     update(job) {

@@ -15,7 +15,7 @@ export function taskRow() {
   const name = h('span', { class: 'task-name one-line' });
   const late = shape('none');
   const timeWord = h('span', {});
-  const time = h('span', { class: 'task-time' }, late, timeWord);
+  const time = h('span', { class: 'task-clock' }, late, timeWord);
   const element = h('li', { class: 'task' }, drawn.element, name, time);
   let task = null;
 

@@ -27,7 +27,7 @@ export function mount(root) {
     { class: 'overview' },
     holds.element,
     h('div', { class: 'overview-line' }, belt.element, sections.element),
-    h('div', { class: 'overview-side' }, troubles.element, jobs.element, flags.element),
+    h('div', { class: 'overview-side' }, jobs.element, h('div', { class: 'overview-aside' }, troubles.element, flags.element)),
   );
   const silence = h('p', { class: 'panel' }, t('overview.nothing_heard'));
   root.append(h('h1', { class: 'for-readers' }, t('overview.title')), silence, page);
