@@ -14,8 +14,9 @@ from starlette.routing import BaseRoute, Mount, Route
 from starlette.staticfiles import StaticFiles
 
 from bt_orchestrator.web import archive, commands, me, scripts
-from bt_orchestrator.web.endpoint import routes
+from bt_orchestrator.web.endpoint import Endpoint, routes
 from bt_orchestrator.web.guards import GuardMiddleware
+from bt_orchestrator.web.openapi import with_description
 from bt_orchestrator.web.planning import endpoints as planning
 from bt_orchestrator.web.planning.page_queue import PageQueue
 from bt_orchestrator.web.replies import HANDLERS
@@ -41,15 +42,23 @@ def make_app(page: Page) -> Starlette:
 
 
 def routes_of(page: Page) -> list[BaseRoute]:
-    """Return all routes; each part of the page gives its own."""
+    """Return all routes."""
+    return [
+        Route('/', _index),
+        *routes(with_description(endpoints_of(page))),
+        Mount('/static', _Files(directory=STATIC)),
+    ]
+
+
+def endpoints_of(page: Page) -> list[Endpoint]:
+    """Return all endpoints; each part of the page gives its own."""
     return [
         *_core(page),
-        *routes(me.endpoints(page.people)),
-        *routes(commands.endpoints(page.tickets)),
-        *routes(archive.endpoints(page.archive, page)),
-        *routes(scripts.endpoints(page.shelf, page)),
-        *routes(planning.endpoints(page.questions, PageQueue(page))),
-        Mount('/static', _Files(directory=STATIC)),
+        *me.endpoints(page.people),
+        *commands.endpoints(page.tickets),
+        *archive.endpoints(page.archive, page),
+        *scripts.endpoints(page.shelf, page),
+        *planning.endpoints(page.questions, PageQueue(page)),
     ]
 
 
@@ -58,8 +67,12 @@ def middleware_of(page: Page) -> Sequence[Middleware]:
     return (Middleware(GuardMiddleware, people=page.people),)
 
 
-def _core(page: Page) -> list[BaseRoute]:
-    def healthz(_: Request) -> Response:
+async def _index(_: Request) -> Response:
+    return FileResponse(STATIC / 'index.html', headers=FRESH)
+
+
+def _core(page: Page) -> list[Endpoint]:
+    async def healthz(_: Request) -> Response:
         return JSONResponse(
             {
                 'node': page.doors.name,
@@ -68,14 +81,14 @@ def _core(page: Page) -> list[BaseRoute]:
             }
         )
 
-    def index(_: Request) -> Response:
-        return FileResponse(STATIC / 'index.html', headers=FRESH)
-
     return [
-        Route('/', index),
-        Route('/healthz', healthz),
-        Route('/api/stream', _Stream(page), methods=['GET']),
-    ]
+        Endpoint('GET', '/healthz', healthz, 'the page is there, and how long the node is silent'),
+        Endpoint(
+            'GET', '/api/stream', _Stream(page), 'what happens, as server-sent events',
+            query={'after': 'HISTORY:SEQ of the last event that is known; also Last-Event-ID'},
+            media='text/event-stream',
+        ),
+    ]  # fmt: skip
 
 
 class _Stream:

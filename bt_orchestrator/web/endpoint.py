@@ -6,7 +6,6 @@ from collections.abc import Awaitable, Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from starlette.requests import Request
 from starlette.responses import Response
 from starlette.routing import Route
 
@@ -22,7 +21,8 @@ class Endpoint:
     """GET or POST."""
     path: str
     """As Starlette writes it, for instance /api/items/{item:path}."""
-    answer: Callable[[Request], Awaitable[Response]]
+    answer: Callable[..., Awaitable[Response | None]]
+    """Takes a request; or an object that is an ASGI application."""
     does: str
     """One sentence without a full stop, for whoever writes a client."""
     query: Mapping[str, str] = field(default_factory=dict)

@@ -1,7 +1,8 @@
 /** Begins the page: words, person, stream; and shows the screen of the address. */
 
+import { closeDialogs } from './core/dialog.js';
 import { h } from './core/dom.js';
-import { onPerson, refreshPerson, who } from './core/me.js';
+import { onPerson, refreshPerson, stayAwake, who } from './core/me.js';
 import { news, startFollowing, subscribe } from './core/store.js';
 import { preferredLanguage, t, useLanguage } from './core/text.js';
 import { startTheme } from './core/theme.js';
@@ -56,7 +57,7 @@ function followPerson() {
   subscribe('news', () => {
     // A page that was started anew has forgotten the sessions; a refused stream wants a login.
     if (news().kind !== before || news().refused) refreshPerson().catch(() => null);
-    if (news().refused && !who().role) location.hash = '#/login';
+    if (news().refused && !who().role && who().looks_freely === false) location.hash = '#/login';
     before = news().kind;
   });
   setInterval(() => refreshPerson().catch(() => null), ASK_AGAIN_MS);
@@ -69,8 +70,10 @@ async function begin() {
   await refreshPerson().catch(() => null);
   startFollowing();
   followPerson();
+  stayAwake();
   onPerson(() => document.body.setAttribute('data-role', who().role));
   addEventListener('hashchange', () => {
+    closeDialogs();
     showScreen();
     document.getElementById('main').focus();
   });

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import subprocess
 from pathlib import Path
 from typing import Any
 
 import pytest
+from fakes.certificates import make_certificate
 from fakes.quick_users import write_users
 
 from bt_orchestrator.model.roles import Role
@@ -22,15 +22,6 @@ def users(tmp_path: Path) -> Path:
 def certificate(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     folder = tmp_path_factory.mktemp('tls')
     return make_certificate(folder)
-
-
-def make_certificate(folder: Path) -> tuple[Path, Path]:
-    certificate, key = folder / 'certificate.pem', folder / 'key.pem'
-    made = ['req', '-x509', '-newkey', 'rsa:2048', '-noenc', '-days', '2']
-    about = ['-subj', '/CN=localhost', '-addext', 'subjectAltName=DNS:localhost,IP:127.0.0.1']
-    files = ['-keyout', str(key), '-out', str(certificate)]
-    subprocess.run(['openssl', *made, *about, *files], check=True, capture_output=True)
-    return certificate, key
 
 
 def refusal(**options: Any) -> str:

@@ -6,6 +6,9 @@ export class Refused extends Error {
     super(body?.message ?? body?.detail ?? '');
     this.status = status;
     this.findings = body?.findings ?? [];
+    /** Nothing was sent to the cell, so nothing has to be looked for. */
+    this.isUnsent = body?.is_unknown === false;
+    this.isLocked = body?.why === 'locked';
   }
 }
 
@@ -46,7 +49,7 @@ export function newTicket() {
 
 /**
  * @typedef {Object} Outcome
- * @property {'accepted'|'refused'|'login'|'unknown'|'absent'} kind 'absent': the journal does not have it
+ * @property {'accepted'|'refused'|'login'|'unsent'|'unknown'|'absent'} kind 'absent': the journal does not have it
  * @property {string} message
  * @property {string[]} findings
  * @property {boolean} [isFromJournal] the answer was lost, and the journal said it
@@ -66,7 +69,8 @@ export async function send(offer, values, ticket, meanwhile = () => {}) {
     return { kind: 'accepted', message: answer.message ?? '', findings: answer.findings ?? [] };
   } catch (refused) {
     if (!(refused instanceof Refused)) throw refused;
-    if (refused.status === 401) return said('login', refused);
+    if (refused.status === 401 || refused.isLocked) return said('login', refused);
+    if (refused.isUnsent) return said('unsent', refused);
     if (refused.status === 0 || refused.status >= 500) {
       meanwhile(said('unknown', refused));
       return outcomeOf(ticket, refused);

@@ -5,6 +5,7 @@
  * session. They are asked for the reason afterwards.
  */
 
+import { askAfterwards } from './afterwards.js';
 import { newTicket, send } from './api.js';
 import { dialogButtons, openDialog } from './dialog.js';
 import { h, show, text } from './dom.js';
@@ -15,7 +16,8 @@ import { may, who } from './me.js';
 import { note } from './notes.js';
 import { keepReason, reasonField } from './reason.js';
 import { effectOf, isEmergency, rolesOf, wordOf } from './requests.js';
-import { at, t } from './text.js';
+import { news, subscribe } from './store.js';
+import { t } from './text.js';
 import { whatIf } from '../parts/what_if.js';
 
 /**
@@ -62,12 +64,18 @@ function openAsking(offer, about, known, done) {
   const ahead = offer.foresee ? whatIf(offer.foresee) : null;
   let accepted = false;
   let isSending = false;
+  const judge = () => {
+    go.disabled = isSending || news().kind !== 'fresh';
+  };
+  const unsubscribe = subscribe('news', judge);
   const dialog = openDialog(
     title(offer, about),
     [h('p', { class: 'effect' }, effectOf(offer)), form.element, ahead?.element ?? '', reason.element, answer, dialogButtons(() => dialog.close(), go)],
     { name: offer.name, closed },
   );
+  judge();
   if (form.isEmpty) reason.focus();
+  else dialog.element.querySelector('select, input, textarea, summary').focus();
   form.element.addEventListener('input', lookAhead);
   lookAhead();
 
@@ -78,6 +86,7 @@ function openAsking(offer, about, known, done) {
 
   function closed() {
     ahead?.end();
+    unsubscribe();
     done(accepted);
   }
 
@@ -87,20 +96,22 @@ function openAsking(offer, about, known, done) {
 
   async function act() {
     isSending = true;
-    go.disabled = true;
+    judge();
     say('sending', t('ask.sending'), []);
     const values = { ...known, ...form.values(), reason: reason.value() };
     const outcome = await send(offer, values, ticket, () => say('unknown', t('ask.unknown'), []));
     isSending = false;
     accepted = outcome.kind === 'accepted';
-    if (accepted) keepReason(offer.name, values.reason);
-    if (accepted && dialog.element.open) dialog.close();
-    if (!dialog.element.isConnected) return noteOutcome(offer, about, outcome);
+    if (accepted) {
+      keepReason(offer.name, values.reason);
+      dialog.close();
+    }
+    if (!dialog.element.open) return noteOutcome(offer, about, outcome);
     // The page keeps its answer to a ticket. What the journal does not have goes again under the same
     // one, so that nothing is done twice; what was refused would only be refused again.
     if (outcome.kind !== 'absent') ticket = newTicket();
     if (outcome.kind === 'login') await askToLogIn();
-    go.disabled = false;
+    judge();
     return say(outcome.kind, outcomeWords(outcome), outcome.findings);
   }
 
@@ -137,27 +148,6 @@ async function sendAtOnce(offer, about) {
     return (await askToLogIn()) ? sendAtOnce(offer, about) : false;
   }
   say(outcome.kind === 'accepted' ? 'accepted' : 'refused', `${title(offer, about)} — ${outcomeWords(outcome)}`);
-  if (outcome.kind === 'accepted') askAfterwards(offer, about, sentAt);
+  if (outcome.kind === 'accepted') askAfterwards(offer, title(offer, about), sentAt);
   return outcome.kind === 'accepted';
-}
-
-/** Ask for the reason of something that was done: the same command again carries it to the record. */
-function askAfterwards(offer, about, sentAt) {
-  const reason = reasonField(offer.name, true);
-  const record = h('button', { type: 'button', class: 'primary', 'data-do': 'send', onclick: keep }, t('ask.record'));
-  const dialog = openDialog(
-    title(offer, about),
-    [h('p', {}, t('ask.why_afterwards', { time: at(sentAt) })), reason.element, dialogButtons(() => dialog.close(), record)],
-    { name: 'reason-afterwards' },
-  );
-  reason.focus();
-
-  async function keep() {
-    if (!reason.isGiven()) return;
-    record.disabled = true;
-    const words = reason.value();
-    dialog.close();
-    keepReason(offer.name, words);
-    await send(offer, { reason: words }, newTicket());
-  }
 }

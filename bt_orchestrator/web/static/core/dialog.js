@@ -1,8 +1,13 @@
-/** A dialog over the page: it takes the focus, gives it back, and Escape closes it. */
+/**
+ * A dialog over the screen: it takes the focus, gives it back, and Escape closes it.
+ *
+ * The bar above stays free, since abort, pause and stop are one press, whatever is open.
+ */
 
 import { h } from './dom.js';
 import { t } from './text.js';
 
+const open = [];
 let count = 0;
 
 /**
@@ -16,19 +21,40 @@ let count = 0;
  */
 export function openDialog(title, body, { name = '', closed = () => {} } = {}) {
   const id = `dialog-${(count += 1)}`;
-  const element = h(
-    'dialog',
-    { 'aria-labelledby': id, 'data-dialog': name },
-    h('h2', { id }, title),
-    ...body,
-  );
+  const before = document.activeElement;
+  const element = h('dialog', { 'aria-labelledby': id, 'data-dialog': name, tabindex: -1 }, h('h2', { id }, title), ...body);
+  const cover = h('div', { class: 'cover' }, element);
+  const close = () => element.close();
   element.addEventListener('close', () => {
-    element.remove();
+    cover.remove();
+    open.splice(open.indexOf(element), 1);
+    letOthersBe();
+    before?.focus?.({ preventScroll: true });
     closed();
   });
-  document.body.append(element);
-  element.showModal();
-  return { element, close: () => element.close() };
+  element.addEventListener('keydown', (event) => {
+    if (event.key !== 'Escape') return;
+    event.stopPropagation();
+    close();
+  });
+  document.body.append(cover);
+  open.push(element);
+  element.show();
+  letOthersBe();
+  return { element, close };
+}
+
+/** Close all: another screen is shown. */
+export function closeDialogs() {
+  for (const element of [...open].reverse()) element.close();
+}
+
+/** Only the newest dialog takes keys and clicks, and the bar. */
+function letOthersBe() {
+  document.getElementById('main').inert = open.length > 0;
+  open.forEach((element, index) => {
+    element.inert = index < open.length - 1;
+  });
 }
 
 /** The row of buttons at the end of a dialog; the one that leaves all as it is comes first. */

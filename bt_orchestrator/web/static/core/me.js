@@ -3,6 +3,8 @@
 import { get, post } from './api.js';
 
 const NOBODY = { name: '', role: '', how: '', is_locked: false, may: {}, languages: [] };
+/** So often at most. */
+const AWAKE_MS = 30000;
 const listeners = new Set();
 let me = NOBODY;
 
@@ -52,8 +54,25 @@ export async function unlock(password) {
   await refreshPerson();
 }
 
+/** Tell the page while somebody is there, so that the session is not locked meanwhile. */
+export function stayAwake() {
+  let told = 0;
+  const tell = () => {
+    const isSession = me.role && !me.is_locked && me.how === 'page login';
+    if (!isSession || Date.now() - told < AWAKE_MS) return;
+    told = Date.now();
+    post('/api/active', {}).catch(() => null);
+  };
+  for (const sign of ['pointerdown', 'keydown']) addEventListener(sign, tell, { capture: true, passive: true });
+}
+
 function become(person) {
-  const isSame = JSON.stringify(person) === JSON.stringify(me);
+  const isSame = sign(person) === sign(me);
   me = person;
   if (!isSame) for (const callback of [...listeners]) callback();
+}
+
+/** What matters of a person here: the time that is left of the session changes with every look. */
+function sign({ name, role, how, is_locked: isLocked, looks_freely: looksFreely }) {
+  return JSON.stringify([name, role, how, isLocked, looksFreely]);
 }

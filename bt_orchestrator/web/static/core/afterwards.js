@@ -1,0 +1,42 @@
+/**
+ * The reason of abort, pause and stop, asked for when they are done.
+ *
+ * The same command once more carries it to the record; it changes nothing while the first one
+ * stands. Once the cell has gone on it would stop it again, so then it is not sent.
+ */
+
+import { newTicket, send } from './api.js';
+import { dialogButtons, openDialog } from './dialog.js';
+import { h } from './dom.js';
+import { who } from './me.js';
+import { note } from './notes.js';
+import { keepReason, reasonField } from './reason.js';
+import { part, partsOf } from './store.js';
+import { at, t } from './text.js';
+
+/** Ask why something was done. */
+export function askAfterwards(offer, title, doneAt) {
+  const reason = reasonField(offer.name, true);
+  const record = h('button', { type: 'button', class: 'primary', 'data-do': 'send', onclick: keep }, t('ask.record'));
+  const dialog = openDialog(
+    title,
+    [h('p', { class: 'effect' }, t('ask.why_afterwards', { time: at(doneAt) })), reason.element, dialogButtons(() => dialog.close(), record)],
+    { name: 'reason-afterwards' },
+  );
+  reason.focus();
+
+  async function keep() {
+    if (!reason.isGiven()) return;
+    const words = reason.value();
+    dialog.close();
+    keepReason(offer.name, words);
+    if (stillStands(offer)) await send(offer, { reason: words }, newTicket());
+    else note('refused', t('ask.too_late'));
+  }
+}
+
+/** Tell whether the command is still in effect: it is not offered any more, or its pause is there. */
+function stillStands(offer) {
+  const isOffered = part('cell')?.offers.some((one) => one.name === offer.name);
+  return !isOffered || partsOf('hold/').some(([, hold]) => hold.is_pause && hold.owner === who().name);
+}
