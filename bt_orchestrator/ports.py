@@ -9,6 +9,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple, Protocol, TypeVar
 
 from bt_orchestrator.model.action_type import ActionType
+from bt_orchestrator.model.branch import Branch
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.events import Event
@@ -403,6 +404,13 @@ class Listener(Protocol):
         """The cell has another journal: numbers restart, and what was known is void."""
 
 
+class Watch(Protocol):
+    """Something that a door looks at for a listener, as long as it is open."""
+
+    def close(self) -> None:
+        """Look no more; harmless when it is closed. The listener is not called again."""
+
+
 class CellLink(Protocol):
     """The door to one running cell: everything that clients see of it and request from it.
 
@@ -439,6 +447,13 @@ class CellLink(Protocol):
         :param history: history of `after_seq`; empty: the present one. If the cell has another
             one, `on_history` is called first, then everything from its first event
         :raises NodeUnreachable: nothing is heard of the node
+        """
+
+    def watch_tree(self, hear: Callable[[Branch], None]) -> Watch:
+        """Send the behaviour tree of now, and again whenever it has changed, in `turn`.
+
+        It is large, and costs the node work as long as the watch is open. It goes on across
+        restarts of the node, and nothing is raised while the node is away.
         """
 
     def turn(self, within_s: float) -> None:

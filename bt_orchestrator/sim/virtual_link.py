@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.following import Follower
+from bt_orchestrator.model.branch import Branch
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.limits import EVENTS_PAGE, QUEUE_PAGE
 from bt_orchestrator.model.requests import Asked
 from bt_orchestrator.model.snapshot import nearest, state_to_text
 from bt_orchestrator.model.status import CellDescription, CellStatus
-from bt_orchestrator.ports import EventPage, Listener, Moment, QueuePage
+from bt_orchestrator.ports import EventPage, Listener, Moment, QueuePage, Watch
 from bt_orchestrator.replies import begin
 from bt_orchestrator.runtime.overview import description_of
 from bt_orchestrator.sim.virtual_node import VirtualNode
+from bt_orchestrator.tree.branches import branch_of
 
 
 class VirtualLink:
@@ -25,6 +28,7 @@ class VirtualLink:
         self._node = node
         self._heard: list[tuple[str, Event]] = []
         self._followers: list[tuple[Listener, Follower]] = []
+        self._watches: list[_TreeWatch] = []
         self._heard_at = node.clock.steady()
         self._is_closed = False
         node.add(self)
@@ -49,6 +53,12 @@ class VirtualLink:
         known = now.history if after_seq is None else history or now.history
         self._followers.append((listener, Follower(listener, known, last)))
 
+    def watch_tree(self, hear: Callable[[Branch], None]) -> Watch:
+        """Tell of the behaviour tree, in `turn`, when it has changed."""
+        watch = _TreeWatch(hear)
+        self._watches.append(watch)
+        return watch
+
     def turn(self, within_s: float) -> None:
         """Let time pass, and tell what happened."""
         self._node.pass_time(within_s)
@@ -61,6 +71,10 @@ class VirtualLink:
                     follower.heard(history, event)
             if self._node.is_on and not self._is_closed:
                 self._catch_up(listener, follower)
+        self._watches = [watch for watch in self._watches if not watch.is_closed]
+        if self._node.is_on and not self._is_closed:
+            for watch in list(self._watches):
+                watch.look(branch_of(self._node.running.engine.tree.root))
 
     @property
     def silent_s(self) -> float:
@@ -99,6 +113,7 @@ class VirtualLink:
         if not self._is_closed:
             self._is_closed = True
             self._followers.clear()
+            self._watches.clear()
             self._node.remove(self)
 
     def hear(self, history: str, event: Event) -> None:
@@ -112,3 +127,22 @@ class VirtualLink:
             follower.fetched(self.events_after(after))
         if not self._is_closed:
             listener.on_status(status)
+
+
+class _TreeWatch:
+    """Tells of the tree, whenever it is another one. Implements `ports.Watch`."""
+
+    def __init__(self, hear: Callable[[Branch], None]) -> None:
+        self._hear = hear
+        self._known: Branch | None = None
+        self.is_closed = False
+
+    def close(self) -> None:
+        """Tell no more."""
+        self.is_closed = True
+
+    def look(self, tree: Branch) -> None:
+        """Look at the tree of now."""
+        if not self.is_closed and tree != self._known:
+            self._known = tree
+            self._hear(tree)

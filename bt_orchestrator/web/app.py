@@ -13,7 +13,7 @@ from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import BaseRoute, Mount, Route
 from starlette.staticfiles import StaticFiles
 
-from bt_orchestrator.web import archive, commands, me, scripts
+from bt_orchestrator.web import archive, commands, me, scripts, tree_watch
 from bt_orchestrator.web.endpoint import Endpoint, routes
 from bt_orchestrator.web.guards import GuardMiddleware
 from bt_orchestrator.web.openapi import with_description
@@ -58,6 +58,7 @@ def endpoints_of(page: Page) -> list[Endpoint]:
         *commands.endpoints(page.tickets),
         *archive.endpoints(page.archive, page),
         *scripts.endpoints(page.shelf, page),
+        *tree_watch.endpoints(page.tree),
         *planning.endpoints(page.questions, PageQueue(page)),
     ]
 

@@ -65,6 +65,7 @@ class FollowingDoor:
         self._facts: list[Fact] = []
         self._door: CellLink | None = None
         """None: nothing was heard of the node yet."""
+        self._to_do: queue.SimpleQueue[Callable[[CellLink], object]] = queue.SimpleQueue()
         self._since = time.monotonic()
         self._ending = threading.Event()
         self._thread = threading.Thread(target=self._run, name='page: following', daemon=True)
@@ -81,6 +82,13 @@ class FollowingDoor:
         """For how long nothing was heard of the node, seconds; from any thread."""
         door = self._door
         return time.monotonic() - self._since if door is None else door.silent_s
+
+    def do(self, work: Callable[[CellLink], object]) -> None:
+        """Have something done in the thread between two turns of its door; from any thread.
+
+        :param work: waits for nothing
+        """
+        self._to_do.put(work)
 
     def end(self) -> None:
         """Ask the thread to end; it does within STEP_S."""
@@ -145,6 +153,8 @@ class FollowingDoor:
                 return
 
     def _turn(self, door: CellLink) -> None:
+        while not self._to_do.empty():
+            self._to_do.get()(door)
         try:
             door.turn(STEP_S)
         except NodeUnreachable:  # it cannot read its journal: it may be able to later

@@ -23,6 +23,7 @@ from bt_orchestrator.web.scripts.shelf import Shelf
 from bt_orchestrator.web.seams import OpenDoor, Show, Sources
 from bt_orchestrator.web.stream import BEAT_S, Streams
 from bt_orchestrator.web.tickets import Tickets
+from bt_orchestrator.web.tree_watch import TreeWatch
 
 REFRESH_S = 0.05
 """Shortest time between two computations of the parts."""
@@ -69,6 +70,7 @@ class Page:
         self.tickets = Tickets(self.doors, lambda: self.book.newest)
         self.questions = Questions(self.sources.planning, self.doors.moment)
         self.archive = Archive(Heard(self.book, self.doors), self.sources.open_records)
+        self.tree = TreeWatch(self._following.do)
         trees = self.sources.trees
         self.shelf = Shelf(self.known, self.archive, trees, self._ask_moment)
         self._following.on_error = on_error

@@ -17,6 +17,7 @@ from contract.link_bench import LinkBench, Seen, forget_events, restored_copy
 from ros_domain import kept_domain
 
 from bt_orchestrator.errors import CommandRefused, NodeUnreachable
+from bt_orchestrator.model.branch import Branch
 from bt_orchestrator.model.by import By, Known
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.events import Event
@@ -73,6 +74,11 @@ def told_until(link: CellLink, seen: Seen, last: int) -> None:
 
 def assert_complete(seen: Seen, first: int) -> None:
     assert seen.seqs == list(range(first, first + len(seen.seqs))), 'each once and in order'
+
+
+def _names(tree: Branch) -> set[str]:
+    """Return the names of all behaviours."""
+    return {tree.name}.union(*map(_names, tree.children))
 
 
 class LinkContract(ABC):
@@ -267,6 +273,37 @@ class LinkContract(ABC):
         told_until(other, still, last)
         other.close()
         other.close()
+
+    def test_the_tree_as_long_as_somebody_watches_it(
+        self, bench: LinkBench, link: CellLink
+    ) -> None:
+        trees: list[Branch] = []
+        link.follow(Seen())
+        watch = link.watch_tree(trees.append)
+        turn_until(link, lambda: trees, 'tree')
+        assert _names(trees[-1]) >= {'belt', 'section 1', 'section 2'}
+        assert asked_of(link, 'cell.pause').accepted, 'nothing is to run'
+        self._see_a_job(link, trees)
+        bench.kill()
+        link.turn(0.2)
+        bench.start(bench.journal)
+        self._see_a_job(link, trees)
+        watch.close()
+        watch.close()
+        trees.clear()
+        last = happen(link, 2)
+        seen = Seen()
+        link.follow(seen, last - 1)
+        told_until(link, seen, last)
+        assert trees == []
+        assert asked_of(link, 'cell.resume', everyones=True).accepted
+
+    def _see_a_job(self, link: CellLink, trees: list[Branch]) -> None:
+        """Queue a job, wait until its branch is there, and take it out again."""
+        name = new_id()
+        assert add(link, name, held=False).accepted
+        turn_until(link, lambda: any(name in one for one in _names(trees[-1])), 'branch')
+        assert asked_of(link, 'job.cancel', job=name).accepted
 
     # --- silence ----------------------------------------------------------------------------
 

@@ -37,8 +37,7 @@ class _Kind(NamedTuple):
 class InspectionStream:
     """A stream of the inspection server, asked for again whenever it has gone.
 
-    Nothing here waits: `look` is to be called a few times a second. The server ends a stream that
-    nobody listens to any more, so there is nothing to close.
+    Nothing here waits: `look` is to be called a few times a second. Implements `ports.Watch`.
     """
 
     def __init__(self, node: Node, server: str, kind: _Kind, hear: Callable[[Any], None]) -> None:
@@ -51,6 +50,12 @@ class InspectionStream:
         self._topic = ''
         self._subscription: Any = None
         self._was_there = False
+        self.is_closed = False
+
+    def close(self) -> None:
+        """Listen no more: the server ends a stream that nobody listens to."""
+        self.is_closed = True
+        self._forget()
 
     def look(self) -> None:
         """Go one step on: ask, listen, or notice that the stream has gone."""
@@ -72,15 +77,23 @@ class InspectionStream:
         if topic:
             self._topic, self._was_there = topic, False
             self._subscription = self._node.create_subscription(
-                self._kind.message_class, topic, self._hear, self._kind.qos
+                self._kind.message_class, topic, self._heard, self._kind.qos
             )
+
+    def _heard(self, message: Any) -> None:
+        if not self.is_closed:
+            self._hear(message)
 
     def _look_at_publisher(self) -> None:
         is_there = self._node.count_publishers(self._topic) > 0
         if self._was_there and not is_there:
-            self._node.destroy_subscription(self._subscription)
-            self._topic = ''
+            self._forget()
         self._was_there = is_there
+
+    def _forget(self) -> None:
+        if self._subscription is not None:
+            self._node.destroy_subscription(self._subscription)
+        self._subscription, self._topic = None, ''
 
 
 def tree_stream(node: Node, server: str, hear: Callable[[Branch], None]) -> InspectionStream:

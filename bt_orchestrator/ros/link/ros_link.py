@@ -19,7 +19,7 @@ from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.requests import Asked
 from bt_orchestrator.model.status import CellDescription, CellStatus
-from bt_orchestrator.ports import EventPage, Listener, Moment, QueuePage
+from bt_orchestrator.ports import EventPage, Listener, Moment, QueuePage, Watch
 from bt_orchestrator.ros.link.client import NodeClient
 from bt_orchestrator.ros.link.event_fetches import EventFetches
 from bt_orchestrator.ros.link.requests import answer_of, call_of
@@ -146,6 +146,7 @@ class RosLink:
 
     def turn(self, within_s: float) -> None:
         """Handle what comes within a time, not waiting for more once something is there."""
+        self._streams = [stream for stream in self._streams if not stream.is_closed]
         for stream in self._streams:
             stream.look()
         until = time.monotonic() + within_s
@@ -157,11 +158,13 @@ class RosLink:
             handled, count = count, len(self._heard)
         self._tell()
 
-    def watch_tree(self, hear: Callable[[Branch], None]) -> None:
+    def watch_tree(self, hear: Callable[[Branch], None]) -> Watch:
         """Tell of the behaviour tree, whenever it has changed, in `turn`."""
         from bt_orchestrator.ros.link.inspection_streams import tree_stream
 
-        self._streams.append(tree_stream(self._client.node, self.name, hear))
+        stream = tree_stream(self._client.node, self.name, hear)
+        self._streams.append(stream)
+        return stream
 
     def watch_blackboard(self, hear: Callable[[Mapping[str, str]], None]) -> None:
         """Tell of the variables on the blackboard, whenever one has changed, in `turn`."""
