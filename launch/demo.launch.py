@@ -2,6 +2,7 @@
 
     ros2 launch bt_orchestrator demo.launch.py --show-args
     ros2 launch bt_orchestrator demo.launch.py speed:=4.0
+    ros2 launch bt_orchestrator demo.launch.py page:=true
     ros2 run bt_orchestrator bt-orchestrator submit ORDER
 
 ORDER is a work order (YAML); the tree node waits for one.
@@ -53,6 +54,16 @@ def generate_launch_description() -> LaunchDescription:
                 description='ROS namespace of the tree node and of relative names in the cell '
                 'file. Absolute names stay as they are: two cells need different ones.',
             ),
+            DeclareLaunchArgument(
+                'page',
+                default_value='false',
+                choices=['true', 'false'],
+                description='Serve the operator page on this computer; whoever sits here may give '
+                'every command.',
+            ),
+            DeclareLaunchArgument(
+                'page_port', default_value='8080', description='Port of the operator page.'
+            ),
             OpaqueFunction(function=_processes),
         ]
     )
@@ -65,7 +76,15 @@ def _processes(context: LaunchContext) -> list[Node]:
     """
     values = {
         name: LaunchConfiguration(name).perform(context)
-        for name in ('cell', 'trees', 'speed', 'tick_rate_hz', 'namespace')
+        for name in (
+            'cell',
+            'trees',
+            'speed',
+            'tick_rate_hz',
+            'namespace',
+            'page',
+            'page_port',
+        )
     }
     names = list(load_cell(Path(values['cell']), installed_types()).components)
     middle = len(names) // 2
@@ -74,6 +93,7 @@ def _processes(context: LaunchContext) -> list[Node]:
         _simulator('sim_cell_1', first, values),
         _simulator('sim_cell_2', second, values),
         _tree_node(values),
+        *([_page(values)] if values['page'] == 'true' else []),
     ]
 
 
@@ -107,7 +127,27 @@ def _tree_node(values: dict[str, str]) -> Node:
                 'cell': values['cell'],
                 'trees': [values['trees']],
                 'tick_rate_hz': float(values['tick_rate_hz']),
+                'trust_local_doors': values['page'] == 'true',
             },
+        ],
+        output='screen',
+    )
+
+
+def _page(values: dict[str, str]) -> Node:
+    namespace = values['namespace'].strip('/')
+    node = f'/{namespace}/bt_orchestrator' if namespace else '/bt_orchestrator'
+    return Node(
+        package=PACKAGE,
+        executable='bt-orchestrator',
+        name='page',
+        arguments=[
+            'page',
+            '--node',
+            node,
+            '--port',
+            values['page_port'],
+            '--trust-this-computer',
         ],
         output='screen',
     )

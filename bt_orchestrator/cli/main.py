@@ -55,7 +55,7 @@ VERBS: Mapping[str, tuple[str, str]] = {
 """Module and one line of help of each verb; empty: it is in the table of requests. A module has
 `add_arguments` and `run`."""
 
-TAKE_ROS_ARGUMENTS = ('run', 'sim-cell', 'demo')
+TAKE_ROS_ARGUMENTS = ('run', 'sim-cell', 'demo', 'page')
 """Verbs that are ROS 2 nodes: --ros-args is for them, up to -- or the end."""
 
 INTERRUPTED = 130

@@ -70,6 +70,16 @@ def node_name(text: str) -> str:
     return text
 
 
+def port(text: str) -> int:
+    """Read the number of a port.
+
+    :raises ArgumentTypeError: it is none
+    """
+    if not (text.isascii() and text.isdecimal() and len(text) < 6 and int(text) <= 65535):
+        raise argparse.ArgumentTypeError(f'expected a port from 0 to 65535, found {text!r}')
+    return int(text)
+
+
 def _finite(text: str) -> float:
     """Return a number; -1 for what is none."""
     try:

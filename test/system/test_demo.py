@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import signal
 from collections.abc import Iterator, Sequence
+from http.client import HTTPConnection
 from pathlib import Path
 
 import pytest
@@ -61,6 +63,27 @@ def test_the_demo_packs_its_order_and_leaves_nothing(demo: ProgramProcess) -> No
     pids = started_pids(demo)
     assert len(pids) == 3
     assert [pid for pid in pids if is_there(pid)] == []
+
+
+def test_a_demo_with_a_page_goes_on_until_somebody_ends_it(tmp_path: Path) -> None:
+    demo = ProgramProcess(['demo', '--speed', '10', '--page', '0'], tmp_path, 'demo')
+    try:
+        demo.wait_ready('WO-1001 completed')
+        pids = started_pids(demo)
+        assert [is_there(pid) for pid in pids] == [True] * 4
+        address = re.search(r'page ready: http://([^/]+)/', demo.output)
+        assert address is not None
+        connection = HTTPConnection(address[1], timeout=PATIENCE_S)
+        connection.request('GET', '/healthz')
+        assert json.loads(connection.getresponse().read())['node'] == '/bt_orchestrator'
+        connection.close()
+        demo.send(signal.SIGINT)
+        assert demo.wait() == 0, demo.errors
+        assert re.search(ALL_PACKED, demo.output, re.MULTILINE), demo.output
+        demo.assert_clean()
+        assert [pid for pid in pids if is_there(pid)] == []
+    finally:
+        demo.kill()
 
 
 @pytest.mark.parametrize('with_signal', [signal.SIGINT, signal.SIGTERM])

@@ -13,7 +13,8 @@ import pytest
 from fakes.action_types import FakeActionTypes
 from fakes.shipped import REFERENCE_CELL, ROOT
 
-from bt_orchestrator.cli import bootstrap, run, sim_cell
+from bt_orchestrator.cli import bootstrap, main, run, sim_cell
+from bt_orchestrator.screen.advice import DEFAULT_NODE
 from bt_orchestrator.script.cell_file import read_cell
 
 
@@ -81,7 +82,15 @@ def launched(monkeypatch: pytest.MonkeyPatch) -> LaunchFile:
 
 
 def test_every_argument_is_described_and_has_a_default(launched: LaunchFile) -> None:
-    assert list(launched.defaults) == ['cell', 'trees', 'speed', 'tick_rate_hz', 'namespace']
+    assert list(launched.defaults) == [
+        'cell',
+        'trees',
+        'speed',
+        'tick_rate_hz',
+        'namespace',
+        'page',
+        'page_port',
+    ]
     for argument in launched.arguments:
         assert argument.settings['description'].endswith('.'), argument.words
     for name in ('cell', 'trees'):
@@ -115,6 +124,7 @@ def test_values_reach_the_processes(launched: LaunchFile) -> None:
         'cell': str(REFERENCE_CELL),
         'trees': [str(ROOT / 'trees')],
         'tick_rate_hz': 20.0,
+        'trust_local_doors': False,
     }
 
 
@@ -123,9 +133,21 @@ def test_without_a_namespace_none_is_given(launched: LaunchFile) -> None:
         assert '--namespace' not in process['arguments']
 
 
+def test_a_page_is_served_if_it_is_wanted(launched: LaunchFile) -> None:
+    *_, node, page = launched.processes(page='true', page_port='8181', namespace='/cell_b')
+    _, values = node['parameters']
+    assert values['trust_local_doors'] is True
+    # As launch_ros starts it.
+    args = main.parsed([*page['arguments'], '--ros-args', '-r', '__node:=page'])
+    assert (args.verb, args.node, args.port) == ('page', '/cell_b/bt_orchestrator', 8181)
+    assert args.trust_this_computer
+    (*_, alone) = launched.processes(page='true')
+    assert main.parsed(alone['arguments']).node == DEFAULT_NODE
+
+
 def test_the_programs_exist(launched: LaunchFile) -> None:
     setup = (ROOT / 'setup.py').read_text(encoding='utf-8')
-    for process in launched.processes():
+    for process in launched.processes(page='true'):
         assert f"'{process['executable']} = bt_orchestrator.cli" in setup
     assert callable(run.tree_node_main)
     assert callable(sim_cell.sim_cell_main)

@@ -34,6 +34,8 @@ class DemoRecord:
     faults: Sequence[str] = ()
     trees: Sequence[str] = ()
     executor: str = 'single'
+    page: int | None = None
+    """Port of the operator page; None: there is none."""
     processes: Mapping[str, int] = field(default_factory=dict)
     """Process ids by name."""
 

@@ -1,4 +1,4 @@
-"""The programs of a demo: simulated controllers in two processes, the tree node in a third."""
+"""The programs of a demo: simulated controllers in two processes, tree node, operator page."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ READY_S = 60.0
 """Longest time that a program may take to be ready, on a slow and busy machine."""
 
 NODE = 'tree node'
+PAGE = 'operator page'
 
 REMEMBERED_S = 24 * 3600
 """For so long the controllers remember how a goal ended: a demo is resumed after any coffee."""
@@ -36,6 +37,7 @@ class DemoPrograms:
         self._taken_over = {n: pid for n, pid in record.processes.items() if is_ours(pid)}
         self._started: dict[str, Program] = {}
         self._goes_on = False
+        self._page_words = ''
 
     def start(self, cell: Cell) -> None:
         """Start what does not run yet, and wait until all of it is ready.
@@ -50,7 +52,14 @@ class DemoPrograms:
             self._started[name] = Program(verb, log, {})
             self._keep()
         for program in self._started.values():
-            print(f'[{program.pid}] {program.wait_ready("ready", READY_S)}', flush=True)
+            words = program.wait_ready('ready', READY_S)
+            print(f'[{program.pid}] {words}', flush=True)
+            if program is self._started.get(PAGE):
+                self._page_words = f'open {words.split()[2]} in a browser'
+
+    def about_page(self) -> str:
+        """Return where the operator page is; empty: there is none, or it is of an earlier demo."""
+        return self._page_words
 
     def about_node(self) -> str:
         """Return the number of the tree node's process, and what can be tried with it."""
@@ -98,6 +107,11 @@ class DemoPrograms:
             yield f'controllers {number}', verb
         verb = ['run', '--cell', self._record.cell, '--executor', self._record.executor]
         verb += ['--journal', str(self._folder.journal), '--auto-resume', '--script-paths']
-        for trees in self._record.trees:
-            verb += ['--trees', trees]
-        yield NODE, verb
+        trees = [f'--trees={folder}' for folder in self._record.trees]
+        if self._record.page is None:
+            yield NODE, [*verb, *trees]
+            return
+        yield NODE, [*verb, *trees, '--trust-local-doors']
+        journal = ['--journal', str(self._folder.journal)]
+        port = ['--port', str(self._record.page)]
+        yield PAGE, ['page', *port, '--trust-this-computer', *journal, *trees]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -62,15 +63,17 @@ class DemoShow(Ignoring):
         self._programs.check()
         if self._job and self._of_job() is not None:  # what came before it is over soon
             self._dialogue.look(self._status)
-        self._viewer.on_notes([*self._dialogue.lines(), self._programs.about_node()])
+        about = filter(None, (self._programs.about_page(), self._programs.about_node()))
+        self._viewer.on_notes([*self._dialogue.lines(), *about])
         self._viewer.refresh()
 
     def follow(
-        self, door: CellLink, order: WorkOrder, *, asks: bool
+        self, door: CellLink, order: WorkOrder, *, asks: bool, stays: bool = False
     ) -> tuple[str, Sequence[Hold]]:
         """Give the order unless it is there, and look until nothing goes on.
 
         :param asks: a hold does not end the demo
+        :param stays: only somebody who wants an end ends it
         :return: the id of its job, and what is held
         """
         door.follow(self)
@@ -78,6 +81,9 @@ class DemoShow(Ignoring):
         self._job = self._ordered(door, order)
         while not self._is_over(asks=asks):
             door.turn(STEP_S)
+        with contextlib.suppress(Interrupted):
+            while stays:
+                door.turn(STEP_S)
         return self._job, self._status.holds
 
     def on_status(self, status: CellStatus) -> None:

@@ -22,7 +22,8 @@ from bt_orchestrator.cli.demo.show import DemoShow, Interrupted
 from bt_orchestrator.cli.door import open_door
 from bt_orchestrator.cli.folders import add_trees_option, shipped
 from bt_orchestrator.cli.journal_file import open_records
-from bt_orchestrator.cli.numbers import factor
+from bt_orchestrator.cli.numbers import factor, port
+from bt_orchestrator.cli.page.access_options import PORT
 from bt_orchestrator.cli.watch import live_or, say
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.cell import Cell
@@ -84,6 +85,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         choices=('ask', 'end'),
         default='ask',
         help='what a hold does: wait for its answer (default), or end the demo with exit status 1',
+    )
+    parser.add_argument(
+        '--page',
+        nargs='?',
+        type=port,
+        const=PORT,
+        metavar='PORT',
+        help=f'serve the operator page as well, on this computer (default port {PORT}), and go '
+        'on after the order, until Ctrl-C',
     )
     parser.add_argument(
         '--resume',
@@ -149,6 +159,7 @@ def _checked(args: argparse.Namespace, types: ActionTypes) -> DemoRecord:
         faults=args.fail,
         trees=[str(folder.resolve()) for folder in args.trees],
         executor=args.executor,
+        page=args.page,
     )
 
 
@@ -175,7 +186,8 @@ def _show(
         dialogue = stack.enter_context(Dialogue(shell, keys))
         show = DemoShow(programs, viewer, dialogue, stop)
         door = stack.enter_context(open_door(DEFAULT_NODE, READY_S, show.look))
-        return show.follow(door, read_order(Path(record.order)).order, asks=asks)
+        order = read_order(Path(record.order)).order
+        return show.follow(door, order, asks=asks, stays=record.page is not None)
 
 
 def _sum_up(folder: DemoFolder, cell: Cell, job: str) -> int:

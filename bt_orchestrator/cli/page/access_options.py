@@ -8,12 +8,14 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from bt_orchestrator.cli.numbers import seconds
+from bt_orchestrator.cli.numbers import port, seconds
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.users.file import default_file
 
 if TYPE_CHECKING:
     from bt_orchestrator.web.access import Access
+
+PORT = 8080
 
 
 def add_access_options(parser: argparse.ArgumentParser) -> None:
@@ -26,7 +28,7 @@ def add_access_options(parser: argparse.ArgumentParser) -> None:
         'users, and TLS or a proxy',
     )
     parser.add_argument(
-        '--port', type=_port, default=8080, metavar='PORT', help='default 8080; 0: any free one'
+        '--port', type=port, default=PORT, metavar='PORT', help=f'default {PORT}; 0: any free one'
     )
     parser.add_argument(
         '--users',
@@ -96,13 +98,3 @@ def access_of(args: argparse.Namespace) -> Access:
     except AccessRefused as error:
         raise WrongUse(f'page: {error}') from error
     return access
-
-
-def _port(text: str) -> int:
-    """Read the number of a port.
-
-    :raises ArgumentTypeError: it is none
-    """
-    if not (text.isascii() and text.isdecimal() and len(text) < 6 and int(text) <= 65535):
-        raise argparse.ArgumentTypeError(f'expected a port from 0 to 65535, found {text!r}')
-    return int(text)

@@ -57,7 +57,7 @@ def run(args: argparse.Namespace) -> int:
     with StopSignals() as stop:
         server = PageServer(Page(args.node, opened, access, sources))
         with server.running():
-            print(f'page of {args.node}: {server.address}', flush=True)
+            print(f'page ready: {server.address} shows {args.node}', flush=True)
             stop.notify(server.stop)
             server.wait()
     return 0
