@@ -137,8 +137,9 @@ def _wanted(state: CellState, key: e.TaskKey) -> str:
         for reference in (*references(task.args), *_of_condition(task))
         if (reference.source, reference.name) == ('results', key.task)
     }
-    given = ' '.join(f'--result {name}=VALUE' for name in sorted(named))
-    return f'later tasks use its results: mark_done takes them, {given}' if named else ''
+    if not named:
+        return ''
+    return f'later tasks use its results: {", ".join(sorted(named))}; mark_done may give them'
 
 
 def _of_condition(task: Task) -> Iterator[Reference]:

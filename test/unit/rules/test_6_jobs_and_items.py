@@ -174,7 +174,7 @@ def test_6_3_a_task_marked_done_has_no_results() -> None:
 def test_6_3_the_hold_says_which_results_later_tasks_use() -> None:
     run = Line(faults={'a2': '#1=abort'}).run(MEASURED)
     (hold,) = run.state.holds.values()
-    wanted = 'later tasks use its results: mark_done takes them, --result measurement=VALUE'
+    wanted = 'later tasks use its results: measurement; mark_done may give them'
     assert hold.message.endswith(wanted)
 
 
