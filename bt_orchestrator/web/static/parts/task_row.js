@@ -35,7 +35,7 @@ export function taskRow() {
       attribute(element, 'data-mark', task.mark);
       attribute(element, 'title', titleOf(task));
       drawn.update(task.mark);
-      text(name, task.name || task.id);
+      text(name, task.id);
       tick();
     },
   };
@@ -55,5 +55,5 @@ function isLate(task) {
 
 function titleOf(task) {
   const attempt = task.attempt > 1 ? t('task.attempt', { attempt: task.attempt }) : '';
-  return [task.id, task.component, t(`mark.${task.mark}`), attempt, task.reason].filter(Boolean).join(' · ');
+  return [task.id, task.name, task.component, t(`mark.${task.mark}`), attempt, task.reason].filter(Boolean).join(' · ');
 }
