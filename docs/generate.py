@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
-from tables import event_stream, keys, programs, requests, rules, states, status
+from tables import event_stream, keys, page_api, programs, requests, rules, states, status
 
 from bt_orchestrator.script.cell_keys import CELL
 from bt_orchestrator.script.json_schema import SCHEMA_FILES, json_schema
@@ -29,6 +29,7 @@ PAGES = (
     'docs/formats.md',
     'docs/script_reference.md',
     'docs/operating.md',
+    'docs/page.md',
     'docs/queue.md',
     'docs/security.md',
 )
@@ -52,6 +53,7 @@ PARTS: Mapping[str, Callable[[], Iterator[str]]] = {
     'commands and states': states.commands_in_states,
     'everything that can be asked': requests.everything_that_can_be_asked,
     'roles': requests.roles,
+    'API of the page': page_api.api_of_the_page,
 }
 
 _PART = re.compile(r'(<!-- generated: (?P<name>[\w -]+) -->\n).*?(?=<!-- end -->)', re.DOTALL)

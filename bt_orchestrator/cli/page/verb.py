@@ -6,13 +6,16 @@ import argparse
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 
 from bt_orchestrator.cli.door import open_door
 from bt_orchestrator.cli.folders import add_trees_option, script_folders
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.page.access_options import access_of, add_access_options
+from bt_orchestrator.cli.page.page_log import page_log
 from bt_orchestrator.cli.planning_process import PlanningProcess
+from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.ports import CellLink
 from bt_orchestrator.stop_signals import StopSignals
 
@@ -39,6 +42,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns the exit status."""
+    _check_packages()
+    access = access_of(args)
     from bt_orchestrator.cli.journal_file import open_records
     from bt_orchestrator.web.page import Page
     from bt_orchestrator.web.seams import Sources
@@ -47,17 +52,29 @@ def run(args: argparse.Namespace) -> int:
     def opened(meanwhile: Callable[[], object]) -> AbstractContextManager[CellLink]:
         return open_door(args.node, args.timeout, meanwhile)
 
-    access = access_of(args)
     journal = args.journal
     sources = Sources(
         open_records=None if journal is None else partial(open_records, journal),
         trees=script_folders(args.trees),
         planning=PlanningProcess(script_folders(args.trees)),
     )
-    with StopSignals() as stop:
+    with StopSignals() as stop, page_log():
         server = PageServer(Page(args.node, opened, access, sources))
         with server.running():
             print(f'page ready: {server.address} shows {args.node}', flush=True)
             stop.notify(server.stop)
             server.wait()
     return 0
+
+
+def _check_packages() -> None:
+    """Refuse to begin without the packages of the extra `page`.
+
+    :raises WrongUse: says how to get them
+    """
+    missing = [name for name in ('starlette', 'uvicorn') if find_spec(name) is None]
+    if missing:
+        raise WrongUse(
+            f'page: {" and ".join(missing)} cannot be imported; install what the page needs with: '
+            "pip install 'bt_orchestrator[page]'"
+        )

@@ -1,0 +1,91 @@
+"""The options of the verb `page`, what it refuses, and what it writes."""
+
+from __future__ import annotations
+
+import argparse
+import getpass
+import logging
+from pathlib import Path
+
+import pytest
+from fakes.quick_users import write_users
+
+from bt_orchestrator.cli.main import main
+from bt_orchestrator.cli.page import verb
+from bt_orchestrator.cli.page.access_options import access_of
+from bt_orchestrator.cli.page.page_log import ROOM, page_log
+from bt_orchestrator.model.roles import Role
+from bt_orchestrator.web.access import IDLE_S, PORT, Access
+
+
+def access(*words: str) -> Access:
+    parser = argparse.ArgumentParser()
+    verb.add_arguments(parser)
+    return access_of(parser.parse_args(words))
+
+
+def test_without_options_this_computer_looks_and_nobody_is_trusted(tmp_path: Path) -> None:
+    found = access('--users', str(tmp_path / 'none.yaml'))
+    assert found == Access(tmp_path / 'none.yaml')
+    assert (found.port, found.idle_s) == (PORT, IDLE_S)
+
+
+def test_who_is_trusted_is_the_user_of_the_program(tmp_path: Path) -> None:
+    assert access('--trust-this-computer').local_user == getpass.getuser()
+
+
+def test_every_option_arrives(tmp_path: Path) -> None:
+    users = write_users(tmp_path / 'users.yaml', {'ann': Role.OPERATE})
+    words = ('--users', users, '--host', '0.0.0.0', '--port', 0, '--lock-after', 60)
+    proxy = ('--behind-proxy', 'X-User', '--proxy-address', '10.0.0.2', '--proxy-address', '::5')
+    hosts = ('--allow-host', 'a.example.org', '--allow-host', 'b.example.org')
+    assert access(*map(str, (*words, *proxy, *hosts))) == Access(
+        users,
+        '0.0.0.0',
+        0,
+        allowed_hosts=('a.example.org', 'b.example.org'),
+        proxy_header='X-User',
+        proxy_addresses=('10.0.0.2', '::5'),
+        idle_s=60.0,
+    )
+
+
+@pytest.mark.parametrize(
+    ('words', 'message'),
+    [
+        (['--host', '0.0.0.0'], 'passwords would cross the network in the clear'),
+        (['--host', '0.0.0.0', '--trust-this-computer'], 'leave one of the two out'),
+        (['--certificate', 'c.pem'], '--certificate and --key belong together'),
+        (['--port', '70000'], 'expected a port'),
+    ],
+)
+def test_what_would_let_in_anybody_does_not_start(
+    words: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert status_of('page', *words) == 2
+    assert message in capsys.readouterr().err
+
+
+def status_of(*words: str) -> object:
+    try:
+        return main(list(words))
+    except SystemExit as end:
+        return end.code
+
+
+def test_packages_that_are_missing_are_named(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(verb, 'find_spec', lambda name: None if name == 'uvicorn' else name)
+    assert main(['page']) == 2
+    assert "uvicorn cannot be imported; install what the page needs with: pip install 'bt_" in (
+        capsys.readouterr().err
+    )
+
+
+def test_what_others_wrote_is_no_line_of_the_log(capsys: pytest.CaptureFixture[str]) -> None:
+    with page_log():
+        logging.getLogger(f'{ROOM}.people').info('%s', 'eve\n2026 INFO ann logged in\x1b[2J')
+    logging.getLogger(f'{ROOM}.people').info('later')
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.endswith(r'INFO eve\n2026 INFO ann logged in\x1b[2J')
