@@ -18,7 +18,7 @@ from bt_orchestrator.model.preparing import may_not_prepare, remains_done, waits
 from bt_orchestrator.model.script import Dependency, Step
 from bt_orchestrator.model.wait import Wait, WaitKind
 from bt_orchestrator.tree.blackboard import name_keys
-from bt_orchestrator.tree.subject import Recorder, Subject, holder, is_done
+from bt_orchestrator.tree.subject import Recorder, Subject, holder, is_done, section_of
 from bt_orchestrator.tree.ticking import Ticked, Wrapper, invalidate
 from bt_orchestrator.tree.waiter import TaskWaiter, Waiter
 
@@ -125,7 +125,7 @@ class ZoneGuard(TaskWaiter, Guard):
         if there is None or there == self.subject.key or not self.subject.waits_to_start:
             return None
         what = f'waiting for zone {self.zone}, taken by {holder(state, there)}'
-        return Wait(what, WaitKind.ZONE, self.zone)
+        return Wait(what, WaitKind.ZONE, self.zone, section_of(there), there.task)
 
 
 class ReadyGuard(TaskWaiter, Guard):

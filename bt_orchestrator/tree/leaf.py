@@ -13,7 +13,7 @@ from bt_orchestrator.model.hold_words import hold_wait_words
 from bt_orchestrator.model.reference import resolve
 from bt_orchestrator.model.state import Phase, TaskState
 from bt_orchestrator.model.wait import Wait, WaitKind
-from bt_orchestrator.tree.subject import Subject, holder
+from bt_orchestrator.tree.subject import Subject, holder, section_of
 from bt_orchestrator.tree.ticking import Ticked
 from bt_orchestrator.tree.waiter import TaskWaiter
 
@@ -107,7 +107,7 @@ class ActionLeaf(TaskWaiter, Ticked):
         busy = state.reserved.get(task.component)
         if busy is not None and busy != self.subject.key:  # else kept for its retry (4.4)
             what = f'waiting for {task.component}, busy with {holder(state, busy)}'
-            return Wait(what, WaitKind.COMPONENT, task.component)
+            return Wait(what, WaitKind.COMPONENT, task.component, section_of(busy), busy.task)
         # Checked here too: the event for what is seen now comes only later.
         contest = state.contests.get(task.component) or Contest(
             tuple(self.subject.recorder.rivals(task.component))

@@ -165,6 +165,11 @@ def holder(state: CellState, key: e.TaskKey) -> str:
     return str(key)
 
 
+def section_of(key: e.TaskKey) -> tuple[int, ...]:
+    """Return the section that works on a task; none for initialization and the belt's move."""
+    return () if key.section is None else (key.section,)
+
+
 def is_done(subject: Subject) -> bool:
     """Tell whether the cycle has passed the task."""
     return subject.state.phase(subject.key) is Phase.DONE

@@ -9,9 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from bt_orchestrator.model.events import INDEX_KEY
-from bt_orchestrator.model.jobs import job_control
 from bt_orchestrator.model.jobs.isa95 import OVER, JobWord
-from bt_orchestrator.model.packml import VERBS, Cause, PackmlState
+from bt_orchestrator.model.packml import Cause, PackmlState
 from bt_orchestrator.model.requests import About, Request, of_hold, of_job, of_word
 from bt_orchestrator.model.requests.table import (
     ADD,
@@ -20,15 +19,17 @@ from bt_orchestrator.model.requests.table import (
     NEXT,
     REMOVE_ITEM,
     STOP_AFTERS,
-    UPDATE,
 )
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import CellStatus, ItemStatus, JobStatus
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.model.wish import NEVER
+from bt_orchestrator.web.command_paths import place_of
 
 Offer = dict[str, object]
+
+_NOTHING: Mapping[str, object] = {}
 
 
 def cell_offers(status: CellStatus) -> list[Offer]:
@@ -42,13 +43,8 @@ def cell_offers(status: CellStatus) -> list[Offer]:
 
 
 def _cell_offer(request: Request, status: CellStatus) -> Offer:
-    for after, one in STOP_AFTERS.items():
-        if one is request:
-            return _offer(request, '/api/queue/stop_after', {'after': after})
-    path = f'/api/cell/{request.word}'
-    if request is CELL[Cause.CLEAR]:
-        return _offer(request, path, {'as_shown': status.seq})
-    return _offer(request, path, {}, without=('hold',))
+    shown = {'as_shown': status.seq} if request is CELL[Cause.CLEAR] else {}
+    return _offer(request, given=shown, without=('hold',))
 
 
 def _changes_cell(request: Request, status: CellStatus) -> bool:
@@ -83,13 +79,10 @@ def hold_offers(hold: Hold) -> list[Offer]:
 def _hold_offer(request: Request, hold: Hold) -> Offer:
     match request.about:
         case About.ITEM:
-            return _item_offer(hold.item or '')
+            return _offer(request, hold.item or '')
         case About.CELL:
-            body = {'hold': hold.id}
-            return _offer(
-                request, f'/api/cell/{VERBS[Cause.UNHOLD]}', body, without=('everyones',)
-            )
-    offer = _offer(request, f'/api/holds/{hold.id}/answer', {'answer': request.word})
+            return _offer(request, given={'hold': hold.id}, without=('everyones',))
+    offer = _offer(request, hold.id)
     if hold.item is None:  # results belong to an item
         offer['parameters'] = []
     return offer
@@ -97,17 +90,13 @@ def _hold_offer(request: Request, hold: Hold) -> Offer:
 
 def item_offers(item: ItemStatus | None) -> list[Offer]:
     """Return what can be asked about the item in a slot."""
-    return [_item_offer(item.id)] if item is not None and item.present else []
-
-
-def _item_offer(item: str) -> Offer:
-    return _offer(REMOVE_ITEM, f'/api/items/{item}/remove', {})
+    return [_offer(REMOVE_ITEM, item.id)] if item is not None and item.present else []
 
 
 def job_offers(job: JobStatus, status: CellStatus) -> list[Offer]:
     """Return what can be asked of a job."""
     return [
-        _job_offer(request, job)
+        _offer(request, job.id)
         for request in of_job(job.state, job.ending)
         if _changes_job(request, job, status)
     ]
@@ -129,23 +118,20 @@ def _changes_job(request: Request, job: JobStatus, status: CellStatus) -> bool:
     return True
 
 
-def _job_offer(request: Request, job: JobStatus) -> Offer:
-    if request is MOVE:
-        return _offer(request, '/api/queue/move', {'job': job.id})
-    if request is NEXT:
-        return _offer(request, '/api/queue/move', {'job': job.id, 'next': True})
-    if request is UPDATE:
-        return _offer(request, '/api/queue/update', {'job': job.id})
-    return _offer(request, '/api/queue/command', {'job': job.id, 'command': request.word})
-
-
 def _offer(
-    request: Request, path: str, body: Mapping[str, object], without: Sequence[str] = ()
+    request: Request,
+    subject: str = '',
+    given: Mapping[str, object] = _NOTHING,
+    without: Sequence[str] = (),
 ) -> Offer:
     """Return an offer.
 
-    :param without: parameters that this offer has no use for; those in its body have been given
+    :param subject: id of its hold, item or job
+    :param given: arguments that are settled
+    :param without: parameters that this offer has no use for
     """
+    place = place_of(request, subject)
+    body = {**place.body, **given}
     return {
         'name': request.name,
         'word': request.word,
@@ -153,20 +139,10 @@ def _offer(
         'why': request.why.value,
         'is_confirmed': request.is_confirmed,
         'roles': _roles(request.roles),
-        'path': path,
-        'body': dict(body),
+        'path': place.path,
+        'body': body,
         'parameters': list(_parameters(request, {*body, *without})),
-        'foresee': _foreseen(request, body),
     }
-
-
-def _foreseen(request: Request, body: Mapping[str, object]) -> dict[str, object] | None:
-    """Return the command whose effect on jobs can be asked before; None: it has none."""
-    if request.about not in (About.QUEUE, About.JOB) or request.word == job_control.CLEAR.verb:
-        return None
-    subject = request.subject
-    given = {subject.name: body[subject.name]} if subject else {}
-    return {'name': request.name, 'arguments': given}
 
 
 def _parameters(request: Request, given: set[str]) -> Iterator[dict[str, object]]:

@@ -75,6 +75,24 @@ def test_nothing_is_said_twice_in_a_row() -> None:
     assert chain['root']['part'] == 'component/a1'
 
 
+def test_a_zone_leads_to_the_section_whose_task_is_in_it() -> None:
+    text = 'zones: {table: [work, pack]}\n' + with_section(2, '[{id: work, @a2}]')
+    run = Line(3, faults={'a3': '#1=abort'}).run(text, 2)
+    parts = page_parts(run)
+    (hold,) = parts['cell']['holds']
+    (wait,) = (wait for wait in parts['section/2']['waits'] if wait['kind'] == 'zone')
+    assert (wait['name'], wait['sections'], wait['task']) == ('table', [3], 'pack')
+    assert way_of(parts, 'section/2') == ['section/3', f'hold/{hold}']
+
+
+def test_a_component_that_is_busy_names_the_task_and_its_section() -> None:
+    text = with_section(2, '[{id: work, @arm}]')
+    text = text.replace('3: [{id: pack', '3: [{id: look, @arm.TASK_B}, {id: pack')
+    run = Line(3, faults={'arm': 'TASK_B#1=abort'}).run(text, 2)
+    (wait,) = (w for w in page_parts(run)['section/2']['waits'] if w['kind'] == 'component')
+    assert (wait['name'], wait['sections'], wait['task']) == ('arm', [3], 'look')
+
+
 def test_each_link_begins_where_the_one_before_leads() -> None:
     run = Line(5, faults={'a3': 'TASK_A=abort'}).begin(quantity=4)
     run.go()
