@@ -2,7 +2,7 @@
 
 import { Refused, get } from '../core/api.js';
 import { ask } from '../core/ask.js';
-import { children, h, show, text } from '../core/dom.js';
+import { h, show, text } from '../core/dom.js';
 import { part, subscribe } from '../core/store.js';
 import { t } from '../core/text.js';
 import { checking } from './order/checking.js';
@@ -33,8 +33,9 @@ export function mount(root) {
     const offer = part('cell')?.add;
     if (!offer) return text(said, t('order.no_cell'));
     const values = { orders: [order], ...(position ? { position } : {}), ...(held ? { held } : {}) };
-    if (!(await ask(offer, { about: order.order, values }))) return null;
-    children(done, t('order.done', { job: order.order }), ' ', h('a', { href: `#/queue?job=${encodeURIComponent(order.order)}` }, t('order.to_queue')));
+    // Everything was said in the form: the dialog asks for nothing but the reason.
+    if (!(await ask({ ...offer, parameters: [] }, { about: order.order, values }))) return null;
+    done.replaceChildren(t('order.done', { job: order.order }), ' ', h('a', { href: `#/queue?job=${encodeURIComponent(order.order)}` }, t('order.to_queue')));
     show(done, true);
     return form.another();
   }

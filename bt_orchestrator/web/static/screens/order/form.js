@@ -29,8 +29,12 @@ export function orderForm(changed) {
     { class: 'order-parts' },
     group('order.what', script.element, quantity.element, params),
     group('order.when', priority.element, start.element, due.element),
-    group('order.where', position.element, h('div', { class: 'field' }, h('label', { class: 'check' }, held, h('span', {}, t('order.held'))))),
-    group('order.more', order.element, h('details', {}, h('summary', {}, t('order.details')), details.element)),
+    h(
+      'div',
+      {},
+      group('order.where', position.element, h('div', { class: 'field' }, h('label', { class: 'check' }, held, h('span', {}, t('order.held'))))),
+      group('order.more', order.element, h('details', {}, h('summary', {}, t('order.details')), details.element)),
+    ),
   );
   element.addEventListener('input', changed);
   element.addEventListener('focusout', ({ target }) => {

@@ -22,8 +22,8 @@ export function jobRow(id, context) {
   const state = h('span', { class: 'job-state' });
   const bar = jobBar();
   const cells = Object.fromEntries(['priority', 'start', 'due', 'ends'].map((key) => [key, cell(key)]));
-  const step = (key, delta) => h('button', { type: 'button', class: 'icon-button', tabindex: -1, 'data-do': key, 'aria-label': t(`queue.${key}`, { job: id }), title: t(`queue.${key}`, { job: id }), onclick: () => move.step(id, delta) }, shape(key));
-  const steps = h('span', { class: 'steps' }, step('up', -1), step('down', 1));
+  const [up, down] = [stepButton('up', id, () => move.step(id, -1)), stepButton('down', id, () => move.step(id, 1))];
+  const steps = h('span', { class: 'steps' }, up, down);
   const first = offers({ about: () => id, isCompact: true, label: t('queue.commands', { job: id }) });
   const rest = offers({ about: () => id, label: t('queue.commands', { job: id }) });
   const params = h('p', { class: 'quiet' });
@@ -74,6 +74,8 @@ export function jobRow(id, context) {
     cells.ends.say(job.ends ? about(job.ends) : '');
     sayTimes();
     show(steps, canMove);
+    up.disabled = job.position === 1;
+    down.disabled = job.position === move.count();
     first.update(job.offers.filter((offer) => IN_ROW.includes(offer.name)));
     rest.update(job.offers.filter((offer) => offer.name !== BY_HANDLE && !IN_ROW.includes(offer.name)));
     text(params, paramWords(job));
@@ -91,6 +93,12 @@ export function jobRow(id, context) {
       rest.end();
     },
   };
+}
+
+/** The keys of the handle do the same: these are for mouse and finger. */
+function stepButton(key, id, press) {
+  const words = t(`queue.${key}`, { job: id });
+  return h('button', { type: 'button', class: 'icon-button', tabindex: -1, 'data-do': key, 'aria-label': words, title: words, onclick: press }, shape(key));
 }
 
 function cell(key) {

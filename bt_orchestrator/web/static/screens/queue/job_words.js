@@ -1,13 +1,19 @@
 /** The words about a job: its state, and its due date. */
 
 import { clock } from '../../core/store.js';
-import { about, duration, t, tOr } from '../../core/text.js';
+import { about, duration, number, t, tOr } from '../../core/text.js';
 
 /** Say its state; one that ends says how. */
 export function stateWords({ state, substate, ending }) {
   if (ending) return t(`job_state.${ending}`);
   const whole = [state, substate].filter(Boolean).join('/');
   return tOr(`job_state.${whole}`, whole);
+}
+
+/** Say how long, to the minute: seconds would only make it restless. */
+function roughly(seconds) {
+  if (seconds >= 3600) return duration(seconds);
+  return t('queue.minutes', { count: number(Math.ceil(seconds / 60)) });
 }
 
 /** Say when it is due, and by how much that is missed. */
@@ -18,5 +24,5 @@ export function dueWords({ due, ends, state }) {
   if (late <= 0) return { words: about(due), isLate: false };
   const isPast = clock() > due;
   const key = isPast ? 'queue.overdue' : 'queue.late';
-  return { words: t(key, { time: about(due), by: duration(late) }), isLate: true };
+  return { words: t(key, { time: about(due), by: roughly(late) }), isLate: true };
 }
