@@ -30,4 +30,5 @@ def expected_ends(
     """
     until = time.monotonic() + LONGEST_S
     with closing(RunOn(cell, types, plain_state, observed_s, now_s)) as run:
-        return run.ends_s(until)
+        run.go_on(until)
+        return run.ends_s()

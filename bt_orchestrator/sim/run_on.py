@@ -7,6 +7,7 @@ everything else is as in any virtual run.
 from __future__ import annotations
 
 import json
+import math
 import time
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
@@ -51,6 +52,7 @@ class RunOn:
         :param now_s: the moment on the clock of the state
         """
         self._log = _Log()
+        self._left_out: Mapping[str, int] = {}
         self._clock = VirtualClock(now_s)
         cell = as_observed(_without_faults(cell), observed_s)
         state = {**plain_state['state'], 'cell_digest': digest(cell)}
@@ -73,20 +75,26 @@ class RunOn:
         """The state now."""
         return self.orchestrator.state
 
-    def ends_s(self, until: float) -> dict[str, float]:
-        """Run on until every job has ended; return when each did, those unknown are left out.
+    def go_on(self, until: float) -> float:
+        """Run on until every job has ended; return up to which moment all ends are known.
 
         It ends early at a cell that waits for a person, as that time is unknown.
 
         :param until: real time on the monotonic clock, at which it is given up
         """
-        left_out = self._shorten()
+        self._left_out = self._shorten()
         self.orchestrator.settle()
-        while self.state.jobs and not self.state.holds and time.monotonic() < until:
+        while self.state.jobs and not self.state.holds:
+            if time.monotonic() >= until:
+                return self._clock.now()
             if not self._clock.advance():
                 break
             self.orchestrator.settle()
-        return _stretched(self._log, left_out)
+        return math.inf
+
+    def ends_s(self, by_s: float = math.inf) -> dict[str, float]:
+        """Return when each job ended, up to a moment of the run; those unknown are left out."""
+        return _stretched(self._log, self._left_out, by_s)
 
     def close(self) -> None:
         """Give the engine up."""
@@ -138,10 +146,11 @@ class _Log:
         return (middle[-1] - middle[0]) / (len(middle) - 1) if len(middle) > 1 else 0.0
 
 
-def _stretched(log: _Log, left_out: Mapping[str, int]) -> dict[str, float]:
+def _stretched(log: _Log, left_out: Mapping[str, int], by_s: float) -> dict[str, float]:
     """Put back the time of the cycles that were left out, of a job and of those in front."""
     late_s, ends = 0.0, {}
-    for job, end_s in log.ended_s.items():
+    ended_s = {job: end_s for job, end_s in log.ended_s.items() if end_s <= by_s}
+    for job, end_s in ended_s.items():
         late_s += left_out.get(job, 0) * log.pace_s(job)
         ends[job] = end_s + late_s
     return ends

@@ -60,11 +60,17 @@ class EngineWhatIf:
 
         Nothing is done, so anybody may ask anything; the roles decide when it is asked in earnest.
         """
-        with closing(self._begin()) as run:
-            before = self._ends(run)
-        with closing(self._begin()) as run:
-            refusals = tuple(self._refusals(run, requests))
-            return Consequence(before, self._ends(run), refusals)
+        with closing(self._begin()) as now:
+            names_now = list(now.state.jobs)
+            known_now_s = now.go_on(time.monotonic() + LONGEST_S)
+        with closing(self._begin()) as then:
+            refusals = tuple(self._refusals(then, requests))
+            names_then = list(then.state.jobs)
+            known_then_s = then.go_on(time.monotonic() + LONGEST_S)
+        # Of a long queue one run may come farther: only what both know can be compared.
+        by_s = min(known_now_s, known_then_s)
+        before = self._ends(names_now, now.ends_s(by_s))
+        return Consequence(before, self._ends(names_then, then.ends_s(by_s)), refusals)
 
     def check(self, order: Mapping[str, object]) -> CheckedOrder:
         """Tell whether an order would be queued: it is read, and then the engine is asked."""
@@ -110,9 +116,7 @@ class EngineWhatIf:
                 findings = (finding for order in answer.orders for finding in order.findings)
                 yield '; '.join([f'{asked.request.name}: {answer.message}', *findings])
 
-    def _ends(self, run: RunOn) -> tuple[ExpectedJob, ...]:
-        names = list(run.state.jobs)
-        ends_s = run.ends_s(time.monotonic() + LONGEST_S)
+    def _ends(self, names: Sequence[str], ends_s: Mapping[str, float]) -> tuple[ExpectedJob, ...]:
         return tuple(
             ExpectedJob(name, ends_s[name] - self._moment.now_s if name in ends_s else None)
             for name in names

@@ -86,7 +86,9 @@ class Browser:
         sent: list[dict[str, Any]] = []
 
         async def receive() -> dict[str, Any]:
-            return pieces.pop(0) if pieces else {'type': 'http.disconnect'}
+            if not pieces:
+                await asyncio.Future()  # a browser stays until it has its answer
+            return pieces.pop(0)
 
         async def send(message: dict[str, Any]) -> None:
             sent.append(message)

@@ -16,6 +16,7 @@ from bt_orchestrator.web.endpoint import Endpoint, Schema
 from bt_orchestrator.web.planning.questions import (
     Questions,
     TooManyQuestions,
+    Withdrawn,
     asked_of,
 )
 from bt_orchestrator.web.replies import Json, Problem, body_of
@@ -99,13 +100,15 @@ class _Routes:
             asked = [asked_of(command) for command in commands]
         except ValueError as error:
             raise Problem(422, str(error)) from error
-        return await _answered(self._questions.what_if(asked, self._queue.queued))
+        return await _answered(
+            self._questions.what_if(asked, self._queue.queued, request.is_disconnected)
+        )
 
     async def check(self, request: Request) -> Response:
         order = (await body_of(request)).get('order')
         if not isinstance(order, Mapping):
             raise Problem(422, 'order is an object with the keys of an order file')
-        return await _answered(self._questions.check(order))
+        return await _answered(self._questions.check(order, request.is_disconnected))
 
     async def queue(self, request: Request) -> Response:
         after = request.query_params.get('after', '')
@@ -129,5 +132,5 @@ class _Routes:
 async def _answered(question: Awaitable[Any]) -> Response:
     try:
         return Json(await question)
-    except (NodeUnreachable, NotKept, TooManyQuestions) as error:
+    except (NodeUnreachable, NotKept, TooManyQuestions, Withdrawn) as error:
         raise Problem(503, str(error)) from error

@@ -19,9 +19,16 @@ MOST_WAITING = 8
 
 Body = dict[str, object]
 
+IsGone = Callable[[], Awaitable[bool]]
+"""Tells whether nobody waits for an answer any more."""
+
 
 class TooManyQuestions(Exception):
     """So many are being worked out that another one would have to wait for long."""
+
+
+class Withdrawn(Exception):
+    """Nobody waited for the answer any more when its turn came."""
 
 
 class Questions:
@@ -37,7 +44,7 @@ class Questions:
         self._turn = asyncio.Lock()
         self._waiting = 0
 
-    async def what_if(self, requests: Sequence[Asked], queued: int) -> Body:
+    async def what_if(self, requests: Sequence[Asked], queued: int, is_gone: IsGone) -> Body:
         """Return when jobs end without and with some requests, as seconds since the epoch.
 
         :param queued: length of the queue
@@ -56,25 +63,26 @@ class Questions:
                 'computed_s': round(time.monotonic() - began, 1),
             }
 
-        return await self._ask(work)
+        return await self._ask(work, is_gone)
 
-    async def check(self, order: Mapping[str, object]) -> Body:
+    async def check(self, order: Mapping[str, object], is_gone: IsGone) -> Body:
         """Return what would be said of an order.
 
         :raises NodeUnreachable: the node does not tell its state
         :raises NotKept: nothing could be worked out
         """
-        return await self._ask(lambda planning, moment: _plain(planning.check(moment, order)))
+
+        def work(planning: Planning, moment: Moment) -> Body:
+            return _plain(planning.check(moment, order))
+
+        return await self._ask(work, is_gone)
 
     def close(self) -> None:
         """End what is being worked out; whoever waits for it is told so."""
         if self._planning is not None:
             self._planning.close()
 
-    async def _ask(
-        self,
-        work: Callable[[Planning, Moment], Body],
-    ) -> Body:
+    async def _ask(self, work: Callable[[Planning, Moment], Body], is_gone: IsGone) -> Body:
         planning = self._planning
         if planning is None:
             raise NotKept('this page works nothing out')
@@ -83,6 +91,8 @@ class Questions:
         self._waiting += 1
         try:
             async with self._turn:
+                if await is_gone():
+                    raise Withdrawn('nobody waits for the answer any more')
                 moment = await self._moment()
                 return await asyncio.to_thread(work, planning, moment)
         finally:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,6 +17,8 @@ from bt_orchestrator.model.jobs.order import Job, WorkOrder
 from bt_orchestrator.model.requests import Asked, ask
 from bt_orchestrator.model.snapshot import state_to_plain
 from bt_orchestrator.ports import CheckedOrder, Consequence, Moment
+from bt_orchestrator.sim import what_if
+from bt_orchestrator.sim.run_on import RunOn
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.sim.what_if import EngineWhatIf
 from bt_orchestrator.store.memory import MemoryStore
@@ -112,6 +115,24 @@ def test_a_cell_that_is_held_has_no_forecast_until_it_is_answered() -> None:
         found = asked_of(simulation, ask('hold.skip', ann(), hold=hold))
         assert set(dict(found.before).values()) == {None}
         assert None not in dict(found.after).values()
+
+
+def test_of_two_runs_only_what_both_know_is_compared(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The second run is slow, and comes to the end of fewer jobs."""
+    with running(4.0) as simulation:
+        whole = dict(asked_of(simulation).before)
+        between_s = sum(filter(None, (whole['A'], whole['B']))) / 2
+        given_up = iter([math.inf, simulation.clock.now() + between_s])
+
+        class Slow(RunOn):
+            def go_on(self, until: float) -> float:
+                super().go_on(until)
+                return next(given_up)
+
+        monkeypatch.setattr(what_if, 'RunOn', Slow)
+        found = asked_of(simulation)
+        assert dict(found.before) == {'A': whole['A'], 'B': None, 'C': None}
+        assert found.after == found.before
 
 
 OTHER = 'script: other\nparams: {n: {type: int, default: 1}}\n' + THREE.replace(

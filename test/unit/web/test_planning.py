@@ -35,7 +35,7 @@ from bt_orchestrator.web.endpoint import routes
 from bt_orchestrator.web.guards import GuardMiddleware
 from bt_orchestrator.web.people import People
 from bt_orchestrator.web.planning.endpoints import endpoints
-from bt_orchestrator.web.planning.questions import MOST_WAITING, Questions
+from bt_orchestrator.web.planning.questions import MOST_WAITING, Questions, Withdrawn
 
 NOW_S = 1000.0
 ORDER = {'script': 'other', 'order': 'WO-9', 'quantity': 2, 'params': {'lot': '5'}}
@@ -220,6 +220,16 @@ def test_only_some_questions_wait(bench: Bench) -> None:
     statuses = [answer.status for answer in bench.loop.run_until_complete(crowd())]
     assert sorted(statuses) == [200] * MOST_WAITING + [503]
     assert bench.what_if().status == 200, 'there is room again'
+
+
+def test_what_nobody_waits_for_is_not_worked_out(bench: Bench) -> None:
+    async def is_gone() -> bool:
+        return True
+
+    with pytest.raises(Withdrawn):
+        bench.loop.run_until_complete(bench.questions.what_if([], 0, is_gone))
+    assert bench.planned.asked == []
+    assert bench.what_if().status == 200, 'the turn goes on'
 
 
 def test_the_queue_by_pages() -> None:

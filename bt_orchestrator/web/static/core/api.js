@@ -23,16 +23,18 @@ export function get(path) {
   return request(path, { method: 'GET' }, READ_MS);
 }
 
-/** Post something. */
-export function post(path, body, within = COMMAND_MS) {
+/** Post something; a signal takes back that somebody waits for the answer. */
+export function post(path, body, within = COMMAND_MS, signal = null) {
   const headers = { 'Content-Type': 'application/json' };
-  return request(path, { method: 'POST', headers, body: JSON.stringify(body) }, within);
+  return request(path, { method: 'POST', headers, body: JSON.stringify(body) }, within, signal);
 }
 
-async function request(path, options, within) {
+async function request(path, options, within, given = null) {
+  const late = AbortSignal.timeout(within);
+  const signal = given ? AbortSignal.any([late, given]) : late;
   let answer;
   try {
-    answer = await fetch(path, { ...options, cache: 'no-store', signal: AbortSignal.timeout(within) });
+    answer = await fetch(path, { ...options, cache: 'no-store', signal });
   } catch {
     throw new Refused(0, null);
   }

@@ -81,7 +81,8 @@ function openAsking(offer, about, known, done) {
 
   function lookAhead() {
     const values = form.sofar();
-    ahead?.ask(values && { ...known, ...values });
+    const isNothing = !values || (!form.isEmpty && !Object.keys(values).length);
+    ahead?.ask(isNothing ? null : { ...known, ...values });
   }
 
   function closed() {

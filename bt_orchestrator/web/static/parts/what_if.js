@@ -21,21 +21,29 @@ export function whatIf(command) {
   const element = h('section', { class: 'what-if', 'aria-live': 'polite', 'aria-label': t('whatif.title') });
   let turn = 0;
   let timer = 0;
+  let asking = new AbortController();
 
   /** Ask what these values would lead to; null: some are missing still. */
   function ask(values) {
-    const mine = (turn += 1);
-    clearTimeout(timer);
+    const mine = forget();
     if (values === null) return say('missing', t('whatif.missing'));
     const wait = turn === 1 ? 0 : WAIT_MS;
     timer = setTimeout(() => compute(mine, values), wait);
     return say('computing', t('whatif.computing'));
   }
 
+  /** Nobody waits for what was asked before: the page need not compute it. */
+  function forget() {
+    clearTimeout(timer);
+    asking.abort();
+    asking = new AbortController();
+    return (turn += 1);
+  }
+
   async function compute(mine, values) {
     const commands = [{ name: command.name, arguments: { ...command.arguments, ...values } }];
     try {
-      const found = await post('/api/what-if', { commands }, WITHIN_MS);
+      const found = await post('/api/what-if', { commands }, WITHIN_MS, asking.signal);
       if (mine === turn) show(found, dueOf(values));
     } catch (refused) {
       if (!(refused instanceof Refused)) throw refused;
@@ -64,14 +72,7 @@ export function whatIf(command) {
     );
   }
 
-  return {
-    element,
-    ask,
-    end() {
-      turn += 1;
-      clearTimeout(timer);
-    },
-  };
+  return { element, ask, end: forget };
 }
 
 function heading() {

@@ -13,6 +13,7 @@ const WITHIN_MS = 60000;
 export function checking(form, said) {
   let timer = 0;
   let turn = 0;
+  let asking = new AbortController();
   const end = onPerson(() => later());
 
   function later() {
@@ -40,8 +41,10 @@ export function checking(form, said) {
       return false;
     }
     say('computing', t('order.checking'));
+    asking.abort();
+    asking = new AbortController();
     try {
-      const found = await post('/api/orders/check', { order }, WITHIN_MS);
+      const found = await post('/api/orders/check', { order }, WITHIN_MS, asking.signal);
       if (mine === turn) judge(found, isAll);
       return mine === turn && found.accepted;
     } catch (refused) {
