@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import getpass
 import logging
+import socket
 from pathlib import Path
 
 import pytest
@@ -89,3 +90,14 @@ def test_what_others_wrote_is_no_line_of_the_log(capsys: pytest.CaptureFixture[s
     logging.getLogger(f'{ROOM}.people').info('later')
     (line,) = capsys.readouterr().err.splitlines()
     assert line.endswith(r'INFO eve\n2026 INFO ann logged in\x1b[2J')
+
+
+def test_a_port_in_use_is_a_sentence(capsys: pytest.CaptureFixture[str]) -> None:
+    with socket.create_server(('127.0.0.1', 0)) as other:
+        port = other.getsockname()[1]
+        assert main(['page', '--port', str(port)]) == 1
+    said = capsys.readouterr().err
+    assert said == (
+        f'bt-orchestrator page: error: port {port} of 127.0.0.1 is in use by another program; '
+        'name another --port\n'
+    )
