@@ -2,7 +2,8 @@
  * The reason of abort, pause and stop, asked for when they are done.
  *
  * The same command once more carries it to the record; it changes nothing while the first one
- * stands. Once the cell has gone on it would stop it again, so then it is not sent.
+ * stands. Once the cell has gone on it would stop it again, so then it is not sent. A pause with a
+ * reason takes the place of the one without.
  */
 
 import { newTicket, send } from './api.js';
@@ -30,13 +31,18 @@ export function askAfterwards(offer, title, doneAt) {
     const words = reason.value();
     dialog.close();
     keepReason(offer.name, words);
-    if (stillStands(offer)) await send(offer, { reason: words }, newTicket());
-    else note('refused', t('ask.too_late'));
+    const isOffered = part('cell')?.offers.some((one) => one.name === offer.name);
+    const pause = isOffered ? myPause() : null;
+    if (isOffered && !pause) return note('refused', t('ask.too_late'));
+    const outcome = await send(offer, { reason: words }, newTicket());
+    // An offer that was gone is refused, with its reason on record.
+    if (pause && outcome.kind === 'accepted') await send(pause.offers[0], { reason: words }, newTicket());
+    return outcome;
   }
 }
 
-/** Tell whether the command is still in effect: it is not offered any more, or its pause is there. */
-function stillStands(offer) {
-  const isOffered = part('cell')?.offers.some((one) => one.name === offer.name);
-  return !isOffered || partsOf('hold/').some(([, hold]) => hold.is_pause && hold.owner === who().name);
+/** The newest pause of the person here; undefined: there is none. */
+function myPause() {
+  const mine = partsOf('hold/').map(([, hold]) => hold).filter((hold) => hold.is_pause && hold.owner === who().name);
+  return mine.sort((one, other) => other.since - one.since)[0];
 }

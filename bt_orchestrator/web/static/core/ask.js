@@ -140,13 +140,13 @@ function noteOutcome(offer, about, outcome) {
 }
 
 /** Send without asking; what is missing is asked when it is done. */
-async function sendAtOnce(offer, about) {
-  const say = note('unknown', `${title(offer, about)} — ${t('ask.sending')}`);
+async function sendAtOnce(offer, about, say = note('unknown', '')) {
+  say('unknown', `${title(offer, about)} — ${t('ask.sending')}`);
   const sentAt = Date.now() / 1000;
   const outcome = await send(offer, { reason: '' }, newTicket(), () => say('unknown', `${title(offer, about)} — ${t('ask.unknown_danger')}`));
   if (outcome.kind === 'login') {
     say('refused', `${title(offer, about)} — ${t('outcome.login')}`);
-    return (await askToLogIn()) ? sendAtOnce(offer, about) : false;
+    return (await askToLogIn()) ? sendAtOnce(offer, about, say) : false;
   }
   say(outcome.kind === 'accepted' ? 'accepted' : 'refused', `${title(offer, about)} — ${outcomeWords(outcome)}`);
   if (outcome.kind === 'accepted') askAfterwards(offer, title(offer, about), sentAt);

@@ -22,7 +22,6 @@ const LATER = /^cell\.stop_after_/;
 export function topbar(screens, speak) {
   const state = stateBlock();
   const commands = commandBlock();
-  const line = newsLine();
   const person = personMenu(speak);
   const links = screens.map(({ name, href }) => h('a', { href, 'data-screen': name }, t(`nav.${name}`)));
   const nav = h('nav', { 'aria-label': t('nav.label') }, links);
@@ -30,7 +29,7 @@ export function topbar(screens, speak) {
     'div',
     { class: 'topbar' },
     h('div', { class: 'top-row' }, state.element, commands.element),
-    h('div', { class: 'nav-row' }, nav, line.element, person.element),
+    h('div', { class: 'nav-row' }, nav, person.element),
   );
   return {
     element,
@@ -38,7 +37,7 @@ export function topbar(screens, speak) {
       for (const link of links) attribute(link, 'aria-current', link.dataset.screen === screen ? 'page' : null);
     },
     end() {
-      for (const one of [state, commands, line, person]) one.end();
+      for (const one of [state, commands, person]) one.end();
     },
   };
 }
@@ -80,7 +79,13 @@ function commandBlock() {
   const now = offers({ isCompact: true, label: t('topbar.commands') });
   const later = offers({ label: t('topbar.later') });
   const menu = h('details', { class: 'menu later', 'data-menu': 'later' }, h('summary', {}, t('topbar.later')), h('div', { class: 'menu-body' }, later.element));
-  const element = h('div', { class: 'commands' }, h('div', { class: 'command-row' }, menu, now.element), h('p', { class: 'no-estop' }, t('topbar.no_estop')));
+  const line = newsLine();
+  const element = h(
+    'div',
+    { class: 'commands' },
+    h('div', { class: 'command-row' }, menu, now.element),
+    h('div', { class: 'under-commands' }, line.element, h('p', { class: 'no-estop' }, t('topbar.no_estop'))),
+  );
 
   function update() {
     const offered = part('cell')?.offers ?? [];
@@ -103,6 +108,7 @@ function commandBlock() {
       end();
       now.end();
       later.end();
+      line.end();
     },
   };
 }
