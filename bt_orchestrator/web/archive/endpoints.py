@@ -47,7 +47,7 @@ def endpoints(archive: Archive, cell: Cell) -> tuple[Endpoint, ...]:
     """Return the endpoints."""
     routes = _Routes(archive, cell)
     return (
-        *downloads.endpoints(archive),  # before /api/jobs/{job:path}, which takes any path
+        *downloads.endpoints(archive),
         Endpoint(
             'GET',
             '/api/events',
@@ -75,7 +75,7 @@ def endpoints(archive: Archive, cell: Cell) -> tuple[Endpoint, ...]:
         ),
         Endpoint(
             'GET',
-            '/api/jobs/{job:path}',
+            '/api/jobs/{job}',
             routes.job,
             'returns a job with its items and failures',
             refusals=_UNKNOWN,

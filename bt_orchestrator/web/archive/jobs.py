@@ -40,6 +40,8 @@ def jobs_page(look: Look, cursor: str, most: int) -> dict[str, Any]:
     most = max(1, min(most, MOST))
     jobs: list[dict[str, Any]] = []
     rest: str | None = cursor or EVENTS
+    if cursor and not cursor.startswith((EVENTS, SUMMARIES)):
+        raise ValueError(f'no place among jobs is {cursor!r}')
     if rest is not None and rest.startswith(EVENTS):
         found, rest = _with_events(look, rest, most)
         jobs += [summary(record, is_whole=True) for record in found]
