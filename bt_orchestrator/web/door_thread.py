@@ -178,7 +178,7 @@ class AskingDoor:
         self._thread = threading.Thread(target=self._run, name='page: asking', daemon=True)
 
     def start(self) -> None:
-        """Be ready; the door is opened with the first question."""
+        """Be ready; the door is opened with the first question, which takes a second or two."""
         self._thread.start()
 
     async def call(self, question: Callable[[CellLink], _T], urgency: int = READING) -> _T:

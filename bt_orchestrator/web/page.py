@@ -76,6 +76,7 @@ class Page:
         self._following.on_error = on_error
         self._following.start()
         self._asking.start()
+        self._spawn(self._open_early())
         self._spawn(self._beat())
 
     def end(self) -> None:
@@ -136,6 +137,11 @@ class Page:
         if self._was_silent:  # the node may have started anew, with another cell file
             self._was_silent = False
             self._spawn(self._describe())
+
+    async def _open_early(self) -> None:
+        """Open the door for questions: an abort must not wait until ROS is loaded."""
+        with contextlib.suppress(Exception):  # whoever asks something is told
+            await self._asking.call(lambda _: None)
 
     async def _describe(self) -> None:
         with contextlib.suppress(NodeUnreachable):

@@ -296,6 +296,19 @@ class TestServer:
         with pytest.raises(PageUnusable, match=r'cannot listen at 192\.0\.2\.1'):
             PageServer(page)
 
+    def test_both_doors_are_open_before_anybody_asks(self, scene: Scene) -> None:
+        opened: list[str] = []
+
+        def open_door(meanwhile: Callable[[], object]) -> Any:
+            opened.append(threading.current_thread().name)
+            return scene.cell.open_door(meanwhile)
+
+        scene.cell.switch()  # there is no node: nothing is asked of it
+        server = PageServer(Page('/x', open_door, access()))
+        with server.running():
+            scene.wait_until(lambda: len(opened) == 2, 'a door for questions')
+        assert set(opened) == {'page: following', 'page: asking'}
+
     def test_files_are_asked_for_again_after_an_update(self, scene: Scene) -> None:
         with scene.page() as server:
             connection = http.client.HTTPConnection('127.0.0.1', server.port)
