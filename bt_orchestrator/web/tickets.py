@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import math
+import time
 from collections.abc import Callable, Iterable, Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -18,6 +19,9 @@ from bt_orchestrator.ports import EventPage
 
 LOOK_BACK = 2_000
 """How many of the last events are searched for a ticket."""
+
+SETTLED_S = 10.0
+"""A command without an answer that the journal does not have after so long, never arrived."""
 
 MOST_KEPT = 1_000
 """Commands that are remembered here; of older ones only the journal knows."""
@@ -83,6 +87,8 @@ class _Kept:
     before: int
     """The last event that was known then."""
     task: asyncio.Task[Outcome] = field(init=False)
+    lost_at: float | None = None
+    """When its answer was lost, on the clock; None: it was not."""
 
     def is_of(self, asked: Asked) -> bool:
         mine = self.asked
@@ -96,11 +102,18 @@ class _Kept:
 class Tickets:
     """All calls come from the loop's thread."""
 
-    def __init__(self, doors: Doors, newest: Callable[[], int]) -> None:
+    def __init__(
+        self,
+        doors: Doors,
+        newest: Callable[[], int],
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
         """Know nothing yet.
 
         :param newest: the last event that is known of
+        :param clock: steady, seconds
         """
+        self._clock = clock
         self._doors = doors
         self._newest = newest
         self._kept: dict[str, _Kept] = {}
@@ -122,14 +135,11 @@ class Tickets:
             earlier = (self._earlier or {}).get(ticket)
             if earlier:
                 return _of_record(earlier, asked)
-            kept = self._begin(ticket, asked)
+            kept = self._begin(ticket, asked, self._newest())
         elif not kept.is_of(asked):
             raise TicketTaken(f'the ticket {ticket} is of another command; make a new one')
-        elif _has_failed(kept.task):
-            with suppress(NodeUnreachable):
-                found = await self._search(ticket, kept.before)
-                if found.outcome is not None:
-                    return found.outcome
+        elif kept.lost_at is not None:
+            return await self._again(ticket, kept)
         return await asyncio.shield(kept.task)
 
     async def find(self, ticket: str) -> Search:
@@ -145,8 +155,26 @@ class Tickets:
         except NodeUnreachable:
             return Search(None, is_silent=True)
 
-    def _begin(self, ticket: str, asked: Asked) -> _Kept:
-        kept = self._kept[ticket] = _Kept(asked, self._newest())
+    async def _again(self, ticket: str, kept: _Kept) -> Outcome:
+        """Answer for a command whose answer was lost; send it anew if it surely never came."""
+        lost_for_s = self._clock() - (kept.lost_at or 0.0)
+        try:
+            found = await self._search(ticket, kept.before)
+        except NodeUnreachable as error:
+            raise Unknown(f'{error}; whether it was carried out is not known') from error
+        if found.outcome is not None:
+            return found.outcome
+        if lost_for_s < SETTLED_S:
+            raise Unknown(
+                'the journal does not have it yet; whether it was carried out is not known; ask '
+                f'again in {math.ceil(SETTLED_S - lost_for_s)} s'
+            )
+        if self._kept.get(ticket) is kept:  # else somebody was quicker
+            self._begin(ticket, kept.asked, kept.before)
+        return await asyncio.shield(self._kept[ticket].task)
+
+    def _begin(self, ticket: str, asked: Asked, before: int) -> _Kept:
+        kept = self._kept[ticket] = _Kept(asked, before)
         # The command goes on when its sender has gone.
         kept.task = asyncio.create_task(self._carried_out(ticket, kept))
         kept.task.add_done_callback(_heard)
@@ -159,6 +187,7 @@ class Tickets:
         try:
             answer = await self._doors.ask(kept.asked)
         except NodeUnreachable as error:
+            kept.lost_at = self._clock()
             raise Unknown(f'{error}; whether it was carried out is not known') from error
         findings = tuple(finding for order in answer.orders for finding in order.findings)
         try:
@@ -248,10 +277,6 @@ def _of_record(found: Iterable[Recorded], asked: Asked | None = None) -> Outcome
 def _decided(event: OperatorDecided) -> str:
     about = (event.hold and f'hold {event.hold}') or event.item or event.job or ''
     return f'{named(event.who, event.known)} decided {event.answer}{about and f": {about}"}'
-
-
-def _has_failed(task: asyncio.Task[Outcome]) -> bool:
-    return task.done() and not task.cancelled() and task.exception() is not None
 
 
 def _heard(task: asyncio.Task[Outcome]) -> None:

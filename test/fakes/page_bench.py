@@ -94,17 +94,21 @@ class CellBench(PeopleBench):
         self.store = MemoryStore()
         self.node.switch_on(self.store)
         self.doors = FakeDoors(self.node)
-        self.tickets = Tickets(self.doors, lambda: self.doors.newest)
+        self.tickets = self.make_tickets()
         super().__init__(folder, **options)
 
     def endpoints(self) -> Sequence[Endpoint]:
         """Return the commands."""
         return (*super().endpoints(), *commands.endpoints(self.tickets))
 
+    def make_tickets(self) -> Tickets:
+        """Return what a page knows of commands when it starts."""
+        return Tickets(self.doors, lambda: self.doors.newest, lambda: self.now)
+
     def restart_page(self) -> None:
         """Start the page anew: it has forgotten everything but its users."""
         self.people = People(self.people.access, lambda: self.now)
-        self.tickets = Tickets(self.doors, lambda: self.doors.newest)
+        self.tickets = self.make_tickets()
         self.app = self.make_app()
 
     @property

@@ -22,6 +22,7 @@ from bt_orchestrator.model.roles import Role
 from bt_orchestrator.store.memory import MemoryStore
 from bt_orchestrator.web.access import IDLE_S
 from bt_orchestrator.web.command_paths import place_of
+from bt_orchestrator.web.tickets import SETTLED_S
 
 SUBJECTS = {About.JOB: 'WO-1', About.ITEM: 'WO-1/1', About.HOLD: '1'}
 
@@ -332,7 +333,7 @@ def test_an_answer_that_was_lost_is_found_in_the_journal(bench: CellBench) -> No
     assert len(bench.doors.asked) == 1, 'it was not done twice'
 
 
-def test_a_command_that_never_arrived_is_not_found_and_not_sent_again(bench: CellBench) -> None:
+def test_a_command_that_never_arrived_is_not_found_and_goes_again_later(bench: CellBench) -> None:
     browser, ticket = bench.logged_in('ann'), new_ticket()
     browser.post('/api/cell/pause', {})
     bench.node.switch_off()
@@ -343,8 +344,14 @@ def test_a_command_that_never_arrived_is_not_found_and_not_sent_again(bench: Cel
     searched = browser.get(f'/api/tickets/{ticket}').json
     assert (searched['found'], searched['node_silent']) == (False, False)
     assert searched['looked_to'] == bench.journal[-1].seq
-    assert browser.post('/api/cell/abort', {'ticket': ticket}).status == 503
-    assert len(bench.doors.asked) == 2
+    again = browser.post('/api/cell/abort', {'ticket': ticket})
+    assert (again.status, again.json['is_unknown'], len(bench.doors.asked)) == (503, True, 2)
+    assert 'ask again in 10 s' in again.message, 'it might still be on its way'
+    bench.now += SETTLED_S
+    assert browser.post('/api/cell/abort', {'ticket': ticket}).status == 200
+    assert browser.post('/api/cell/abort', {'ticket': ticket}).status == 200
+    assert len(bench.doors.asked) == 3, 'once'
+    assert len([one for one in bench.commands if ticket in one.origin]) == 1
 
 
 def test_after_a_restart_of_the_page_the_journal_tells(bench: CellBench) -> None:

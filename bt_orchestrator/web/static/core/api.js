@@ -68,7 +68,9 @@ export function newTicket() {
 export async function send(offer, values, ticket, meanwhile = () => {}) {
   try {
     const answer = await post(offer.path, { ...offer.body, ...values, ticket });
-    return { kind: 'accepted', message: answer.message ?? '', findings: answer.findings ?? [] };
+    // A note says, for instance, that the node does not count the role of this page's user.
+    const message = [answer.message, answer.note].filter(Boolean).join(' — ');
+    return { kind: 'accepted', message, findings: answer.findings ?? [] };
   } catch (refused) {
     if (!(refused instanceof Refused)) throw refused;
     if (refused.status === 401 || refused.isLocked) return said('login', refused);
