@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from bt_orchestrator.model.events import INDEX_KEY
+from bt_orchestrator.model.jobs import job_control
 from bt_orchestrator.model.jobs.isa95 import OVER, JobWord
 from bt_orchestrator.model.packml import Cause, PackmlState
 from bt_orchestrator.model.requests import About, Request, of_hold, of_job, of_word
@@ -104,7 +105,7 @@ def job_offers(job: JobStatus, status: CellStatus) -> list[Offer]:
 
 def add_offer() -> Offer:
     """Return what is always possible: to queue orders."""
-    return _offer(ADD, '/api/queue/add', {})
+    return _offer(ADD)
 
 
 def _changes_job(request: Request, job: JobStatus, status: CellStatus) -> bool:
@@ -142,7 +143,16 @@ def _offer(
         'path': place.path,
         'body': body,
         'parameters': list(_parameters(request, {*body, *without})),
+        'foresee': _foreseen(request, subject),
     }
+
+
+def _foreseen(request: Request, subject: str) -> dict[str, object] | None:
+    """Return the command whose effect on jobs can be asked before; None: it has none."""
+    if request.about not in (About.QUEUE, About.JOB) or request.word == job_control.CLEAR.verb:
+        return None
+    arguments = {request.subject.name: subject} if request.subject else {}
+    return {'name': request.name, 'arguments': arguments}
 
 
 def _parameters(request: Request, given: set[str]) -> Iterator[dict[str, object]]:

@@ -178,3 +178,20 @@ def test_without_a_journal_only_the_goals_can_be_cancelled() -> None:
     run.go(until=1.0)
     status = replace(status_of(run), commands=('abort',), journal_failure='the disk is full')
     assert [one['word'] for one in cell_offers(status)] == ['abort']
+
+
+def test_what_changes_the_ends_of_jobs_can_be_asked_about_before() -> None:
+    run = Line(3).begin(quantity=3)
+    run.submit('later', Line(3).script(THREE), 2)
+    run.go(until=2.0)
+    parts = page_parts(run)
+    foreseen = {one['name']: one['foresee'] for one in parts['job/later']['offers']}
+    assert foreseen['job.next'] == {'name': 'job.next', 'arguments': {'job': 'later'}}
+    assert None not in foreseen.values()
+    add = parts['cell']['add']
+    assert (add['path'], add['body']) == ('/api/queue/add', {})
+    assert add['foresee'] == {'name': 'queue.add', 'arguments': {}}
+    assert offer(parts['cell'], 'abort')['foresee'] is None
+    run.go()
+    (ended,) = (one for one in page_parts(run)['job/later']['offers'] if one['word'] == 'clear')
+    assert ended['foresee'] is None, 'it changes only the list'
