@@ -17,7 +17,7 @@ import { note } from './notes.js';
 import { keepReason, reasonField } from './reason.js';
 import { effectOf, isEmergency, rolesOf, wordOf } from './requests.js';
 import { news, subscribe } from './store.js';
-import { t } from './text.js';
+import { sentence, t } from './text.js';
 import { whatIf } from '../parts/what_if.js';
 
 /**
@@ -131,7 +131,7 @@ function pressButton(offer, press) {
 function outcomeWords(outcome) {
   const words = t(`outcome.${outcome.kind}`);
   const source = outcome.isFromJournal ? `${t('outcome.journal')} ` : '';
-  return outcome.message ? `${source}${words} ${outcome.message}` : `${source}${words}`;
+  return outcome.message ? `${source}${words} ${sentence(outcome.message)}` : `${source}${words}`;
 }
 
 function noteOutcome(offer, about, outcome) {

@@ -3,7 +3,7 @@
 import { attribute, h, text } from './dom.js';
 import { t } from './text.js';
 
-const STAY_MS = 8000;
+const STAY_MS = 6000;
 
 /**
  * Show a note.

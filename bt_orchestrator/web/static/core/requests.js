@@ -1,20 +1,25 @@
 /** Requests in words. The page sends them in English; the words of other languages stand here. */
 
-import { t, tOr } from './text.js';
+import { sentence, t, tOr } from './text.js';
 
 /** The word on a button. */
 export function wordOf(offer) {
   return tOr(`word.${offer.name}`, offer.word.replaceAll('_', ' '));
 }
 
-/** What a request does. */
+/** What a request does, as a sentence. */
 export function effectOf(offer) {
-  return tOr(`effect.${offer.name}`, offer.effect);
+  return sentence(tOr(`effect.${offer.name}`, offer.effect));
 }
 
 /** What a parameter means. */
 export function meaningOf(offer, parameter) {
-  return tOr(`parameter.${offer.name}.${parameter.name}`, parameter.meaning);
+  return sentence(tOr(`parameter.${offer.name}.${parameter.name}`, parameter.meaning));
+}
+
+/** A message of the node, with its words for answers as the buttons have them. */
+export function withAnswers(message) {
+  return message.replace(/\b(mark_done|abort_job)\b/g, (word) => `“${t(`word.hold.${word}`)}”`);
 }
 
 /** Roles in words. */

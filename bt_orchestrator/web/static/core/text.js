@@ -58,6 +58,11 @@ function found(key) {
   return strings[key.slice(0, at)]?.[key.slice(at + 1)];
 }
 
+/** Words as a sentence begins. */
+export function sentence(words) {
+  return words.charAt(0).toLocaleUpperCase(LOCALES[language]) + words.slice(1);
+}
+
 /** Say a number. */
 export function number(value) {
   return value.toLocaleString(LOCALES[language]);

@@ -52,7 +52,8 @@ function beltWords(belt) {
 function slotView() {
   const number = h('span', { class: 'slot-number' });
   const item = itemName({ isShort: true });
-  const link = h('a', { class: 'slot-link' }, number, item.element);
+  const more = h('span', { class: 'for-readers' });
+  const link = h('a', { class: 'slot-link' }, number, item.element, more);
   const element = h('li', { class: 'slot' }, link);
   return {
     element,
@@ -60,7 +61,7 @@ function slotView() {
       attribute(element, 'data-slot', section.number);
       attribute(element, 'data-held', section.holds.length > 0);
       attribute(link, 'href', `#/section/${section.number}`);
-      attribute(link, 'aria-label', slotWords(section));
+      text(more, slotWords(section));
       text(number, section.number);
       item.update(section.slot);
     },

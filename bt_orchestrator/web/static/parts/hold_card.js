@@ -1,6 +1,7 @@
 /** One hold: where, what and why, and each answer with its consequence. */
 
 import { attribute, h, show, text } from '../core/dom.js';
+import { withAnswers } from '../core/requests.js';
 import { shownMoment } from '../core/store.js';
 import { at, duration, t, tOr } from '../core/text.js';
 import { offers } from './offers.js';
@@ -11,7 +12,7 @@ import { holdPlace } from './stands.js';
 export function holdCard() {
   let hold = null;
   const drawn = shape('triangle');
-  const place = h('h3', { class: 'hold-place' });
+  const place = h('h2', { class: 'hold-place' });
   const why = h('p', { class: 'hold-why' });
   const message = h('p', { class: 'hold-message' });
   const facts = h('p', { class: 'hold-facts' });
@@ -39,7 +40,7 @@ export function holdCard() {
       reshape(drawn, hold.is_pause ? 'pause' : 'triangle');
       text(place, holdTitle(hold));
       text(why, tOr(`reason.${hold.reason}`, hold.reason));
-      text(message, hold.message);
+      text(message, withAnswers(hold.message));
       attribute(message, 'title', hold.message);
       show(item, hold.item);
       if (hold.item) attribute(item, 'href', `#/item/${hold.item.split('/').map(encodeURIComponent).join('/')}`);

@@ -16,7 +16,7 @@ export function sectionCard() {
   const rows = new Map();
   const tasks = keyed(list, (task) => task.id, (task) => keepRow(rows, task.id));
   const wait = h('p', { class: 'section-wait' });
-  const element = h('article', { class: 'section-card' }, h('h3', {}, alarm, link), item.element, list, wait);
+  const element = h('article', { class: 'section-card' }, h('h2', {}, alarm, link), item.element, list, wait);
   return {
     element,
     tick: () => rows.forEach((row) => row.tick()),
