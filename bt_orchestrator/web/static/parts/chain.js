@@ -39,8 +39,9 @@ function taskOf(component) {
 /** Why one part waits for the next, in the viewer's language as far as it is data. */
 export function linkWords(link) {
   const here = part(link.part) ?? (link.part === 'initialization' ? initialization() : null);
-  const wait = here?.waits?.find((one) => one.words === link.words);
+  const wait = link.kind !== 'hold' && here?.waits?.find((one) => one.words === link.words);
   if (wait) return waitWords(wait);
+  if (link.to?.startsWith('hold/')) return t('wait.hold', { name: apart(link.to)[1] });
   const component = link.kind === 'task' ? part(link.to || link.part) : null;
   if (component?.task) return t('why.works', { component: component.name, task: component.task });
   return link.words;

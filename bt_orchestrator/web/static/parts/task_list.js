@@ -1,10 +1,10 @@
 /** A whole task list: each task with its mark, its component, its time against the expected one. */
 import { attribute, children, h, keyed, show, text } from '../core/dom.js';
-import { clock } from '../core/store.js';
-import { seconds, t, tOr } from '../core/text.js';
+import { t, tOr } from '../core/text.js';
 import { everySecond } from '../core/tick.js';
 import { componentLink } from './links.js';
 import { mark } from './mark.js';
+import { timeWords } from './task_row.js';
 
 /** A list of tasks: an element and `update(tasks)`. */
 export function taskList() {
@@ -30,7 +30,7 @@ function makeTask() {
   const reason = h('span', { class: 'task-reason' });
   const element = h('li', {}, state.element, h('span', {}, name, ' ', constant), component, time, reason);
   let task = null;
-  const sayTime = () => task && text(time, timeWords(task));
+  const sayTime = () => task && text(time, [attempt(task), timeWords(task)].filter(Boolean).join(' · '));
   everySecond(element, sayTime);
   return {
     element,
@@ -48,12 +48,6 @@ function makeTask() {
   };
 }
 
-function timeWords({ mark: name, started, expected_s: expected, attempt }) {
-  const again = attempt > 1 ? t('section.attempt', { attempt }) : '';
-  if (name !== 'running' || started === null) {
-    return [again, expected === null ? '' : t('section.expected', { time: seconds(expected) })].filter(Boolean).join(' · ');
-  }
-  const elapsed = seconds(Math.max(clock() - started, 0));
-  const against = expected === null ? elapsed : t('section.elapsed', { elapsed, expected: seconds(expected) });
-  return [again, against].filter(Boolean).join(' · ');
+function attempt(task) {
+  return task.attempt > 1 ? t('task.attempt', { attempt: task.attempt }) : '';
 }

@@ -1,10 +1,10 @@
 /** One component: whether it can work, what it does now, and what it did lately. */
-import { children, h, keyed, show } from '../core/dom.js';
+import { children, h, show } from '../core/dom.js';
 import { part, partsOf, subscribe } from '../core/store.js';
 import { t } from '../core/text.js';
 import { happenings, isEnd } from '../parts/happenings.js';
 import { history } from '../parts/history.js';
-import { holdHere } from '../parts/hold_here.js';
+import { holdList } from '../parts/hold_list.js';
 import { inPath, sectionLink } from '../parts/links.js';
 import { shape } from '../parts/shape.js';
 import { taskList } from '../parts/task_list.js';
@@ -31,8 +31,7 @@ class Component {
     this.unknown = h('p', { class: 'nothing' }, t('component.unknown', { name }));
     this.trouble = h('p', { class: 'trouble' });
     this.facts = h('dl', { class: 'facts' });
-    this.holds = h('div', { class: 'holds' });
-    this.fillHolds = keyed(this.holds, (hold) => hold.id, holdHere);
+    this.holds = holdList();
     this.list = taskList();
     this.feedback = h('div', { class: 'feedback' });
     this.history = history(`/api/components/${inPath(name)}/history`);
@@ -40,7 +39,7 @@ class Component {
       'div',
       {},
       this.trouble,
-      this.holds,
+      this.holds.element,
       h(
         'div',
         { class: 'now-sides' },
@@ -53,7 +52,7 @@ class Component {
   }
 
   end() {
-    this.fillHolds([]);
+    this.holds.update([]);
   }
 
   update() {
@@ -67,7 +66,7 @@ class Component {
     if (now !== this.shown) this.#show(component);
     this.shown = now;
     this.list.update(tasks);
-    this.fillHolds(partsOf('hold/').map(([, one]) => one).filter((one) => one.component === this.name));
+    this.holds.update(partsOf('hold/').map(([, one]) => one).filter((one) => one.component === this.name));
     if (this.hasNews()) this.history.soon();
   }
 

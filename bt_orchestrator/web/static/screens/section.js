@@ -1,11 +1,11 @@
 /** One section: what it does now, with feedback and holds, and what it did lately. */
-import { children, h, keyed, show } from '../core/dom.js';
+import { children, h, show } from '../core/dom.js';
 import { part, partsOf, subscribe } from '../core/store.js';
 import { t } from '../core/text.js';
 import { feedback } from '../parts/feedback.js';
 import { happenings, isEnd } from '../parts/happenings.js';
 import { history } from '../parts/history.js';
-import { holdHere } from '../parts/hold_here.js';
+import { holdList } from '../parts/hold_list.js';
 import { componentLink, itemLink, jobLink, sectionLink } from '../parts/links.js';
 import { offers } from '../parts/offers.js';
 import { taskList } from '../parts/task_list.js';
@@ -30,8 +30,7 @@ class Section {
     this.hasNews = happenings((event) => isEnd(event) && event.section === number);
     this.unknown = h('p', { class: 'nothing' }, t('section.unknown', { number }));
     this.about = h('p', { class: 'about' });
-    this.holds = h('div', { class: 'holds' });
-    this.fillHolds = keyed(this.holds, (hold) => hold.id, holdHere);
+    this.holds = holdList();
     this.waits = h('ul', { class: 'waits' });
     this.tasks = taskList();
     this.feedback = feedback();
@@ -44,7 +43,7 @@ class Section {
       'div',
       {},
       this.about,
-      this.holds,
+      this.holds.element,
       h(
         'div',
         { class: 'now-sides' },
@@ -64,7 +63,7 @@ class Section {
 
   end() {
     this.offers.end();
-    this.fillHolds([]);
+    this.holds.update([]);
   }
 
   update() {
@@ -75,7 +74,7 @@ class Section {
     const now = JSON.stringify([section, part('line')]);
     if (now !== this.shown) this.#show(section);
     this.shown = now;
-    this.fillHolds(section.holds.map((id) => part(`hold/${id}`)).filter(Boolean));
+    this.holds.update(section.holds.map((id) => part(`hold/${id}`)).filter(Boolean));
     if (this.hasNews()) this.history.soon();
   }
 
