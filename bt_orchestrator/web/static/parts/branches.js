@@ -4,8 +4,8 @@
 /** @typedef {{path: string, parent: string, level: number, place: number, among: number,
  *   branch: Branch, isOpen: boolean|null}} Line isOpen: null has no children */
 
-/** Where nothing happens it is folded, unless somebody opened it. */
-const isOpenAtFirst = (branch) => branch.status === 'running' || branch.status === 'failure';
+/** Where nothing happens it is folded, unless somebody opened it; a condition that fails is ordinary. */
+const isOpenAtFirst = (branch) => branch.status === 'running';
 
 /**
  * The lines that are shown, from the root downwards.

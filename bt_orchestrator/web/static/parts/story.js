@@ -1,6 +1,6 @@
 /** The record of an item told as a story: what happened to it, in order of time. */
 import { h } from '../core/dom.js';
-import { at, seconds, t, tOr } from '../core/text.js';
+import { at, duration, seconds, t, tOr } from '../core/text.js';
 import { componentLink, sectionLink } from './links.js';
 import { shape } from './shape.js';
 import { values } from './values.js';
@@ -16,7 +16,10 @@ const SHAPES = {
 
 /** The story of an item as a list; `record` is the answer of /api/items/ID. */
 export function story(record) {
-  return h('ol', { class: 'story', 'aria-label': t('item.story') }, entriesOf(record).map(told));
+  const entries = entriesOf(record);
+  const before = pauses(entries);
+  const list = entries.map((entry, place) => told(entry, before[place]));
+  return h('ol', { class: 'story', 'aria-label': t('item.story') }, list);
 }
 
 /** Everything that happened, oldest first: {time, kind, …}. */
@@ -28,16 +31,31 @@ export function entriesOf({ started, ended, how, tasks, holds, decisions }) {
   ];
   if (started !== null) entries.push({ time: started, kind: 'begun' });
   if (ended !== null) entries.push({ time: ended, kind: 'ended', how });
-  const order = ['begun', 'task', 'held', 'decision', 'ended'];
-  return entries.sort((one, other) =>
-    one.time - other.time || order.indexOf(one.kind) - order.indexOf(other.kind));
+  return entries.sort((one, other) => one.time - other.time || rankOf(one) - rankOf(other));
 }
 
-function told(entry) {
+/** What comes first of a moment: a task that needed no time, what it led to, and what followed. */
+function rankOf({ kind, outcome, started }) {
+  if (kind === 'task' && outcome === 'failed' && started === null) return 0;
+  return ['begun', 'held', 'decision', 'task', 'ended'].indexOf(kind);
+}
+
+/** How long nothing had happened before each entry: seconds, or null where it is not worth a word. */
+function pauses(entries) {
+  let end = null;
+  return entries.map(({ time, ended }) => {
+    const pause = end === null ? 0 : time - end;
+    end = Math.max(end ?? 0, ended ?? time);
+    return pause >= 1 ? pause : null;
+  });
+}
+
+function told(entry, pause) {
   return h(
     'li',
     { class: 'told', 'data-kind': entry.kind, 'data-outcome': entry.outcome ?? entry.how ?? null },
     h('time', { datetime: new Date(entry.time * 1000).toISOString() }, at(entry.time)),
+    h('span', { class: 'told-pause' }, pause === null ? '' : t('item.after', { time: duration(pause) })),
     h('div', { class: 'told-what' }, TOLD[entry.kind](entry)),
   );
 }

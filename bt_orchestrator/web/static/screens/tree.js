@@ -34,7 +34,7 @@ class Tree {
       ),
       h('p', { class: 'help' }, t('tree.help')),
       this.note,
-      this.view.element,
+      h('section', { class: 'panel' }, this.view.element),
     );
     this.version = '';
     this.onShown = () => this.#again(0);
