@@ -2,10 +2,23 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 
 from bt_orchestrator.model.status import ComponentStatus, JobStatus
 from bt_orchestrator.model.wait import Wait
+
+_PLACE = re.compile(r'(\d+|init)\.\d+')
+"""Id of a task whose script gives it none: section, or init, and number."""
+
+
+def task_label(task: str, name: str) -> str:
+    """Name a task in few words: its id; with its constant where the id is only its place.
+
+    :param task: id in the script; empty: none
+    :param name: task constant
+    """
+    return ' '.join(filter(None, (task, name))) if _PLACE.fullmatch(task) else task or name
 
 
 def wait_words(waits: Iterable[Wait]) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ from bt_orchestrator.model.hold_words import hold_words
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import CellDescription, CellStatus
+from bt_orchestrator.model.status_words import task_label
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.model.wish import Wish
 from bt_orchestrator.web.offers import add_offer, cell_offers, hold_offers
@@ -109,6 +110,7 @@ def hold_part(hold: Hold) -> dict[str, object]:
         'action': hold.action,
         'task': hold.task or '',
         'name': hold.name,
+        'label': task_label(hold.task or '', hold.name),
         'item': hold.item or '',
         'job': hold.job or '',
         'reason': hold.reason,

@@ -15,6 +15,7 @@ from bt_orchestrator.model.hold_words import why_words
 from bt_orchestrator.model.script import Script, SectionList, Task
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import CellDescription, JobStatus, SectionStatus, TaskStatus
+from bt_orchestrator.model.status_words import task_label
 from bt_orchestrator.model.wait import Wait
 
 Part = dict[str, object]
@@ -86,6 +87,7 @@ class TaskParts:
         return {
             'id': task.id,
             'name': task.name,
+            'label': task_label(task.id, task.name),
             'component': task.component,
             'step': place[0],
             'track': place[1],

@@ -9,6 +9,8 @@ from fakes.line import THREE, Line, with_initialization, with_section
 from fakes.page_parts import marks, page_parts, status_of
 from fakes.virtual_run import VirtualRun
 
+from bt_orchestrator.model.status_words import task_label
+
 LISTED = with_section(
     2,
     """
@@ -150,3 +152,16 @@ def test_a_status_of_which_no_script_is_known_still_has_its_parts() -> None:
     section = parts['section/1']
     assert isinstance(section, dict)
     assert section['tasks'] == []
+
+
+@pytest.mark.parametrize(
+    ('task', 'name', 'label'),
+    [
+        ('weigh', 'TASK_A', 'weigh'),
+        ('4.2', 'TASK_A', '4.2 TASK_A'),
+        ('init.1', 'HOME', 'init.1 HOME'),
+        ('', 'TASK_A', 'TASK_A'),
+    ],
+)
+def test_a_task_is_named_as_its_script_names_it(task: str, name: str, label: str) -> None:
+    assert task_label(task, name) == label

@@ -34,7 +34,7 @@ function reasonWords(cell) {
 /** Where a hold is, and of what. */
 export function holdPlace(hold) {
   const section = hold.section ? t('part.section', { number: hold.section }) : '';
-  return [section, hold.task || hold.name, hold.component].filter(Boolean).join(', ');
+  return [section, hold.label, hold.component].filter(Boolean).join(', ');
 }
 
 function wishWords(wish) {

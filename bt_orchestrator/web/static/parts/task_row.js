@@ -35,7 +35,7 @@ export function taskRow() {
       attribute(element, 'data-mark', task.mark);
       attribute(element, 'title', titleOf(task));
       drawn.update(task.mark);
-      text(name, task.id);
+      text(name, task.label);
       tick();
     },
   };
