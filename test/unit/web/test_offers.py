@@ -186,7 +186,7 @@ def test_what_changes_the_ends_of_jobs_can_be_asked_about_before() -> None:
     run.go(until=2.0)
     parts = page_parts(run)
     foreseen = {one['name']: one['foresee'] for one in parts['job/later']['offers']}
-    assert foreseen['job.next'] == {'name': 'job.next', 'arguments': {'job': 'later'}}
+    assert foreseen['job.hold'] == {'name': 'job.hold', 'arguments': {'job': 'later'}}
     assert None not in foreseen.values()
     add = parts['cell']['add']
     assert (add['path'], add['body']) == ('/api/queue/add', {})

@@ -10,6 +10,7 @@ const WITHIN_MS = 75000;
 const WAIT_MS = 400;
 /** Ends that differ by less are the same: both runs begin with the same moment. */
 const SAME_S = 1;
+const UNCHANGED = ['same', 'never'];
 /** Jobs that end as before are folded away where there are more of them. */
 const FEW = 8;
 
@@ -59,8 +60,8 @@ export function whatIf(command) {
   function show(found, due) {
     element.dataset.whatIf = found.refusals.length ? 'refused' : 'known';
     const rows = rowsOf(found, due);
-    const changed = rows.filter((row) => row.change !== 'same');
-    const same = rows.filter((row) => row.change === 'same');
+    const changed = rows.filter((row) => !UNCHANGED.includes(row.change));
+    const same = rows.filter((row) => UNCHANGED.includes(row.change));
     children(
       element,
       heading(),
@@ -102,7 +103,7 @@ function endsOf(jobs) {
 function changeOf({ before, after }) {
   if (before === undefined) return 'new';
   if (after === undefined) return 'gone';
-  if (before === null || after === null) return before === after ? 'same' : after === null ? 'open' : 'known';
+  if (before === null || after === null) return before === after ? 'never' : after === null ? 'open' : 'known';
   if (Math.abs(after - before) < SAME_S) return 'same';
   return after > before ? 'later' : 'earlier';
 }
@@ -113,7 +114,7 @@ function isLate(ends, due) {
 
 function summary(rows) {
   const count = (change) => rows.filter((row) => row.change === change).length;
-  const words = ['later', 'earlier', 'gone', 'open'].filter(count).map((change) => t(`whatif.count_${change}`, { count: count(change) }));
+  const words = ['later', 'earlier', 'gone', 'open', 'never'].filter(count).map((change) => t(`whatif.count_${change}`, { count: count(change) }));
   const missed = rows.filter((row) => row.isLate && !row.wasLate);
   if (missed.length) words.push(t('whatif.count_missed', { count: missed.length, jobs: missed.map((row) => row.job).join(', ') }));
   return words.length ? `${words.join('; ')}.` : t('whatif.nothing');
