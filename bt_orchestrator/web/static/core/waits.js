@@ -9,13 +9,22 @@ const KEYS = [
   { kind: 'zone', by: 'task', key: 'zone_task' },
 ];
 
+/** Of more sections than these only their number is said. */
+const FEW = 3;
+
 /** Say one wait. */
 export function waitWords(wait) {
-  if (currentLanguage() === 'en' && wait.words) return wait.words;
-  const sections = wait.sections.map((number) => t('part.section', { number })).join(', ');
+  if (currentLanguage() === 'en' && wait.words && wait.sections.length <= FEW) return wait.words;
+  const sections = sectionWords(wait.sections);
   const key = KEYS.find((one) => one.kind === wait.kind && wait[one.by])?.key ?? wait.kind;
   const holder = [wait.task, sections].filter(Boolean).join(', ');
   return t(`wait.${key}`, { name: wait.name, task: wait.task, sections, holder });
+}
+
+function sectionWords(numbers) {
+  const named = numbers.slice(0, FEW).map((number) => t('part.section', { number }));
+  const more = numbers.length - named.length;
+  return [...named, more > 0 ? t('wait.more_sections', { count: more }) : ''].filter(Boolean).join(', ');
 }
 
 /** The waits that matter, or else the first of the ordinary ones: one line. */

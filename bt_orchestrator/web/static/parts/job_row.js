@@ -1,7 +1,9 @@
 /** One job in the overview: its state, its bar, and when it will be done. */
 
 import { attribute, h, show, text } from '../core/dom.js';
+import { part } from '../core/store.js';
 import { about, t, tOr } from '../core/text.js';
+import { foremostWait, waitWords } from '../core/waits.js';
 import { jobBar } from './bar.js';
 
 const MADE = ['done', 'marked_done', 'skipped', 'continued'];
@@ -11,10 +13,11 @@ export function jobRow() {
   const link = h('a', { class: 'job-link one-line' });
   const script = h('span', { class: 'job-script one-line' });
   const state = h('span', { class: 'job-word' });
+  const count = h('span', { class: 'job-count' });
   const ends = h('span', { class: 'job-ends' });
   const bar = jobBar();
   const preparing = h('p', { class: 'job-preparing one-line' });
-  const element = h('li', { class: 'job' }, h('div', { class: 'job-head' }, link, script, state, ends), bar.element, preparing);
+  const element = h('li', { class: 'job' }, h('div', { class: 'job-head' }, link, script, state, count, ends), bar.element, preparing);
   return {
     element,
     update(job) {
@@ -26,6 +29,9 @@ export function jobRow() {
       text(script, job.script);
       text(state, jobStateWords(job));
       text(ends, job.ends ? t('overview.ends', { time: about(job.ends) }) : '');
+      const waits = job.position > 0;
+      text(count, waits ? t('overview.items', { count: job.quantity }) : '');
+      show(bar.element, !waits);
       bar.update(job);
       const said = preparingWords(job);
       show(preparing, said);
@@ -47,5 +53,6 @@ function preparingWords(job) {
   if (!open.length || job.position > 1) return '';
   const busy = open.filter((task) => task.mark !== 'new').map((task) => `${task.name || task.id} ${t(`mark.${task.mark}`)}`);
   const count = t('overview.prepared', { done: job.tasks.length - open.length, all: job.tasks.length });
-  return [count, ...busy].join(' · ');
+  const wait = foremostWait(part('cell')?.initialization ?? []);
+  return [count, ...busy, wait && waitWords(wait)].filter(Boolean).join(' · ');
 }

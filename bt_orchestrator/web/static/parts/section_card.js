@@ -30,11 +30,18 @@ export function sectionCard() {
       reshape(alarm, isHeld ? 'triangle' : 'none');
       item.update(section.item ?? section.slot);
       tasks(section.tasks);
-      attribute(wait, 'data-ordinary', foremost?.is_ordinary ?? true);
+      attribute(wait, 'data-ordinary', !foremost || isQuiet(foremost, isHeld));
       attribute(wait, 'title', section.waits.map(waitWords).join('\n'));
       text(wait, foremost ? waitWords(foremost) : '');
     },
   };
+}
+
+/** For an answer somewhere else all sections wait; the hold and the bar say it once. */
+const SAID_ELSEWHERE = ['hold', 'pause', 'cell_state'];
+
+function isQuiet(wait, isHeld) {
+  return wait.is_ordinary || (!isHeld && SAID_ELSEWHERE.includes(wait.kind));
 }
 
 function keepRow(rows, id) {

@@ -116,9 +116,15 @@ function live(parent, key, make) {
   const views = new Map();
   const update = keyed(parent, key, (thing) => {
     const view = make();
+    let shown = null;
     views.set(key(thing), view);
     return {
       ...view,
+      update(now) {
+        // A part that did not change is the same object: of a hundred sections few change at once.
+        if (now !== shown) view.update(now);
+        shown = now;
+      },
       end() {
         view.end?.();
         views.delete(key(thing));
