@@ -11,9 +11,10 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from process_use import cpu_s, memory_mb
+
 from bench.chain import PLAIN
 from bench.counted_node import FILE
-from bench.process import cpu_s, memory_mb
 from bench.rows import Row, percentile
 from bench.stand import TASKS_A_CYCLE, Measured, Stand, stand, until
 from bt_orchestrator.node_parameters import EVENTS, SINGLE

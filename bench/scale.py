@@ -16,11 +16,11 @@ from typing import Any
 
 from bt_orchestrator_interfaces.srv import SubmitOrder
 from fakes.journal_reading import journal_reading
+from process_use import cpu_s, memory_mb
 from program_process import ProgramProcess
 from ros_domain import OwnDomain
 
 from bench.line_files import cell_text, script_text
-from bench.process import cpu_s, memory_mb
 from bench.rows import percentile
 from bench.stand import until
 from bt_orchestrator.model.records import Wanted

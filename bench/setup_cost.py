@@ -9,10 +9,10 @@ import sys
 import time
 
 import rclpy
+from process_use import memory_mb
 from rclpy.node import Node
 
 from bench.line_files import SECTIONS, cell_text, script_text
-from bench.process import memory_mb
 from bt_orchestrator.cli.bootstrap import installed_types
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job

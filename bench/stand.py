@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from bt_orchestrator_interfaces.srv import SubmitOrder
+from process_use import family_cpu_s
 from program_process import ProgramProcess
 from ros_domain import OwnDomain
 
 from bench.line_files import SECTIONS, cell_text, script_text
-from bench.process import family_cpu_s
 from bt_orchestrator.ros.link.client import NodeClient
 
 TASKS_A_CYCLE = 10

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import socket
 from collections.abc import Sequence
 from pathlib import Path
+from urllib.request import urlopen
 
-from program_process import ProgramProcess
+from program_process import PATIENCE_S, ProgramProcess
 
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.users.file import UsersFile
@@ -40,13 +42,19 @@ class PageProcess:
 
     def wait_ready(self) -> None:
         """Wait until it serves."""
-        self.process.wait_ready('page of ')
+        self.process.wait_ready()
 
     def kill_and_restart(self) -> None:
         """Kill it as kill -9 does, and start it again."""
         self.process.kill()
         self.start()
         self.wait_ready()
+
+    @property
+    def readers(self) -> int:
+        """How many streams it has open."""
+        with urlopen(f'http://127.0.0.1:{self.port}/healthz', timeout=PATIENCE_S) as answer:
+            return int(json.load(answer)['readers'])
 
     def stop(self) -> None:
         """End it as Ctrl-C does, and fail unless it ends well."""

@@ -36,6 +36,10 @@ AGAIN_S = 1.0
 SILENT_S = 3.0
 """A node that says nothing for so long is away: it says something once a second."""
 
+DEAF_S = 10.0
+"""After such a silence the doors are opened anew. A process that stood still for longer than DDS
+waits for a sign of life (20 s) does not hear the others again, nor do they hear it."""
+
 
 class Ending(Exception):
     """The page ends."""
@@ -72,6 +76,10 @@ class FollowingDoor:
         self.error: BaseException | None = None
         """Why the thread ended by itself; None: it has not."""
         self.on_error: Callable[[], object] = _nothing
+        self.on_deaf: Callable[[CellLink], object] = _nothing
+        """Called in the thread with a door that will be closed, and another one opened."""
+        self._place: Began | None = None
+        """How far it has followed; None: it has not begun."""
 
     def start(self) -> None:
         """Begin to follow."""
@@ -108,25 +116,40 @@ class FollowingDoor:
     def on_event(self, event: Event) -> None:
         """Take note."""
         self._facts.append(Happened(event))
+        self._go_on(event.seq)
 
     def on_gap(self, first: int, last: int) -> None:
         """Take note."""
         self._facts.append(Lost(first, last))
+        self._go_on(last)
 
     def on_history(self, history: str) -> None:
         """Take note."""
-        self._facts.append(Began(history, 0))
+        self._begin(history, 0)
+
+    def _begin(self, history: str, last: int) -> Began:
+        place = self._place = Began(history, last)
+        self._facts.append(place)
+        return place
+
+    def _go_on(self, last: int) -> None:
+        assert self._place is not None
+        self._place = Began(self._place.history, last)
 
     # --- the thread -------------------------------------------------------------------------
 
     def _run(self) -> None:
         try:
-            with self._open(self._check) as door:
-                self._follow(door)
-                self._door = door
-                while True:
-                    self._check()
-                    self._turn(door)
+            while True:
+                with self._open(self._check) as door:
+                    self._follow(door)
+                    self._door = door
+                    while door.silent_s < DEAF_S:
+                        self._check()
+                        self._turn(door)
+                    self._since = time.monotonic() - door.silent_s
+                    self._door = None
+                    self.on_deaf(door)
         except Ending:
             pass
         except BaseException as error:  # noqa: BLE001 - it is told where the page was started
@@ -142,15 +165,19 @@ class FollowingDoor:
         while True:
             self._check()
             try:
-                status = door.status()
-                # The status tells of an event a moment after it has happened, the journal at once.
-                page = door.events_after(status.seq, 1)
-                door.follow(self, page.last_seq, page.history)
+                place = self._place or self._begin_at_end(door)
+                door.follow(self, place.last, place.history)
             except NodeUnreachable:
                 self._ending.wait(STEP_S)
             else:
-                self._facts.append(Began(page.history, page.last_seq))
                 return
+
+    def _begin_at_end(self, door: CellLink) -> Began:
+        """Begin after what has happened so far."""
+        status = door.status()
+        # The status tells of an event a moment after it has happened, the journal at once.
+        page = door.events_after(status.seq, 1)
+        return self._begin(page.history, page.last_seq)
 
     def _turn(self, door: CellLink) -> None:
         while not self._to_do.empty():
@@ -175,6 +202,7 @@ class AskingDoor:
         self._numbers = itertools.count()
         self._questions: queue.PriorityQueue[tuple[int, int, Any, Any]] = queue.PriorityQueue()
         self._is_ending = False
+        self._is_deaf = False
         self._thread = threading.Thread(target=self._run, name='page: asking', daemon=True)
 
     def start(self) -> None:
@@ -191,6 +219,10 @@ class AskingDoor:
             raise NodeUnreachable('the page ends')
         self._questions.put((urgency, next(self._numbers), question, future))
         return await future
+
+    def renew(self) -> None:
+        """Have the next question asked through another door; from any thread."""
+        self._is_deaf = True
 
     def end(self) -> None:
         """Refuse what was not asked yet, and ask the thread to end."""
@@ -214,6 +246,9 @@ class AskingDoor:
                 if future.cancelled():
                     continue
                 try:
+                    if self._is_deaf:
+                        self._is_deaf, door = False, None
+                        stack.close()
                     if door is None:
                         door = stack.enter_context(self._open(self._check))
                     self._settle(future.set_result, future, question(door))
@@ -291,5 +326,5 @@ class Doors:
         return await self.read(lambda door: door.moment())
 
 
-def _nothing() -> None:
+def _nothing(*_: object) -> None:
     """Placeholder until somebody listens."""

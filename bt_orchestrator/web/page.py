@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 
 from bt_orchestrator.errors import NodeUnreachable
 from bt_orchestrator.model.status import CellDescription, CellStatus
+from bt_orchestrator.ports import CellLink
 from bt_orchestrator.web.access import Access
 from bt_orchestrator.web.archive.archive import Archive
 from bt_orchestrator.web.archive.heard import Heard
@@ -74,10 +75,18 @@ class Page:
         trees = self.sources.trees
         self.shelf = Shelf(self.known, self.archive, trees, self._ask_moment)
         self._following.on_error = on_error
+        self._following.on_deaf = self._leave
         self._following.start()
         self._asking.start()
         self._spawn(self._open_early())
         self._spawn(self._beat())
+
+    def _leave(self, door: CellLink) -> None:
+        """Keep nothing of a door that will be closed; called in its thread."""
+        self.tree.leave(door)
+        self._asking.renew()
+        with contextlib.suppress(RuntimeError):  # the loop has ended
+            self._loop.call_soon_threadsafe(self.tree.close)
 
     def end(self) -> None:
         """End all streams and refuse further questions; the threads end a moment later."""

@@ -67,7 +67,7 @@ class TreeWatch:
         if self._closing is not None:
             self._closing.cancel()
         self._closing = self._come = self._plain = None
-        self._do(self._end)
+        self._do(self.leave)
 
     # --- in the loop ------------------------------------------------------------------------
 
@@ -86,7 +86,7 @@ class TreeWatch:
                 loop.call_soon_threadsafe(take, plain_branch(tree))
 
         def begin(door: CellLink) -> None:
-            self._end(door)
+            self.leave(door)
             self._watch = door.watch_tree(hear)
 
         self._do(begin)
@@ -98,7 +98,8 @@ class TreeWatch:
 
     # --- in the thread that follows ---------------------------------------------------------
 
-    def _end(self, _: CellLink) -> None:
+    def leave(self, _: CellLink) -> None:
+        """Watch nothing through this door any more."""
         if self._watch is not None:
             self._watch.close()
             self._watch = None

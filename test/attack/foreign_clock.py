@@ -11,7 +11,6 @@ journal. All times are of the machine's monotonic clock.
 from __future__ import annotations
 
 import json
-import os
 import sys
 import time
 from pathlib import Path
@@ -19,6 +18,7 @@ from typing import Any
 
 from action_caller import ActionCaller
 from attack.plain_node import NAME
+from process_use import memory_mb
 from rcl_interfaces.srv import GetParameters
 
 PINGS, SAMPLES, PID = 'pings.jsonl', 'samples.jsonl', 'node.pid'
@@ -28,8 +28,6 @@ _AGAIN_S = 1.0
 """A service keeps ten requests: the first question tells all of a stall of up to 10 s."""
 
 _SAMPLE_EVERY_S = 0.2
-
-_PAGE = os.sysconf('SC_PAGE_SIZE')
 
 
 class Pinged:
@@ -101,14 +99,6 @@ def main(folder: Path, journal: Path) -> None:
         for node in nodes:
             node.look(now)
         ros.spin_for(EVERY_S / 10)
-
-
-def memory_mb(pid: int) -> float:
-    """Return the resident memory of a process.
-
-    :raises OSError: it is gone
-    """
-    return int(Path(f'/proc/{pid}/statm').read_text().split()[1]) * _PAGE / 1e6
 
 
 def _sample(file: Path, now: float, pid: int, journal: Path) -> None:

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from browser import find_browser
+from page_process import PASSWORD
 from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
 
 PATIENCE_S = 60.0
@@ -133,6 +134,39 @@ class Tab:
             state = {name: self.data(name) for name in ('news', 'first', 'seq', 'gaps', 'twice')}
             assert time.monotonic() < deadline, f'waited {within_s:g} s for {what}; {state}'
             self.page.wait_for_timeout(_LOOK_MS)
+
+    def log_in(self, name: str) -> None:
+        """Log in by the menu in the corner, with the password of all."""
+        self.page.locator('[data-menu="person"] > summary').click()
+        self.page.locator('[data-menu="person"] [data-do="log-in"]').click()
+        self.fill_login(name)
+
+    def fill_login(self, name: str) -> None:
+        """Say who it is, in the dialog that asks for it."""
+        dialog = self.page.locator('dialog[data-dialog="login"]')
+        dialog.locator('[name="username"]').fill(name)
+        dialog.locator('[name="password"]').fill(PASSWORD)
+        dialog.locator('[data-do="log-in"]').click()
+        dialog.wait_for(state='detached')
+
+    def answer(self, hold: str, answer: str, reason: str) -> None:
+        """Answer a hold by the buttons of its card."""
+        self.page.locator(f'[data-hold="{hold}"] [data-offer="hold.{answer}"]').click()
+        self.confirm(f'hold.{answer}', reason)
+
+    def confirm(self, request: str, reason: str) -> None:
+        """Give the reason in the dialog of a request, and send it; it must be accepted."""
+        dialog = self.page.locator(f'dialog[data-dialog="{request}"]')
+        dialog.locator('[name="reason"]').fill(reason)
+        held = dialog.locator('[data-hold-to-confirm]')
+        if held.count():
+            held.hover()
+            self.page.mouse.down()
+            dialog.wait_for(state='detached')
+            self.page.mouse.up()
+        else:
+            dialog.locator('[data-do="send"]').click()
+            dialog.wait_for(state='detached')
 
     def count(self, selector: str) -> int:
         """Return how many elements there are."""

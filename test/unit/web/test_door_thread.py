@@ -6,13 +6,14 @@ import asyncio
 import threading
 from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from bt_orchestrator.errors import NodeUnreachable
-from bt_orchestrator.ports import CellLink
-from bt_orchestrator.web.door_thread import AskingDoor, Doors
+from bt_orchestrator.ports import CellLink, EventPage
+from bt_orchestrator.web.door_thread import DEAF_S, AskingDoor, Began, Doors, Fact, FollowingDoor
 
 PATIENCE_S = 20.0
 
@@ -161,3 +162,61 @@ def test_reading_is_refused_at_once_while_the_node_is_silent_but_a_command_is_se
         assert await asking.call(door.quick('abort'), AskingDoor.COMMAND) == 'abort'
 
     assert with_asking(work).asked == ['abort']
+
+
+class DeafLink:
+    """A door to a node that is heard until it is not; notes from where it is followed."""
+
+    def __init__(self) -> None:
+        self.silent_s = 0.0
+        self.followed: list[tuple[int, str]] = []
+        self.turned = threading.Event()
+
+    def status(self) -> Any:
+        return SimpleNamespace(seq=4)
+
+    def events_after(self, seq: int, most: int) -> EventPage:
+        return EventPage('a', (), 1, 5)
+
+    def follow(self, listener: FollowingDoor, after_seq: int, history: str) -> None:
+        self.followed.append((after_seq, history))
+        listener.on_gap(after_seq + 1, after_seq + 2)
+
+    def turn(self, within_s: float) -> None:
+        self.turned.set()
+        threading.Event().wait(0.001)  # as a door that waits for messages
+
+
+def test_a_door_that_has_gone_deaf_is_opened_anew_and_misses_nothing() -> None:
+    links = [DeafLink(), DeafLink()]
+    opened = iter(links)
+    left: list[object] = []
+    facts: list[Fact] = []
+
+    @contextmanager
+    def open_door(meanwhile: Callable[[], object]) -> Iterator[Any]:
+        yield next(opened)
+
+    door = FollowingDoor(open_door, facts.extend)
+    door.on_deaf = left.append
+    door.start()
+    assert links[0].turned.wait(PATIENCE_S)
+    links[0].silent_s = DEAF_S
+    assert links[1].turned.wait(PATIENCE_S)
+    door.end()
+    door.join()
+    assert door.error is None
+    assert left == [links[0]]
+    assert [link.followed for link in links] == [[(5, 'a')], [(7, 'a')]]
+    assert [one for one in facts if isinstance(one, Began)] == [Began('a', 5)]
+
+
+def test_the_next_question_goes_through_another_door_if_this_one_is_deaf() -> None:
+    async def work(door: Door, asking: AskingDoor) -> None:
+        assert await asking.call(door.quick('one')) == 'one'
+        asking.renew()
+        assert await asking.call(door.quick('two')) == 'two'
+        assert await asking.call(door.quick('three')) == 'three'
+
+    door = with_asking(work)
+    assert (door.opened, door.closed) == (2, 2)

@@ -15,7 +15,10 @@ def cpu_s(pid: int) -> float:
 
 
 def memory_mb(pid: int) -> float:
-    """Return the resident memory of a process."""
+    """Return the resident memory of a process.
+
+    :raises OSError: it is gone
+    """
     return int(Path(f'/proc/{pid}/statm').read_text().split()[1]) * _PAGE / 1e6
 
 
