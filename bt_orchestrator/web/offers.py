@@ -7,6 +7,7 @@ are not looked at here: an offer says for which it is.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import lru_cache
 
 from bt_orchestrator.model.events import INDEX_KEY
 from bt_orchestrator.model.jobs import job_control
@@ -89,34 +90,52 @@ def _hold_offer(request: Request, hold: Hold) -> Offer:
     return offer
 
 
-def item_offers(item: ItemStatus | None) -> list[Offer]:
+def item_offers(item: ItemStatus | None) -> Sequence[Offer]:
     """Return what can be asked about the item in a slot."""
-    return [_offer(REMOVE_ITEM, item.id)] if item is not None and item.present else []
+    return _item_offers(item.id) if item is not None and item.present else []
 
 
-def job_offers(job: JobStatus, status: CellStatus) -> list[Offer]:
+@lru_cache(maxsize=1024)
+def _item_offers(item: str) -> Sequence[Offer]:
+    return [_offer(REMOVE_ITEM, item)]
+
+
+def job_offers(job: JobStatus, status: CellStatus) -> Sequence[Offer]:
     """Return what can be asked of a job."""
+    return _job_offers(
+        job.id,
+        job.state,
+        job.ending,
+        is_next=job.position == 1,
+        is_alone=status.queued <= 1,
+        is_cell_stopped=status.stop_reason is StopReason.OPERATOR,
+    )
+
+
+@lru_cache(maxsize=1024)
+def _job_offers(
+    job: str, state: JobWord, ending: str, *, is_next: bool, is_alone: bool, is_cell_stopped: bool
+) -> Sequence[Offer]:
+    """Return the offers of a job; cached for long queues, of which each status tells 100 jobs.
+
+    :param is_alone: no other job is in the queue
+    :param is_cell_stopped: a person has stopped it; then every job on it has the word of a pause
+    """
+    nothing_new = {
+        MOVE.word: is_alone,
+        NEXT.word: is_next and state is not JobWord.NOT_ALLOWED_TO_START,
+        job_control.RESUME.verb: is_cell_stopped,
+    }
     return [
-        _offer(request, job.id)
-        for request in of_job(job.state, job.ending)
-        if _changes_job(request, job, status)
+        _offer(request, job)
+        for request in of_job(state, ending)
+        if not nothing_new.get(request.word, False)
     ]
 
 
 def add_offer() -> Offer:
     """Return what is always possible: to queue orders."""
     return _offer(ADD)
-
-
-def _changes_job(request: Request, job: JobStatus, status: CellStatus) -> bool:
-    if request is MOVE:
-        return status.queued > 1
-    if request is NEXT:
-        return job.position != 1 or job.state is JobWord.NOT_ALLOWED_TO_START
-    if request.word == 'resume':
-        # While a person has stopped the whole cell, every job on it has this word.
-        return status.stop_reason is not StopReason.OPERATOR
-    return True
 
 
 def _offer(
