@@ -80,6 +80,8 @@ class GuardMiddleware:
             _check_origin(headers, host, scope['scheme'], self._access)
             _check_content(headers)
         caller = _caller(scope, headers, self._access)
+        if scope['method'] not in _LOOKING:
+            self._people.use(caller)
         session = self._people.who(caller)
         state = scope.setdefault('state', {})
         state['caller'], state['session'] = caller, session

@@ -56,10 +56,7 @@ class _Me:
         self._access = people.access
 
     async def tell(self, request: Request) -> Response:
-        caller: Caller = request.state.caller
-        if request.method == 'POST':
-            self._people.use(caller)
-        return self._told(caller)
+        return self._told(request.state.caller)
 
     async def log_in(self, request: Request) -> Response:
         if self._access.proxy_header:

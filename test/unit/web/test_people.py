@@ -168,6 +168,13 @@ def test_looking_does_not_keep_it_open_but_somebody_does(bench: PeopleBench) -> 
     assert browser.post('/api/active').json['is_locked'], 'no sign of life unlocks it'
 
 
+def test_whatever_is_posted_keeps_it_open(bench: PeopleBench) -> None:
+    browser = bench.logged_in('ann')
+    bench.now += IDLE_S - 1
+    assert browser.post('/api/echo').status == 200
+    assert browser.get('/api/me').json['idle_s'] == IDLE_S
+
+
 def test_a_locked_session_is_unlocked_by_the_password_alone(bench: PeopleBench) -> None:
     browser = bench.logged_in('ann')
     assert browser.post('/api/lock').json['is_locked']
