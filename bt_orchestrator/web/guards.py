@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 
 from starlette.datastructures import Headers, MutableHeaders
-from starlette.requests import Request
+from starlette.requests import ClientDisconnect, Request
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from bt_orchestrator.web.access import Access
@@ -56,6 +56,8 @@ class GuardMiddleware:
             await self._app(scope, receive, answering.send)
         except Problem as refused:
             await refused.response()(scope, receive, answering.send)
+        except ClientDisconnect:
+            log.info('whoever sent %s %s has left', scope['method'], scope['path'])
         except Exception:
             log.exception('error in %s %s', scope['method'], scope['path'])
             if answering.has_begun:

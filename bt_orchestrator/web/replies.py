@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 from collections.abc import Mapping
 from typing import Any
@@ -56,6 +57,9 @@ _WORDS: Mapping[int, str] = {
 HANDLERS: Mapping[Any, Any] = {HTTPException: _of_http}
 """For the application: errors that no guard sees as they are raised."""
 
+BODY_S = 10.0
+"""Longest time for a body to come."""
+
 BODY_DEPTH = 32
 """Most lists and objects within each other."""
 
@@ -68,11 +72,10 @@ async def body_of(request: Request) -> dict[str, Any]:
 
     :raises Problem: there is none, or it is too long
     """
-    text = bytearray()
-    async for piece in request.stream():
-        text += piece
-        if len(text) > BODY_BYTES:
-            raise Problem(413, f'a request has at most {BODY_BYTES} bytes')
+    try:
+        text = await asyncio.wait_for(_read(request), BODY_S)
+    except asyncio.TimeoutError as error:
+        raise Problem(408, f'the request did not come within {BODY_S:g} s') from error
     try:
         found = json.loads(text or b'{}', parse_constant=_refused)
         _check(found, BODY_DEPTH)
@@ -81,6 +84,15 @@ async def body_of(request: Request) -> dict[str, Any]:
     if not isinstance(found, dict):
         raise Problem(422, f'the body is a JSON object; found {found!r:.100}')
     return found
+
+
+async def _read(request: Request) -> bytes:
+    text = bytearray()
+    async for piece in request.stream():
+        text += piece
+        if len(text) > BODY_BYTES:
+            raise Problem(413, f'a request has at most {BODY_BYTES} bytes')
+    return bytes(text)
 
 
 def _refused(word: str) -> None:

@@ -45,6 +45,8 @@ class Browser:
     cookies: dict[str, str] = field(default_factory=dict)
     headers: dict[str, str] = field(default_factory=dict)
     """In every request; an empty one is left out."""
+    sends_whole: bool = True
+    """Or sends the beginning of a body, and no more."""
 
     def get(self, path: str, **headers: str) -> Answered:
         """Ask for something."""
@@ -82,7 +84,8 @@ class Browser:
             'server': ('127.0.0.1', 8080),
             'state': {},
         }
-        pieces = [{'type': 'http.request', 'body': body, 'more_body': False}]
+        more_comes = not self.sends_whole
+        pieces = [{'type': 'http.request', 'body': body, 'more_body': more_comes}]
         sent: list[dict[str, Any]] = []
 
         async def receive() -> dict[str, Any]:

@@ -14,6 +14,7 @@ from fakes.quick_users import PASSWORD, write_users
 
 from bt_orchestrator.model.requests import TABLE
 from bt_orchestrator.model.roles import Role
+from bt_orchestrator.web import replies
 from bt_orchestrator.web.access import IDLE_S, SESSION_S
 from bt_orchestrator.web.attempts import FREE_OF_NAME
 from bt_orchestrator.web.people import MOST_WAITING
@@ -378,6 +379,16 @@ def test_bodies(bench: PeopleBench, body: bytes, status: int) -> None:
     answer = bench.logged_in('ann').post('/api/echo', body)
     assert answer.status == status, answer.body
     assert status == 200 or answer.message
+
+
+def test_a_body_that_does_not_come_is_not_waited_for(
+    bench: PeopleBench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(replies, 'BODY_S', 0.01)
+    browser = bench.logged_in('ann')
+    browser.sends_whole = False
+    answer = browser.post('/api/echo', {'a': 1})
+    assert (answer.status, answer.message) == (408, 'the request did not come within 0.01 s')
 
 
 def test_errors_are_a_sentence_and_no_traceback(bench: PeopleBench) -> None:
