@@ -120,7 +120,7 @@ class Book:
     def told(self, found: Lost | list[Happened]) -> bytes:
         """Return a message of events, or of a gap in them."""
         if isinstance(found, Lost):
-            return messages.message('gap', first=found.first, last=found.last)
+            return messages.gap(self.history, found.first, found.last)
         return messages.happened(self.history, found[-1].last, (one.text for one in found))
 
     def next_parts(self, cursor: Cursor) -> bytes | None:

@@ -31,7 +31,13 @@ STEP_S = 0.1
 """Longest time between two looks at whether to end."""
 
 AGAIN_S = 1.0
-"""Pause before a door is tried again at which something went wrong."""
+"""Pause before another door is opened, when the node could not tell its events at the last one."""
+
+STEADY_S = 5.0
+"""A node that could not tell its events counts as silent until it has told them for so long."""
+
+FAREWELL_S = 2.0
+"""Longest wait for a thread: the middleware may hang, and the page ends all the same."""
 
 SILENT_S = 3.0
 """A node that says nothing for so long is away: it says something once a second."""
@@ -68,9 +74,12 @@ class FollowingDoor:
         self._tell = tell
         self._facts: list[Fact] = []
         self._door: CellLink | None = None
-        """None: nothing was heard of the node yet."""
+        """None: there was none yet."""
+        self._unheard_since: float | None = time.monotonic()
+        """Since when the node is not followed; None: it is."""
+        self._well_from = 0.0
+        """When the node, which is followed again, counts as heard."""
         self._to_do: queue.SimpleQueue[Callable[[CellLink], object]] = queue.SimpleQueue()
-        self._since = time.monotonic()
         self._ending = threading.Event()
         self._thread = threading.Thread(target=self._run, name='page: following', daemon=True)
         self.error: BaseException | None = None
@@ -88,8 +97,11 @@ class FollowingDoor:
     @property
     def silent_s(self) -> float:
         """For how long nothing was heard of the node, seconds; from any thread."""
-        door = self._door
-        return time.monotonic() - self._since if door is None else door.silent_s
+        since = self._unheard_since
+        if since is not None:
+            return time.monotonic() - since
+        assert self._door is not None
+        return self._door.silent_s
 
     def do(self, work: Callable[[CellLink], object]) -> None:
         """Have something done in the thread between two turns of its door; from any thread.
@@ -105,7 +117,7 @@ class FollowingDoor:
     def join(self) -> None:
         """Wait for the end."""
         if self._thread.is_alive():
-            self._thread.join()
+            self._thread.join(FAREWELL_S)
 
     # --- the listener -----------------------------------------------------------------------
 
@@ -143,12 +155,7 @@ class FollowingDoor:
             while True:
                 with self._open(self._check) as door:
                     self._follow(door)
-                    self._door = door
-                    while door.silent_s < DEAF_S:
-                        self._check()
-                        self._turn(door)
-                    self._since = time.monotonic() - door.silent_s
-                    self._door = None
+                    self._hear(door)
                     self.on_deaf(door)
         except Ending:
             pass
@@ -170,6 +177,7 @@ class FollowingDoor:
             except NodeUnreachable:
                 self._ending.wait(STEP_S)
             else:
+                self._door = door
                 return
 
     def _begin_at_end(self, door: CellLink) -> Began:
@@ -179,16 +187,32 @@ class FollowingDoor:
         page = door.events_after(status.seq, 1)
         return self._begin(page.history, page.last_seq)
 
-    def _turn(self, door: CellLink) -> None:
+    def _hear(self, door: CellLink) -> None:
+        """Hear what happens, until nothing is heard any more, or the node cannot tell it."""
+        while door.silent_s < DEAF_S:
+            self._check()
+            if time.monotonic() >= self._well_from:
+                self._unheard_since = None
+            if not self._turn(door):
+                self._unheard_since = self._unheard_since or time.monotonic()
+                self._well_from = time.monotonic() + STEADY_S
+                self._ending.wait(AGAIN_S)
+                return
+        self._unheard_since = time.monotonic() - door.silent_s
+
+    def _turn(self, door: CellLink) -> bool:
+        """Turn once, and hand on what was heard; tells whether the node can tell its events."""
         while not self._to_do.empty():
             self._to_do.get()(door)
         try:
             door.turn(STEP_S)
-        except NodeUnreachable:  # it cannot read its journal: it may be able to later
-            self._ending.wait(AGAIN_S)
-        if self._facts:
-            facts, self._facts = self._facts, []
-            self._tell(facts)
+        except NodeUnreachable:
+            return False
+        finally:
+            if self._facts:
+                facts, self._facts = self._facts, []
+                self._tell(facts)
+        return True
 
 
 class AskingDoor:
@@ -232,7 +256,7 @@ class AskingDoor:
     def join(self) -> None:
         """Wait for the end."""
         if self._thread.is_alive():
-            self._thread.join()
+            self._thread.join(FAREWELL_S)
 
     # --- the thread -------------------------------------------------------------------------
 

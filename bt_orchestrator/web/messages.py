@@ -21,13 +21,24 @@ def message(kind: str, **fields: object) -> bytes:
     return _framed(kind, encoded(fields))
 
 
+def begin(history: str, after: int, **fields: object) -> bytes:
+    """Return the message that a reader begins with."""
+    data = encoded({'history': history, 'after': after, **fields})
+    return _framed('begin', data, _id(history, after))
+
+
+def gap(history: str, first: int, last: int) -> bytes:
+    """Return a message of events that are lost."""
+    return _framed('gap', encoded({'first': first, 'last': last}), _id(history, last))
+
+
 def happened(history: str, last: int, records: Iterable[str]) -> bytes:
     """Return a message of events, whose id is what a reader comes back with.
 
     :param records: as JSON
     """
     data = f'{{"history":{encoded(history)},"records":[{",".join(records)}]}}'
-    return _framed('happened', data, f'id: {history}:{last}\n')
+    return _framed('happened', data, _id(history, last))
 
 
 def parts(version: int, changed: Mapping[str, str], gone: Iterable[str]) -> bytes:
@@ -38,6 +49,11 @@ def parts(version: int, changed: Mapping[str, str], gone: Iterable[str]) -> byte
     members = ','.join(f'{encoded(key)}:{text}' for key, text in changed.items())
     data = f'{{"version":{version},"set":{{{members}}},"gone":{encoded(list(gone))}}}'
     return _framed('parts', data)
+
+
+def _id(history: str, seq: int) -> str:
+    """Return the line that a browser remembers, and comes back with."""
+    return f'id: {history}:{seq}\n'
 
 
 def _framed(kind: str, data: str, number: str = '') -> bytes:

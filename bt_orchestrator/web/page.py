@@ -51,7 +51,10 @@ class Page:
         self._open_door = open_door
         self._following = FollowingDoor(open_door, self._hand_over)
         self._node = node
-        self._was_silent = False
+        self._described: tuple[str, int, int] | None = None
+        """The cell that a description was asked for: name, sections, components."""
+        self._must_describe = True
+        """The node may have started anew, with another cell file."""
         self._is_stale = False
         """The parts in the book are not those of the newest status."""
         self._refreshed_at = 0.0
@@ -128,7 +131,7 @@ class Page:
             elif isinstance(fact, Began):
                 self.book.begin(fact.history, fact.last)
                 self.show.begin(fact.history)
-                self._was_silent = True
+                self._must_describe = True
                 self._refreshed_at = 0.0
             else:
                 self.book.ring.add(fact)
@@ -143,8 +146,9 @@ class Page:
             return  # of a node that is gone
         self.book.status = status
         self._is_stale = True
-        if self._was_silent:  # the node may have started anew, with another cell file
-            self._was_silent = False
+        size = (status.cell, len(status.sections), len(status.components))
+        if self._must_describe or size != self._described:
+            self._must_describe, self._described = False, size
             self._spawn(self._describe())
 
     async def _open_early(self) -> None:
@@ -153,8 +157,11 @@ class Page:
             await self._asking.call(lambda _: None)
 
     async def _describe(self) -> None:
-        with contextlib.suppress(NodeUnreachable):
+        try:
             self.description = await self.doors.description()
+        except NodeUnreachable:
+            self._must_describe = True  # with the next status
+        else:
             self.known.cell = None
             self._show_anew()
 
@@ -203,7 +210,7 @@ class Page:
     async def _beat(self) -> None:
         while True:
             await asyncio.sleep(BEAT_S)
-            self._was_silent |= self.doors.is_silent
+            self._must_describe |= self.doors.is_silent
             self.streams.beat()
 
     def _spawn(self, work: object) -> None:

@@ -175,10 +175,9 @@ class Streams:
             return None
         cursor = reader.cursor = book.start(reader.history, reader.seq)
         reader.seq = None
-        return messages.message(
-            'begin',
-            history=cursor.history,
-            after=cursor.seq,
+        return messages.begin(
+            cursor.history,
+            cursor.seq,
             version=book.version,
             now=round(time.time(), 3),
             node=self._doors.name,

@@ -10,7 +10,7 @@ import asyncio
 import contextlib
 from collections.abc import Sequence
 
-from bt_orchestrator.errors import NodeUnreachable
+from bt_orchestrator.errors import JournalUnusable, NodeUnreachable
 from bt_orchestrator.model.records import (
     Damage,
     Extent,
@@ -114,8 +114,13 @@ class Heard:
         self._filling: asyncio.Task[None] | None = None
 
     async def records(self) -> HeardRecords:
-        """Return what is known; the first call fetches what was before the page."""
+        """Return what is known; the first call fetches what was before the page.
+
+        :raises JournalUnusable: nothing was heard of the node yet
+        """
         book, ring = self._book, self._book.ring
+        if not book.history:
+            raise JournalUnusable(f'nothing was heard of {self._doors.name} yet')
         if self._history != book.history:
             self._history, self._earlier, self._before = book.history, [], ring.before
             self._filling = asyncio.ensure_future(self._fill(book.history, ring.before))

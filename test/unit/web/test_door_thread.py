@@ -4,16 +4,23 @@ from __future__ import annotations
 
 import asyncio
 import threading
+import time
 from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from fakes.statuses import status
 
 from bt_orchestrator.errors import NodeUnreachable
-from bt_orchestrator.ports import CellLink, EventPage
+from bt_orchestrator.model.events import JobHeld
+from bt_orchestrator.model.status import CellStatus
+from bt_orchestrator.ports import CellLink, EventPage, Listener
+from bt_orchestrator.web import door_thread
 from bt_orchestrator.web.door_thread import DEAF_S, AskingDoor, Began, Doors, Fact, FollowingDoor
+from bt_orchestrator.web.ring import Happened
 
 PATIENCE_S = 20.0
 
@@ -220,3 +227,102 @@ def test_the_next_question_goes_through_another_door_if_this_one_is_deaf() -> No
 
     door = with_asking(work)
     assert (door.opened, door.closed) == (2, 2)
+
+
+class TellingDoor:
+    """A door at which events come, and which may say that it cannot tell them."""
+
+    def __init__(self, last: int, *comes: int | None) -> None:
+        """Prepare.
+
+        :param comes: numbers of events, one a turn; None: it cannot tell them
+        """
+        self.last = last
+        self.comes = list(comes)
+        self.followed_from: tuple[int | None, str] | None = None
+        self.silent_s = 0.25
+
+    def status(self) -> CellStatus:
+        return replace(status(), seq=self.last, history='one')
+
+    def events_after(self, seq: int, most: int = 0) -> EventPage:
+        return EventPage('one', (), 1, self.last)
+
+    def follow(self, listener: Listener, after_seq: int | None = None, history: str = '') -> None:
+        self.followed_from = (after_seq, history)
+        self._listener = listener
+
+    def turn(self, within_s: float) -> None:
+        if not self.comes:
+            time.sleep(0.001)  # as a door waits
+            return
+        seq = self.comes.pop(0)
+        if seq is None:
+            raise NodeUnreachable('the journal cannot be read')
+        self._listener.on_event(JobHeld(seq=seq, job='J'))
+
+
+class Follow:
+    """A following door at some doors, one after the other."""
+
+    def __init__(self, *doors: TellingDoor) -> None:
+        self._doors = list(doors)
+        self.facts: list[Fact] = []
+        self.following = FollowingDoor(self._open, self.facts.extend)
+
+    @contextmanager
+    def _open(self, meanwhile: Callable[[], object]) -> Iterator[Any]:
+        yield self._doors.pop(0)
+
+    @property
+    def told(self) -> list[int]:
+        return [one.event.seq for one in self.facts if isinstance(one, Happened)]
+
+    def until(self, condition: Callable[[], object]) -> None:
+        deadline = time.monotonic() + PATIENCE_S
+        while not condition():
+            assert time.monotonic() < deadline
+            time.sleep(0.001)
+
+    def __enter__(self) -> Follow:
+        self.following.start()
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.following.end()
+        self.following.join()
+
+
+class TestFollowing:
+    def test_it_begins_with_what_happens_from_now_on(self) -> None:
+        door = TellingDoor(7, 8, 9)
+        with Follow(door) as follow:
+            follow.until(lambda: follow.told == [8, 9])
+        assert follow.facts[0] == Began('one', 7)
+        assert door.followed_from == (7, 'one')
+
+    def test_nothing_heard_is_silence(self) -> None:
+        follow = Follow(TellingDoor(7))
+        assert 0 <= follow.following.silent_s < PATIENCE_S
+        with follow:
+            follow.until(lambda: follow.following.silent_s == 0.25)
+
+    def test_where_a_door_cannot_go_on_another_one_does_and_nothing_is_told_twice(
+        self, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.setattr(door_thread, 'AGAIN_S', 0.01)
+        first, second = TellingDoor(7, 8, None), TellingDoor(9, 9)
+        with Follow(first, second) as follow:
+            follow.until(lambda: follow.told == [8, 9])
+        assert second.followed_from == (8, 'one')
+        assert [one for one in follow.facts if isinstance(one, Began)] == [Began('one', 7)]
+
+    def test_a_node_that_cannot_tell_its_events_counts_as_silent(
+        self, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.setattr(door_thread, 'AGAIN_S', 0.01)
+        monkeypatch.setattr(door_thread, 'STEADY_S', 0.2)
+        with Follow(TellingDoor(7, 8, None), TellingDoor(9, 9)) as follow:
+            follow.until(lambda: follow.told == [8, 9])
+            assert follow.following.silent_s != 0.25
+            follow.until(lambda: follow.following.silent_s == 0.25)

@@ -134,6 +134,13 @@ class TestStream:
             with SseClient(server.port, after=message.id) as reader:
                 assert reader.seqs(last + 30)[:30] == list(range(last + 1, last + 31))
 
+    def test_a_browser_remembers_where_it_began_although_nothing_happened(
+        self, scene: Scene
+    ) -> None:
+        with scene.page() as server, SseClient(server.port) as reader:
+            begin = reader.first('begin')
+            assert begin.id == f'{begin.data["history"]}:{begin.data["after"]}'
+
     def test_what_the_page_has_not_seen_is_fetched_from_the_node(self, scene: Scene) -> None:
         scene.work('WO-1', 'WO-2')
         with scene.page() as server, SseClient(server.port) as reader:
@@ -156,8 +163,9 @@ class TestStream:
                 reader.first('begin')
                 scene.wait_until(lambda: len(store.read()) > 20, 'some events')
             with SseClient(server.port, after=f'{store.history}:3') as reader:
-                gap = reader.first('gap').data
-        assert gap == {'first': 4, 'last': Forgetful.KEPT_FROM - 1}
+                gap = reader.first('gap')
+        last = Forgetful.KEPT_FROM - 1
+        assert (gap.id, gap.data) == (f'{store.history}:{last}', {'first': 4, 'last': last})
 
     def test_another_history_begins_anew_for_who_is_there(self, scene: Scene) -> None:
         with scene.page() as server, SseClient(server.port) as reader:

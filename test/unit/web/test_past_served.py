@@ -43,6 +43,10 @@ class Served:
         sources = Sources(opened, (TREES,))
         server = PageServer(Page(self.cell.node.name, self.cell.open_door, access, sources))
         with server.running():
+            deadline = time.monotonic() + PATIENCE_S
+            while get(server, '/api/events?most=1')[0] == 503:
+                assert time.monotonic() < deadline, 'the page hears nothing of the node'
+                time.sleep(0.01)
             yield server
 
     def write(self) -> None:
@@ -166,3 +170,15 @@ def test_the_tree_is_told_whole_once_and_then_only_its_version(served: Served) -
         assert status == 200
         assert {'section 1', 'belt'} <= {child['name'] for child in first['tree']['children']}
         assert get(server, f'/api/tree?after={first["version"]}')[1]['tree'] is None
+
+
+def test_a_page_that_has_heard_nothing_yet_does_not_say_that_there_was_nothing(
+    tmp_path: Path,
+) -> None:
+    served = Served(tmp_path)
+    served.cell.switch()
+    access = Access(Path('no users'), '127.0.0.1', 0)
+    server = PageServer(Page(served.cell.node.name, served.cell.open_door, access))
+    with server.running():
+        found = get(server, '/api/jobs')
+    assert found == (503, {'message': 'nothing was heard of /bt_orchestrator yet'})
