@@ -73,7 +73,9 @@ class Page:
         self.streams = Streams(self.book, self.doors, self._refresh)
         self.tickets = Tickets(self.doors, lambda: self.book.newest)
         self.questions = Questions(self.sources.planning, self.doors.moment)
-        self.archive = Archive(Heard(self.book, self.doors), self.sources.open_records)
+        self.archive = Archive(
+            Heard(self.book, self.doors), self.sources.open_records, lambda: self.book.history
+        )
         self.tree = TreeWatch(self._following.do)
         trees = self.sources.trees
         self.shelf = Shelf(self.known, self.archive, trees, self._ask_moment)

@@ -38,12 +38,19 @@ class Look:
 class Archive:
     """Reads in a thread of its own: the server's loop never waits for a disk."""
 
-    def __init__(self, heard: Heard, open_records: OpenRecords | None = None) -> None:
+    def __init__(
+        self,
+        heard: Heard,
+        open_records: OpenRecords | None = None,
+        history: Callable[[], str] = lambda: '',
+    ) -> None:
         """Prepare.
 
         :param open_records: None: there is no journal file, and the door tells the last events
+        :param history: tells the history of the node; empty: not known
         """
         self._heard = heard
+        self._history = history
         self._open = open_records
         self._thread = ThreadPoolExecutor(1, 'page: reading')
 
@@ -61,6 +68,12 @@ class Archive:
 
     def why_not_whole(self, extent: Extent) -> str:
         """Say what of the past is not known here; empty: everything is."""
+        node = self._history()
+        if extent.history and node and extent.history != node:
+            return (
+                f'the journal of the page has the history {extent.history}, and the node has '
+                f'{node}: give the page the journal that the node writes'
+            )
         if extent.first_seq <= 1:
             return ''
         if self._open is None:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from itertools import islice
 from statistics import median
 from typing import Any
 
-from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.records import Record, Wanted
 from bt_orchestrator.model.status import CellDescription
 from bt_orchestrator.report.work_history import FOLLOWED, MOST_CYCLES, Cycle, WorkFold
 from bt_orchestrator.web.archive.archive import Look
@@ -28,7 +31,24 @@ class Subject:
         """Tell whether a record may begin a cycle of it."""
         if self.section is not None:
             return '"cycle.started"' in text and f'"section": {self.section},' in text
-        return '"task.started"' in text and f'"component": "{self.component}"' in text
+        return '"task.started"' in text and self._named in text
+
+    def concerns(self, texts: Iterable[str]) -> Callable[[str], bool]:
+        """Return what tells of a record whether it may concern it, before it is read.
+
+        :param texts: all the records: only the start of an attempt names its component
+        """
+        if self.section is not None:
+            return lambda text: f'"section": {self.section},' in text
+        tasks = {found[0] for text in texts if self.begins(text) and (found := _TASK.search(text))}
+        return lambda text: self._named in text or any(task in text for task in tasks)
+
+    @property
+    def _named(self) -> str:
+        return f'"component": "{self.component}"'
+
+
+_TASK = re.compile(r'"task": "[^"]*"')
 
 
 def history_of(
@@ -53,18 +73,19 @@ def history_of(
     }
 
 
-def _last_events(look: Look, subject: Subject) -> list[Any]:
-    """Return the events since the last cycles began, newest first."""
-    found, begun = [], 0
+def _last_events(look: Look, subject: Subject) -> list[Event]:
+    """Return what concerns it since the last cycles began, newest first."""
+    records: list[Record] = []
+    begun = 0
     wanted = Wanted(events=FOLLOWED, newest_first=True)
     for record in islice(each(look, wanted), MOST_RECORDS):
-        event = event_of(record)
-        if event is not None:
-            found.append(event)
+        records.append(record)
         begun += subject.begins(record.text)
         if begun > MOST_CYCLES:
             break
-    return found
+    may_concern = subject.concerns(record.text for record in records)
+    found = (event_of(record) for record in records if may_concern(record.text))
+    return [event for event in found if event is not None]
 
 
 def _cycle(cycle: Cycle) -> dict[str, Any]:

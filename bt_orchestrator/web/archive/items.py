@@ -10,7 +10,7 @@ from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.report.item_history import FOLLOWED, ItemFold
 from bt_orchestrator.web.archive.archive import Look
-from bt_orchestrator.web.archive.scanning import events
+from bt_orchestrator.web.archive.scanning import events, events_of_job
 
 _OF_JOBS = (e.JobQueued.event, e.JobUpdated.event)
 _ANSWERS = (e.OperatorDecided.event, e.HoldReleased.event)
@@ -24,7 +24,7 @@ def item_record(look: Look, item: str) -> dict[str, Any] | None:
     def may_be(text: str) -> bool:
         return name in text or '\\' in text or any(event in text for event in _OF_JOBS)
 
-    for event in events(look, Wanted(job=job, events=FOLLOWED), may_be):
+    for event in events_of_job(look, job, FOLLOWED, may_be):
         fold.follow(event)
     for hold in list(fold.history.holds):
         _decide(look, fold, hold.id, hold.seq)

@@ -17,7 +17,7 @@ from bt_orchestrator.model.jobs.job_record import ItemRecord, JobRecord
 from bt_orchestrator.model.records import JobPlace, Wanted
 from bt_orchestrator.report.jobs import FOLLOWED, JobFold
 from bt_orchestrator.web.archive.archive import Look
-from bt_orchestrator.web.archive.scanning import event_of, events
+from bt_orchestrator.web.archive.scanning import event_of, events, events_of_job
 
 MOST = 50
 """Most jobs of one answer."""
@@ -72,7 +72,7 @@ def job_with_items(look: Look, job: str) -> dict[str, Any] | None:
 def job_record(look: Look, job: str) -> JobRecord | None:
     """Return the record of a job, from its events or else its summary; None: it is not known."""
     fold = JobFold()
-    for event in events(look, Wanted(job=job, events=FOLLOWED)):
+    for event in events_of_job(look, job, FOLLOWED):
         fold.follow(event)
     return fold.jobs.get(job) or next(_summaries_of(look, {job}), None)
 

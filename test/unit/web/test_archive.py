@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import sqlite3
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any, cast
 
@@ -209,3 +210,17 @@ def test_damage_is_told_and_the_rest_is_shown(
 def test_a_journal_that_cannot_be_read_is_an_error_of_its_own(tmp_path: Path) -> None:
     with pytest.raises(JournalUnusable):
         of_journal(tmp_path / 'none')(lambda look: look.extent)
+
+
+def test_a_journal_of_another_node_is_told(journal: Path) -> None:
+    async def why(history: str) -> str:
+        archive = Archive(cast('Heard', None), lambda: SqliteRecords(journal), lambda: history)
+        extent = await archive.read(lambda look: look.extent)
+        archive.close()
+        return archive.why_not_whole(extent)
+
+    with closing(SqliteRecords(journal)) as records:
+        own = records.extent().history
+    assert asyncio.run(why(own)) == ''
+    assert asyncio.run(why('')) == '', 'the node is silent'
+    assert 'the node has other: give the page the journal' in asyncio.run(why('other'))
