@@ -84,6 +84,11 @@ class Tab:
     def __init__(self, page: Page, url: str) -> None:
         self.page = page
         self._url = url
+        self._open: set[Any] = set()
+        """Requests that have no answer yet."""
+        page.on('request', self._on_request)
+        for ended in ('requestfinished', 'requestfailed'):
+            page.on(ended, self._on_answer)
 
     def go(self, screen: str) -> None:
         """Go to a screen, as a link there does, and wait until it is drawn."""
@@ -167,6 +172,23 @@ class Tab:
         else:
             dialog.locator('[data-do="send"]').click()
             dialog.wait_for(state='detached')
+
+    def until_quiet(self) -> None:
+        """Wait until what the screen has asked for is there; its stream never ends."""
+        self.until(lambda: not self._open, 'the answers of the page')
+        self.page.evaluate('() => new Promise(requestAnimationFrame)')
+
+    def too_wide(self) -> int:
+        """Return by how many pixels the page is wider than its window."""
+        wide = 'document.documentElement.scrollWidth - document.documentElement.clientWidth'
+        return int(self.page.evaluate(wide))
+
+    def _on_request(self, request: Any) -> None:
+        if request.resource_type == 'fetch':
+            self._open.add(request)
+
+    def _on_answer(self, request: Any) -> None:
+        self._open.discard(request)
 
     def count(self, selector: str) -> int:
         """Return how many elements there are."""

@@ -27,7 +27,7 @@ from bt_orchestrator.sim.virtual_node import VirtualNode
 
 TYPES = FakeActionTypes()
 
-FAIL = 'component_2a.TASK_A#3=abort'
+FAIL = 'component_3a.TASK_A#3=abort'
 """The fault of the reference cell unless another one is named: a hold, after some seconds."""
 
 LONG_FAIL = 'a4.TASK_A#3=abort'

@@ -1,0 +1,54 @@
+"""The page of a cell in virtual time, in real-time pace: for what needs no ROS 2."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from web.stand_cell import StandCell
+from web.stand_page import stand_page
+
+from bt_orchestrator.model.codec import to_record
+from bt_orchestrator.web.server import PageServer
+
+
+class Stand:
+    """A cell, and the server of its page."""
+
+    def __init__(self, cell: StandCell, server: PageServer) -> None:
+        self.cell = cell
+        self.server = server
+
+    @property
+    def port(self) -> int:
+        """Where the page is."""
+        return self.server.port
+
+    def happened(self, kind: str) -> list[dict[str, Any]]:
+        """Return the records of all events of a kind."""
+        with self.cell.lock:
+            events = list(self.cell.store.read())
+        return [found for event in events if (found := to_record(event))['event'] == kind]
+
+
+@contextmanager
+def stand(
+    folder: Path, *, sections: int = 5, jobs: int = 6, login: bool = False
+) -> Iterator[Stand]:
+    """Run one; a fault gives it a hold after some seconds."""
+    options = argparse.Namespace(
+        sections=sections,
+        fail=None,
+        speed=4.0,
+        jobs=jobs,
+        quantity=8,
+        login=login,
+        host='127.0.0.1',
+        port=0,
+    )
+    cell, server = stand_page(folder, options)
+    with server.running():
+        yield Stand(cell, server)

@@ -1,0 +1,70 @@
+"""An answer by keyboard alone, and a page that is ended while people look."""
+
+from __future__ import annotations
+
+import signal
+from pathlib import Path
+
+from cell_processes import STATELESS_CELL, StartCell
+from fakes.quick_users import PASSWORD
+from page.browsing import Tab
+from page.conftest import Sit, StartPage
+from page.stands import stand
+from stream_readers import StreamReader, StuckReader
+
+MOST_STEPS = 100
+ENDS_WITHIN_S = 10.0
+"""It takes 3 s at most, but not on a machine that is busy with other tests."""
+
+
+def step_to(tab: Tab, selector: str) -> None:
+    """Press the tabulator until something has the focus."""
+    for _ in range(MOST_STEPS):
+        if tab.page.evaluate('selector => document.activeElement.matches(selector)', selector):
+            return
+        tab.page.keyboard.press('Tab')
+    raise AssertionError(f'{MOST_STEPS} steps do not lead to {selector}')
+
+
+def test_a_hold_is_answered_by_keyboard_alone(tmp_path: Path, sit: Sit) -> None:
+    with stand(tmp_path, login=True) as one:
+        tab = sit(one.port).open()
+        tab.until(lambda: tab.count('[data-hold]'), 'a hold')
+        keys = tab.page.keyboard
+        step_to(tab, '[data-offer="hold.retry"]')
+        keys.press('Enter')
+        tab.page.locator('dialog[data-dialog="login"]').wait_for()
+        step_to(tab, '[name="username"]')
+        keys.type('ann')
+        keys.press('Tab')
+        keys.type(PASSWORD)
+        keys.press('Enter')
+        tab.page.locator('dialog[data-dialog="hold.retry"]').wait_for()
+        step_to(tab, '[name="reason"]')
+        keys.type('turned it')
+        step_to(tab, 'dialog [data-do="send"]')
+        keys.press('Enter')
+        tab.until(lambda: not tab.count('[data-hold="1"]'), 'the hold to be gone')
+        [*_, decided] = one.happened('operator.decided')
+        assert (decided['who'], decided['answer']) == ('ann', 'retry')
+        assert decided['reason'] == 'turned it'
+
+
+def test_ctrl_c_ends_a_page_that_people_look_at(
+    start_cell: StartCell, start_page: StartPage, sit: Sit
+) -> None:
+    cell = start_cell(STATELESS_CELL)
+    cell.connect()
+    page = start_page()
+    tab = sit(page.port).open()
+    tab.until_news()
+    cell.run_small(quantity=1_000)
+    reader, stuck = StreamReader(page.port), StuckReader(page.port)
+    reader.wait_begun()
+    tab.until(lambda: page.readers == 3, 'three readers')
+    page.process.send(signal.SIGINT)
+    assert page.process.wait(ENDS_WITHIN_S) == 0
+    page.process.assert_clean()
+    tab.until_news('page')
+    for one in (reader, stuck):
+        one.close()

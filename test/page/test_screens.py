@@ -1,0 +1,106 @@
+"""Every screen: without barriers, without overflow, by keyboard, and from the page alone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from page.axe import barriers
+from page.browsing import Person, Tab
+from page.conftest import Sit
+from page.stands import Stand, stand
+
+SCREENS = (
+    'overview',
+    'queue',
+    'order',
+    'section/2',
+    'component/component_2a',
+    'why',
+    'tree',
+    'jobs',
+    'job/WO-1001',
+    'item/WO-1001/1',
+)
+SIZES = ((1920, 1080), (1280, 800), (768, 1024))
+LOOKS = [(theme, language) for theme in ('light', 'dark') for language in ('en-GB', 'de-DE')]
+
+
+@pytest.fixture(scope='module')
+def held(tmp_path_factory: pytest.TempPathFactory, browser: Any) -> Iterator[Stand]:
+    """Give a line that is Held, with something behind it and something to come."""
+    with stand(tmp_path_factory.mktemp('stand')) as one:
+        person = Person(browser, f'http://127.0.0.1:{one.port}')
+        tab = person.open()
+        tab.until(lambda: tab.count('[data-hold]'), 'a hold')
+        person.leave()
+        yield one
+
+
+@pytest.mark.parametrize(('theme', 'language'), LOOKS)
+def test_no_screen_has_a_barrier(held: Stand, sit: Sit, theme: str, language: str) -> None:
+    tab = sit(held.port, color_scheme=theme, locale=language).open()
+    tab.until_news()
+    assert tab.page.locator('html').get_attribute('lang') == language[:2]
+    found = {screen: found for screen in SCREENS if (found := found_on(tab, screen))}
+    tab.go('overview')
+    tab.page.locator('[data-hold] [data-offer]').first.click()
+    tab.page.locator('dialog [data-do="leave"]').wait_for()
+    if in_dialog := barriers(tab):
+        found['dialog'] = in_dialog
+    assert not found
+
+
+def test_barriers_and_what_is_too_wide_are_found(held: Stand, sit: Sit) -> None:
+    tab = sit(held.port).open()
+    assert (barriers(tab), tab.too_wide()) == ([], 0)
+    tab.page.evaluate('document.querySelector("main").append(document.createElement("button"))')
+    assert 'button-name' in barriers(tab)[0]
+    tab.page.evaluate('document.querySelector("main").lastChild.style.width = "5000px"')
+    assert tab.too_wide() > 0
+
+
+def found_on(tab: Tab, screen: str) -> list[str]:
+    tab.go(screen)
+    tab.until_quiet()
+    return barriers(tab)
+
+
+def test_the_dialog_to_log_in_has_no_barrier(tmp_path: Path, sit: Sit) -> None:
+    with stand(tmp_path, login=True) as one:
+        tab = sit(one.port).open('login')
+        assert not barriers(tab)
+        tab.page.locator('main [data-do="log-in"]').click()
+        tab.page.locator('dialog[data-dialog="login"]').wait_for()
+        assert not barriers(tab)
+
+
+@pytest.mark.parametrize('sections', [5, 20, 100])
+def test_no_line_is_wider_than_the_window(tmp_path: Path, sit: Sit, sections: int) -> None:
+    with stand(tmp_path, sections=sections) as one:
+        person = sit(one.port)
+        tab = person.open()
+        tab.until(lambda: tab.count('[data-section]') == sections, 'all sections')
+        screens = ('overview', 'queue', 'order', f'section/{sections}', 'why', 'tree', 'jobs')
+        too_wide = {}
+        for width, height in SIZES:
+            tab.page.set_viewport_size({'width': width, 'height': height})
+            for screen in screens:
+                tab.go(screen)
+                tab.until_quiet()
+                if wide := tab.too_wide():
+                    too_wide[width, screen] = wide
+        assert not too_wide
+
+
+def test_the_browser_calls_the_page_alone(held: Stand, sit: Sit) -> None:
+    person = sit(held.port)
+    tab = person.open()
+    for screen in SCREENS:
+        tab.go(screen)
+        tab.until_quiet()
+    others = [url for url in person.requested if not url.startswith(f'{person.url}/')]
+    assert person.requested
+    assert not others
