@@ -1,6 +1,6 @@
 /** Begins the page: words, person, stream; and shows the screen of the address. */
 
-import { closeDialogs } from './core/dialog.js';
+import { closeDialogs } from './asking/dialog.js';
 import { h } from './core/dom.js';
 import { onPerson, refreshPerson, stayAwake, who } from './core/me.js';
 import { news, startFollowing, subscribe } from './core/store.js';
@@ -49,7 +49,14 @@ async function showScreen() {
 
 function mountFailed(root) {
   const again = () => location.reload();
-  root.append(h('section', { class: 'panel' }, h('p', {}, t('app.not_loaded')), h('button', { type: 'button', onclick: again }, t('app.reload'))));
+  root.append(
+    h(
+      'section',
+      { class: 'panel' },
+      h('p', {}, t('app.not_loaded')),
+      h('button', { type: 'button', onclick: again }, t('app.reload')),
+    ),
+  );
 }
 
 function followPerson() {

@@ -5,6 +5,9 @@ from pathlib import Path
 
 from fakes.page_files import STATIC, modules
 
+ROOMS = ('core', 'asking', 'parts', 'screens')
+"""From below; the files beside them are above."""
+
 _IMPORT = re.compile(r'(?:\bfrom|\bimport)\s*\(?\s*[\'"](\.[^\'"]+)[\'"]')
 _WORKER = re.compile(r'new SharedWorker\(\s*\'(/static/[^\']+)\'')
 _SPACE_NAME = 'http://www.w3.org/2000/svg'
@@ -28,6 +31,12 @@ def test_every_module_is_reachable_from_the_page_and_every_import_exists() -> No
             reached.add(path)
             waiting += _imports(path)
     assert sorted(reached) == modules()
+
+
+def test_imports_of_modules_never_point_up() -> None:
+    for path in modules():
+        for one in _imports(path):
+            assert _level(one) <= _level(path), f'{path.name} imports {one.name}'
 
 
 def test_every_style_is_used_by_the_page() -> None:
@@ -55,6 +64,11 @@ def test_the_policy_of_the_page_finds_no_inline_style_or_script() -> None:
 def test_modules_are_short() -> None:
     for path in modules():
         assert len(path.read_text(encoding='utf-8').splitlines()) <= 250, path
+
+
+def _level(path: Path) -> int:
+    room = path.relative_to(STATIC).parts[0]
+    return ROOMS.index(room) if room in ROOMS else len(ROOMS)
 
 
 def _imports(path: Path) -> list[Path]:

@@ -97,7 +97,8 @@ async function outcomeOf(ticket, refused) {
       return { kind, message: found.message ?? '', findings: [], isFromJournal: true };
     }
     const hasLooked = found !== null && !found.node_silent;
-    if (hasLooked && Date.now() >= until) return { ...said('absent', refused), isFromJournal: true };
+    if (hasLooked && Date.now() >= until)
+      return { ...said('absent', refused), isFromJournal: true };
     await new Promise((resolve) => setTimeout(resolve, LOOK_MS));
   }
 }

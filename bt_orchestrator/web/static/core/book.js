@@ -44,7 +44,9 @@ export class Book {
   /** Take changed parts; return the keys that changed. */
   take({ version, set, gone }) {
     const changed = new Set(Object.keys(set));
-    const leaving = this.takesWhole ? [...this.parts.keys()].filter((key) => !changed.has(key)) : gone;
+    const leaving = this.takesWhole
+      ? [...this.parts.keys()].filter((key) => !changed.has(key))
+      : gone;
     for (const key of leaving) {
       this.parts.delete(key);
       changed.add(key);

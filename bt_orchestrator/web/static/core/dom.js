@@ -28,7 +28,11 @@ function filled(element, attributes, children) {
     if (typeof value === 'function') element.addEventListener(name.slice(2), value);
     else attribute(element, name, value);
   }
-  element.append(...children.flat(Infinity).filter((child) => child !== null && child !== undefined && child !== false));
+  element.append(
+    ...children
+      .flat(Infinity)
+      .filter((child) => child !== null && child !== undefined && child !== false),
+  );
   return element;
 }
 
@@ -82,7 +86,10 @@ export function keyed(parent, key, make) {
       if (!views.has(name)) views.set(name, make(thing));
       views.get(name).update(thing);
     }
-    inOrder(parent, [...wanted].map((name) => views.get(name).element));
+    inOrder(
+      parent,
+      [...wanted].map((name) => views.get(name).element),
+    );
   };
 }
 

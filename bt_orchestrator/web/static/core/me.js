@@ -63,7 +63,8 @@ export function stayAwake() {
     told = Date.now();
     post('/api/active', {}).catch(() => null);
   };
-  for (const sign of ['pointerdown', 'keydown']) addEventListener(sign, tell, { capture: true, passive: true });
+  for (const sign of ['pointerdown', 'keydown'])
+    addEventListener(sign, tell, { capture: true, passive: true });
 }
 
 function become(person) {

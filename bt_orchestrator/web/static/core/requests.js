@@ -7,6 +7,11 @@ export function wordOf(offer) {
   return tOr(`word.${offer.name}`, offer.word.replaceAll('_', ' '));
 }
 
+/** The title of a dialog about a request. */
+export function titleOf(offer, about) {
+  return about ? `${wordOf(offer)}: ${about}` : wordOf(offer);
+}
+
 /** What a request does, as a sentence. */
 export function effectOf(offer) {
   return sentence(tOr(`effect.${offer.name}`, offer.effect));

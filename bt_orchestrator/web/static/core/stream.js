@@ -27,7 +27,10 @@ function ofAllTabs(tell, instead) {
   let timer = 0;
 
   function join() {
-    worker = new SharedWorker('/static/core/worker.js', { type: 'module', name: 'bt_orchestrator' });
+    worker = new SharedWorker('/static/core/worker.js', {
+      type: 'module',
+      name: 'bt_orchestrator',
+    });
     worker.addEventListener('error', instead);
     worker.port.addEventListener('message', ({ data }) => {
       clearTimeout(timer);

@@ -126,6 +126,9 @@ export function seconds(value) {
   if (value === null || value === undefined) return '';
   if (value >= 60) return duration(value);
   const digits = value < 10 ? 1 : 0;
-  const said = value.toLocaleString(LOCALES[language], { minimumFractionDigits: digits, maximumFractionDigits: digits });
+  const said = value.toLocaleString(LOCALES[language], {
+    minimumFractionDigits: digits,
+    maximumFractionDigits: digits,
+  });
   return t('time.s', { s: said });
 }

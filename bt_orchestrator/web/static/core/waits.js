@@ -24,7 +24,9 @@ export function waitWords(wait) {
 function sectionWords(numbers) {
   const named = numbers.slice(0, FEW).map((number) => t('part.section', { number }));
   const more = numbers.length - named.length;
-  return [...named, more > 0 ? t('wait.more_sections', { count: more }) : ''].filter(Boolean).join(', ');
+  return [...named, more > 0 ? t('wait.more_sections', { count: more }) : '']
+    .filter(Boolean)
+    .join(', ');
 }
 
 /** The waits that matter, or else the first of the ordinary ones: one line. */

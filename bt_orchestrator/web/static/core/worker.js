@@ -23,8 +23,14 @@ function tell(kind, data) {
 function catchUp(tab) {
   if (!book.history) return;
   const { history, seq, version, node } = book;
-  tab.postMessage({ kind: 'begin', data: { history, after: seq, version, node, is_catching_up: true } });
-  tab.postMessage({ kind: 'parts', data: { version, set: Object.fromEntries(book.parts), gone: [] } });
+  tab.postMessage({
+    kind: 'begin',
+    data: { history, after: seq, version, node, is_catching_up: true },
+  });
+  tab.postMessage({
+    kind: 'parts',
+    data: { version, set: Object.fromEntries(book.parts), gone: [] },
+  });
 }
 
 function leave(tab) {

@@ -11,7 +11,12 @@ export function jobBar() {
   const track = h('span', { class: 'bar-track' }, left, bad, onLine);
   const words = h('span', { class: 'bar-words' });
   const badWords = h('span', { class: 'bar-bad-words' });
-  const element = h('div', { class: 'bar' }, track, h('span', { class: 'bar-line' }, words, badWords));
+  const element = h(
+    'div',
+    { class: 'bar' },
+    track,
+    h('span', { class: 'bar-line' }, words, badWords),
+  );
   return {
     element,
     update(job) {

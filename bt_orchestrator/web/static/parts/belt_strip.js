@@ -5,7 +5,7 @@ import { part, shownMoment } from '../core/store.js';
 import { seconds, t } from '../core/text.js';
 import { foremostWait, waitWords } from '../core/waits.js';
 import { itemName } from './item_name.js';
-import { reshape, shape } from './shape.js';
+import { reshape, shape } from '../core/shape.js';
 
 /** So many slots need more than one row. */
 const MANY = 20;
@@ -17,7 +17,12 @@ export function beltStrip() {
   const why = h('span', { class: 'belt-why one-line' });
   const list = h('ol', { class: 'slots' });
   const slots = keyed(list, (section) => section.number, slotView);
-  const element = h('section', { class: 'belt panel', 'data-part': 'belt', 'aria-label': t('part.belt') }, h('p', { class: 'belt-line' }, drawn, word, why), list);
+  const element = h(
+    'section',
+    { class: 'belt panel', 'data-part': 'belt', 'aria-label': t('part.belt') },
+    h('p', { class: 'belt-line' }, drawn, word, why),
+    list,
+  );
 
   function tick() {
     const belt = part('belt');
@@ -29,7 +34,9 @@ export function beltStrip() {
     tick,
     update() {
       const belt = part('belt');
-      const sections = (part('cell')?.sections ?? []).map((number) => part(`section/${number}`)).filter(Boolean);
+      const sections = (part('cell')?.sections ?? [])
+        .map((number) => part(`section/${number}`))
+        .filter(Boolean);
       slots(sections);
       attribute(list, 'data-many', sections.length > MANY);
       if (!belt) return;
@@ -46,7 +53,9 @@ export function beltStrip() {
 function beltWords(belt) {
   if (!belt.moving) return t('overview.belt_rests');
   const move = belt.running[0];
-  return move?.started ? t('overview.belt_moves_since', { elapsed: seconds(shownMoment() - move.started) }) : t('overview.belt_moves');
+  return move?.started
+    ? t('overview.belt_moves_since', { elapsed: seconds(shownMoment() - move.started) })
+    : t('overview.belt_moves');
 }
 
 function slotView() {

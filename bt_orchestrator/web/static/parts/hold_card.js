@@ -5,7 +5,7 @@ import { withAnswers } from '../core/requests.js';
 import { shownMoment } from '../core/store.js';
 import { at, duration, t, tOr } from '../core/text.js';
 import { offers } from './offers.js';
-import { reshape, shape } from './shape.js';
+import { reshape, shape } from '../core/shape.js';
 import { holdPlace } from './stands.js';
 
 /** Make a card: an element, `update(hold)`, `tick()`, `end()`. */
@@ -21,7 +21,14 @@ export function holdCard() {
   const element = h(
     'article',
     { class: 'hold' },
-    h('div', { class: 'hold-said' }, h('div', { class: 'hold-head' }, drawn, place), why, message, h('p', { class: 'hold-foot' }, item, facts)),
+    h(
+      'div',
+      { class: 'hold-said' },
+      h('div', { class: 'hold-head' }, drawn, place),
+      why,
+      message,
+      h('p', { class: 'hold-foot' }, item, facts),
+    ),
     answers.element,
   );
 
@@ -43,7 +50,8 @@ export function holdCard() {
       text(message, withAnswers(hold.message));
       attribute(message, 'title', hold.message);
       show(item, hold.item);
-      if (hold.item) attribute(item, 'href', `#/item/${hold.item.split('/').map(encodeURIComponent).join('/')}`);
+      if (hold.item)
+        attribute(item, 'href', `#/item/${hold.item.split('/').map(encodeURIComponent).join('/')}`);
       text(item, hold.item ?? '');
       answers.update(hold.offers);
       tick();
@@ -59,7 +67,15 @@ function holdTitle(hold) {
 }
 
 function factWords(hold) {
-  const attempt = hold.attempt ? t('overview.attempt', { attempt: hold.attempt, attempts: Math.max(hold.attempts, hold.attempt) }) : '';
-  const since = t('topbar.since', { time: at(hold.since), duration: duration(shownMoment() - hold.since) });
+  const attempt = hold.attempt
+    ? t('overview.attempt', {
+        attempt: hold.attempt,
+        attempts: Math.max(hold.attempts, hold.attempt),
+      })
+    : '';
+  const since = t('topbar.since', {
+    time: at(hold.since),
+    duration: duration(shownMoment() - hold.since),
+  });
   return [attempt, since, t('overview.hold_number', { id: hold.id })].filter(Boolean).join(' · ');
 }

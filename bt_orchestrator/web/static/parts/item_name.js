@@ -2,7 +2,7 @@
 
 import { attribute, h, text } from '../core/dom.js';
 import { t } from '../core/text.js';
-import { reshape, shape } from './shape.js';
+import { reshape, shape } from '../core/shape.js';
 
 /** Make it: an element and `update(item)`; null: nothing is there. */
 export function itemName({ isShort = false } = {}) {
@@ -18,17 +18,34 @@ export function itemName({ isShort = false } = {}) {
       const kind = kindOf(item);
       attribute(element, 'data-item', item?.id ?? '');
       attribute(element, 'data-item-kind', kind);
-      attribute(element, 'title', item ? [item.id, wordOf(kind)].filter(Boolean).join(' · ') : t('overview.empty_slot'));
+      attribute(
+        element,
+        'title',
+        item ? [item.id, wordOf(kind)].filter(Boolean).join(' · ') : t('overview.empty_slot'),
+      );
       reshape(drawn, SHAPES[kind]);
       const at = item?.id.lastIndexOf('/') ?? -1;
       text(job, item && !isShort ? item.id.slice(0, Math.max(at, 0)) : '');
-      text(number, item ? item.id.slice(isShort ? at + 1 : Math.max(at, 0)) : isShort ? '' : t('overview.empty_slot'));
+      text(
+        number,
+        item
+          ? item.id.slice(isShort ? at + 1 : Math.max(at, 0))
+          : isShort
+            ? ''
+            : t('overview.empty_slot'),
+      );
       text(state, isShort ? '' : wordOf(kind));
     },
   };
 }
 
-const SHAPES = { none: 'none', good: 'item', missing: 'hollow', rejected: 'cross', nonconforming: 'triangle' };
+const SHAPES = {
+  none: 'none',
+  good: 'item',
+  missing: 'hollow',
+  rejected: 'cross',
+  nonconforming: 'triangle',
+};
 
 function kindOf(item) {
   if (!item) return 'none';

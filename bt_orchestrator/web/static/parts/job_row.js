@@ -17,7 +17,13 @@ export function jobRow() {
   const ends = h('span', { class: 'job-ends' });
   const bar = jobBar();
   const preparing = h('p', { class: 'job-preparing one-line' });
-  const element = h('li', { class: 'job' }, h('div', { class: 'job-head' }, link, script, state, count, ends), bar.element, preparing);
+  const element = h(
+    'li',
+    { class: 'job' },
+    h('div', { class: 'job-head' }, link, script, state, count, ends),
+    bar.element,
+    preparing,
+  );
   return {
     element,
     update(job) {
@@ -51,8 +57,13 @@ export function jobStateWords(job) {
 function preparingWords(job) {
   const open = job.tasks.filter((task) => !MADE.includes(task.mark));
   if (!open.length || job.position > 1) return '';
-  const busy = open.filter((task) => task.mark !== 'new').map((task) => `${task.name || task.id} ${t(`mark.${task.mark}`)}`);
-  const count = t('overview.prepared', { done: job.tasks.length - open.length, all: job.tasks.length });
+  const busy = open
+    .filter((task) => task.mark !== 'new')
+    .map((task) => `${task.name || task.id} ${t(`mark.${task.mark}`)}`);
+  const count = t('overview.prepared', {
+    done: job.tasks.length - open.length,
+    all: job.tasks.length,
+  });
   const wait = foremostWait(part('cell')?.initialization ?? []);
   return [count, ...busy, wait && waitWords(wait)].filter(Boolean).join(' · ');
 }

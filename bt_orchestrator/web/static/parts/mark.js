@@ -2,7 +2,7 @@
 
 import { attribute, h, text } from '../core/dom.js';
 import { t } from '../core/text.js';
-import { reshape, shape } from './shape.js';
+import { reshape, shape } from '../core/shape.js';
 
 const SHAPES = {
   new: 'none',

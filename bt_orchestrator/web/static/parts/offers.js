@@ -4,9 +4,9 @@ import { attribute, h, keyed, text } from '../core/dom.js';
 import { may, onPerson, who } from '../core/me.js';
 import { news, subscribe } from '../core/store.js';
 import { t } from '../core/text.js';
-import { ask } from '../core/ask.js';
+import { ask } from '../asking/ask.js';
 import { effectOf, isEmergency, rolesOf, wordOf } from '../core/requests.js';
-import { shape } from './shape.js';
+import { shape } from '../core/shape.js';
 
 /**
  * Make buttons for offers: an element, `update(offers)` and `end()`.
@@ -16,7 +16,11 @@ import { shape } from './shape.js';
  * @param {string} [options.label] names the group for readers of the screen
  */
 export function offers({ about = () => '', isCompact = false, label = '' } = {}) {
-  const element = h('div', { class: isCompact ? 'offers is-compact' : 'offers', role: 'group', 'aria-label': label || null });
+  const element = h('div', {
+    class: isCompact ? 'offers is-compact' : 'offers',
+    role: 'group',
+    'aria-label': label || null,
+  });
   const buttons = new Set();
   const judge = () => buttons.forEach((button) => button.judge());
   const ends = [subscribe('news', judge), onPerson(judge)];
@@ -37,7 +41,12 @@ function offerButton(about, isCompact) {
   const word = h('span', { class: 'offer-word' });
   const effect = h('span', { class: 'offer-effect' });
   const locked = shape('lock');
-  const element = h('button', { type: 'button', class: 'offer', onclick: () => ask(offer, { about: about() }) }, h('span', { class: 'offer-name' }, locked, word), isCompact ? null : effect);
+  const element = h(
+    'button',
+    { type: 'button', class: 'offer', onclick: () => ask(offer, { about: about() }) },
+    h('span', { class: 'offer-name' }, locked, word),
+    isCompact ? null : effect,
+  );
 
   function judge() {
     // Old news may offer what is no longer possible; danger does not wait for news.
@@ -45,7 +54,11 @@ function offerButton(about, isCompact) {
     const isMine = !who().name || may(offer.name);
     attribute(element, 'data-locked', !isMine);
     locked.style.display = isMine ? 'none' : '';
-    attribute(element, 'title', isMine ? effectOf(offer) : t('ask.not_your_role', { roles: rolesOf(offer.roles) }));
+    attribute(
+      element,
+      'title',
+      isMine ? effectOf(offer) : t('ask.not_your_role', { roles: rolesOf(offer.roles) }),
+    );
   }
 
   return {

@@ -1,11 +1,11 @@
 /** Who sits here, and how they like to see the page: log in and out, lock, language, light or dark. */
 
 import { children, h, text } from '../core/dom.js';
-import { askToLogIn } from '../core/login.js';
+import { askToLogIn } from '../asking/login.js';
 import { lock, logout, onPerson, who } from '../core/me.js';
 import { LANGUAGES, currentLanguage, t } from '../core/text.js';
 import { THEMES, currentTheme, useTheme } from '../core/theme.js';
-import { shape } from './shape.js';
+import { shape } from '../core/shape.js';
 
 /**
  * Make the menu: an element, `end()`.
@@ -16,12 +16,20 @@ export function personMenu(speak) {
   const locked = shape('lock');
   const summary = h('summary', {}, locked, words);
   const actions = h('div', { class: 'menu-actions' });
-  const element = h('details', { class: 'menu person', 'data-menu': 'person' }, summary, h('div', { class: 'menu-body' }, actions, languageChoice(speak), themeChoice()));
+  const element = h(
+    'details',
+    { class: 'menu person', 'data-menu': 'person' },
+    summary,
+    h('div', { class: 'menu-body' }, actions, languageChoice(speak), themeChoice()),
+  );
 
   function update() {
     const { name, role, is_locked: isLocked, how } = who();
     locked.style.display = isLocked ? '' : 'none';
-    text(words, role ? `${name || t('login.this_computer')} · ${t(`role.${role}`)}` : t('login.nobody'));
+    text(
+      words,
+      role ? `${name || t('login.this_computer')} · ${t(`role.${role}`)}` : t('login.nobody'),
+    );
     const isSession = Boolean(role) && how !== 'this computer';
     children(
       actions,
@@ -54,13 +62,25 @@ export function personMenu(speak) {
 }
 
 function languageChoice(speak) {
-  const options = Object.entries(LANGUAGES).map(([code, name]) => h('option', { value: code, lang: code, selected: code === currentLanguage() }, name));
-  const choice = h('select', { 'data-do': 'language', onchange: () => speak(choice.value) }, options);
+  const options = Object.entries(LANGUAGES).map(([code, name]) =>
+    h('option', { value: code, lang: code, selected: code === currentLanguage() }, name),
+  );
+  const choice = h(
+    'select',
+    { 'data-do': 'language', onchange: () => speak(choice.value) },
+    options,
+  );
   return h('label', { class: 'menu-choice' }, h('span', {}, t('menu.language')), choice);
 }
 
 function themeChoice() {
-  const options = THEMES.map((theme) => h('option', { value: theme, selected: theme === currentTheme() }, t(`theme.${theme}`)));
-  const choice = h('select', { 'data-do': 'theme', onchange: () => useTheme(choice.value) }, options);
+  const options = THEMES.map((theme) =>
+    h('option', { value: theme, selected: theme === currentTheme() }, t(`theme.${theme}`)),
+  );
+  const choice = h(
+    'select',
+    { 'data-do': 'theme', onchange: () => useTheme(choice.value) },
+    options,
+  );
   return h('label', { class: 'menu-choice' }, h('span', {}, t('menu.theme')), choice);
 }

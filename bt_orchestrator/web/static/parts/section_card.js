@@ -4,7 +4,7 @@ import { attribute, h, keyed, text } from '../core/dom.js';
 import { t } from '../core/text.js';
 import { foremostWait, waitWords } from '../core/waits.js';
 import { itemName } from './item_name.js';
-import { reshape, shape } from './shape.js';
+import { reshape, shape } from '../core/shape.js';
 import { taskRow } from './task_row.js';
 
 /** Make a card: an element, `update(section)`, `tick()`. */
@@ -14,9 +14,20 @@ export function sectionCard() {
   const item = itemName();
   const list = h('ul', { class: 'tasks' });
   const rows = new Map();
-  const tasks = keyed(list, (task) => task.id, (task) => keepRow(rows, task.id));
+  const tasks = keyed(
+    list,
+    (task) => task.id,
+    (task) => keepRow(rows, task.id),
+  );
   const wait = h('p', { class: 'section-wait' });
-  const element = h('article', { class: 'section-card' }, h('h2', {}, alarm, link), item.element, list, wait);
+  const element = h(
+    'article',
+    { class: 'section-card' },
+    h('h2', {}, alarm, link),
+    item.element,
+    list,
+    wait,
+  );
   return {
     element,
     tick: () => rows.forEach((row) => row.tick()),

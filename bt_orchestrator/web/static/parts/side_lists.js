@@ -3,17 +3,24 @@
 import { attribute, h, keyed, show, text } from '../core/dom.js';
 import { part, partsOf } from '../core/store.js';
 import { t } from '../core/text.js';
-import { shape } from './shape.js';
+import { shape } from '../core/shape.js';
 
 /** Make the list of components in trouble: an element and `update()`; without any it is not shown. */
 export function troubleList() {
   const list = h('ul', { class: 'troubles' });
   const rows = keyed(list, (component) => component.name, troubleRow);
-  const element = h('section', { class: 'panel trouble', 'data-part': 'trouble' }, h('h2', {}, t('overview.trouble')), list);
+  const element = h(
+    'section',
+    { class: 'panel trouble', 'data-part': 'trouble' },
+    h('h2', {}, t('overview.trouble')),
+    list,
+  );
   return {
     element,
     update() {
-      const troubled = partsOf('component/').map(([, component]) => component).filter((one) => one.trouble);
+      const troubled = partsOf('component/')
+        .map(([, component]) => component)
+        .filter((one) => one.trouble);
       rows(troubled);
       show(element, troubled.length);
     },
@@ -46,7 +53,12 @@ function troubleWords(component) {
 export function flagList() {
   const list = h('ul', { class: 'flags' });
   const rows = keyed(list, (flag) => flag.name, flagRow);
-  const element = h('section', { class: 'panel', 'data-part': 'flags' }, h('h2', {}, t('overview.flags')), list);
+  const element = h(
+    'section',
+    { class: 'panel', 'data-part': 'flags' },
+    h('h2', {}, t('overview.flags')),
+    list,
+  );
   return {
     element,
     update() {

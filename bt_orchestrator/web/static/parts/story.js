@@ -2,7 +2,7 @@
 import { h } from '../core/dom.js';
 import { at, duration, seconds, t, tOr } from '../core/text.js';
 import { componentLink, sectionLink } from './links.js';
-import { shape } from './shape.js';
+import { shape } from '../core/shape.js';
 import { values } from './values.js';
 
 const SHAPES = {

@@ -4,7 +4,7 @@ import { attribute, h, text } from '../core/dom.js';
 import { shownMoment } from '../core/store.js';
 import { seconds, stopwatch, t } from '../core/text.js';
 import { mark } from './mark.js';
-import { reshape, shape } from './shape.js';
+import { reshape, shape } from '../core/shape.js';
 
 /** How many times the expected seconds are late. */
 const LATE = 1.5;
@@ -44,16 +44,26 @@ export function taskRow() {
 /** Say how long a running task takes, of what is expected; of others only that. */
 export function timeWords(task) {
   const expected = task.expected_s ? seconds(task.expected_s) : '';
-  if (task.mark !== 'running' || !task.started) return task.mark === 'new' || task.mark === 'waiting' ? expected : '';
+  if (task.mark !== 'running' || !task.started)
+    return task.mark === 'new' || task.mark === 'waiting' ? expected : '';
   const elapsed = shownMoment() - task.started;
-  return expected ? t('task.of', { elapsed: stopwatch(elapsed), expected }) : seconds(Math.floor(elapsed));
+  return expected
+    ? t('task.of', { elapsed: stopwatch(elapsed), expected })
+    : seconds(Math.floor(elapsed));
 }
 
 function isLate(task) {
-  return task.mark === 'running' && Boolean(task.started) && Boolean(task.expected_s) && shownMoment() - task.started > LATE * task.expected_s;
+  return (
+    task.mark === 'running' &&
+    Boolean(task.started) &&
+    Boolean(task.expected_s) &&
+    shownMoment() - task.started > LATE * task.expected_s
+  );
 }
 
 function titleOf(task) {
   const attempt = task.attempt > 1 ? t('task.attempt', { attempt: task.attempt }) : '';
-  return [task.id, task.name, task.component, t(`mark.${task.mark}`), attempt, task.reason].filter(Boolean).join(' · ');
+  return [task.id, task.name, task.component, t(`mark.${task.mark}`), attempt, task.reason]
+    .filter(Boolean)
+    .join(' · ');
 }

@@ -8,7 +8,7 @@ import { everySecond } from '../core/tick.js';
 import { newsLine, newsTrouble } from './news_line.js';
 import { offers } from './offers.js';
 import { personMenu } from './person_menu.js';
-import { reshape, shape } from './shape.js';
+import { reshape, shape } from '../core/shape.js';
 import { whyItStands } from './stands.js';
 
 const SHAPES = { working: 'play', quiet: 'ring', stopped: 'square', trouble: 'triangle' };
@@ -23,7 +23,9 @@ export function topbar(screens, speak) {
   const state = stateBlock();
   const commands = commandBlock();
   const person = personMenu(speak);
-  const links = screens.map(({ name, href }) => h('a', { href, 'data-screen': name }, t(`nav.${name}`)));
+  const links = screens.map(({ name, href }) =>
+    h('a', { href, 'data-screen': name }, t(`nav.${name}`)),
+  );
   const nav = h('nav', { 'aria-label': t('nav.label') }, links);
   const element = h(
     'div',
@@ -34,7 +36,8 @@ export function topbar(screens, speak) {
   return {
     element,
     choose(screen) {
-      for (const link of links) attribute(link, 'aria-current', link.dataset.screen === screen ? 'page' : null);
+      for (const link of links)
+        attribute(link, 'aria-current', link.dataset.screen === screen ? 'page' : null);
     },
     end() {
       for (const one of [state, commands, person]) one.end();
@@ -48,7 +51,13 @@ function stateBlock() {
   const word = h('strong', { class: 'state-word' });
   const since = h('span', { class: 'state-since' });
   const why = h('p', { class: 'state-why' });
-  const element = h('div', { class: 'state', 'data-part': 'cell' }, drawn, h('div', { class: 'state-line' }, name, word, since), why);
+  const element = h(
+    'div',
+    { class: 'state', 'data-part': 'cell' },
+    drawn,
+    h('div', { class: 'state-line' }, name, word, since),
+    why,
+  );
 
   function update() {
     const cell = part('cell');
@@ -58,11 +67,21 @@ function stateBlock() {
     reshape(drawn, news().kind === 'fresh' ? (SHAPES[cell?.state_kind] ?? 'ring') : 'broken');
     text(name, cell?.name ?? '');
     text(word, cell ? stateWords(cell) : t('news.waiting'));
-    text(since, cell ? t('topbar.since', { time: at(cell.since), duration: duration(shownMoment() - cell.since) }) : '');
+    text(
+      since,
+      cell
+        ? t('topbar.since', {
+            time: at(cell.since),
+            duration: duration(shownMoment() - cell.since),
+          })
+        : '',
+    );
     const said = newsTrouble() || (cell ? whyItStands(cell) : '');
     text(why, said);
     attribute(why, 'title', said);
-    document.title = cell ? `${tOr(`state.${cell.state}`, cell.state)} · ${cell.name}` : 'bt_orchestrator';
+    document.title = cell
+      ? `${tOr(`state.${cell.state}`, cell.state)} · ${cell.name}`
+      : 'bt_orchestrator';
   }
 
   const ends = ['cell', 'hold/', 'news'].map((prefix) => subscribe(prefix, update));
@@ -78,13 +97,23 @@ function stateWords(cell) {
 function commandBlock() {
   const now = offers({ isCompact: true, label: t('topbar.commands') });
   const later = offers({ label: t('topbar.later') });
-  const menu = h('details', { class: 'menu later', 'data-menu': 'later' }, h('summary', {}, t('topbar.later')), h('div', { class: 'menu-body' }, later.element));
+  const menu = h(
+    'details',
+    { class: 'menu later', 'data-menu': 'later' },
+    h('summary', {}, t('topbar.later')),
+    h('div', { class: 'menu-body' }, later.element),
+  );
   const line = newsLine();
   const element = h(
     'div',
     { class: 'commands' },
     h('div', { class: 'command-row' }, menu, now.element),
-    h('div', { class: 'under-commands' }, line.element, h('p', { class: 'no-estop' }, t('topbar.no_estop'))),
+    h(
+      'div',
+      { class: 'under-commands' },
+      line.element,
+      h('p', { class: 'no-estop' }, t('topbar.no_estop')),
+    ),
   );
 
   function update() {

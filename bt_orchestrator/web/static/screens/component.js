@@ -6,7 +6,7 @@ import { happenings, isEnd } from '../parts/happenings.js';
 import { history } from '../parts/history.js';
 import { holdList } from '../parts/hold_list.js';
 import { inPath, sectionLink } from '../parts/links.js';
-import { shape } from '../parts/shape.js';
+import { shape } from '../core/shape.js';
 import { taskList } from '../parts/task_list.js';
 import { jsonValues } from '../parts/values.js';
 

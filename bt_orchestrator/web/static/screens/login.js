@@ -1,7 +1,7 @@
 /** To log in, as a screen: where looking is not free. */
 
 import { h } from '../core/dom.js';
-import { askToLogIn } from '../core/login.js';
+import { askToLogIn } from '../asking/login.js';
 import { onPerson, who } from '../core/me.js';
 import { t } from '../core/text.js';
 
@@ -9,7 +9,17 @@ import { t } from '../core/text.js';
 export function mount(root) {
   const go = () => askToLogIn();
   root.append(
-    h('section', { class: 'panel narrow' }, h('h1', {}, t('login.title')), h('p', {}, t('login.why')), h('button', { type: 'button', class: 'primary', 'data-do': 'log-in', onclick: go }, t('login.log_in'))),
+    h(
+      'section',
+      { class: 'panel narrow' },
+      h('h1', {}, t('login.title')),
+      h('p', {}, t('login.why')),
+      h(
+        'button',
+        { type: 'button', class: 'primary', 'data-do': 'log-in', onclick: go },
+        t('login.log_in'),
+      ),
+    ),
   );
   return onPerson(() => {
     if (who().role) location.hash = '#/overview';

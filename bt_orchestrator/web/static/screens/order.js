@@ -1,7 +1,7 @@
 /** A new order: a script, its parameters and terms; checked while it is written, then queued. */
 
 import { Refused, get } from '../core/api.js';
-import { ask } from '../core/ask.js';
+import { ask } from '../asking/ask.js';
 import { h, show, text } from '../core/dom.js';
 import { part, subscribe } from '../core/store.js';
 import { t } from '../core/text.js';

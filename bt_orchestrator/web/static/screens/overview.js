@@ -27,7 +27,12 @@ export function mount(root) {
     { class: 'overview' },
     holds.element,
     h('div', { class: 'overview-line' }, belt.element, sections.element),
-    h('div', { class: 'overview-side' }, jobs.element, h('div', { class: 'overview-aside' }, troubles.element, flags.element)),
+    h(
+      'div',
+      { class: 'overview-side' },
+      jobs.element,
+      h('div', { class: 'overview-aside' }, troubles.element, flags.element),
+    ),
   );
   const silence = h('p', { class: 'panel' }, t('overview.nothing_heard'));
   root.append(h('h1', { class: 'for-readers' }, t('overview.title')), silence, page);
@@ -65,7 +70,12 @@ function holdList() {
   const list = h('div', { class: 'holds' });
   const cards = live(list, (hold) => hold.id, holdCard);
   return {
-    element: h('section', { class: 'hold-region', 'data-part': 'holds', 'aria-label': t('overview.holds') }, nothing, list),
+    element: h(
+      'section',
+      { class: 'hold-region', 'data-part': 'holds', 'aria-label': t('overview.holds') },
+      nothing,
+      list,
+    ),
     tick: cards.tick,
     end: cards.end,
     update() {
@@ -95,14 +105,31 @@ function jobList() {
   const list = h('ul', { class: 'jobs' });
   const rows = keyed(list, (job) => job.id, jobRow);
   const more = h('a', { class: 'more-jobs', href: '#/queue' });
-  const nothing = h('p', { class: 'quiet' }, t('overview.no_jobs'), ' ', h('a', { href: '#/order' }, t('nav.order')));
+  const nothing = h(
+    'p',
+    { class: 'quiet' },
+    t('overview.no_jobs'),
+    ' ',
+    h('a', { href: '#/order' }, t('nav.order')),
+  );
   return {
-    element: h('section', { class: 'panel', 'data-part': 'jobs' }, h('h2', {}, t('overview.jobs')), nothing, list, more),
+    element: h(
+      'section',
+      { class: 'panel', 'data-part': 'jobs' },
+      h('h2', {}, t('overview.jobs')),
+      nothing,
+      list,
+      more,
+    ),
     update() {
       const all = partsNamed('job', part('cell')?.jobs);
       const open = all.filter((job) => !OVER.includes(job.state));
       const ended = all.filter((job) => OVER.includes(job.state)).slice(-MOST_ENDED);
-      const left = open.length > MOST_JOBS ? (part('cell')?.queued ?? 0) - open.slice(0, MOST_JOBS).filter((job) => job.position).length : 0;
+      const left =
+        open.length > MOST_JOBS
+          ? (part('cell')?.queued ?? 0) -
+            open.slice(0, MOST_JOBS).filter((job) => job.position).length
+          : 0;
       rows([...open.slice(0, MOST_JOBS), ...ended]);
       show(nothing, !open.length);
       show(more, left > 0);

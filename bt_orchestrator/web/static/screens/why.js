@@ -4,7 +4,7 @@ import { part, partsOf, subscribe } from '../core/store.js';
 import { t } from '../core/text.js';
 import { causeWords, chainList, drawnParts, linkWords, nameLink, partName } from '../parts/chain.js';
 import { picture } from '../parts/picture.js';
-import { shape } from '../parts/shape.js';
+import { shape } from '../core/shape.js';
 
 /** Show it in a root; `route.id` names the part whose chain is open. */
 export function mount(root, route) {

@@ -1,7 +1,7 @@
 /** The check of an order by the page, while it is written and before it is sent. */
 
 import { Refused, post } from '../../core/api.js';
-import { askToLogIn } from '../../core/login.js';
+import { askToLogIn } from '../../asking/login.js';
 import { onPerson, who } from '../../core/me.js';
 import { attribute, text } from '../../core/dom.js';
 import { t } from '../../core/text.js';

@@ -2,10 +2,10 @@
 
 import { h, children, show } from '../../core/dom.js';
 import { t } from '../../core/text.js';
-import { fieldWith } from '../../parts/entry.js';
-import { jsonField } from '../../parts/json_field.js';
-import { scriptParams } from '../../parts/script_params.js';
-import { timeField } from '../../parts/time_field.js';
+import { fieldWith } from '../../asking/entry.js';
+import { jsonField } from '../../asking/json_field.js';
+import { scriptParams } from '../../asking/script_params.js';
+import { timeField } from '../../asking/time_field.js';
 import { newOrderId } from './order_id.js';
 
 /** Make it: an element, `value()`, `warn(findings)` and what fills it. `changed` is called for each entry. */

@@ -5,7 +5,7 @@ import { about, t } from '../../core/text.js';
 import { everySecond } from '../../core/tick.js';
 import { jobBar } from '../../parts/bar.js';
 import { offers } from '../../parts/offers.js';
-import { shape } from '../../parts/shape.js';
+import { shape } from '../../core/shape.js';
 import { dueWords, stateWords } from './job_words.js';
 
 /** What the row itself shows as handle and buttons; the rest is unfolded. */

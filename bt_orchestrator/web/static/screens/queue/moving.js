@@ -5,7 +5,7 @@
  * asked of the cell before somebody has seen what would become of the others.
  */
 
-import { ask } from '../../core/ask.js';
+import { ask } from '../../asking/ask.js';
 import { attribute, h, show, text } from '../../core/dom.js';
 import { t } from '../../core/text.js';
 import { draggable } from './dragging.js';

@@ -1,6 +1,6 @@
 /** A button that has to be held down: by finger, mouse or key. For what cannot be taken back. */
 
-import { h } from './dom.js';
+import { h } from '../core/dom.js';
 
 const HELD_MS = 1200;
 
@@ -8,7 +8,11 @@ const HELD_MS = 1200;
 function swallowKeys() {
   const swallow = (event) => event.repeat && event.preventDefault();
   document.addEventListener('keydown', swallow, { capture: true });
-  document.addEventListener('keyup', () => document.removeEventListener('keydown', swallow, { capture: true }), { once: true });
+  document.addEventListener(
+    'keyup',
+    () => document.removeEventListener('keydown', swallow, { capture: true }),
+    { once: true },
+  );
 }
 
 /**
@@ -20,7 +24,13 @@ function swallowKeys() {
  */
 export function holdButton(words, how, isReady, done) {
   const fill = h('span', { class: 'hold-fill', 'aria-hidden': 'true' });
-  const button = h('button', { type: 'button', class: 'primary hold-button', 'data-hold-to-confirm': true }, fill, h('span', { class: 'hold-words' }, words), h('span', { class: 'hold-how' }, how));
+  const button = h(
+    'button',
+    { type: 'button', class: 'primary hold-button', 'data-hold-to-confirm': true },
+    fill,
+    h('span', { class: 'hold-words' }, words),
+    h('span', { class: 'hold-how' }, how),
+  );
   let timer = 0;
 
   function begin() {
@@ -41,7 +51,8 @@ export function holdButton(words, how, isReady, done) {
 
   const isKey = (event) => event.key === ' ' || event.key === 'Enter';
   button.addEventListener('pointerdown', (event) => event.button === 0 && begin());
-  for (const end of ['pointerup', 'pointerleave', 'pointercancel', 'blur']) button.addEventListener(end, release);
+  for (const end of ['pointerup', 'pointerleave', 'pointercancel', 'blur'])
+    button.addEventListener(end, release);
   button.addEventListener('keydown', (event) => {
     if (!isKey(event)) return;
     event.preventDefault();

@@ -1,8 +1,8 @@
 /** What stands on the belt, slot by slot: for `clear`. It begins with what the page shows. */
 
-import { h } from './dom.js';
-import { part, partsOf } from './store.js';
-import { t } from './text.js';
+import { h } from '../core/dom.js';
+import { part, partsOf } from '../core/store.js';
+import { t } from '../core/text.js';
 
 const EMPTY = 'empty';
 
@@ -40,7 +40,13 @@ function selectOf(shown) {
   return h(
     'select',
     {},
-    [...names].map((name) => h('option', { value: name, selected: name === shown }, name === EMPTY ? t('overview.empty_slot') : name)),
+    [...names].map((name) =>
+      h(
+        'option',
+        { value: name, selected: name === shown },
+        name === EMPTY ? t('overview.empty_slot') : name,
+      ),
+    ),
   );
 }
 

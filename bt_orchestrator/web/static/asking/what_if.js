@@ -4,7 +4,7 @@ import { Refused, post } from '../core/api.js';
 import { children, h } from '../core/dom.js';
 import { part } from '../core/store.js';
 import { about, duration, t } from '../core/text.js';
-import { shape } from './shape.js';
+import { shape } from '../core/shape.js';
 
 const WITHIN_MS = 75000;
 const WAIT_MS = 400;

@@ -1,7 +1,7 @@
 /** The reason of a command. Reasons that were given lately can be given again by one press. */
 
-import { children, h } from './dom.js';
-import { t } from './text.js';
+import { children, h } from '../core/dom.js';
+import { t } from '../core/text.js';
 
 const LONGEST = 2000;
 const KEPT = 4;
@@ -9,8 +9,18 @@ const KEY = 'bt_orchestrator.reasons';
 
 /** Make the field: an element, `value()`, and `isGiven()`, which shows where it is missing. */
 export function reasonField(request, isRequired) {
-  const field = h('textarea', { rows: 2, maxlength: LONGEST, name: 'reason', required: isRequired, 'aria-required': isRequired });
-  const warning = h('p', { class: 'field-warning', role: 'alert', hidden: true }, t('ask.reason_missing'));
+  const field = h('textarea', {
+    rows: 2,
+    maxlength: LONGEST,
+    name: 'reason',
+    required: isRequired,
+    'aria-required': isRequired,
+  });
+  const warning = h(
+    'p',
+    { class: 'field-warning', role: 'alert', hidden: true },
+    t('ask.reason_missing'),
+  );
   const again = lately(request).map((words) =>
     h('button', { type: 'button', class: 'chip', onclick: () => choose(words) }, words),
   );

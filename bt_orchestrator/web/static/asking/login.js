@@ -1,11 +1,11 @@
 /** The dialog to log in, or to unlock a locked session. */
 
-import { Refused } from './api.js';
+import { Refused } from '../core/api.js';
 import { dialogButtons, openDialog } from './dialog.js';
-import { h, show, text } from './dom.js';
-import { login, unlock, who } from './me.js';
-import { followAgain } from './store.js';
-import { t, tOr } from './text.js';
+import { h, show, text } from '../core/dom.js';
+import { login, unlock, who } from '../core/me.js';
+import { followAgain } from '../core/store.js';
+import { t, tOr } from '../core/text.js';
 
 /**
  * Ask who sits here.
@@ -17,10 +17,25 @@ export function askToLogIn({ isAnother = false } = {}) {
   const isLocked = who().is_locked && !isAnother;
   return new Promise((resolve) => {
     let isIn = false;
-    const name = h('input', { name: 'username', autocomplete: 'username', autocapitalize: 'off', spellcheck: 'false', required: true });
-    const password = h('input', { name: 'password', type: 'password', autocomplete: 'current-password', required: true });
+    const name = h('input', {
+      name: 'username',
+      autocomplete: 'username',
+      autocapitalize: 'off',
+      spellcheck: 'false',
+      required: true,
+    });
+    const password = h('input', {
+      name: 'password',
+      type: 'password',
+      autocomplete: 'current-password',
+      required: true,
+    });
     const warning = h('p', { class: 'field-warning', role: 'alert', hidden: true });
-    const go = h('button', { type: 'submit', class: 'primary', 'data-do': 'log-in' }, t(isLocked ? 'login.unlock' : 'login.log_in'));
+    const go = h(
+      'button',
+      { type: 'submit', class: 'primary', 'data-do': 'log-in' },
+      t(isLocked ? 'login.unlock' : 'login.log_in'),
+    );
     const form = h(
       'form',
       { onsubmit: submit, 'data-form': 'login' },
@@ -29,7 +44,10 @@ export function askToLogIn({ isAnother = false } = {}) {
       warning,
       dialogButtons(() => dialog.close(), go),
     );
-    const dialog = openDialog(t(isLocked ? 'login.unlock' : 'login.title'), [form], { name: 'login', closed: () => resolve(isIn) });
+    const dialog = openDialog(t(isLocked ? 'login.unlock' : 'login.title'), [form], {
+      name: 'login',
+      closed: () => resolve(isIn),
+    });
     (isLocked ? password : name).focus();
 
     async function submit(event) {

@@ -1,6 +1,6 @@
 /** Shapes: each state has one of its own, so that colour never has to tell it. */
 
-import { svg } from '../core/dom.js';
+import { svg } from './dom.js';
 
 /** Paths in a square of 16. */
 const PATHS = {
@@ -15,8 +15,10 @@ const PATHS = {
   skip: 'M2 3v10l5.5-5zm6 0v10l5.5-5z',
   dots: 'M2 7h2.4v2.4H2zm4.8 0h2.4v2.4H6.8zm4.8 0H14v2.4h-2.4z',
   ring: 'M8 2a6 6 0 1 0 0 12A6 6 0 0 0 8 2zm0 2a4 4 0 1 1 0 8 4 4 0 0 1 0-8z',
-  again: 'M8 2.5a5.5 5.5 0 1 0 5.4 6.6h-2a3.6 3.6 0 1 1-1-3.6L8.3 7.6H14V1.9l-2.2 2.2A5.5 5.5 0 0 0 8 2.5z',
-  broken: 'M1 3.2 2.4 1.8l11.8 11.8-1.4 1.4zM8 12a1.3 1.3 0 1 0 .01 0zM3.4 7.8 4.8 9.2A5 5 0 0 1 7 7.9L5.4 6.3a7 7 0 0 0-2 1.5z',
+  again:
+    'M8 2.5a5.5 5.5 0 1 0 5.4 6.6h-2a3.6 3.6 0 1 1-1-3.6L8.3 7.6H14V1.9l-2.2 2.2A5.5 5.5 0 0 0 8 2.5z',
+  broken:
+    'M1 3.2 2.4 1.8l11.8 11.8-1.4 1.4zM8 12a1.3 1.3 0 1 0 .01 0zM3.4 7.8 4.8 9.2A5 5 0 0 1 7 7.9L5.4 6.3a7 7 0 0 0-2 1.5z',
   lock: 'M4 7V5a4 4 0 1 1 8 0v2h1v8H3V7zm2 0h4V5a2 2 0 1 0-4 0z',
   item: 'M2.5 4.5 8 1.5l5.5 3v7L8 14.5l-5.5-3z',
   hollow: 'M2 2h3v1.6H3.6V5H2zm9 0h3v3h-1.6V3.6H11zM2 11h1.6v1.4H5V14H2zm10.4 0H14v3h-3v-1.6h1.4z',
@@ -33,7 +35,11 @@ const PATHS = {
  */
 export function shape(name) {
   const path = svg('path', { d: PATHS[name] ?? '', 'fill-rule': 'evenodd' });
-  return svg('svg', { class: 'shape', viewBox: '0 0 16 16', 'aria-hidden': 'true', 'data-shape': name }, path);
+  return svg(
+    'svg',
+    { class: 'shape', viewBox: '0 0 16 16', 'aria-hidden': 'true', 'data-shape': name },
+    path,
+  );
 }
 
 /** Change a shape into another one. */

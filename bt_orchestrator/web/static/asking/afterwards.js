@@ -6,22 +6,30 @@
  * reason takes the place of the one without.
  */
 
-import { newTicket, send } from './api.js';
+import { newTicket, send } from '../core/api.js';
 import { dialogButtons, openDialog } from './dialog.js';
-import { h } from './dom.js';
-import { who } from './me.js';
+import { h } from '../core/dom.js';
+import { who } from '../core/me.js';
 import { note } from './notes.js';
 import { keepReason, reasonField } from './reason.js';
-import { part, partsOf } from './store.js';
-import { at, t } from './text.js';
+import { part, partsOf } from '../core/store.js';
+import { at, t } from '../core/text.js';
 
 /** Ask why something was done. */
 export function askAfterwards(offer, title, doneAt) {
   const reason = reasonField(offer.name, true);
-  const record = h('button', { type: 'button', class: 'primary', 'data-do': 'send', onclick: keep }, t('ask.record'));
+  const record = h(
+    'button',
+    { type: 'button', class: 'primary', 'data-do': 'send', onclick: keep },
+    t('ask.record'),
+  );
   const dialog = openDialog(
     title,
-    [h('p', { class: 'effect' }, t('ask.why_afterwards', { time: at(doneAt) })), reason.element, dialogButtons(() => dialog.close(), record)],
+    [
+      h('p', { class: 'effect' }, t('ask.why_afterwards', { time: at(doneAt) })),
+      reason.element,
+      dialogButtons(() => dialog.close(), record),
+    ],
     { name: 'reason-afterwards' },
   );
   reason.focus();
@@ -36,13 +44,16 @@ export function askAfterwards(offer, title, doneAt) {
     if (isOffered && !pause) return note('refused', t('ask.too_late'));
     const outcome = await send(offer, { reason: words }, newTicket());
     // An offer that was gone is refused, with its reason on record.
-    if (pause && outcome.kind === 'accepted') await send(pause.offers[0], { reason: words }, newTicket());
+    if (pause && outcome.kind === 'accepted')
+      await send(pause.offers[0], { reason: words }, newTicket());
     return outcome;
   }
 }
 
 /** The newest pause of the person here; undefined: there is none. */
 function myPause() {
-  const mine = partsOf('hold/').map(([, hold]) => hold).filter((hold) => hold.is_pause && hold.owner === who().name);
+  const mine = partsOf('hold/')
+    .map(([, hold]) => hold)
+    .filter((hold) => hold.is_pause && hold.owner === who().name);
   return mine.sort((one, other) => other.since - one.since)[0];
 }

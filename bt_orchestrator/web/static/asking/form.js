@@ -1,10 +1,10 @@
 /** The parameters of a request as fields. Which there are, and of which kind, the page says. */
 
-import { attribute, h } from './dom.js';
-import { who } from './me.js';
-import { meaningOf } from './requests.js';
-import { t } from './text.js';
-import { UPDATE_FIELDS } from '../parts/update_fields.js';
+import { attribute, h } from '../core/dom.js';
+import { who } from '../core/me.js';
+import { meaningOf } from '../core/requests.js';
+import { t } from '../core/text.js';
+import { UPDATE_FIELDS } from './update_fields.js';
 import { beltField } from './belt_field.js';
 
 /** Parameters that the page asks for in its own way, by request and name. */
@@ -19,15 +19,28 @@ export function parameterForm(offer) {
   const given = offer.body ?? {};
   const open = offer.parameters.filter((one) => !(one.name in given) && isMine(one));
   const fields = open.map((one) => ({ parameter: one, ...fieldOf(offer, one) }));
-  const isPlain = ({ parameter }) => parameter.is_required || `${offer.name}.${parameter.name}` in SPECIAL;
+  const isPlain = ({ parameter }) =>
+    parameter.is_required || `${offer.name}.${parameter.name}` in SPECIAL;
   const folded = fields.filter((field) => !isPlain(field));
   const element = h(
     'div',
     { class: 'form' },
     fields.filter(isPlain).map((field) => field.element),
-    folded.length ? h('details', {}, h('summary', {}, t('ask.more')), folded.map((field) => field.element)) : null,
+    folded.length
+      ? h(
+          'details',
+          {},
+          h('summary', {}, t('ask.more')),
+          folded.map((field) => field.element),
+        )
+      : null,
   );
-  return { element, isEmpty: !fields.length, values: () => valuesOf(fields), sofar: () => valuesOf(fields, true) };
+  return {
+    element,
+    isEmpty: !fields.length,
+    values: () => valuesOf(fields),
+    sofar: () => valuesOf(fields, true),
+  };
 }
 
 function isMine(parameter) {
@@ -54,7 +67,11 @@ function fieldOf(offer, parameter) {
   const special = SPECIAL[`${offer.name}.${parameter.name}`];
   if (special) return special(offer);
   const { input, read } = inputOf(parameter);
-  const warning = h('p', { class: 'field-warning', role: 'alert', hidden: true }, t('ask.field_wrong'));
+  const warning = h(
+    'p',
+    { class: 'field-warning', role: 'alert', hidden: true },
+    t('ask.field_wrong'),
+  );
   const label = h('label', {}, h('span', {}, meaningOf(offer, parameter)), input);
   attribute(input, 'name', parameter.name);
   return {
@@ -72,10 +89,26 @@ function inputOf({ kind, choices }) {
     const options = ['', ...choices].map((one) => h('option', { value: one }, one));
     return { input: h('select', {}, options), read: readText };
   }
-  if (kind === 'whole number') return { input: h('input', { type: 'number', step: 1, inputmode: 'numeric' }), read: readWhole };
-  if (kind === 'yes or no') return { input: h('input', { type: 'checkbox' }), read: ({ checked }) => ({ value: checked || undefined }) };
-  if (kind === 'values by name') return { input: h('textarea', { rows: 3, placeholder: t('ask.values_hint') }), read: readValues };
-  if (kind === 'texts') return { input: h('textarea', { rows: 3 }), read: ({ value }) => ({ value: lines(value) }) };
+  if (kind === 'whole number')
+    return {
+      input: h('input', { type: 'number', step: 1, inputmode: 'numeric' }),
+      read: readWhole,
+    };
+  if (kind === 'yes or no')
+    return {
+      input: h('input', { type: 'checkbox' }),
+      read: ({ checked }) => ({ value: checked || undefined }),
+    };
+  if (kind === 'values by name')
+    return {
+      input: h('textarea', { rows: 3, placeholder: t('ask.values_hint') }),
+      read: readValues,
+    };
+  if (kind === 'texts')
+    return {
+      input: h('textarea', { rows: 3 }),
+      read: ({ value }) => ({ value: lines(value) }),
+    };
   return { input: h('input', { type: 'text' }), read: readText };
 }
 
@@ -92,7 +125,8 @@ function readWhole({ value, validity }) {
 function readValues({ value }) {
   const pairs = lines(value)?.map((line) => line.split(/=(.*)/s).map((part) => part.trim()));
   if (!pairs) return { value: undefined };
-  if (pairs.some(([name, said]) => !name || said === undefined)) return { value: undefined, isWrong: true };
+  if (pairs.some(([name, said]) => !name || said === undefined))
+    return { value: undefined, isWrong: true };
   return { value: Object.fromEntries(pairs.map(([name, said]) => [name, plain(said)])) };
 }
 
@@ -105,6 +139,9 @@ function plain(said) {
 }
 
 function lines(value) {
-  const all = value.split('\n').map((line) => line.trim()).filter(Boolean);
+  const all = value
+    .split('\n')
+    .map((line) => line.trim())
+    .filter(Boolean);
   return all.length ? all : undefined;
 }

@@ -1,7 +1,7 @@
 /** What became of commands: small notes that readers of the screen are told too. */
 
-import { attribute, h, text } from './dom.js';
-import { t } from './text.js';
+import { attribute, h, text } from '../core/dom.js';
+import { t } from '../core/text.js';
 
 const STAY_MS = 6000;
 
@@ -14,7 +14,16 @@ const STAY_MS = 6000;
 export function note(kind, words) {
   const said = h('span', { class: 'note-words' });
   const close = () => element.remove();
-  const element = h('div', { class: 'note' }, said, h('button', { type: 'button', class: 'quiet-button', onclick: close, 'data-do': 'close-note' }, t('ask.close')));
+  const element = h(
+    'div',
+    { class: 'note' },
+    said,
+    h(
+      'button',
+      { type: 'button', class: 'quiet-button', onclick: close, 'data-do': 'close-note' },
+      t('ask.close'),
+    ),
+  );
   let timer = 0;
 
   function say(nowKind, nowWords) {

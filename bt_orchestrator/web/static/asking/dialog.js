@@ -4,8 +4,8 @@
  * The bar above stays free, since abort, pause and stop are one press, whatever is open.
  */
 
-import { h } from './dom.js';
-import { t } from './text.js';
+import { h } from '../core/dom.js';
+import { t } from '../core/text.js';
 
 const open = [];
 let count = 0;
@@ -22,7 +22,12 @@ let count = 0;
 export function openDialog(title, body, { name = '', closed = () => {} } = {}) {
   const id = `dialog-${(count += 1)}`;
   const before = document.activeElement;
-  const element = h('dialog', { 'aria-labelledby': id, 'data-dialog': name, tabindex: -1 }, h('h2', { id }, title), ...body);
+  const element = h(
+    'dialog',
+    { 'aria-labelledby': id, 'data-dialog': name, tabindex: -1 },
+    h('h2', { id }, title),
+    ...body,
+  );
   const cover = h('div', { class: 'cover' }, element);
   const close = () => element.close();
   element.addEventListener('close', () => {

@@ -1,0 +1,14 @@
+/** What became of a command, in words. */
+
+import { sentence, t } from '../core/text.js';
+
+/**
+ * Say it.
+ * @param {import('../core/api.js').Outcome} outcome
+ */
+export function outcomeWords({ kind, message, isFromJournal }) {
+  const words = t(`outcome.${kind}`);
+  if (kind === 'absent') return words;
+  const source = isFromJournal ? t('outcome.journal') : '';
+  return [source, words, sentence(message)].filter(Boolean).join(' ');
+}
