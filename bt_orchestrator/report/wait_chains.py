@@ -11,9 +11,10 @@ from collections import defaultdict, deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from bt_orchestrator.model.hold_words import hold_words
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.model.wait import WaitKind
-from bt_orchestrator.report.wait_links import TASK, Link, links_of
+from bt_orchestrator.report.wait_links import TASK, Link, hold_part, links_of
 
 
 @dataclass(frozen=True)
@@ -63,7 +64,8 @@ def chains(status: CellStatus) -> tuple[Chain, ...]:
     links = links_of(status)
     chosen = _chosen(links)
     waiting = [part for part in links if links[part] and _may_wait(part)]
-    return tuple(_chain(part, chosen) for part in waiting if links[part][0].kind != TASK)
+    said = {hold_part(hold.id): f'hold {hold.id}: {hold_words(hold)}' for hold in status.holds}
+    return tuple(_chain(part, chosen, said) for part in waiting if links[part][0].kind != TASK)
 
 
 def causes(found: Iterable[Chain]) -> tuple[Cause, ...]:
@@ -110,7 +112,11 @@ def _rank(end: Link | Root) -> int:
     return _GRAVE.index(end.kind) if end.kind in _GRAVE else len(_GRAVE)
 
 
-def _chain(part: str, chosen: Mapping[str, Link]) -> Chain:
+def _chain(part: str, chosen: Mapping[str, Link], said: Mapping[str, str]) -> Chain:
+    """Return the chain of a part.
+
+    :param said: more words for some roots than what waits for them has
+    """
     links: list[Link] = []
     seen: set[str] = set()
     here = part
@@ -120,4 +126,5 @@ def _chain(part: str, chosen: Mapping[str, Link]) -> Chain:
             links.append(chosen[here])
         here = chosen[here].to
     last = links[-1]
-    return Chain(part, tuple(links), Root(last.to or last.part, last.kind, last.words))
+    end = last.to or last.part
+    return Chain(part, tuple(links), Root(end, last.kind, said.get(end, last.words)))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from bt_orchestrator.model.hold_words import hold_words
+from bt_orchestrator.model.hold_words import hold_wait_words
 from bt_orchestrator.model.status import CellStatus, ComponentStatus, TaskStatus
 from bt_orchestrator.model.status_words import component_trouble
 from bt_orchestrator.model.wait import BELT, INITIALIZATION, Wait, WaitKind
@@ -58,7 +58,7 @@ class _Reader:
             part = component_part(component.name)
             found[part] = tuple(self._of_component(part, component))
         for hold in status.holds:
-            found[f'hold/{hold.id}'] = ()
+            found[hold_part(hold.id)] = ()
         return found
 
     def _in_flight(self) -> Iterator[tuple[str, TaskStatus]]:
@@ -76,8 +76,8 @@ class _Reader:
     ) -> Iterator[Link]:
         for wait in waits:
             ends = tuple(self._ends(part, wait)) or ('',)
-            words = self._words(wait)
-            yield from (Link(part, words, wait.kind.value, end) for end in ends if end != part)
+            kind = wait.kind.value
+            yield from (Link(part, wait.reason, kind, end) for end in ends if end != part)
         for task in running:
             yield Link(part, _runs(task), TASK, component_part(task.component))
 
@@ -102,7 +102,7 @@ class _Reader:
         """Yield the hold of a wait, which is named itself or by its item; or the paused job."""
         for hold in self._status.holds:
             if wait.name in (hold.id, hold.item):
-                yield f'hold/{hold.id}'
+                yield hold_part(hold.id)
                 return
         if any(job.id == wait.name for job in self._status.jobs):
             yield f'job/{wait.name}'
@@ -114,18 +114,11 @@ class _Reader:
             if section.running or kinds - {WaitKind.ITEM, WaitKind.BELT}:
                 yield section_part(section.number)
 
-    def _words(self, wait: Wait) -> str:
-        for hold in self._status.holds:
-            if wait.kind is WaitKind.HOLD and wait.name == hold.id:
-                return f'hold {hold.id}: {hold_words(hold)}'
-        return wait.reason
-
     def _of_component(self, part: str, component: ComponentStatus) -> Iterator[Link]:
         """Yield why a component takes no other task; nothing if it is the cause itself."""
         hold, task = self._held.get(component.name), self._at_work.get(component.name)
         if hold is not None:
-            words = f'hold {hold.id}: {hold_words(hold)}'
-            yield Link(part, words, WaitKind.HOLD.value, f'hold/{hold.id}')
+            yield Link(part, hold_wait_words([hold]), WaitKind.HOLD.value, hold_part(hold.id))
         elif component_trouble(component):
             yield Link(part, component_trouble(component), WaitKind.READINESS.value)
         elif task is not None:
@@ -145,3 +138,8 @@ def section_part(number: int) -> str:
 def component_part(name: str) -> str:
     """Return the key of a component."""
     return f'component/{name}'
+
+
+def hold_part(hold: str) -> str:
+    """Return the key of a hold."""
+    return f'hold/{hold}'

@@ -31,6 +31,15 @@ from bt_orchestrator.web.command_paths import place_of
 
 Offer = dict[str, object]
 
+_STOPPED = (
+    PackmlState.STOPPING,
+    PackmlState.STOPPED,
+    PackmlState.ABORTING,
+    PackmlState.ABORTED,
+    PackmlState.CLEARING,
+)
+"""Where it makes no difference that the line is to run empty and stop."""
+
 _NOTHING: Mapping[str, object] = {}
 
 
@@ -70,7 +79,7 @@ def _changes_stop(after: str, status: CellStatus) -> bool:
     if after == NEVER:
         return bool(status.stop_after)
     is_begun = any(job.state not in OVER and not job.position for job in status.jobs)
-    return is_begun and after != status.stop_after
+    return is_begun and after != status.stop_after and status.state not in _STOPPED
 
 
 def hold_offers(hold: Hold) -> list[Offer]:

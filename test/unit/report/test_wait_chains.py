@@ -75,6 +75,16 @@ def test_nothing_is_said_twice_in_a_row() -> None:
     assert chain['root']['part'] == 'component/a1'
 
 
+def test_links_say_what_the_waits_say_and_the_root_says_more() -> None:
+    run = Line(3, faults={'a2': 'TASK_A=abort'}).run(quantity=2)
+    parts = page_parts(run)
+    (chain,) = (one for one in parts['why']['chains'] if one['part'] == 'section/2')
+    (wait,) = parts['section/2']['waits']
+    (link,) = chain['links']
+    assert link['words'] == wait['words'] == 'waiting for an answer to hold 1 (work: aborted)'
+    assert chain['root']['words'].startswith('hold 1: section 2, work (TASK_A) of J/1 at a2')
+
+
 def test_a_zone_leads_to_the_section_whose_task_is_in_it() -> None:
     text = 'zones: {table: [work, pack]}\n' + with_section(2, '[{id: work, @a2}]')
     run = Line(3, faults={'a3': '#1=abort'}).run(text, 2)

@@ -77,6 +77,7 @@ def test_clear_says_which_status_was_looked_at() -> None:
     assert clear['body'] == {'as_shown': parts['now']['seq']}
     assert clear['roles'] == ['engineer']
     assert parts['cell']['state_kind'] == 'trouble'
+    assert words(run) == {'pause', 'clear'}, 'the line stands already'
     run.command(Clear, belt=_as_it_is(run))
     assert 'reset' in words(run)
     run.command(Reset)
