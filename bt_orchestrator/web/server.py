@@ -21,6 +21,9 @@ from bt_orchestrator.web.stream import SEND_LIMIT_S
 SEND_BUFFER = 64 * 1024
 """Of each connection in the kernel, bytes: a reader that is stuck is noticed, and costs little."""
 
+FIRST_WITHIN_S = 20.0
+"""A connection that has asked for nothing after so long is ended."""
+
 FAREWELL_S = 2
 """Longest wait for requests that are carried out while the page ends."""
 
@@ -125,12 +128,21 @@ class PageServer:
 
 
 class _Protocol(H11Protocol):
-    """Lets an application end a connection at once: `state.transport` of its request."""
+    """Lets an application end a connection at once: `state.transport` of its request.
+
+    A connection without a request is ended: nobody can keep all of them busy with nothing.
+    """
 
     def connection_made(self, transport: Any) -> None:
         """Remember the transport."""
+        self.loop.call_later(FIRST_WITHIN_S, self._end_if_silent, transport)
         self.app_state: dict[str, Any] = {**self.app_state, 'transport': transport}
         super().connection_made(transport)
+
+    def _end_if_silent(self, transport: Any) -> None:
+        cycle: Any = self.cycle
+        if cycle is None:
+            transport.abort()
 
 
 def _bound(host: str, port: int) -> socket.socket:

@@ -8,7 +8,7 @@ import socket
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -316,6 +316,17 @@ class TestServer:
         with server.running():
             scene.wait_until(lambda: len(opened) == 2, 'a door for questions')
         assert set(opened) == {'page: following', 'page: asking'}
+
+    def test_who_connects_and_asks_for_nothing_is_sent_away(
+        self, scene: Scene, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.setattr(server_module, 'FIRST_WITHIN_S', 0.5)
+        with scene.page() as server, SseClient(server.port) as reader:
+            with socket.create_connection(('127.0.0.1', server.port), PATIENCE_S) as silent:
+                silent.sendall(b'GET / HTTP/1.1\r\nHost: ')
+                with suppress(ConnectionResetError):
+                    assert silent.recv(1) == b''
+            assert reader.first('beat').kind == 'beat', 'who has asked for something stays'
 
     def test_files_are_asked_for_again_after_an_update(self, scene: Scene) -> None:
         with scene.page() as server:
