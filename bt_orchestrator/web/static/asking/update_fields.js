@@ -68,7 +68,7 @@ function detailsField() {
 
 /** The parameters come from the script; until they are there nothing of them is changed. */
 function paramFields(job) {
-  const element = h('div', { class: 'field' });
+  const element = h('div', { class: 'field wide' });
   let entries = null;
   let before = {};
 
@@ -77,7 +77,7 @@ function paramFields(job) {
       const { parameters } = await get(`/api/scripts/${job.digest}`);
       entries = scriptParams(parameters, job.params);
       before = entries.values();
-      children(element, entries.element);
+      children(element, parameters.length ? entries.element : null);
     } catch (refused) {
       if (!(refused instanceof Refused)) throw refused;
       children(element, h('p', { class: 'warn' }, refused.message || t('order.no_scripts')));

@@ -129,13 +129,18 @@ function line(row) {
   const { job, change } = row;
   return h(
     'tr',
-    { 'data-job': job, 'data-change': change, 'data-late': row.isLate },
+    { 'data-job': job, 'data-change': change, 'data-by': byOf(row), 'data-late': row.isLate },
     h('th', { scope: 'row' }, job),
     h('td', {}, endWords(row.before)),
     h('td', {}, endWords(row.after)),
     h('td', { class: 'what-if-change' }, changeWords(row)),
     h('td', {}, dueWords(row)),
   );
+}
+
+/** By how many seconds it ends later; null: that has no meaning. */
+function byOf({ before, after }) {
+  return before && after ? (after - before).toFixed(1) : null;
 }
 
 function endWords(ends) {

@@ -27,12 +27,12 @@ export function moving() {
   const jobOf = (id) => jobs.find((job) => job.id === id);
   const moveOffer = (job) => job?.offers.find((offer) => offer.name === 'job.move');
 
-  function choose(id, place) {
+  function choose(id, place, isSeen = false) {
     const job = jobOf(id);
     if (!moveOffer(job)) return;
     lifted = { id, place: Math.max(1, Math.min(queued, place)) };
     said();
-    document.querySelector('[data-drop]')?.scrollIntoView({ block: 'nearest' });
+    if (!isSeen) document.querySelector('[data-drop]')?.scrollIntoView({ block: 'nearest' });
   }
 
   function step(id, delta) {
@@ -96,7 +96,7 @@ export function moving() {
       handle.addEventListener('keydown', (event) => keys(event, id));
       handle.addEventListener('click', () => lifted?.id !== id && choose(id, jobOf(id).position));
       draggable(handle, row, {
-        over: (place) => choose(id, place),
+        over: (place) => choose(id, place, true),
         drop: confirm,
         leave: put,
       });

@@ -1,0 +1,124 @@
+"""A planner's day: the queue is changed by keys, with what would come of it; an order is given."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from cell_processes import STATELESS_CELL, CellProcesses, StartCell, small_script
+from page.browsing import Tab
+from page.conftest import Sit, StartPage
+
+NEAR_S = 1.0
+"""Both are computed from a moment of their own, in which the same goals were in flight."""
+
+
+@pytest.fixture
+def planned(start_cell: StartCell) -> CellProcesses:
+    """Give a line with a long job on it, and two behind that."""
+    cell = start_cell(STATELESS_CELL)
+    cell.connect()
+    text = small_script().replace('\nsections:', '\nparams: {lot: {type: int}}\nsections:')
+    (cell.folder / 'lots.yaml').write_text(text.replace('small', 'lots'))
+    cell.run_small(quantity=500, order='long')
+    cell.watch.until('item.removed')
+    for name in ('a', 'b'):
+        cell.watch.submit(Path('small'), quantity=20, order=name)
+    return cell
+
+
+def in_queue(tab: Tab) -> list[str]:
+    """Return the jobs that wait, as the page shows them."""
+    rows = tab.page.locator('[data-list="queue"] > [data-job]')
+    return [str(row.get_attribute('data-job')) for row in rows.all()]
+
+
+def computed(tab: Tab) -> dict[str, tuple[str, float | None]]:
+    """Return what the dialog says of each job: what changes, and by how many seconds."""
+    tab.page.locator('dialog [data-what-if="known"]').wait_for()
+    found = {}
+    for row in tab.page.locator('dialog tr[data-job]').all():
+        by = row.get_attribute('data-by')
+        change = str(row.get_attribute('data-change'))
+        found[str(row.get_attribute('data-job'))] = (change, None if by is None else float(by))
+    return found
+
+
+def test_a_job_is_moved_by_keys_when_it_is_known_what_comes_of_it(
+    planned: CellProcesses, start_page: StartPage, sit: Sit
+) -> None:
+    page = start_page('--trees', str(planned.folder))
+    tab = sit(page.port).open('queue')
+    tab.log_in('operate')
+    tab.until(lambda: in_queue(tab) == ['a', 'b'], 'the queue')
+
+    status, output, errors = planned.verb('what-if', 'queue move b 1', '--json')
+    assert status == 0, errors
+    run = {
+        key: {one['job']: one['ends_s'] for one in ends}
+        for key, ends in json.loads(output).items()
+        if key != 'refusals'
+    }
+
+    tab.page.locator('[data-job="b"] [data-do="place"]').focus()
+    tab.page.keyboard.press('ArrowUp')
+    assert tab.page.locator('[data-job="a"]').get_attribute('data-drop') == 'before'
+    assert in_queue(tab) == ['a', 'b'], 'nothing has moved'
+    tab.page.keyboard.press('Enter')
+    shown = computed(tab)
+    assert {job: change for job, (change, _) in shown.items()} == {
+        'long': 'same',
+        'a': 'later',
+        'b': 'earlier',
+    }
+    for job, (_, by_s) in shown.items():
+        assert by_s == pytest.approx(run['after'][job] - run['before'][job], abs=NEAR_S)
+
+    tab.page.keyboard.type('the customer waits')
+    tab.page.keyboard.press('Tab')
+    tab.page.keyboard.press('Tab')
+    tab.page.keyboard.press('Enter')
+    tab.until(lambda: in_queue(tab) == ['b', 'a'], 'the new order')
+    decided = planned.watch.until('operator.decided', job='b', who='operate')
+    assert decided['reason'] == 'the customer waits'
+    focused = tab.page.evaluate('document.activeElement.closest("[data-job]").dataset.job')
+    assert focused == 'b', 'the focus stays with what was moved'
+
+
+def test_an_order_with_a_mistake_is_mended_and_queued(
+    planned: CellProcesses, start_page: StartPage, sit: Sit
+) -> None:
+    page = start_page('--trees', str(planned.folder))
+    tab = sit(page.port).open('order')
+    tab.log_in('mes')
+    tab.page.locator('[name="script"]').select_option('lots')
+    tab.page.locator('[name="quantity"]').fill('20')
+    tab.page.locator('[name="params.lot"]').fill('seven')
+    tab.page.locator('[name="position"]').fill('1')
+    name = tab.page.locator('[name="order"]').input_value()
+    tab.page.locator('[data-do="order"]').click()
+    wrong = tab.page.locator('[name="params.lot"][aria-invalid="true"]')
+    wrong.wait_for()
+    tab.until(
+        lambda: tab.page.evaluate('document.activeElement.name') == 'params.lot', 'the focus'
+    )
+    warning = tab.page.locator('.field:has([name="params.lot"]) .field-warning').inner_text()
+    assert 'must be a whole number' in warning
+    assert tab.count('dialog') == 0, 'nothing is sent'
+
+    wrong.fill('7')
+    tab.page.locator('[data-check="fine"]').wait_for()
+    tab.page.keyboard.press('Enter')
+    shown = computed(tab)
+    assert list(shown) == ['long', name, 'a', 'b']
+    assert shown[name][0] == 'new'
+    assert shown['a'][0] == 'later'
+    tab.page.locator('dialog [data-do="send"]').click()
+    tab.page.locator('.order-done').wait_for()
+    queued = planned.watch.until('job.queued', job=name)
+    assert (queued['params'], queued['quantity']) == ({'lot': 7}, 20)
+    assert tab.page.locator('[name="order"]').input_value() != name, 'the next order is another'
+    tab.page.locator('.order-done a').click()
+    tab.until_screen('queue')
+    tab.until(lambda: in_queue(tab) == [name, 'a', 'b'], 'the order in its place')
