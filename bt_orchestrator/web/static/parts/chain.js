@@ -11,6 +11,19 @@ export function partName(key) {
   return t(`chain.${kind}`, { name });
 }
 
+/** Several parts in few words: sections that follow each other as one span. */
+export function partNames(keys) {
+  const numbers = keys.filter((key) => key.startsWith('section/')).map((key) => Number(apart(key)[1]));
+  const spans = [];
+  for (const number of numbers.sort((one, other) => one - other)) {
+    if (spans.at(-1)?.last === number - 1) spans.at(-1).last = number;
+    else spans.push({ first: number, last: number });
+  }
+  const said = spans.map(({ first, last }) => (first === last ? first : `${first}–${last}`)).join(', ');
+  const sections = said ? [t('chain.sections', { count: numbers.length, numbers: said })] : [];
+  return [...sections, ...keys.filter((key) => !key.startsWith('section/')).map(partName)].join('; ');
+}
+
 /** The screen of a part; empty: it has none of its own. */
 export function partScreen(key) {
   const [kind, name] = apart(key);

@@ -1,6 +1,7 @@
 // Zoom and pan of a picture, by its view box: pointers, keys and calls do the same thing.
 
-const CLOSEST = 24; // times larger than the whole
+const CLOSEST = 6; // pixels a point of the picture
+const READABLE = 0.55; // below, its text cannot be read
 const STEP = 1.4;
 const PART = 0.15; // of what is seen, for one press of an arrow key
 
@@ -18,9 +19,11 @@ const KEYS = {
 export class PanZoom {
   /** @param {HTMLElement} frame holds the picture, and has the focus for the keys */
   constructor(frame) {
+    this.frame = frame;
     this.svg = null;
     this.area = null; // of the whole picture: {x, y, width, height}
-    this.view = null; // what is seen of it
+    this.centre = { x: 0, y: 0 }; // of what is seen
+    this.scale = 1; // pixels a point
     this.pointers = new Map();
     frame.addEventListener('keydown', (event) => this.#key(event));
     frame.addEventListener('wheel', (event) => this.#wheel(event), { passive: false });
@@ -37,55 +40,70 @@ export class PanZoom {
     const isSame = this.area?.width === width && this.area?.height === height;
     this.svg = svg;
     this.area = { x, y, width, height };
-    this.#look(isSame ? this.view : this.area);
+    if (isSame) this.#look(this.centre, this.scale);
+    else this.#begin();
   }
 
   whole() {
-    this.#look(this.area);
+    if (!this.svg) return;
+    const { x, y, width, height } = this.area;
+    this.#look({ x: x + width / 2, y: y + height / 2 }, this.#least());
   }
 
   /** @param {DOMPoint} [at] what stays where it is; else the middle */
-  zoom(times, at) {
-    if (!this.view) return;
-    const { x, y, width, height } = this.view;
-    const most = this.area.width / CLOSEST;
-    const newWidth = Math.min(Math.max(width / times, most), this.area.width);
-    const share = newWidth / width;
-    const centre = at ?? { x: x + width / 2, y: y + height / 2 };
-    this.#look({
-      x: centre.x - (centre.x - x) * share,
-      y: centre.y - (centre.y - y) * share,
-      width: newWidth,
-      height: height * share,
-    });
+  zoom(times, at = this.centre) {
+    if (!this.svg) return;
+    const scale = Math.min(Math.max(this.scale * times, this.#least()), CLOSEST);
+    const share = this.scale / scale;
+    const { x, y } = this.centre;
+    this.#look({ x: at.x - (at.x - x) * share, y: at.y - (at.y - y) * share }, scale);
   }
 
   /** Move by parts of what is seen. */
   move(right, down) {
-    if (!this.view) return;
-    const { x, y, width, height } = this.view;
-    this.#look({ x: x + right * width, y: y + down * height, width, height });
+    if (!this.svg) return;
+    const { clientWidth, clientHeight } = this.frame;
+    this.#moveBy((right * clientWidth) / this.scale, (down * clientHeight) / this.scale);
   }
 
-  /** Bring a part of the picture into view; where all of it is seen, nothing moves. */
+  /** Bring a part of the picture into view, large enough to be read. */
   lookAt(part) {
-    if (!this.view || this.view.width >= this.area.width) return;
-    const box = part.getBBox();
-    const { width, height } = this.view;
-    const x = box.x + box.width / 2 - width / 2;
-    this.#look({ x, y: box.y + box.height / 2 - height / 2, width, height });
+    if (!this.svg) return;
+    const { x, y, width, height } = part.getBBox();
+    const centre = { x: x + width / 2, y: y + height / 2 };
+    if (this.scale < READABLE) this.#look(centre, 1);
+    else if (this.scale > this.#least()) this.#look(centre, this.scale);
   }
 
-  #look(view) {
+  /** A long line begins at its upper end, as wide as there is room: the whole could not be read. */
+  #begin() {
+    this.whole();
+    if (this.scale >= READABLE / 2) return;
+    const { x, y, width } = this.area;
+    this.#look({ x: x + width / 2, y }, Math.min(this.frame.clientWidth / width, 1));
+  }
+
+  /** The scale at which the whole is seen. */
+  #least() {
+    const { clientWidth, clientHeight } = this.frame;
+    return Math.min(clientWidth / this.area.width, clientHeight / this.area.height) || 1;
+  }
+
+  #moveBy(right, down) {
+    this.#look({ x: this.centre.x + right, y: this.centre.y + down }, this.scale);
+  }
+
+  #look(centre, scale) {
     const { x, y, width, height } = this.area;
-    const within = (at, from, room, size) => Math.min(Math.max(at, from), from + room - size);
-    this.view = {
-      ...view,
-      x: within(view.x, x, width, view.width),
-      y: within(view.y, y, height, view.height),
+    const seen = { width: this.frame.clientWidth / scale, height: this.frame.clientHeight / scale };
+    this.scale = scale;
+    this.centre = {
+      x: within(centre.x, x, width, seen.width),
+      y: within(centre.y, y, height, seen.height),
     };
-    const seen = this.view;
-    this.svg.setAttribute('viewBox', `${seen.x} ${seen.y} ${seen.width} ${seen.height}`);
+    const left = this.centre.x - seen.width / 2;
+    const top = this.centre.y - seen.height / 2;
+    this.svg.setAttribute('viewBox', `${left} ${top} ${seen.width} ${seen.height}`);
   }
 
   #point(event) {
@@ -123,10 +141,14 @@ export class PanZoom {
     } else {
       if (Math.hypot(now.x - before.x, now.y - before.y) < 4) return; // a click, not a drag
       event.currentTarget.setPointerCapture(event.pointerId);
-      const { a } = this.svg.getScreenCTM();
-      const { x, y } = this.view;
-      this.#look({ ...this.view, x: x - (now.x - before.x) / a, y: y - (now.y - before.y) / a });
+      this.#moveBy((before.x - now.x) / this.scale, (before.y - now.y) / this.scale);
     }
     this.pointers.set(event.pointerId, now);
   }
+}
+
+/** The middle of what is seen: never beside the picture. */
+function within(middle, from, size, seen) {
+  if (seen >= size) return from + size / 2;
+  return Math.min(Math.max(middle, from + seen / 2), from + size - seen / 2);
 }

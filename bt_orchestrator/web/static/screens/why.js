@@ -2,7 +2,7 @@
 import { attribute, children, h, keyed, show, text } from '../core/dom.js';
 import { part, partsOf, subscribe } from '../core/store.js';
 import { t } from '../core/text.js';
-import { causeWords, chainList, drawnParts, linkWords, nameLink, partName } from '../parts/chain.js';
+import { causeWords, chainList, drawnParts, linkWords, nameLink, partName, partNames } from '../parts/chain.js';
 import { picture } from '../parts/picture.js';
 import { shape } from '../core/shape.js';
 
@@ -150,7 +150,7 @@ function makeCause(first) {
     update(cause) {
       attribute(element, 'data-ordinary', String(cause.is_ordinary));
       text(what, causeWords(cause));
-      text(waiting, t('why.waiting', { parts: cause.waiting.map(partName).join(', ') }));
+      text(waiting, t('why.waiting', { parts: partNames(cause.waiting) }));
     },
   };
 }
