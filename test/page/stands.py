@@ -36,15 +36,25 @@ class Stand:
 
 @contextmanager
 def stand(
-    folder: Path, *, sections: int = 5, jobs: int = 6, login: bool = False
+    folder: Path,
+    *,
+    sections: int = 5,
+    jobs: int = 6,
+    quantity: int = 8,
+    fail: list[str] | None = None,
+    speed: float = 4.0,
+    login: bool = False,
 ) -> Iterator[Stand]:
-    """Run one; a fault gives it a hold after some seconds."""
+    """Run one; a fault gives it a hold after some seconds.
+
+    :param fail: COMPONENT.FAULT of other faults
+    """
     options = argparse.Namespace(
         sections=sections,
-        fail=None,
-        speed=4.0,
+        fail=fail,
+        speed=speed,
         jobs=jobs,
-        quantity=8,
+        quantity=quantity,
         login=login,
         host='127.0.0.1',
         port=0,

@@ -1,0 +1,218 @@
+"""Why the line waits, the behaviour tree, and what sections, jobs and items tell of the past."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from fakes.operator import engineer
+from page.browsing import Tab
+from page.conftest import Sit
+from page.stands import Stand, stand
+from web.stand_cell import StandCell
+
+from bt_orchestrator.model.requests import ask
+from bt_orchestrator.sim.virtual_link import VirtualLink
+
+FAIL = 'component_3b.TASK_A#2=abort'
+HELD, ITEM = 'weigh', 'WO-1001/2'
+"""The task and the item of that failure, in section 4."""
+
+
+@pytest.fixture
+def line(tmp_path: Path) -> Iterator[Stand]:
+    """Give a line in quick time that comes to a hold."""
+    with stand(tmp_path, jobs=2, quantity=3, fail=[FAIL], speed=10.0) as one:
+        yield one
+
+
+@pytest.fixture
+def open_held(line: Stand, sit: Sit) -> Callable[[str], Tab]:
+    """Give a function that opens a screen once the line is held."""
+
+    def opened(screen: str) -> Tab:
+        tab = sit(line.port).open(screen)
+        tab.page.locator('.state[data-state="Held"]').wait_for()
+        return tab
+
+    return opened
+
+
+def answer(cell: StandCell, word: str, reason: str) -> None:
+    """Answer the hold."""
+    with cell.lock:
+        link = VirtualLink(cell.node)
+        try:
+            given = link.ask(ask(f'hold.{word}', engineer('Ann', 'a test', reason), hold='1'))
+        finally:
+            link.close()
+    assert given.accepted, given
+
+
+# --- why ---------------------------------------------------------------------------------------
+
+
+def test_a_wait_leads_by_keys_to_its_cause_which_the_picture_shows(
+    open_held: Callable[[str], Tab],
+) -> None:
+    page = open_held('why').page
+    cause = page.locator('.causes li').first
+    assert HELD in cause.inner_text()
+    assert ITEM in cause.inner_text()
+    belt = page.locator('.reason[data-part="belt"]')
+    belt.focus()
+    page.keyboard.press('Enter')
+    steps = page.locator('.chain > li')
+    assert [one.split('\n')[0] for one in steps.all_inner_texts()] == [
+        'Belt',
+        'Section 4',
+        'Hold 1',
+    ]
+    assert HELD in page.locator('.chain > .root').inner_text()
+    page.locator(f'.picture-room [data-part="task.{HELD}"].is-root').wait_for()
+    assert page.locator('.is-on-way').count() == 3
+    page.keyboard.press('Enter')
+    assert page.locator('.chain, .is-root').count() == 0
+
+
+def test_a_click_in_the_picture_opens_the_chain_of_what_was_clicked(
+    open_held: Callable[[str], Tab],
+) -> None:
+    page = open_held('why').page
+    page.locator('[data-part="slot.2"]').click()
+    assert page.locator('.reason[aria-expanded="true"]').get_attribute('data-part') == 'section/2'
+    assert page.evaluate('document.activeElement.dataset.part') == 'section/2'
+
+
+def test_the_picture_zooms_and_moves_by_keys_buttons_and_pointer(
+    open_held: Callable[[str], Tab],
+) -> None:
+    page = open_held('why').page
+    room = page.locator('.picture-room')
+    page.locator('.picture-room svg').wait_for()
+
+    def seen() -> list[float]:
+        text = page.locator('.picture-room > svg').get_attribute('viewBox') or ''
+        return [float(one) for one in text.split()]
+
+    whole = seen()
+    room.focus()
+    page.keyboard.press('+')
+    page.keyboard.press('+')
+    closer = seen()
+    assert closer[2] < whole[2] / 1.5
+    page.keyboard.press('ArrowRight')
+    assert seen()[0] > closer[0]
+    page.keyboard.press('0')
+    assert seen() == whole
+    page.get_by_role('button', name='Closer').click()
+    page.get_by_role('button', name='Closer').click()
+    before = seen()
+    box = room.bounding_box()
+    assert box is not None
+    page.mouse.move(box['x'] + 300, box['y'] + 300)
+    page.mouse.down()
+    page.mouse.move(box['x'] + 200, box['y'] + 300, steps=5)
+    page.mouse.up()
+    assert seen()[0] > before[0]
+    assert page.locator('.reason[aria-expanded="true"]').count() == 0, 'a drag is no click'
+
+
+# --- tree --------------------------------------------------------------------------------------
+
+
+def test_the_tree_is_walked_by_keys_and_asked_for_only_while_it_is_shown(
+    line: Stand, sit: Sit
+) -> None:
+    person = sit(line.port)
+    tab = person.open('tree')
+    page = tab.page
+    root = page.locator('[role="treeitem"]').first
+    root.wait_for()
+    assert root.get_attribute('aria-expanded') == 'true'
+    lines = page.locator('[role="treeitem"]')
+    root.focus()
+    page.keyboard.press('ArrowDown')
+    assert page.evaluate('document.activeElement.getAttribute("aria-level")') == '2'
+    page.keyboard.press('ArrowLeft')
+    page.keyboard.press('ArrowLeft')
+    page.keyboard.press('ArrowLeft')
+    tab.until(lambda: lines.count() == 1, 'the root to be folded')
+    page.keyboard.press('Enter')
+    tab.until(lambda: lines.count() > 1, 'the root to be open')
+    page.locator('.state[data-state="Held"]').wait_for()
+    tab.go('overview')
+
+    def asked() -> int:
+        return sum('/api/tree' in one for one in person.requested)
+
+    before, seq = asked(), tab.seq
+    answer(line.cell, 'retry', 'a test')
+    tab.until(lambda: tab.seq > seq + 100, 'some seconds of work')
+    assert asked() <= before + 1, 'the one that was on its way'
+
+
+# --- past --------------------------------------------------------------------------------------
+
+
+def test_the_story_of_an_item_tells_failure_answer_and_end(
+    line: Stand, open_held: Callable[[str], Tab]
+) -> None:
+    tab = open_held(f'item/{ITEM}')
+    page = tab.page
+    page.locator('[data-kind="held"]').wait_for()
+    answer(line.cell, 'retry', 'the scale was clean')
+    page.locator('[data-kind="ended"]').wait_for()
+    told = page.locator('.told').all_inner_texts()
+    places = [
+        next(n for n, one in enumerate(told) if all(word in one for word in words))
+        for words in (
+            ('It began',),
+            (HELD, 'component_3b', 'the controller gave up', 'simulated controller'),
+            ('Hold 1',),
+            ('Ann', 'retry', 'the scale was clean'),
+            (HELD, 'attempt 2', 'done in'),
+            ('packed',),
+        )
+    ]
+    assert places == sorted(places)
+    page.locator('.told summary', has_text='Results').first.click()
+    assert 'measurement' in page.locator('.told details[open]').inner_text()
+
+
+def test_a_section_shows_hold_tasks_times_and_failures(open_held: Callable[[str], Tab]) -> None:
+    tab = open_held('section/4')
+    page = tab.page
+    assert page.locator('[data-hold] [data-offer="hold.retry"]').count() == 1
+    assert page.locator('.task-list [data-mark="held"]').count() == 1
+    failure = page.locator('.history tr', has_text='aborted by the simulated controller')
+    failure.wait_for()
+    assert ITEM in failure.inner_text()
+    times = page.locator('.history tr', has_text='component_3a.TASK_A')
+    assert times.locator('svg.times rect').count() >= 1
+    page.locator('.task-list').get_by_role('link', name='component_3b').click()
+    tab.until_screen('component/component_3b')
+    assert page.locator('[data-hold]').count() == 1
+
+
+def test_the_items_of_a_job_are_listed_and_can_be_taken_along(
+    open_held: Callable[[str], Tab], tmp_path: Path
+) -> None:
+    tab = open_held('jobs')
+    page = tab.page
+    page.get_by_role('link', name='WO-1001', exact=True).click()
+    tab.until_screen('job/WO-1001')
+    page.locator('.things tr', has_text=ITEM).first.wait_for()
+    with page.expect_download() as waiting:
+        page.get_by_role('link', name='Items as CSV').click()
+    file = tmp_path / 'items.csv'
+    waiting.value.save_as(file)
+    assert waiting.value.suggested_filename == 'WO-1001-items.csv'
+    with file.open(newline='', encoding='utf-8') as text:
+        items = [row['item'] for row in csv.DictReader(text)]
+    assert ITEM in items
+    page.locator('main').get_by_role('link', name=ITEM).first.click()
+    tab.until_screen(f'item/{ITEM}')
+    page.get_by_role('heading', name=f'Item {ITEM}').wait_for()
