@@ -69,7 +69,6 @@ export function jobRow(id, context) {
     text(script, t('queue.of_script', { script: job.script, quantity: job.quantity }));
     text(state, stateWords(job));
     bar.update(job);
-    show(bar.element, !isQueued);
     cells.priority.say(job.priority ? String(job.priority) : '');
     cells.start.say(job.start ? about(job.start) : '');
     cells.ends.say(job.ends ? about(job.ends) : '');
