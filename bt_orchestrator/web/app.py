@@ -13,13 +13,14 @@ from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import BaseRoute, Mount, Route
 from starlette.staticfiles import StaticFiles
 
+from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.web import archive, commands, me, scripts, tree_watch
 from bt_orchestrator.web.endpoint import Endpoint, routes
 from bt_orchestrator.web.guards import GuardMiddleware
 from bt_orchestrator.web.openapi import with_description
 from bt_orchestrator.web.planning import endpoints as planning
 from bt_orchestrator.web.planning.page_queue import PageQueue
-from bt_orchestrator.web.replies import HANDLERS
+from bt_orchestrator.web.replies import HANDLERS, Json, Problem
 
 if TYPE_CHECKING:
     from starlette.types import Receive, Scope, Send
@@ -82,12 +83,28 @@ def _core(page: Page) -> list[Endpoint]:
             }
         )
 
+    async def cell(_: Request) -> Response:
+        if page.status is None:
+            raise Problem(503, f'nothing was heard of {page.doors.name} yet')
+        return Json(
+            {
+                'node': page.doors.name,
+                'silent_s': round(page.doors.silent_s, 1),
+                'description': to_plain(page.description, whole=True),
+                'status': to_plain(page.status, whole=True),
+            }
+        )
+
     return [
         Endpoint('GET', '/healthz', healthz, 'the page is there, and how long the node is silent'),
         Endpoint(
             'GET', '/api/stream', _Stream(page), 'what happens, as server-sent events',
             query={'after': 'HISTORY:SEQ of the last event that is known; also Last-Event-ID'},
             media='text/event-stream',
+        ),
+        Endpoint(
+            'GET', '/api/cell', cell, 'the newest status, as `status --json` prints it, and what '
+            'exists in the cell', refusals={503: 'nothing was heard of the cell yet'},
         ),
     ]  # fmt: skip
 

@@ -16,8 +16,10 @@ from fakes.shipped import TREES
 from web.sse_client import PATIENCE_S
 from web.stand_cell import StandCell
 
+from bt_orchestrator.model.codec import from_plain
 from bt_orchestrator.model.jobs.order import WorkOrder
 from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.store.memory import MemoryStore
 from bt_orchestrator.store.sqlite.records import SqliteRecords
 from bt_orchestrator.store.sqlite.store import SqliteStore
@@ -186,3 +188,22 @@ def test_a_page_that_has_heard_nothing_yet_does_not_say_that_there_was_nothing(
     with server.running():
         found = get(server, '/api/jobs')
     assert found == (503, {'message': 'nothing was heard of /bt_orchestrator yet'})
+
+
+def test_the_whole_status_of_now(served: Served) -> None:
+    with served.page(with_journal=False) as server:
+        status, cell = get(server, '/api/cell')
+    assert status == 200
+    assert cell['node'] == served.cell.node.name
+    assert from_plain(CellStatus, cell['status']).state is PackmlState.COMPLETE
+    assert cell['status']['journal_failure'] == '', 'defaults are there as well'
+
+
+def test_a_cell_that_was_never_heard(tmp_path: Path) -> None:
+    served = Served(tmp_path)
+    served.cell.switch()
+    access = Access(Path('no users'), '127.0.0.1', 0)
+    server = PageServer(Page(served.cell.node.name, served.cell.open_door, access))
+    with server.running():
+        status, answer = get(server, '/api/cell')
+    assert (status, answer['message']) == (503, 'nothing was heard of /bt_orchestrator yet')
