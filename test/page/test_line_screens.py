@@ -172,7 +172,7 @@ def test_the_story_of_an_item_tells_failure_answer_and_end(
             ('It began',),
             (HELD, 'component_3b', 'the controller gave up', 'simulated controller'),
             ('Hold 1',),
-            ('Ann', 'retry', 'the scale was clean'),
+            ('Ann', 'Retry', 'the scale was clean'),
             (HELD, 'attempt 2', 'done in'),
             ('packed',),
         )

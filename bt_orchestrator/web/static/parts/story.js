@@ -63,13 +63,20 @@ function told(entry, pause) {
 const TOLD = {
   begun: () => h('p', {}, t('item.begun')),
   task: task,
-  held: ({ id, words }) => h('p', {}, shape('triangle'), ' ', t('item.held', { hold: id, words })),
+  // why a task is held stands at its attempt already
+  held: ({ id, task: held, words }) =>
+    h('p', {}, shape('triangle'), ' ', t('item.held', { hold: id }), held ? '' : ` (${words})`),
   decision: ({ who, what, reason }) => [
-    h('p', {}, shape('square'), ' ', t('item.decided', { who: who || t('item.somebody'), what })),
+    h('p', {}, shape('square'), ' ', t('item.decided', { who: who || t('item.somebody'), what: decisionWord(what) })),
     reason ? h('p', { class: 'quote' }, reason) : null,
   ],
   ended: ({ how }) => h('p', {}, h('strong', {}, t(`item.is_${how || 'on_line'}`))),
 };
+
+/** The word of the button that was pressed. */
+function decisionWord(what) {
+  return tOr(`word.hold.${what}`, tOr(`word.item.${what}`, what));
+}
 
 function task(entry) {
   const { section, task: id, name, component, attempt, outcome } = entry;
@@ -87,8 +94,13 @@ function task(entry) {
 function outcomeWords({ outcome, seconds: took, reason, message }) {
   if (outcome === 'continued') return t(`item.policy_${reason}`);
   const word = t(`item.outcome_${outcome}`, { took: took === null ? '' : seconds(took) });
-  const why = [reason && tOr(`reason.${reason}`, reason), message && `“${message}”`].filter(Boolean).join(' ');
+  const why = [reason && reasonWords(outcome, reason), message && `“${message}”`].filter(Boolean).join(' ');
   return why ? `${word}: ${why}` : word;
+}
+
+function reasonWords(outcome, reason) {
+  if (outcome === 'skipped') return tOr(`item.skip_${reason.replaceAll(' ', '_')}`, reason);
+  return tOr(`reason.${reason}`, reason);
 }
 
 function details(word, mapping) {
