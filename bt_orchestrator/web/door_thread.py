@@ -36,7 +36,7 @@ AGAIN_S = 1.0
 STEADY_S = 5.0
 """A node that could not tell its events counts as silent until it has told them for so long."""
 
-FAREWELL_S = 2.0
+FAREWELL_S = 1.0
 """Longest wait for a thread: the middleware may hang, and the page ends all the same."""
 
 SILENT_S = 3.0

@@ -24,7 +24,7 @@ SEND_BUFFER = 64 * 1024
 FIRST_WITHIN_S = 20.0
 """A connection that has asked for nothing after so long is ended."""
 
-FAREWELL_S = 2
+FAREWELL_S = 1
 """Longest wait for requests that are carried out while the page ends."""
 
 

@@ -292,6 +292,15 @@ class TestServer:
         assert (status, found['node'], found['readers']) == (200, '/bt_orchestrator', 0)
         assert found['silent_s'] >= 0
 
+    def test_a_machine_gets_the_whole_status_at_once(self, scene: Scene) -> None:
+        with scene.page() as server:
+            scene.wait_until(lambda: get(server, '/api/cell')[0] == 200, 'the node is heard')
+            scene.wait_until(lambda: get(server, '/api/cell')[1]['description'], 'a description')
+            _, found = get(server, '/api/cell')
+        assert found['node'] == '/bt_orchestrator'
+        assert found['description']['sections'] == len(found['status']['sections']) == 5
+        assert found['status']['holds'] == [], 'what equals its default is there too'
+
     def test_a_port_in_use_is_a_sentence(self, scene: Scene) -> None:
         with socket.create_server(('127.0.0.1', 0)) as other:
             port = other.getsockname()[1]
