@@ -58,6 +58,8 @@ export function whatIf(command) {
   }
 
   function show(found, due) {
+    // What is behind the jobs that are computed is not there for the computation.
+    if (found.left_out && found.refusals.length) return say('unknown', t('whatif.too_long', { count: found.left_out }));
     element.dataset.whatIf = found.refusals.length ? 'refused' : 'known';
     const rows = rowsOf(found, due);
     const changed = rows.filter((row) => !UNCHANGED.includes(row.change));
@@ -113,6 +115,7 @@ function isLate(ends, due) {
 }
 
 function summary(rows) {
+  if (rows.length && rows.every((row) => row.change === 'never')) return t('whatif.none_known');
   const count = (change) => rows.filter((row) => row.change === change).length;
   const words = ['later', 'earlier', 'gone', 'open', 'never'].filter(count).map((change) => t(`whatif.count_${change}`, { count: count(change) }));
   const missed = rows.filter((row) => row.isLate && !row.wasLate);

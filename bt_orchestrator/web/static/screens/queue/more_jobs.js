@@ -2,6 +2,7 @@
 
 import { Refused, get } from '../../core/api.js';
 import { h, show, text } from '../../core/dom.js';
+import { recentEvents, subscribe } from '../../core/store.js';
 import { t } from '../../core/text.js';
 
 const SETTLE_MS = 1000;
@@ -19,6 +20,8 @@ export function moreJobs(changed) {
   let pages = [];
   let seen = '';
   let timer = 0;
+  let lastSeen = 0;
+  const unsubscribe = subscribe('event', happened);
 
   const jobs = () => pages.flat().filter((job) => !listed.some((one) => one.id === job.id));
 
@@ -27,11 +30,21 @@ export function moreJobs(changed) {
     queued = whole;
     say();
     const key = `${whole} ${now.map((job) => job.id).join(' ')}`;
-    if (key !== seen && pages.length) {
-      clearTimeout(timer);
-      timer = setTimeout(() => load(false), SETTLE_MS);
-    }
+    if (key !== seen) again();
     seen = key;
+  }
+
+  /** Read the pages again soon: they are not sent by themselves. */
+  function again() {
+    if (!pages.length) return;
+    clearTimeout(timer);
+    timer = setTimeout(() => load(false), SETTLE_MS);
+  }
+
+  function happened() {
+    const news = recentEvents().filter((record) => record.seq > lastSeen && record.event.startsWith('job.'));
+    lastSeen = recentEvents().at(-1)?.seq ?? lastSeen;
+    if (news.length) again();
   }
 
   function say() {
@@ -64,5 +77,13 @@ export function moreJobs(changed) {
     changed();
   }
 
-  return { element, jobs, update, end: () => clearTimeout(timer) };
+  return {
+    element,
+    jobs,
+    update,
+    end() {
+      unsubscribe();
+      clearTimeout(timer);
+    },
+  };
 }
