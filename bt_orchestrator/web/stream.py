@@ -46,6 +46,8 @@ class Reader:
         """None: it has not begun."""
         self.is_over = False
         self.is_beat_due = False
+        self.fetch: asyncio.Task[EventPage | None] | None = None
+        """Of older events than the book has, while it is behind."""
         self.wake = asyncio.Event()
         self._send = send
         self.may_look: Callable[[], bool] = state.get('may_look', lambda: True)
@@ -201,14 +203,16 @@ class Streams:
         cursor = reader.cursor
         assert cursor is not None
         while self._book.is_behind(cursor) and not (reader.is_over or self._is_ending):
-            fetch = self._fetch(cursor, reader.look)
-            if not fetch.done():
+            if reader.fetch is None:
+                reader.fetch = self._fetch(cursor, reader.look)
+            if not reader.fetch.done():
                 return  # it wakes the reader
-            del self._fetches[cursor.history, cursor.seq]
-            page = fetch.result()
-            found = [] if page is None else list(_pieces(page, cursor.seq, self._book.ring.before))
-            if not found:
+            page, reader.fetch = reader.fetch.result(), None
+            if page is None or page.history != cursor.history:
                 return  # tried again with the next beat
+            found = list(_pieces(page, cursor.seq, self._book.ring.before))
+            if not found:
+                return
             for piece in found:
                 cursor.seq = piece.last if isinstance(piece, Lost) else piece[-1].last
                 yield self._book.told(piece)
@@ -216,11 +220,11 @@ class Streams:
     def _fetch(self, cursor: Cursor, wake: Callable[[], object]) -> asyncio.Task[EventPage | None]:
         """Return the fetch of what comes after a cursor; readers at one place share it."""
         key = (cursor.history, cursor.seq)
-        if key not in self._fetches:
-            self._fetches[key] = asyncio.create_task(self._fetched(*key))
-        fetch = self._fetches[key]
-        if not fetch.done():
-            fetch.add_done_callback(lambda _: wake())
+        fetch = self._fetches.get(key)
+        if fetch is None:
+            fetch = self._fetches[key] = asyncio.create_task(self._fetched(*key))
+            fetch.add_done_callback(lambda _: self._fetches.pop(key))
+        fetch.add_done_callback(lambda _: wake())
         return fetch
 
     async def _fetched(self, history: str, seq: int) -> EventPage | None:
