@@ -42,7 +42,7 @@ export function beltStrip() {
       if (!belt) return;
       const wait = belt.moving ? null : foremostWait(belt.waits);
       attribute(element, 'data-moving', belt.moving);
-      reshape(drawn, belt.moving ? 'play' : 'quiet');
+      reshape(drawn, shapeOf(belt));
       attribute(why, 'data-ordinary', wait?.is_ordinary ?? true);
       text(why, wait ? waitWords(wait) : '');
       tick();
@@ -50,7 +50,18 @@ export function beltStrip() {
   };
 }
 
+/** A move whose goal is gone, cancelled for instance, has left the belt somewhere. */
+function isBetween(belt) {
+  return belt.moving && !belt.running.length;
+}
+
+function shapeOf(belt) {
+  if (isBetween(belt)) return 'dots';
+  return belt.moving ? 'play' : 'quiet';
+}
+
 function beltWords(belt) {
+  if (isBetween(belt)) return t('overview.belt_between');
   if (!belt.moving) return t('overview.belt_rests');
   const move = belt.running[0];
   return move?.started
