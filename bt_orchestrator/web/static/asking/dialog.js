@@ -6,6 +6,7 @@
 
 import { h } from '../core/dom.js';
 import { t } from '../core/text.js';
+import { clearSettled } from './notes.js';
 
 const open = [];
 let count = 0;
@@ -22,6 +23,7 @@ let count = 0;
 export function openDialog(title, body, { name = '', closed = () => {} } = {}) {
   const id = `dialog-${(count += 1)}`;
   const before = document.activeElement;
+  clearSettled();
   const element = h(
     'dialog',
     { 'aria-labelledby': id, 'data-dialog': name, tabindex: -1 },

@@ -37,3 +37,8 @@ export function note(kind, words) {
   document.getElementById('notes').append(element);
   return say;
 }
+
+/** Take away what is settled: it must not lie over what is asked next. */
+export function clearSettled() {
+  for (const element of document.querySelectorAll('[data-note="accepted"]')) element.remove();
+}
