@@ -1,6 +1,7 @@
 /** The queue: all jobs in order, their places, and when each is expected to end. */
 
 import { attribute, h, keyed, show, text } from '../core/dom.js';
+import { onPerson } from '../core/me.js';
 import { part, subscribe } from '../core/store.js';
 import { t } from '../core/text.js';
 import { jobRow } from './queue/job_row.js';
@@ -40,7 +41,7 @@ export function mount(root, route) {
     text(stops, cell.stop_after ? t(`stands.stop_after_${cell.stop_after}`) : '');
   }
 
-  const ends = [subscribe('cell', update), subscribe('job/', update), move.onChange(update)];
+  const ends = [subscribe('cell', update), subscribe('job/', update), move.onChange(update), onPerson(update)];
   update();
   return () => {
     ends.forEach((end) => end());

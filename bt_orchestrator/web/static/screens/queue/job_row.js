@@ -1,6 +1,7 @@
 /** One job of the queue: how far it is, when it ends, its place, and what can be asked of it. */
 
 import { attribute, children, h, show, text } from '../../core/dom.js';
+import { may, who } from '../../core/me.js';
 import { about, t } from '../../core/text.js';
 import { everySecond } from '../../core/tick.js';
 import { jobBar } from '../../parts/bar.js';
@@ -74,6 +75,8 @@ export function jobRow(id, context) {
     cells.ends.say(job.ends ? about(job.ends) : '');
     sayTimes();
     show(steps, canMove);
+    const isMine = !who().name || may(BY_HANDLE);
+    for (const one of [handle, up, down]) attribute(one, 'data-locked', !isMine);
     up.disabled = job.position === 1;
     down.disabled = job.position === move.count();
     first.update(job.offers.filter((offer) => IN_ROW.includes(offer.name)));
