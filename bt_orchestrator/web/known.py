@@ -14,6 +14,12 @@ from bt_orchestrator.ports import Moment
 
 Params = Mapping[str, Mapping[str, object]]
 
+MOST_SCRIPTS = 100
+"""Scripts that are kept; those of listed jobs beyond that."""
+
+MOST_PARAMS = 20_000
+"""Jobs whose parameters are kept."""
+
 
 @dataclass(frozen=True)
 class Told:
@@ -61,6 +67,8 @@ class Known:
             self.scripts[event.digest] = event.definition
         elif isinstance(event, (e.JobQueued, e.JobUpdated)):
             self.params[event.job] = event.params
+            if len(self.params) > MOST_PARAMS:
+                del self.params[next(iter(self.params))]
 
     def take(self, told: Told) -> None:
         """Take in what a moment tells."""
@@ -72,7 +80,16 @@ class Known:
         """Tell whether a script is not known that was not asked for before.
 
         A moment tells the scripts of live jobs alone, so one that it lacks is not asked for again.
+
+        :param digests: of all scripts that are shown now; of the others the oldest are forgotten
         """
-        new = {one for one in digests if one} - self.scripts.keys() - self._looked_for
+        shown = {one for one in digests if one}
+        for old in [one for one in self.scripts if one not in shown][:-MOST_SCRIPTS]:
+            del self.scripts[old]
+        new = shown - self.scripts.keys() - self._looked_for
         self._looked_for |= new
         return bool(new)
+
+    def not_told(self) -> None:
+        """Ask again: the node did not answer."""
+        self._looked_for.clear()

@@ -26,6 +26,9 @@ from bt_orchestrator.web.stream import BEAT_S, Streams
 from bt_orchestrator.web.tickets import Tickets
 from bt_orchestrator.web.tree_watch import TreeWatch
 
+ASK_AGAIN_S = 30.0
+"""A node that did not tell its state is asked again after so long: it may be an older one."""
+
 REFRESH_S = 0.05
 """Shortest time between two computations of the parts."""
 
@@ -169,9 +172,14 @@ class Page:
 
     async def _ask_moment(self) -> None:
         """Ask for what events have not told: scripts and jobs of before the page began."""
-        with contextlib.suppress(NodeUnreachable, KeyError, TypeError, ValueError):
-            self.known.take(await self.doors.read(lambda door: told_by(door.moment())))
-            self._show_anew()
+        with contextlib.suppress(KeyError, TypeError, ValueError):  # of another version
+            try:
+                told = await self.doors.read(lambda door: told_by(door.moment()))
+            except NodeUnreachable:
+                self._loop.call_later(ASK_AGAIN_S, self.known.not_told)
+            else:
+                self.known.take(told)
+                self._show_anew()
 
     def _show_anew(self) -> None:
         self._is_stale = True

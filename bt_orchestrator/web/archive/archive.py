@@ -59,10 +59,7 @@ class Archive:
 
         :raises JournalUnusable: the journal cannot be read
         """
-        opened = self._open
-        if opened is None:
-            heard = await self._heard.records()
-            opened = lambda: heard  # noqa: E731 - two ways to the same
+        opened = self._open or _opens(await self._heard.records())
         loop = asyncio.get_running_loop()
         return await loop.run_in_executor(self._thread, _asked, opened, question)
 
@@ -86,6 +83,10 @@ class Archive:
     def close(self) -> None:
         """End the thread; a reading goes on to its end."""
         self._thread.shutdown(wait=False, cancel_futures=True)
+
+
+def _opens(records: Records) -> OpenRecords:
+    return lambda: records
 
 
 def _asked(opened: OpenRecords, question: Callable[[Look], _T]) -> _T:

@@ -111,19 +111,20 @@ class Heard:
         """The number before the first of those."""
         self._history = ''
         """Of those."""
-        self._filling: asyncio.Task[None] | None = None
+        self._filling: asyncio.Task[bool] | None = None
+        """Whether all of them came; None: nobody has looked yet."""
 
     async def records(self) -> HeardRecords:
         """Return what is known; the first call fetches what was before the page.
 
         :raises JournalUnusable: nothing was heard of the node yet
         """
-        book, ring = self._book, self._book.ring
+        book = self._book
         if not book.history:
             raise JournalUnusable(f'nothing was heard of {self._doors.name} yet')
-        if self._history != book.history:
-            self._history, self._earlier, self._before = book.history, [], ring.before
-            self._filling = asyncio.ensure_future(self._fill(book.history, ring.before))
+        if self._history != book.history or self._is_to_do:
+            self._history, self._earlier = book.history, []
+            self._filling = asyncio.ensure_future(self._fill(book.history, book.ring.before))
         if self._filling is not None and not self._filling.done():
             with contextlib.suppress(TimeoutError, asyncio.TimeoutError):
                 await asyncio.wait_for(asyncio.shield(self._filling), PATIENCE_S)
@@ -137,20 +138,28 @@ class Heard:
             entries = entries[-MOST_KEPT:]
         return HeardRecords(book.history, before, entries)
 
-    async def _fill(self, history: str, last: int) -> None:
-        """Fetch the last events up to one, oldest first."""
+    @property
+    def _is_to_do(self) -> bool:
+        """Tell whether the node did not tell everything when it was asked."""
+        filling = self._filling
+        return filling is not None and filling.done() and not filling.result()
+
+    async def _fill(self, history: str, last: int) -> bool:
+        """Fetch the last events up to one, oldest first; tell whether all of them came."""
         found: list[Entry] = []
         after = before = max(0, last - MOST_KEPT)
         with contextlib.suppress(NodeUnreachable):
             while after < last:
                 page = await self._doors.events_after(after)
                 if page.history != history or not page.events:
-                    return
+                    break
                 if not found:  # earlier ones are removed
                     after = before = max(after, page.events[0].seq - 1)
                 if page.events[0].seq > after + 1:
                     found.append(Lost(after + 1, page.events[0].seq - 1))
                 found += [Happened(event) for event in page.events if event.seq <= last]
                 after = page.events[-1].seq
-        if after >= last and self._history == history:
-            self._earlier, self._before = found, before
+        if after < last or self._history != history:
+            return False
+        self._earlier, self._before = found, before
+        return True

@@ -95,6 +95,21 @@ def test_a_silent_node_leaves_what_was_heard() -> None:
     assert extent == Extent('a', 31, 33)
 
 
+def test_a_node_that_was_silent_is_asked_again() -> None:
+    node = Node(events(1, 30), is_there=False)
+
+    async def looks() -> list[Extent]:
+        book = Book()
+        book.begin('a', 30)
+        known = Heard(book, cast('Doors', cast('Any', node)))
+        first = (await known.records()).extent()
+        node.is_there = True
+        return [first, (await known.records()).extent(), (await known.records()).extent()]
+
+    assert asyncio.run(looks()) == [Extent('a', 31, 30), Extent('a', 1, 30), Extent('a', 1, 30)]
+    assert node.asked == 6, 'once in vain, and 30 events by 7'
+
+
 def test_what_is_lost_for_good_is_told() -> None:
     _, page = heard(Node(events(1, 3)), 3, Lost(4, 5), *map(Happened, events(6, 7)))
     assert [record.seq for record in page.records] == [1, 2, 3, 6, 7]

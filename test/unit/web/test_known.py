@@ -14,7 +14,7 @@ from bt_orchestrator.model.snapshot import nearest, state_to_plain
 from bt_orchestrator.ports import Moment
 from bt_orchestrator.runtime.overview import Overview, description_of
 from bt_orchestrator.web.cell_show import CellShow
-from bt_orchestrator.web.known import Known, told_by
+from bt_orchestrator.web.known import MOST_SCRIPTS, Known, told_by
 
 LOT = 'params: {lot: {type: str, default: none}}\n' + THREE
 
@@ -70,3 +70,21 @@ def test_another_journal_has_other_jobs_and_the_same_scripts(run: VirtualRun) ->
     parts = shown(run, show)
     assert parts['job/J']['params'] == {}
     assert digest(run.job().job.script) in known.scripts
+
+
+def test_a_node_that_did_not_answer_is_asked_again() -> None:
+    known = Known()
+    assert known.lacks(['d'])
+    assert not known.lacks(['d'])
+    known.not_told()
+    assert known.lacks(['d'])
+
+
+def test_scripts_that_nobody_shows_are_forgotten_some_time(run: VirtualRun) -> None:
+    known, script = Known(), run.job().job.script
+    for number in range(MOST_SCRIPTS + 5):
+        known.scripts[f'd{number}'] = script
+    assert not known.lacks(['d1', 'd50'])
+    assert len(known.scripts) == MOST_SCRIPTS + 2
+    assert 'd0' not in known.scripts
+    assert 'd1' in known.scripts, 'it is shown'
