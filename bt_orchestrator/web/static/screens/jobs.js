@@ -24,8 +24,7 @@ const COLUMNS = [
   ['queued', (job) => at(job.queued)],
   ['ended', (job) => at(job.ended)],
   ['took', (job) => took(job), 'number'],
-  ['packed', (job) => t('jobs.of', { packed: number(job.counts.packed), quantity: number(job.quantity) }), 'number'],
-  ['bad', (job) => bad(job.counts)],
+  ['packed', (job) => packed(job)],
 ];
 
 class Jobs {
@@ -85,6 +84,12 @@ class Jobs {
     this.table.show(this.jobs);
     show(this.older, Boolean(this.rest));
   }
+}
+
+function packed({ counts, quantity }) {
+  const good = t('jobs.of', { packed: number(counts.packed), quantity: number(quantity) });
+  const lost = bad(counts);
+  return [h('div', {}, good), lost ? h('div', { class: 'alarm' }, lost) : ''];
 }
 
 function took({ started, ended }) {

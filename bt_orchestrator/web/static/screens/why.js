@@ -22,6 +22,7 @@ class Why {
   constructor(route) {
     this.chosen = route.id ?? '';
     this.picture = picture((name) => this.#picked(name));
+    this.note = h('p', { class: 'help', role: 'status' });
     this.reasons = h('ul', { class: 'reasons' });
     this.fill = keyed(this.reasons, (chain) => chain.part, (chain) => this.#reason(chain));
     this.causes = h('ul', { class: 'causes' });
@@ -44,6 +45,7 @@ class Why {
           this.causes,
           this.nothing,
           h('h2', { id: 'why-reasons' }, t('why.reasons')),
+          this.note,
           this.reasons,
         ),
       ),
@@ -52,7 +54,6 @@ class Why {
 
   update() {
     this.chains = part('why')?.chains ?? [];
-    if (!this.chains.some((one) => one.part === this.chosen)) this.chosen = '';
     this.fill(this.chains);
     this.fillCauses(part('why')?.causes ?? []);
     show(this.nothing, this.chains.length === 0);
@@ -103,7 +104,7 @@ class Why {
     };
   }
 
-  /** Open the chain of a part, or fold it. */
+  /** Open the chain of a part, or fold it. One that waits again later is open again. */
   #choose(key) {
     this.chosen = this.chosen === key ? '' : key;
     this.fill(this.chains);
@@ -122,21 +123,25 @@ class Why {
   /** A part of the picture was clicked: show why its part of the cell waits. */
   #picked(name) {
     const key = this.#keyOf(name);
-    if (!this.chains.some((one) => one.part === key)) return;
+    if (!key) return;
+    const waits = this.chains.some((one) => one.part === key);
+    text(this.note, waits ? '' : t('why.not_waiting', { part: partName(key) }));
+    if (!waits) return;
     this.chosen = '';
     this.#choose(key);
     this.reasons.querySelector(`[data-part="${key}"]`)?.focus();
   }
 
+  /** The part of the cell that a part of the drawing belongs to; empty: none, as the legend. */
   #keyOf(name) {
-    const [kind, ...rest] = name.split('.');
-    if (kind === 'section' || kind === 'slot') return `section/${rest[0]}`;
-    if (kind !== 'task') return kind;
-    const id = rest.join('.');
-    const holds = ([, one]) => one.tasks?.some((task) => task.id === id);
+    const section = /^(?:section|slot)\.(\d+)(?:\.|$)/.exec(name);
+    if (section) return `section/${section[1]}`;
+    if (/^belt\b/.test(name) || name === 'task.index') return 'belt';
+    if (name === 'initialization') return name;
+    const holds = ([, one]) => one.tasks?.some((task) => name === `task.${task.id}`);
     const found = partsOf('section/').find(holds);
     if (found) return found[0];
-    return partsOf('job/').some(holds) ? 'initialization' : 'belt';
+    return partsOf('job/').some(holds) ? 'initialization' : '';
   }
 }
 
