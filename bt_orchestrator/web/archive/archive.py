@@ -63,15 +63,18 @@ class Archive:
         loop = asyncio.get_running_loop()
         return await loop.run_in_executor(self._thread, _asked, opened, question)
 
-    def why_not_whole(self, extent: Extent) -> str:
-        """Say what of the past is not known here; empty: everything is."""
+    def why_not_whole(self, extent: Extent, *, has_beginning: bool = False) -> str:
+        """Say what of the past is not known here; empty: everything is.
+
+        :param has_beginning: what was asked for begins here, and needs nothing from before
+        """
         node = self._history()
         if extent.history and node and extent.history != node:
             return (
                 f'the journal of the page has the history {extent.history}, and the node has '
                 f'{node}: give the page the journal that the node writes'
             )
-        if extent.first_seq <= 1:
+        if extent.first_seq <= 1 or has_beginning:
             return ''
         if self._open is None:
             return (

@@ -168,7 +168,9 @@ class _Routes:
         def asked(look: Look) -> _Found:
             found = question(look)
             if found is not None:
-                why = [found.get('why_not', ''), archive.why_not_whole(look.extent), *look.damage]
+                begins = found.pop('has_beginning', False)
+                lacks = archive.why_not_whole(look.extent, has_beginning=begins)
+                why = [found.get('why_not', ''), lacks, *look.damage]
                 told = '; '.join(dict.fromkeys(filter(None, why)))
                 found.update(is_whole=not told, why_not=told)
             return found

@@ -70,6 +70,7 @@ def history_of(
         'time_in': {state: round(seconds, 3) for state, seconds in fold.time_in.items()},
         'tasks': _tasks(fold, described),
         'damage': look.damage,
+        'has_beginning': len(fold.cycles) == MOST_CYCLES,
     }
 
 

@@ -33,7 +33,8 @@ def item_record(look: Look, item: str) -> dict[str, Any] | None:
         return None
     plain: dict[str, Any] = to_plain(fold.history, whole=True)
     plain['decisions'].sort(key=lambda one: one['time'])
-    return {**plain, 'waits': [], 'damage': look.damage}
+    begun = fold.history.started is not None
+    return {**plain, 'waits': [], 'damage': look.damage, 'has_beginning': begun}
 
 
 def _decide(look: Look, fold: ItemFold, hold: str, after: int) -> None:

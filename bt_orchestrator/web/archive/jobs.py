@@ -62,6 +62,7 @@ def job_with_items(look: Look, job: str) -> dict[str, Any] | None:
         'items': list(map(_item, items[-MOST_ITEMS:])),
         'left_out': max(0, len(items) - MOST_ITEMS),
         'failures': to_plain(record.failures, whole=True),
+        'has_beginning': record.complete,
         'is_whole': record.complete and not look.damage,
         'why_not': '; '.join(
             [*([] if record.complete else ['its events are not kept any more']), *look.damage]

@@ -47,8 +47,9 @@ class History {
 
   async read() {
     try {
-      this.#show(await get(this.url));
-      text(this.note, '');
+      const found = await get(this.url);
+      this.#show(found);
+      text(this.note, found.is_whole ? '' : t('jobs.not_whole', { why: found.why_not }));
     } catch (refused) {
       text(this.note, refused.message || t('jobs.silent'));
     }
