@@ -12,11 +12,12 @@ import { orderForm } from './order/form.js';
 export function mount(root) {
   const said = h('p', { class: 'order-said', role: 'status' });
   const done = h('p', { class: 'order-done', role: 'status', hidden: true });
-  const form = orderForm(changed);
+  const form = orderForm(changed, () => check.later());
   const go = h('button', { type: 'submit', class: 'primary', 'data-do': 'order' }, t('order.go'));
-  const form_ = h('form', { class: 'order-form', novalidate: true, onsubmit: send }, form.element, h('div', { class: 'order-buttons' }, said, go));
+  const whole = h('form', { class: 'order-form', novalidate: true, onsubmit: send }, form.element, h('div', { class: 'order-buttons' }, said, go));
   const check = checking(form, said);
-  root.append(h('section', { class: 'panel order' }, h('h1', {}, t('order.title')), done, form_));
+  let isChecked = false;
+  root.append(h('section', { class: 'panel order' }, h('h1', {}, t('order.title')), done, whole));
 
   function changed() {
     show(done, false);
@@ -25,9 +26,11 @@ export function mount(root) {
 
   async function send(event) {
     event.preventDefault();
-    go.disabled = true;
+    if (isChecked) return null;
+    // A button that is disabled meanwhile would lose the focus.
+    isChecked = true;
     const isFine = await check.now();
-    go.disabled = false;
+    isChecked = false;
     if (!isFine) return form.focusMistake();
     const { order, position, held } = form.value();
     const offer = part('cell')?.add;

@@ -1,6 +1,6 @@
 /** The form of an order. What is right in it, the page says: here is only what was entered. */
 
-import { h, children, show } from '../../core/dom.js';
+import { h, children } from '../../core/dom.js';
 import { t } from '../../core/text.js';
 import { fieldWith } from '../../asking/entry.js';
 import { jsonField } from '../../asking/json_field.js';
@@ -8,8 +8,12 @@ import { scriptParams } from '../../asking/script_params.js';
 import { timeField } from '../../asking/time_field.js';
 import { newOrderId } from './order_id.js';
 
-/** Make it: an element, `value()`, `warn(findings)` and what fills it. `changed` is called for each entry. */
-export function orderForm(changed) {
+/**
+ * Make it: an element, `value()`, `warn(findings)` and what fills it.
+ * @param {function(): void} changed is called for each entry
+ * @param {function(): void} left is called when a field is left for the first time
+ */
+export function orderForm(changed, left) {
   const script = fieldWith(t('order.script'), h('select', { name: 'script' }, h('option', { value: '' }, t('order.choose'))));
   const quantity = fieldWith(t('order.quantity'), h('input', { type: 'text', inputmode: 'numeric', name: 'quantity', autocomplete: 'off' }));
   const order = fieldWith(t('order.id'), h('input', { type: 'text', name: 'order', autocomplete: 'off', spellcheck: 'false' }), t('order.id_hint'));
@@ -38,8 +42,9 @@ export function orderForm(changed) {
   );
   element.addEventListener('input', changed);
   element.addEventListener('focusout', ({ target }) => {
-    if (target.name) touched.add(target.name);
-    changed();
+    if (!target.name || touched.has(target.name)) return;
+    touched.add(target.name);
+    left();
   });
   script.input.addEventListener('input', choose);
   order.input.value = newOrderId();
@@ -94,9 +99,8 @@ export function orderForm(changed) {
     /** Be ready for another order like this one. */
     another() {
       order.input.value = newOrderId();
-      touched.clear();
-      show(element, true);
       script.input.focus();
+      touched.clear();
     },
   };
 }
