@@ -121,6 +121,7 @@ class PageServer:
             await self._uvicorn.serve(sockets=[self._socket])
         finally:
             page.end()
+            self._socket.close()  # uvicorn does so only if it came to serve
 
     def _end(self) -> None:
         self._page.end()
