@@ -18,6 +18,7 @@ class Tree {
   constructor() {
     this.view = treeView(t('tree.title'));
     this.note = h('p', { class: 'nothing', role: 'status' }, t('tree.asking'));
+    this.panel = h('section', { class: 'panel', hidden: true }, this.view.element);
     this.size = h('span', { class: 'help' });
     const button = (word, isOpen) =>
       h('button', { type: 'button', onclick: () => this.view.all(isOpen) }, t(word));
@@ -34,7 +35,7 @@ class Tree {
       ),
       h('p', { class: 'help' }, t('tree.help')),
       this.note,
-      h('section', { class: 'panel' }, this.view.element),
+      this.panel,
     );
     this.version = '';
     this.onShown = () => this.#again(0);
@@ -56,9 +57,9 @@ class Tree {
   async #ask() {
     try {
       this.#take(await get(`/api/tree${this.version === '' ? '' : `?after=${this.version}`}`));
-    } catch (refused) {
+    } catch {
       this.version = '';
-      this.#say(refused.message || t('tree.silent'));
+      this.#say(t('tree.silent'));
     }
     this.#again(PAUSE_MS);
   }
@@ -70,6 +71,7 @@ class Tree {
       return;
     }
     this.view.show(tree);
+    show(this.panel, true);
     text(this.size, t('tree.size', { count: count(tree) }));
     this.#say('');
   }
