@@ -11,7 +11,7 @@ import traceback
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from bench import report, ros_rows, virtual_rows
+from bench import page_rows, report, ros_rows, virtual_rows
 from bench.plot import draw
 from bench.rows import TARGETS, Row, merged
 
@@ -31,6 +31,9 @@ def benches(args: argparse.Namespace) -> dict[tuple[str, ...], Bench]:
         ('restart',): lambda: virtual_rows.restart(rounds, events),
         ('dispatch', 'polling', 'wrap', 'cpu', 'watcher'): lambda: ros_rows.dispatch(
             rounds, 3 if quick else 20
+        ),
+        ('page_cpu', 'page_node', 'page_reader', 'page_readers'): lambda: page_rows.page(
+            rounds, 3.0 if quick else 15.0
         ),
         ('setup_time', 'setup_memory'): lambda: ros_rows.setup(rounds),
         ('idle',): lambda: ros_rows.idle(rounds, 2.0 if quick else 8.0),

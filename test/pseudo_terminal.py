@@ -51,6 +51,17 @@ class PseudoTerminal:
         self.raw = b''
 
     @property
+    def pid(self) -> int:
+        """Process id of the program."""
+        return self._process.pid
+
+    def read_for(self, seconds: float) -> None:
+        """Take what it shows, for so long."""
+        until = time.monotonic() + seconds
+        while (left_s := until - time.monotonic()) > 0:
+            self._read(left_s)
+
+    @property
     def lines(self) -> list[str]:
         """What can be read, from top to bottom."""
         return [line.rstrip() for line in self._screen.display]
