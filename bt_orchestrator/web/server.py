@@ -126,6 +126,13 @@ class PageServer:
     def _end(self) -> None:
         self._page.end()
         self._uvicorn.should_exit = True
+        asyncio.get_running_loop().call_later(0.7 * FAREWELL_S, self._cut)
+
+    def _cut(self) -> None:
+        """End what is left of connections: over TLS a client may never say farewell."""
+        connections: set[Any] = {*self._uvicorn.server_state.connections}
+        for connection in connections:
+            connection.transport.abort()
 
 
 class _Protocol(H11Protocol):

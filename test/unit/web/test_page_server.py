@@ -5,14 +5,17 @@ from __future__ import annotations
 import http.client
 import json
 import socket
+import ssl
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
+from fakes.certificates import make_certificate
 from web.sse_client import PATIENCE_S, SseClient
 from web.stand_cell import StandCell
 
@@ -278,6 +281,21 @@ class TestEnd:
                 begun = time.monotonic()
             assert time.monotonic() - begun < 2
         assert capfd.readouterr().err == ''
+
+    def test_it_waits_for_nobody_over_tls(
+        self, scene: Scene, tmp_path: Path, caplog: pytest.LogCaptureFixture
+    ) -> None:
+        certificate, key = make_certificate(tmp_path)
+        tls = replace(access(), certificate=certificate, key=key)
+        server = PageServer(Page(scene.cell.node.name, scene.cell.open_door, tls))
+        client = ssl.create_default_context(cafile=str(certificate))
+        with ExitStack() as stack, server.running():
+            raw = socket.create_connection(('127.0.0.1', server.port), PATIENCE_S)
+            reader = client.wrap_socket(stack.enter_context(raw), server_hostname='localhost')
+            stack.enter_context(reader)
+            reader.sendall(b'GET /api/stream HTTP/1.1\r\nHost: localhost\r\n\r\n')
+            assert reader.recv(1)
+        assert caplog.messages == []
 
     def test_no_thread_is_left(self, scene: Scene) -> None:
         with scene.page() as server, SseClient(server.port) as reader:
