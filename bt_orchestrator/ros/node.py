@@ -32,6 +32,7 @@ from bt_orchestrator.ros.executor.heart import Heart
 from bt_orchestrator.ros.identity import Presence
 from bt_orchestrator.ros.inspection.start import start_inspection
 from bt_orchestrator.ros.inspection.tick_statistics import TickStatistics
+from bt_orchestrator.ros.large_blocks import give_back
 from bt_orchestrator.ros.parameters import declare
 from bt_orchestrator.ros.pulse import Pulse
 from bt_orchestrator.ros.receive_buffers import widen
@@ -295,6 +296,7 @@ def run_node(
     :return: the tasks whose goals had not ended when it left, in words
     :raises OrchestratorError: it cannot start; says why
     """
+    give_back()
     try:
         # rclpy's own handlers would end the context before goals are cancelled.
         rclpy.init(args=list(ros_args), signal_handler_options=SignalHandlerOptions.NO)
