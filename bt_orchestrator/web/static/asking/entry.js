@@ -13,10 +13,21 @@ let count = 0;
 export function fieldWith(label, input, hint = '') {
   const id = `entry-${(count += 1)}`;
   const explained = h('span', { class: 'hint', id: `${id}-hint` }, hint);
-  const warning = h('p', { class: 'field-warning', id: `${id}-warning`, role: 'alert', hidden: true });
+  const warning = h('p', {
+    class: 'field-warning',
+    id: `${id}-warning`,
+    role: 'alert',
+    hidden: true,
+  });
   input.setAttribute('aria-describedby', `${id}-hint ${id}-warning`);
   return {
-    element: h('div', { class: 'field' }, h('label', {}, h('span', {}, label), input), hint ? explained : null, warning),
+    element: h(
+      'div',
+      { class: 'field' },
+      h('label', {}, h('span', {}, label), input),
+      hint ? explained : null,
+      warning,
+    ),
     input,
     hint: explained,
     value: () => input.value.trim(),

@@ -14,7 +14,8 @@ export function timeField(label, name, epoch = null) {
   const field = fieldWith(label, h('input', { type: 'datetime-local', name, step: 60 }), '…');
   const { input, hint } = field;
   input.value = epoch ? localText(epoch) : '';
-  const say = () => text(hint, t('order.in_zone', { zone: zone(epochOf(input.value) ?? undefined) }));
+  const say = () =>
+    text(hint, t('order.in_zone', { zone: zone(epochOf(input.value) ?? undefined) }));
   input.addEventListener('input', say);
   say();
   return { ...field, value: () => textOf(input.value), isWrong: () => input.validity.badInput };

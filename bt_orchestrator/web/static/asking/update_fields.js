@@ -26,7 +26,10 @@ function jobOf(offer) {
 }
 
 function wholeField(name, now) {
-  const field = fieldWith(t(`order.${name}`), h('input', { type: 'text', inputmode: 'numeric', name, autocomplete: 'off' }));
+  const field = fieldWith(
+    t(`order.${name}`),
+    h('input', { type: 'text', inputmode: 'numeric', name, autocomplete: 'off' }),
+  );
   const before = now === undefined ? '' : String(now);
   field.input.value = before;
   return {
@@ -60,7 +63,10 @@ function detailsField() {
     element: h('details', {}, h('summary', {}, t('order.details')), field.element),
     read() {
       const value = field.read();
-      return { value, isWrong: value !== undefined && (typeof value !== 'object' || value === null) };
+      return {
+        value,
+        isWrong: value !== undefined && (typeof value !== 'object' || value === null),
+      };
     },
     warn: (isWrong) => field.warn(isWrong ? t('order.json') : ''),
   };

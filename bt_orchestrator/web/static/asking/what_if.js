@@ -19,7 +19,11 @@ const FEW = 8;
  * @param {{name: string, arguments: Object}} command as its offer says
  */
 export function whatIf(command) {
-  const element = h('section', { class: 'what-if', 'aria-live': 'polite', 'aria-label': t('whatif.title') });
+  const element = h('section', {
+    class: 'what-if',
+    'aria-live': 'polite',
+    'aria-label': t('whatif.title'),
+  });
   let turn = 0;
   let timer = 0;
   let asking = new AbortController();
@@ -48,18 +52,24 @@ export function whatIf(command) {
       if (mine === turn) show(found, dueOf(values));
     } catch (refused) {
       if (!(refused instanceof Refused)) throw refused;
-      if (mine === turn) say('unknown', t('whatif.cannot', { why: refused.message || t('whatif.no_answer') }));
+      if (mine === turn)
+        say('unknown', t('whatif.cannot', { why: refused.message || t('whatif.no_answer') }));
     }
   }
 
   function say(kind, words) {
     element.dataset.whatIf = kind;
-    children(element, heading(), h('p', { class: 'what-if-words' }, kind === 'unknown' ? shape('triangle') : null, words));
+    children(
+      element,
+      heading(),
+      h('p', { class: 'what-if-words' }, kind === 'unknown' ? shape('triangle') : null, words),
+    );
   }
 
   function show(found, due) {
     // What is behind the jobs that are computed is not there for the computation.
-    if (found.left_out && found.refusals.length) return say('unknown', t('whatif.too_long', { count: found.left_out }));
+    if (found.left_out && found.refusals.length)
+      return say('unknown', t('whatif.too_long', { count: found.left_out }));
     element.dataset.whatIf = found.refusals.length ? 'refused' : 'known';
     const rows = rowsOf(found, due);
     const changed = rows.filter((row) => !UNCHANGED.includes(row.change));
@@ -67,11 +77,22 @@ export function whatIf(command) {
     children(
       element,
       heading(),
-      found.refusals.map((one) => h('p', { class: 'what-if-refusal' }, shape('triangle'), t('whatif.refused', { why: one }))),
+      found.refusals.map((one) =>
+        h('p', { class: 'what-if-refusal' }, shape('triangle'), t('whatif.refused', { why: one })),
+      ),
       h('p', { class: 'what-if-words' }, summary(rows)),
       changed.length || same.length <= FEW ? table(same.length <= FEW ? rows : changed) : null,
-      same.length > FEW ? h('details', {}, h('summary', {}, t('whatif.same_count', { count: same.length })), table(same)) : null,
-      found.left_out ? h('p', { class: 'hint' }, t('whatif.left_out', { count: found.left_out })) : null,
+      same.length > FEW
+        ? h(
+            'details',
+            {},
+            h('summary', {}, t('whatif.same_count', { count: same.length })),
+            table(same),
+          )
+        : null,
+      found.left_out
+        ? h('p', { class: 'hint' }, t('whatif.left_out', { count: found.left_out }))
+        : null,
     );
   }
 
@@ -84,7 +105,12 @@ function heading() {
 
 /** The due times that the command itself brings, by job. */
 function dueOf(values) {
-  return Object.fromEntries((values.orders ?? []).map((order) => [order.order, order.due ? Date.parse(order.due) / 1000 : null]));
+  return Object.fromEntries(
+    (values.orders ?? []).map((order) => [
+      order.order,
+      order.due ? Date.parse(order.due) / 1000 : null,
+    ]),
+  );
 }
 
 function rowsOf(found, due) {
@@ -92,8 +118,18 @@ function rowsOf(found, due) {
   const after = endsOf(found.after);
   const names = [...new Set([...after.keys(), ...before.keys()])];
   return names.map((job) => {
-    const row = { job, before: before.get(job), after: after.get(job), due: due[job] ?? part(`job/${job}`)?.due ?? null };
-    return { ...row, change: changeOf(row), isLate: isLate(row.after, row.due), wasLate: isLate(row.before, row.due) };
+    const row = {
+      job,
+      before: before.get(job),
+      after: after.get(job),
+      due: due[job] ?? part(`job/${job}`)?.due ?? null,
+    };
+    return {
+      ...row,
+      change: changeOf(row),
+      isLate: isLate(row.after, row.due),
+      wasLate: isLate(row.before, row.due),
+    };
   });
 }
 
@@ -105,7 +141,8 @@ function endsOf(jobs) {
 function changeOf({ before, after }) {
   if (before === undefined) return 'new';
   if (after === undefined) return 'gone';
-  if (before === null || after === null) return before === after ? 'never' : after === null ? 'open' : 'known';
+  if (before === null || after === null)
+    return before === after ? 'never' : after === null ? 'open' : 'known';
   if (Math.abs(after - before) < SAME_S) return 'same';
   return after > before ? 'later' : 'earlier';
 }
@@ -117,15 +154,29 @@ function isLate(ends, due) {
 function summary(rows) {
   if (rows.length && rows.every((row) => row.change === 'never')) return t('whatif.none_known');
   const count = (change) => rows.filter((row) => row.change === change).length;
-  const words = ['later', 'earlier', 'gone', 'open', 'never'].filter(count).map((change) => t(`whatif.count_${change}`, { count: count(change) }));
+  const words = ['later', 'earlier', 'gone', 'open', 'never']
+    .filter(count)
+    .map((change) => t(`whatif.count_${change}`, { count: count(change) }));
   const missed = rows.filter((row) => row.isLate && !row.wasLate);
-  if (missed.length) words.push(t('whatif.count_missed', { count: missed.length, jobs: missed.map((row) => row.job).join(', ') }));
+  if (missed.length)
+    words.push(
+      t('whatif.count_missed', {
+        count: missed.length,
+        jobs: missed.map((row) => row.job).join(', '),
+      }),
+    );
   return words.length ? `${words.join('; ')}.` : t('whatif.nothing');
 }
 
 function table(rows) {
-  const heads = ['job', 'before', 'after', 'change', 'due'].map((name) => h('th', { scope: 'col' }, t(`whatif.${name}`)));
-  return h('div', { class: 'table-scroll', tabindex: 0, role: 'group', 'aria-label': t('whatif.title') }, h('table', {}, h('thead', {}, h('tr', {}, heads)), h('tbody', {}, rows.map(line))));
+  const heads = ['job', 'before', 'after', 'change', 'due'].map((name) =>
+    h('th', { scope: 'col' }, t(`whatif.${name}`)),
+  );
+  return h(
+    'div',
+    { class: 'table-scroll', tabindex: 0, role: 'group', 'aria-label': t('whatif.title') },
+    h('table', {}, h('thead', {}, h('tr', {}, heads)), h('tbody', {}, rows.map(line))),
+  );
 }
 
 function line(row) {
@@ -159,7 +210,8 @@ function changeWords({ change, before, after }) {
 
 function dueWords(row) {
   if (!row.due) return '';
-  if (!row.isLate) return row.wasLate ? t('whatif.due_met', { time: about(row.due) }) : about(row.due);
+  if (!row.isLate)
+    return row.wasLate ? t('whatif.due_met', { time: about(row.due) }) : about(row.due);
   const by = t('whatif.due_missed', { time: about(row.due), by: duration(row.after - row.due) });
   return [shape('triangle'), ` ${by}`];
 }

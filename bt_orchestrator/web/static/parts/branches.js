@@ -40,6 +40,8 @@ export function count(branch) {
 /** The paths of all branches that have children: to open or fold the whole tree. */
 export function pathsOf(branch, path = 'root') {
   const children = branch.children ?? [];
-  const below = children.flatMap((child, index) => pathsOf(child, `${path}/${index}:${child.name}`));
+  const below = children.flatMap((child, index) =>
+    pathsOf(child, `${path}/${index}:${child.name}`),
+  );
   return children.length ? [path, ...below] : below;
 }

@@ -13,15 +13,21 @@ export function partName(key) {
 
 /** Several parts in few words: sections that follow each other as one span. */
 export function partNames(keys) {
-  const numbers = keys.filter((key) => key.startsWith('section/')).map((key) => Number(apart(key)[1]));
+  const numbers = keys
+    .filter((key) => key.startsWith('section/'))
+    .map((key) => Number(apart(key)[1]));
   const spans = [];
   for (const number of numbers.sort((one, other) => one - other)) {
     if (spans.at(-1)?.last === number - 1) spans.at(-1).last = number;
     else spans.push({ first: number, last: number });
   }
-  const said = spans.map(({ first, last }) => (first === last ? first : `${first}–${last}`)).join(', ');
+  const said = spans
+    .map(({ first, last }) => (first === last ? first : `${first}–${last}`))
+    .join(', ');
   const sections = said ? [t('chain.sections', { count: numbers.length, numbers: said })] : [];
-  return [...sections, ...keys.filter((key) => !key.startsWith('section/')).map(partName)].join('; ');
+  return [...sections, ...keys.filter((key) => !key.startsWith('section/')).map(partName)].join(
+    '; ',
+  );
 }
 
 /** The screen of a part; empty: it has none of its own. */
@@ -69,7 +75,12 @@ export function chainList(chain) {
   const isNew = root.part !== chain.links.at(-1).part;
   const end = isNew ? h('li', { class: 'root' }, nameLink(root.part), rootWords(root)) : null;
   if (!isNew) steps.at(-1).classList.add('root');
-  return h('ol', { class: 'chain', 'aria-label': t('why.chain', { part: partName(chain.part) }) }, steps, end);
+  return h(
+    'ol',
+    { class: 'chain', 'aria-label': t('why.chain', { part: partName(chain.part) }) },
+    steps,
+    end,
+  );
 }
 
 /** What a root cause is, and what has to happen. */

@@ -63,7 +63,10 @@ class History {
     this.failures.show(failures);
     const whole = Object.values(timeIn).reduce((sum, one) => sum + one, 0) || 1;
     const states = Object.entries(timeIn).sort(([, one], [, other]) => other - one);
-    children(this.states, states.map(([state, spent]) => stateBar(state, spent, spent / whole)));
+    children(
+      this.states,
+      states.map(([state, spent]) => stateBar(state, spent, spent / whole)),
+    );
   }
 }
 
@@ -73,9 +76,17 @@ function taskTable() {
     { head: t('history.nominal'), cell: (one) => seconds(one.nominal_s), isNumber: true },
     { head: t('history.lately'), cell: (one) => seconds(one.lately_s), isNumber: true },
     { head: t('history.against'), cell: against, isNumber: true },
-    { head: t('history.last'), cell: (one) => (one.times_s.length ? timeBars(one.times_s, one.nominal_s) : '') },
+    {
+      head: t('history.last'),
+      cell: (one) => (one.times_s.length ? timeBars(one.times_s, one.nominal_s) : ''),
+    },
   ];
-  return table({ caption: t('history.tasks'), columns, key: (one) => one.name, empty: t('history.no_tasks') });
+  return table({
+    caption: t('history.tasks'),
+    columns,
+    key: (one) => one.name,
+    empty: t('history.no_tasks'),
+  });
 }
 
 function against({ nominal_s: nominal, lately_s: lately }) {
@@ -97,7 +108,11 @@ function cycleTable() {
 
 function taskTime(task) {
   const words = `${task.task} ${seconds(task.seconds)}`;
-  return h('span', { class: 'task-time', 'data-outcome': task.outcome }, task.outcome === 'failed' ? `✗ ${words}` : words);
+  return h(
+    'span',
+    { class: 'task-time', 'data-outcome': task.outcome },
+    task.outcome === 'failed' ? `✗ ${words}` : words,
+  );
 }
 
 /** Whether it worked, and what its state topic said meanwhile. */
@@ -110,5 +125,11 @@ function stateBar(state, spent, share) {
   const bar = h('span', { class: 'state-bar' });
   bar.style.width = `${share * 100}%`; // the policy forbids a style attribute
   const percent = `${number(Math.round(share * 100))} %`;
-  return h('li', {}, h('span', {}, stateWords(state)), h('span', { class: 'state-room' }, bar), h('span', {}, duration(spent), ' · ', percent));
+  return h(
+    'li',
+    {},
+    h('span', {}, stateWords(state)),
+    h('span', { class: 'state-room' }, bar),
+    h('span', {}, duration(spent), ' · ', percent),
+  );
 }

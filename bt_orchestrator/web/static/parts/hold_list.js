@@ -6,10 +6,14 @@ import { holdCard } from './hold_card.js';
 /** A list of holds: an element and `update(holds)`; with none of them it takes no room. */
 export function holdList() {
   const element = h('div', { class: 'holds' });
-  const update = keyed(element, (hold) => hold.id, () => {
-    const card = holdCard();
-    everySecond(card.element, () => card.element.isConnected && card.tick());
-    return card;
-  });
+  const update = keyed(
+    element,
+    (hold) => hold.id,
+    () => {
+      const card = holdCard();
+      everySecond(card.element, () => card.element.isConnected && card.tick());
+      return card;
+    },
+  );
   return { element, update };
 }

@@ -37,7 +37,11 @@ class Picture {
 
   #buttons() {
     const button = (word, sign, does) =>
-      h('button', { type: 'button', class: 'tool', 'aria-label': t(word), title: t(word), onclick: does }, sign);
+      h(
+        'button',
+        { type: 'button', class: 'tool', 'aria-label': t(word), title: t(word), onclick: does },
+        sign,
+      );
     return h(
       'div',
       { class: 'picture-tools' },
@@ -88,10 +92,13 @@ class Picture {
 
   /** Put a newer drawing in place of this one; parts that did not change stay. */
   #take(svg) {
-    const fresh = new Map([...svg.querySelectorAll(':scope > g > g[id]')].map((one) => [one.id, one]));
-    const isSame = this.size === svg.getAttribute('viewBox')
-      && fresh.size === this.parts.size
-      && [...fresh.keys()].every((name) => this.parts.has(name));
+    const fresh = new Map(
+      [...svg.querySelectorAll(':scope > g > g[id]')].map((one) => [one.id, one]),
+    );
+    const isSame =
+      this.size === svg.getAttribute('viewBox') &&
+      fresh.size === this.parts.size &&
+      [...fresh.keys()].every((name) => this.parts.has(name));
     this.size = svg.getAttribute('viewBox');
     for (const [name, element] of fresh) {
       const source = new XMLSerializer().serializeToString(element);

@@ -55,7 +55,11 @@ function told(entry, pause) {
     'li',
     { class: 'told', 'data-kind': entry.kind, 'data-outcome': entry.outcome ?? entry.how ?? null },
     h('time', { datetime: new Date(entry.time * 1000).toISOString() }, at(entry.time)),
-    h('span', { class: 'told-pause' }, pause === null ? '' : t('item.after', { time: duration(pause) })),
+    h(
+      'span',
+      { class: 'told-pause' },
+      pause === null ? '' : t('item.after', { time: duration(pause) }),
+    ),
     h('div', { class: 'told-what' }, TOLD[entry.kind](entry)),
   );
 }
@@ -67,7 +71,13 @@ const TOLD = {
   held: ({ id, task: held, words }) =>
     h('p', {}, shape('triangle'), ' ', t('item.held', { hold: id }), held ? '' : ` (${words})`),
   decision: ({ who, what, reason }) => [
-    h('p', {}, shape('square'), ' ', t('item.decided', { who: who || t('item.somebody'), what: decisionWord(what) })),
+    h(
+      'p',
+      {},
+      shape('square'),
+      ' ',
+      t('item.decided', { who: who || t('item.somebody'), what: decisionWord(what) }),
+    ),
     reason ? h('p', { class: 'quote' }, reason) : null,
   ],
   ended: ({ how }) => h('p', {}, h('strong', {}, t(`item.is_${how || 'on_line'}`))),
@@ -83,8 +93,16 @@ function task(entry) {
   const where = section ? sectionLink(section) : null;
   const by = component ? [' · ', componentLink(component)] : null;
   return [
-    h('p', {}, where, ' · ', h('strong', {}, id), name && name !== id ? ` ${name}` : '', by,
-      attempt > 1 ? ` · ${t('item.attempt', { attempt })}` : ''),
+    h(
+      'p',
+      {},
+      where,
+      ' · ',
+      h('strong', {}, id),
+      name && name !== id ? ` ${name}` : '',
+      by,
+      attempt > 1 ? ` · ${t('item.attempt', { attempt })}` : '',
+    ),
     h('p', { class: 'outcome' }, shape(SHAPES[outcome] ?? 'dots'), ' ', outcomeWords(entry)),
     details('item.args', entry.args),
     details('item.results', entry.results),
@@ -94,7 +112,9 @@ function task(entry) {
 function outcomeWords({ outcome, seconds: took, reason, message }) {
   if (outcome === 'continued') return t(`item.policy_${reason}`);
   const word = t(`item.outcome_${outcome}`, { took: took === null ? '' : seconds(took) });
-  const why = [reason && reasonWords(outcome, reason), message && `“${message}”`].filter(Boolean).join(' ');
+  const why = [reason && reasonWords(outcome, reason), message && `“${message}”`]
+    .filter(Boolean)
+    .join(' ');
   return why ? `${word}: ${why}` : word;
 }
 

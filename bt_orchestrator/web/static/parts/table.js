@@ -48,7 +48,9 @@ function makeRow(columns, look) {
       const now = JSON.stringify(thing);
       if (now === before) return;
       before = now;
-      cells.forEach((cell, place) => cell.replaceChildren(...[columns[place].cell(thing) ?? ''].flat()));
+      cells.forEach((cell, place) =>
+        cell.replaceChildren(...[columns[place].cell(thing) ?? ''].flat()),
+      );
     },
   };
 }

@@ -28,9 +28,18 @@ function makeTask() {
   const component = h('span');
   const time = h('span', { class: 'task-elapsed' });
   const reason = h('span', { class: 'task-reason' });
-  const element = h('li', {}, state.element, h('span', {}, name, ' ', constant), component, time, reason);
+  const element = h(
+    'li',
+    {},
+    state.element,
+    h('span', {}, name, ' ', constant),
+    component,
+    time,
+    reason,
+  );
   let task = null;
-  const sayTime = () => task && text(time, [attempt(task), timeWords(task)].filter(Boolean).join(' · '));
+  const sayTime = () =>
+    task && text(time, [attempt(task), timeWords(task)].filter(Boolean).join(' · '));
   everySecond(element, sayTime);
   return {
     element,
@@ -39,7 +48,8 @@ function makeTask() {
       state.update(task.mark);
       text(name, task.id);
       text(constant, task.name === task.id ? '' : task.name);
-      if (component.textContent !== task.component) children(component, componentLink(task.component));
+      if (component.textContent !== task.component)
+        children(component, componentLink(task.component));
       attribute(element, 'data-track', task.track > 1 ? task.track : null);
       text(reason, task.mark === 'held' ? tOr(`reason.${task.reason}`, task.reason) : task.reason);
       show(reason, Boolean(task.reason));

@@ -65,7 +65,8 @@ class TreeView {
       ArrowUp: () => this.#go(here - 1),
       Home: () => this.#go(0),
       End: () => this.#go(this.lines.length - 1),
-      ArrowRight: () => (line.isOpen === false ? this.#open(line, true) : line.isOpen && this.#go(here + 1)),
+      ArrowRight: () =>
+        line.isOpen === false ? this.#open(line, true) : line.isOpen && this.#go(here + 1),
       ArrowLeft: () => (line.isOpen ? this.#open(line, false) : this.#up(line)),
       Enter: () => line.isOpen !== null && this.#open(line, !line.isOpen),
       ' ': () => line.isOpen !== null && this.#open(line, !line.isOpen),
@@ -97,8 +98,8 @@ class TreeView {
 }
 
 function makeLine() {
-  const [fold, sign, word, name, message] = ['fold', 'sign', 'word', 'name', 'message'].map((part) =>
-    h('span', { class: `twig-${part}` }),
+  const [fold, sign, word, name, message] = ['fold', 'sign', 'word', 'name', 'message'].map(
+    (part) => h('span', { class: `twig-${part}` }),
   );
   for (const drawn of [fold, sign]) drawn.setAttribute('aria-hidden', 'true');
   const element = h('div', { role: 'treeitem', class: 'twig' }, fold, sign, name, word, message);

@@ -44,11 +44,24 @@ class Component {
         'div',
         { class: 'now-sides' },
         h('section', { class: 'panel' }, h('h2', {}, t('component.tasks')), this.list.element),
-        h('section', { class: 'panel' }, h('h2', {}, t('component.about')), this.facts, h('h2', {}, t('section.feedback')), this.feedback),
+        h(
+          'section',
+          { class: 'panel' },
+          h('h2', {}, t('component.about')),
+          this.facts,
+          h('h2', {}, t('section.feedback')),
+          this.feedback,
+        ),
       ),
       this.history.element,
     );
-    this.element = h('div', { class: 'screen' }, h('div', { class: 'screen-head' }, h('h1', {}, name)), this.unknown, this.body);
+    this.element = h(
+      'div',
+      { class: 'screen' },
+      h('div', { class: 'screen-head' }, h('h1', {}, name)),
+      this.unknown,
+      this.body,
+    );
   }
 
   end() {
@@ -66,24 +79,44 @@ class Component {
     if (now !== this.shown) this.#show(component);
     this.shown = now;
     this.list.update(tasks);
-    this.holds.update(partsOf('hold/').map(([, one]) => one).filter((one) => one.component === this.name));
+    this.holds.update(
+      partsOf('hold/')
+        .map(([, one]) => one)
+        .filter((one) => one.component === this.name),
+    );
     if (this.hasNews()) this.history.soon();
   }
 
   /** Its tasks in the lists that are shown: of sections, of initialization, of the belt. */
   #tasks() {
-    const lists = [...partsOf('section/'), ...partsOf('job/')].flatMap(([, one]) => one.tasks ?? []);
-    const all = [...lists, ...(part('belt')?.running ?? [])].filter((task) => task.component === this.name);
+    const lists = [...partsOf('section/'), ...partsOf('job/')].flatMap(
+      ([, one]) => one.tasks ?? [],
+    );
+    const all = [...lists, ...(part('belt')?.running ?? [])].filter(
+      (task) => task.component === this.name,
+    );
     return [...new Map(all.map((task) => [task.id, task])).values()];
   }
 
   #show(component) {
     const described = part('line')?.components.find((one) => one.name === this.name);
-    children(this.trouble, component.trouble ? [shape('broken'), h('span', {}, ` ${component.trouble}`)] : []);
+    children(
+      this.trouble,
+      component.trouble ? [shape('broken'), h('span', {}, ` ${component.trouble}`)] : [],
+    );
     show(this.trouble, Boolean(component.trouble));
     const sections = component.sections.flatMap((number) => [sectionLink(number), ' ']);
     const facts = [
-      ['ready', t(component.available ? (component.ready ? 'component.is_ready' : 'component.is_not_ready') : 'component.is_away')],
+      [
+        'ready',
+        t(
+          component.available
+            ? component.ready
+              ? 'component.is_ready'
+              : 'component.is_not_ready'
+            : 'component.is_away',
+        ),
+      ],
       ['state', component.state],
       ['task', component.task],
       ['sections', sections.length ? sections : t('component.no_section')],
@@ -91,7 +124,17 @@ class Component {
       ['type', described?.type],
     ];
     const told = facts.filter(([, value]) => value);
-    children(this.facts, told.map(([name, value]) => h('div', {}, h('dt', {}, t(`component.${name}`)), h('dd', {}, value))));
-    children(this.feedback, component.feedback ? jsonValues(component.feedback) : h('p', { class: 'nothing' }, t('section.no_feedback')));
+    children(
+      this.facts,
+      told.map(([name, value]) =>
+        h('div', {}, h('dt', {}, t(`component.${name}`)), h('dd', {}, value)),
+      ),
+    );
+    children(
+      this.feedback,
+      component.feedback
+        ? jsonValues(component.feedback)
+        : h('p', { class: 'nothing' }, t('section.no_feedback')),
+    );
   }
 }

@@ -32,7 +32,15 @@ class Item {
         'div',
         { class: 'screen-head' },
         h('h1', {}, t('item.title', { item: id })),
-        h('a', { class: 'button', href: `/api/items/${inPath(id)}`, download: `${id.replaceAll('/', '-')}.json` }, t('item.download')),
+        h(
+          'a',
+          {
+            class: 'button',
+            href: `/api/items/${inPath(id)}`,
+            download: `${id.replaceAll('/', '-')}.json`,
+          },
+          t('item.download'),
+        ),
       ),
       this.about,
       this.note,
@@ -59,7 +67,10 @@ class Item {
   #show(record) {
     text(this.note, record.is_whole ? '' : t('jobs.not_whole', { why: record.why_not }));
     const { job, script } = record;
-    const took = record.ended === null || record.started === null ? '' : duration(record.ended - record.started);
+    const took =
+      record.ended === null || record.started === null
+        ? ''
+        : duration(record.ended - record.started);
     children(
       this.about,
       jobLink(job),

@@ -40,7 +40,12 @@ class Job {
     this.element = h(
       'div',
       { class: 'screen' },
-      h('div', { class: 'screen-head' }, h('h1', {}, t('chain.job', { name: id })), this.#downloads()),
+      h(
+        'div',
+        { class: 'screen-head' },
+        h('h1', {}, t('chain.job', { name: id })),
+        this.#downloads(),
+      ),
       this.bar.element,
       this.offers.element,
       this.note,
@@ -73,7 +78,11 @@ class Job {
 
   #downloads() {
     const link = (kind) =>
-      h('a', { class: 'button', href: `${this.url}/items.${kind}`, download: true }, t(`job.${kind}`));
+      h(
+        'a',
+        { class: 'button', href: `${this.url}/items.${kind}`, download: true },
+        t(`job.${kind}`),
+      );
     return h('span', { class: 'downloads' }, link('csv'), link('json'));
   }
 
@@ -95,7 +104,10 @@ class Job {
       ['bad', bad(job.counts)],
     ];
     const told = facts.filter(([, value]) => value !== '' && value !== null && value !== undefined);
-    children(this.about, told.map(([name, value]) => h('div', {}, h('dt', {}, t(`job.${name}`)), h('dd', {}, value))));
+    children(
+      this.about,
+      told.map(([name, value]) => h('div', {}, h('dt', {}, t(`job.${name}`)), h('dd', {}, value))),
+    );
     const params = Object.keys(job.params ?? {}).length;
     children(this.params, params ? [h('h3', {}, t('job.params')), values(job.params)] : []);
   }
@@ -106,11 +118,20 @@ function itemTable() {
     { head: t('job.item'), cell: (item) => itemLink(item.id) },
     { head: t('job.how'), cell: (item) => t(`item.is_${item.how || 'on_line'}`) },
     { head: t('job.started'), cell: (item) => at(item.started) },
-    { head: t('job.took'), cell: (item) => (item.ended ? duration(item.ended - item.started) : ''), isNumber: true },
+    {
+      head: t('job.took'),
+      cell: (item) => (item.ended ? duration(item.ended - item.started) : ''),
+      isNumber: true,
+    },
     { head: t('job.nonconforming'), cell: (item) => item.nonconforming.join(', ') },
     { head: t('job.results'), cell: (item) => results(item.results) },
   ];
-  return table({ caption: t('job.items'), columns, key: (item) => item.id, empty: t('job.no_items') });
+  return table({
+    caption: t('job.items'),
+    columns,
+    key: (item) => item.id,
+    empty: t('job.no_items'),
+  });
 }
 
 function results(found) {

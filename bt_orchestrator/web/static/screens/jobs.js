@@ -29,7 +29,11 @@ const COLUMNS = [
 
 class Jobs {
   constructor() {
-    const columns = COLUMNS.map(([name, cell, kind]) => ({ head: t(`jobs.${name}`), cell, isNumber: kind === 'number' }));
+    const columns = COLUMNS.map(([name, cell, kind]) => ({
+      head: t(`jobs.${name}`),
+      cell,
+      isNumber: kind === 'number',
+    }));
     this.table = table({
       caption: t('jobs.title'),
       columns,

@@ -14,7 +14,12 @@ export function mount(root) {
   const done = h('p', { class: 'order-done', role: 'status', hidden: true });
   const form = orderForm(changed, () => check.later());
   const go = h('button', { type: 'submit', class: 'primary', 'data-do': 'order' }, t('order.go'));
-  const whole = h('form', { class: 'order-form', novalidate: true, onsubmit: send }, form.element, h('div', { class: 'order-buttons' }, said, go));
+  const whole = h(
+    'form',
+    { class: 'order-form', novalidate: true, onsubmit: send },
+    form.element,
+    h('div', { class: 'order-buttons' }, said, go),
+  );
   const check = checking(form, said);
   let isChecked = false;
   root.append(h('section', { class: 'panel order' }, h('h1', {}, t('order.title')), done, whole));
@@ -35,10 +40,18 @@ export function mount(root) {
     const { order, position, held } = form.value();
     const offer = part('cell')?.add;
     if (!offer) return text(said, t('order.no_cell'));
-    const values = { orders: [order], ...(position ? { position } : {}), ...(held ? { held } : {}) };
+    const values = {
+      orders: [order],
+      ...(position ? { position } : {}),
+      ...(held ? { held } : {}),
+    };
     // Everything was said in the form: the dialog asks for nothing but the reason.
     if (!(await ask({ ...offer, parameters: [] }, { about: order.order, values }))) return null;
-    done.replaceChildren(t('order.done', { job: order.order }), ' ', h('a', { href: `#/queue?job=${encodeURIComponent(order.order)}` }, t('order.to_queue')));
+    done.replaceChildren(
+      t('order.done', { job: order.order }),
+      ' ',
+      h('a', { href: `#/queue?job=${encodeURIComponent(order.order)}` }, t('order.to_queue')),
+    );
     show(done, true);
     return form.another();
   }

@@ -41,7 +41,12 @@ export function mount(root, route) {
     text(stops, cell.stop_after ? t(`stands.stop_after_${cell.stop_after}`) : '');
   }
 
-  const ends = [subscribe('cell', update), subscribe('job/', update), move.onChange(update), onPerson(update)];
+  const ends = [
+    subscribe('cell', update),
+    subscribe('job/', update),
+    move.onChange(update),
+    onPerson(update),
+  ];
   update();
   return () => {
     ends.forEach((end) => end());
@@ -60,8 +65,18 @@ function group(name, context) {
   const none = h('p', { class: 'quiet' }, t(`queue.none_${name}`));
   const list = h('ol', { class: 'queue-list', 'data-list': name });
   const id = `queue-${name}`;
-  const element = h('section', { class: 'panel queue-group', 'aria-labelledby': id }, h('h2', { id }, t(`queue.${name}`), ' ', count), none, list);
-  const rows = keyed(list, (job) => job.id, (job) => jobRow(job.id, context));
+  const element = h(
+    'section',
+    { class: 'panel queue-group', 'aria-labelledby': id },
+    h('h2', { id }, t(`queue.${name}`), ' ', count),
+    none,
+    list,
+  );
+  const rows = keyed(
+    list,
+    (job) => job.id,
+    (job) => jobRow(job.id, context),
+  );
   return {
     element,
     update(jobs, whole = jobs.length) {

@@ -34,7 +34,10 @@ class Section {
     this.waits = h('ul', { class: 'waits' });
     this.tasks = taskList();
     this.feedback = feedback();
-    this.offers = offers({ about: () => t('part.section', { number }), label: t('section.offers') });
+    this.offers = offers({
+      about: () => t('part.section', { number }),
+      label: t('section.offers'),
+    });
     this.components = h('ul', { class: 'links' });
     this.history = history(`/api/sections/${number}/history`);
     this.before = h('span');
@@ -47,15 +50,39 @@ class Section {
       h(
         'div',
         { class: 'now-sides' },
-        h('section', { class: 'panel' }, h('h2', {}, t('section.now')), this.waits, this.tasks.element, this.offers.element),
-        h('section', { class: 'panel' }, h('h2', {}, t('section.feedback')), this.feedback.element, h('h2', {}, t('section.components')), this.components),
+        h(
+          'section',
+          { class: 'panel' },
+          h('h2', {}, t('section.now')),
+          this.waits,
+          this.tasks.element,
+          this.offers.element,
+        ),
+        h(
+          'section',
+          { class: 'panel' },
+          h('h2', {}, t('section.feedback')),
+          this.feedback.element,
+          h('h2', {}, t('section.components')),
+          this.components,
+        ),
       ),
       this.history.element,
     );
     this.element = h(
       'div',
       { class: 'screen' },
-      h('div', { class: 'screen-head' }, h('h1', {}, t('part.section', { number })), h('div', { class: 'beside', role: 'group', 'aria-label': t('section.beside') }, this.before, this.after)),
+      h(
+        'div',
+        { class: 'screen-head' },
+        h('h1', {}, t('part.section', { number })),
+        h(
+          'div',
+          { class: 'beside', role: 'group', 'aria-label': t('section.beside') },
+          this.before,
+          this.after,
+        ),
+      ),
       this.unknown,
       this.body,
     );
@@ -81,25 +108,43 @@ class Section {
   #show(section) {
     this.#beside(part('cell')?.sections ?? []);
     children(this.about, aboutOf(section));
-    children(this.waits, section.waits.map((wait) => h('li', { 'data-ordinary': wait.is_ordinary }, waitWords(wait))));
+    children(
+      this.waits,
+      section.waits.map((wait) => h('li', { 'data-ordinary': wait.is_ordinary }, waitWords(wait))),
+    );
     this.tasks.update(section.tasks);
     this.feedback.update(section.tasks);
     this.offers.update(section.offers ?? []);
     show(this.offers.element, section.offers?.length);
-    const here = partsOf('component/').map(([, one]) => one).filter((one) => one.sections.includes(this.number));
-    children(this.components, here.map((one) => h('li', {}, componentLink(one.name), ' ', one.trouble || one.state)));
+    const here = partsOf('component/')
+      .map(([, one]) => one)
+      .filter((one) => one.sections.includes(this.number));
+    children(
+      this.components,
+      here.map((one) => h('li', {}, componentLink(one.name), ' ', one.trouble || one.state)),
+    );
   }
 
   #beside(numbers) {
-    const to = (number, sign) => (numbers.includes(number) ? h('span', {}, sign, ' ', sectionLink(number)) : []);
+    const to = (number, sign) =>
+      numbers.includes(number) ? h('span', {}, sign, ' ', sectionLink(number)) : [];
     children(this.before, to(this.number - 1, '←'));
     children(this.after, to(this.number + 1, '→'));
   }
 }
 
 function aboutOf({ slot, item, job }) {
-  const there = slot ? [t('section.slot'), ' ', itemLink(slot.id), slot.present ? '' : ` (${t('section.empty_position')})`] : t('section.slot_empty');
-  const work = item ? [t('section.works_on'), ' ', itemLink(item.id), ' · ', jobLink(job)] : t('section.no_cycle');
+  const there = slot
+    ? [
+        t('section.slot'),
+        ' ',
+        itemLink(slot.id),
+        slot.present ? '' : ` (${t('section.empty_position')})`,
+      ]
+    : t('section.slot_empty');
+  const work = item
+    ? [t('section.works_on'), ' ', itemLink(item.id), ' · ', jobLink(job)]
+    : t('section.no_cycle');
   const bad = slot?.rejected ? t('section.rejected') : '';
   return [h('span', {}, there), h('span', {}, work), bad ? h('strong', {}, bad) : null];
 }

@@ -2,7 +2,15 @@
 import { attribute, children, h, keyed, show, text } from '../core/dom.js';
 import { part, partsOf, subscribe } from '../core/store.js';
 import { t } from '../core/text.js';
-import { causeWords, chainList, drawnParts, linkWords, nameLink, partName, partNames } from '../parts/chain.js';
+import {
+  causeWords,
+  chainList,
+  drawnParts,
+  linkWords,
+  nameLink,
+  partName,
+  partNames,
+} from '../parts/chain.js';
 import { picture } from '../parts/picture.js';
 import { shape } from '../core/shape.js';
 
@@ -24,7 +32,11 @@ class Why {
     this.picture = picture((name) => this.#picked(name));
     this.note = h('p', { class: 'help', role: 'status' });
     this.reasons = h('ul', { class: 'reasons' });
-    this.fill = keyed(this.reasons, (chain) => chain.part, (chain) => this.#reason(chain));
+    this.fill = keyed(
+      this.reasons,
+      (chain) => chain.part,
+      (chain) => this.#reason(chain),
+    );
     this.causes = h('ul', { class: 'causes' });
     this.fillCauses = keyed(this.causes, (cause) => `${cause.part} ${cause.kind}`, makeCause);
     this.nothing = h('p', { class: 'nothing' }, t('why.nothing'));
@@ -37,7 +49,12 @@ class Why {
       h(
         'div',
         { class: 'why-sides' },
-        h('section', { class: 'panel', 'aria-label': t('why.picture') }, this.picture.element, this.noScript),
+        h(
+          'section',
+          { class: 'panel', 'aria-label': t('why.picture') },
+          this.picture.element,
+          this.noScript,
+        ),
         h(
           'section',
           { class: 'panel', 'aria-labelledby': 'why-reasons' },
@@ -67,12 +84,17 @@ class Why {
   }
 
   #listScripts() {
-    const jobs = partsOf('job/').map(([, job]) => job).filter((job) => job.digest);
+    const jobs = partsOf('job/')
+      .map(([, job]) => job)
+      .filter((job) => job.digest);
     const known = new Map(jobs.map((job) => [job.digest, job.script]));
     const now = [...this.scripts.options].map((one) => one.value);
     if (now.join() === [...known.keys()].join()) return;
     const before = this.scripts.value;
-    children(this.scripts, [...known].map(([digest, name]) => h('option', { value: digest }, name)));
+    children(
+      this.scripts,
+      [...known].map(([digest, name]) => h('option', { value: digest }, name)),
+    );
     if (known.has(before)) this.scripts.value = before;
     show(this.scripts, known.size > 1);
     show(this.picture.element, known.size > 0);
@@ -86,7 +108,12 @@ class Why {
   #reason() {
     const name = h('strong');
     const words = h('span', { class: 'because' });
-    const button = h('button', { type: 'button', class: 'reason', onclick: () => this.#choose(button.dataset.part) }, name, words);
+    const button = h(
+      'button',
+      { type: 'button', class: 'reason', onclick: () => this.#choose(button.dataset.part) },
+      name,
+      words,
+    );
     const way = h('div', { class: 'way' });
     let before = '';
     return {
@@ -149,7 +176,12 @@ class Why {
 function makeCause(first) {
   const what = h('span');
   const waiting = h('span', { class: 'quiet' });
-  const element = h('li', {}, first.is_ordinary ? null : shape('triangle'), h('div', {}, nameLink(first.part), what, waiting));
+  const element = h(
+    'li',
+    {},
+    first.is_ordinary ? null : shape('triangle'),
+    h('div', {}, nameLink(first.part), what, waiting),
+  );
   return {
     element,
     update(cause) {

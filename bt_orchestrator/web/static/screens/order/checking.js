@@ -49,7 +49,8 @@ export function checking(form, said) {
       return mine === turn && found.accepted;
     } catch (refused) {
       if (!(refused instanceof Refused)) throw refused;
-      if (mine === turn) say('unknown', t('order.not_checked', { why: refused.message || t('whatif.no_answer') }));
+      if (mine === turn)
+        say('unknown', t('order.not_checked', { why: refused.message || t('whatif.no_answer') }));
       // The cell checks it again: an order that cannot be checked here may be given all the same.
       return refused.status === 0 || refused.status >= 500;
     }
@@ -60,7 +61,8 @@ export function checking(form, said) {
     if (found.accepted && found.is_checked) say('fine', t('order.fine'));
     else if (found.accepted) say('unknown', t('order.not_checked', { why: found.message }));
     else if (rest) say('wrong', rest);
-    else if (found.findings.length) say('open', isAll ? t('order.mend') : t('order.open', { count: found.findings.length }));
+    else if (found.findings.length)
+      say('open', isAll ? t('order.mend') : t('order.open', { count: found.findings.length }));
     else say('wrong', found.message);
   }
 

@@ -14,14 +14,37 @@ import { newOrderId } from './order_id.js';
  * @param {function(): void} left is called when a field is left for the first time
  */
 export function orderForm(changed, left) {
-  const script = fieldWith(t('order.script'), h('select', { name: 'script' }, h('option', { value: '' }, t('order.choose'))));
-  const quantity = fieldWith(t('order.quantity'), h('input', { type: 'text', inputmode: 'numeric', name: 'quantity', autocomplete: 'off' }));
-  const order = fieldWith(t('order.id'), h('input', { type: 'text', name: 'order', autocomplete: 'off', spellcheck: 'false' }), t('order.id_hint'));
-  const priority = fieldWith(t('order.priority'), h('input', { type: 'text', inputmode: 'numeric', name: 'priority', autocomplete: 'off', placeholder: '0' }), t('order.priority_hint'));
+  const script = fieldWith(
+    t('order.script'),
+    h('select', { name: 'script' }, h('option', { value: '' }, t('order.choose'))),
+  );
+  const quantity = fieldWith(
+    t('order.quantity'),
+    h('input', { type: 'text', inputmode: 'numeric', name: 'quantity', autocomplete: 'off' }),
+  );
+  const order = fieldWith(
+    t('order.id'),
+    h('input', { type: 'text', name: 'order', autocomplete: 'off', spellcheck: 'false' }),
+    t('order.id_hint'),
+  );
+  const priority = fieldWith(
+    t('order.priority'),
+    h('input', {
+      type: 'text',
+      inputmode: 'numeric',
+      name: 'priority',
+      autocomplete: 'off',
+      placeholder: '0',
+    }),
+    t('order.priority_hint'),
+  );
   const start = timeField(t('order.start'), 'start');
   const due = timeField(t('order.due'), 'due');
   const details = jsonField(t('order.details'), 'details', t('order.details_hint'));
-  const position = fieldWith(t('order.position'), h('input', { type: 'number', name: 'position', min: 1, step: 1, inputmode: 'numeric' }));
+  const position = fieldWith(
+    t('order.position'),
+    h('input', { type: 'number', name: 'position', min: 1, step: 1, inputmode: 'numeric' }),
+  );
   const held = h('input', { type: 'checkbox', name: 'held' });
   const params = h('div', { class: 'order-params' });
   const touched = new Set();
@@ -36,8 +59,20 @@ export function orderForm(changed, left) {
     h(
       'div',
       {},
-      group('order.where', position.element, h('div', { class: 'field' }, h('label', { class: 'check' }, held, h('span', {}, t('order.held'))))),
-      group('order.more', order.element, h('details', {}, h('summary', {}, t('order.details')), details.element)),
+      group(
+        'order.where',
+        position.element,
+        h(
+          'div',
+          { class: 'field' },
+          h('label', { class: 'check' }, held, h('span', {}, t('order.held'))),
+        ),
+      ),
+      group(
+        'order.more',
+        order.element,
+        h('details', {}, h('summary', {}, t('order.details')), details.element),
+      ),
     ),
   );
   element.addEventListener('input', changed);
@@ -56,11 +91,32 @@ export function orderForm(changed, left) {
     quantity.input.placeholder = chosen?.quantity ?? '';
   }
 
-  const fields = () => new Map([['script', script], ['quantity', quantity], ['order', order], ['priority', priority], ['start', start], ['due', due], ['details', details], ['position', position], ...[...entries.fields].map(([name, field]) => [`params.${name}`, field])]);
+  const fields = () =>
+    new Map([
+      ['script', script],
+      ['quantity', quantity],
+      ['order', order],
+      ['priority', priority],
+      ['start', start],
+      ['due', due],
+      ['details', details],
+      ['position', position],
+      ...[...entries.fields].map(([name, field]) => [`params.${name}`, field]),
+    ]);
 
   function value() {
-    const said = { script: script.value(), order: order.value(), quantity: whole(quantity.value()), priority: whole(priority.value()), start: start.value(), due: due.value(), details: details.read() };
-    const filled = Object.fromEntries(Object.entries(said).filter(([, one]) => one !== '' && one !== undefined));
+    const said = {
+      script: script.value(),
+      order: order.value(),
+      quantity: whole(quantity.value()),
+      priority: whole(priority.value()),
+      start: start.value(),
+      due: due.value(),
+      details: details.read(),
+    };
+    const filled = Object.fromEntries(
+      Object.entries(said).filter(([, one]) => one !== '' && one !== undefined),
+    );
     const given = entries.values();
     if (Object.keys(given).length) filled.params = given;
     return { order: filled, position: Number(position.value()) || null, held: held.checked };
@@ -76,9 +132,13 @@ export function orderForm(changed, left) {
       const words = new Map();
       for (const { field, what, hint } of findings) {
         const name = known.has(field) ? field : '';
-        words.set(name, [words.get(name), hint ? `${what}; ${hint}` : what].filter(Boolean).join('. '));
+        words.set(
+          name,
+          [words.get(name), hint ? `${what}; ${hint}` : what].filter(Boolean).join('. '),
+        );
       }
-      for (const [name, field] of known) field.warn(isAll || touched.has(name) ? words.get(name) ?? '' : '');
+      for (const [name, field] of known)
+        field.warn(isAll || touched.has(name) ? (words.get(name) ?? '') : '');
       return words.get('') ?? '';
     },
 
@@ -87,7 +147,11 @@ export function orderForm(changed, left) {
     setScripts(found) {
       scripts = found;
       const names = [...new Set(found.map((one) => one.name))];
-      children(script.input, script.input.firstChild, names.map((name) => h('option', { value: name }, name)));
+      children(
+        script.input,
+        script.input.firstChild,
+        names.map((name) => h('option', { value: name }, name)),
+      );
       if (names.length === 1) script.input.value = names[0];
       choose();
     },

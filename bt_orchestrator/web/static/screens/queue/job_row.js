@@ -17,23 +17,58 @@ const BY_HANDLE = 'job.move';
 export function jobRow(id, context) {
   const { move, unfolded } = context;
   const place = h('span', { class: 'place' });
-  const handle = h('button', { type: 'button', class: 'handle', 'data-do': 'place' }, shape('grip'), place);
+  const handle = h(
+    'button',
+    { type: 'button', class: 'handle', 'data-do': 'place' },
+    shape('grip'),
+    place,
+  );
   const name = h('a', { href: `#/job/${id}`, class: 'job-id' }, id);
   const script = h('span', { class: 'quiet one-line' });
   const state = h('span', { class: 'job-state' });
   const bar = jobBar();
-  const cells = Object.fromEntries(['priority', 'start', 'due', 'ends'].map((key) => [key, cell(key)]));
-  const [up, down] = [stepButton('up', id, () => move.step(id, -1)), stepButton('down', id, () => move.step(id, 1))];
+  const cells = Object.fromEntries(
+    ['priority', 'start', 'due', 'ends'].map((key) => [key, cell(key)]),
+  );
+  const [up, down] = [
+    stepButton('up', id, () => move.step(id, -1)),
+    stepButton('down', id, () => move.step(id, 1)),
+  ];
   const steps = h('span', { class: 'steps' }, up, down);
-  const first = offers({ about: () => id, isCompact: true, label: t('queue.commands', { job: id }) });
+  const first = offers({
+    about: () => id,
+    isCompact: true,
+    label: t('queue.commands', { job: id }),
+  });
   const rest = offers({ about: () => id, label: t('queue.commands', { job: id }) });
   const params = h('p', { class: 'quiet' });
-  const unfold = h('button', { type: 'button', class: 'unfold', 'data-do': 'unfold', 'aria-expanded': 'false', 'aria-label': t('queue.more', { job: id }), onclick: toggle }, shape('more'));
+  const unfold = h(
+    'button',
+    {
+      type: 'button',
+      class: 'unfold',
+      'data-do': 'unfold',
+      'aria-expanded': 'false',
+      'aria-label': t('queue.more', { job: id }),
+      onclick: toggle,
+    },
+    shape('more'),
+  );
   const folded = h('div', { class: 'job-folded' }, params, rest.element);
   const element = h(
     'li',
     { class: 'job-row', 'data-job': id },
-    h('div', { class: 'job-line' }, handle, h('div', { class: 'job-name' }, name, script), state, bar.element, Object.values(cells).map((one) => one.element), h('div', { class: 'job-moves' }, steps, first.element), unfold),
+    h(
+      'div',
+      { class: 'job-line' },
+      handle,
+      h('div', { class: 'job-name' }, name, script),
+      state,
+      bar.element,
+      Object.values(cells).map((one) => one.element),
+      h('div', { class: 'job-moves' }, steps, first.element),
+      unfold,
+    ),
     folded,
   );
   let job = null;
@@ -66,7 +101,11 @@ export function jobRow(id, context) {
     show(handle, isQueued);
     handle.disabled = !canMove;
     text(place, isQueued ? job.position : '');
-    attribute(handle, 'aria-label', t('queue.handle', { job: id, place: job.position, count: move.count() }));
+    attribute(
+      handle,
+      'aria-label',
+      t('queue.handle', { job: id, place: job.position, count: move.count() }),
+    );
     text(script, t('queue.of_script', { script: job.script, quantity: job.quantity }));
     text(state, stateWords(job));
     bar.update(job);
@@ -80,7 +119,9 @@ export function jobRow(id, context) {
     up.disabled = job.position === 1;
     down.disabled = job.position === move.count();
     first.update(job.offers.filter((offer) => IN_ROW.includes(offer.name)));
-    rest.update(job.offers.filter((offer) => offer.name !== BY_HANDLE && !IN_ROW.includes(offer.name)));
+    rest.update(
+      job.offers.filter((offer) => offer.name !== BY_HANDLE && !IN_ROW.includes(offer.name)),
+    );
     text(params, paramWords(job));
     fold();
     move.mark(element, job);
@@ -101,7 +142,19 @@ export function jobRow(id, context) {
 /** The keys of the handle do the same: these are for mouse and finger. */
 function stepButton(key, id, press) {
   const words = t(`queue.${key}`, { job: id });
-  return h('button', { type: 'button', class: 'icon-button', tabindex: -1, 'data-do': key, 'aria-label': words, title: words, onclick: press }, shape(key));
+  return h(
+    'button',
+    {
+      type: 'button',
+      class: 'icon-button',
+      tabindex: -1,
+      'data-do': key,
+      'aria-label': words,
+      title: words,
+      onclick: press,
+    },
+    shape(key),
+  );
 }
 
 function cell(key) {
@@ -111,7 +164,11 @@ function cell(key) {
     element: h('div', { class: 'job-cell', 'data-cell': key }, label, value),
     say(words) {
       if (typeof words === 'string') text(value, words || '–');
-      else children(value, words.map((one) => (typeof one === 'string' ? document.createTextNode(one) : one)));
+      else
+        children(
+          value,
+          words.map((one) => (typeof one === 'string' ? document.createTextNode(one) : one)),
+        );
     },
   };
 }

@@ -42,7 +42,9 @@ export function moreJobs(changed) {
   }
 
   function happened() {
-    const news = recentEvents().filter((record) => record.seq > lastSeen && record.event.startsWith('job.'));
+    const news = recentEvents().filter(
+      (record) => record.seq > lastSeen && record.event.startsWith('job.'),
+    );
     lastSeen = recentEvents().at(-1)?.seq ?? lastSeen;
     if (news.length) again();
   }
@@ -60,7 +62,7 @@ export function moreJobs(changed) {
     try {
       const wanted = pages.length + (isMore ? 1 : 0);
       const found = [];
-      for (let after = listed.at(-1)?.id; after && found.length < wanted; ) {
+      for (let after = listed.at(-1)?.id; after && found.length < wanted;) {
         const page = await get(`/api/queue?after=${encodeURIComponent(after)}`);
         found.push(page.jobs);
         after = page.rest;

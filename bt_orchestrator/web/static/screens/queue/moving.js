@@ -10,13 +10,24 @@ import { attribute, h, show, text } from '../../core/dom.js';
 import { t } from '../../core/text.js';
 import { draggable } from './dragging.js';
 
-const KEYS = { ArrowUp: -1, ArrowDown: 1, PageUp: -10, PageDown: 10, Home: -Infinity, End: Infinity };
+const KEYS = {
+  ArrowUp: -1,
+  ArrowDown: 1,
+  PageUp: -10,
+  PageDown: 10,
+  Home: -Infinity,
+  End: Infinity,
+};
 
 /** Make it: `tray` (an element that says what is chosen), and what rows need. */
 export function moving() {
   const words = h('span', { class: 'tray-words', role: 'status' });
   const go = h('button', { type: 'button', class: 'primary', 'data-do': 'move', onclick: confirm });
-  const leave = h('button', { type: 'button', 'data-do': 'leave-place', onclick: put }, t('queue.leave'));
+  const leave = h(
+    'button',
+    { type: 'button', 'data-do': 'leave-place', onclick: put },
+    t('queue.leave'),
+  );
   const tray = h('div', { class: 'tray', hidden: true }, words, leave, go);
   const listeners = new Set();
   let jobs = [];
@@ -52,7 +63,10 @@ export function moving() {
     const { id, place } = lifted;
     const job = jobOf(id);
     if (place === job.position) return put();
-    const isMoved = await ask(moveOffer(job), { about: t('queue.move_about', { job: id, place }), values: { position: place } });
+    const isMoved = await ask(moveOffer(job), {
+      about: t('queue.move_about', { job: id, place }),
+      values: { position: place },
+    });
     if (lifted?.id === id && isMoved) put();
     return focusHandle(id);
   }
@@ -61,7 +75,10 @@ export function moving() {
     const job = lifted && jobOf(lifted.id);
     show(tray, job);
     if (job) {
-      text(words, t('queue.chosen', { job: job.id, from: job.position, to: lifted.place, count: queued }));
+      text(
+        words,
+        t('queue.chosen', { job: job.id, from: job.position, to: lifted.place, count: queued }),
+      );
       text(go, t('queue.move_to', { place: lifted.place }));
       go.disabled = lifted.place === job.position;
     }
