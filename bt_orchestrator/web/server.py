@@ -16,7 +16,7 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.web.app import make_app
 from bt_orchestrator.web.page import Page
-from bt_orchestrator.web.stream import SEND_LIMIT_S
+from bt_orchestrator.web.stream import PIECE, SEND_LIMIT_S
 
 SEND_BUFFER = 64 * 1024
 """Of each connection in the kernel, bytes: a reader that is stuck is noticed, and costs little."""
@@ -100,7 +100,7 @@ class PageServer:
         page.start(self.stop)
         config = uvicorn.Config(
             make_app(page),
-            http=_Protocol,
+            http=Protocol,
             ws='none',
             loop='asyncio',
             lifespan='off',
@@ -135,7 +135,7 @@ class PageServer:
             connection.transport.abort()
 
 
-class _Protocol(H11Protocol):
+class Protocol(H11Protocol):
     """Lets an application end a connection at once: `state.transport` of its request.
 
     A connection without a request is ended: nobody can keep all of them busy with nothing.
@@ -143,9 +143,15 @@ class _Protocol(H11Protocol):
 
     def connection_made(self, transport: Any) -> None:
         """Remember the transport."""
-        self.loop.call_later(FIRST_WITHIN_S, self._end_if_silent, transport)
+        self._patience = self.loop.call_later(FIRST_WITHIN_S, self._end_if_silent, transport)
         self.app_state: dict[str, Any] = {**self.app_state, 'transport': transport}
         super().connection_made(transport)
+        transport.set_write_buffer_limits(high=PIECE)
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Forget it: the timer would keep it, and one client may open many."""
+        self._patience.cancel()
+        super().connection_lost(exc)
 
     def _end_if_silent(self, transport: Any) -> None:
         cycle: Any = self.cycle

@@ -29,6 +29,9 @@ SEND_LIMIT_S = 10.0
 
 BEAT_S = 1.0
 
+PIECE = 16 * 1024
+"""Bytes that are written at once: one connection buffers about twice as much in this process."""
+
 HEADERS = [
     (b'content-type', b'text/event-stream; charset=utf-8'),
     (b'cache-control', b'no-store'),
@@ -60,8 +63,10 @@ class Reader:
 
     async def send(self, text: bytes) -> None:
         """Send a message; returns when there is room for more."""
-        self._sending_since = time.monotonic()
-        await self._send({'type': 'http.response.body', 'body': text, 'more_body': True})
+        for begin in range(0, len(text), PIECE):
+            piece = text[begin : begin + PIECE]
+            self._sending_since = time.monotonic()
+            await self._send({'type': 'http.response.body', 'body': piece, 'more_body': True})
         self._sending_since = None
 
     def is_stuck(self, limit_s: float) -> bool:

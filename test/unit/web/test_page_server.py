@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import http.client
 import json
 import socket
@@ -354,6 +355,20 @@ class TestServer:
                 with suppress(ConnectionResetError):
                     assert silent.recv(1) == b''
             assert reader.first('beat').kind == 'beat', 'who has asked for something stays'
+
+    def test_a_connection_that_has_ended_is_forgotten(
+        self, scene: Scene, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.setattr(server_module, 'FIRST_WITHIN_S', 1000.0)
+
+        def connections() -> int:
+            gc.collect()
+            return sum(isinstance(one, server_module.Protocol) for one in gc.get_objects())
+
+        with scene.page() as server:
+            for _ in range(20):
+                get(server, '/healthz')
+            scene.wait_until(lambda: connections() <= 2, 'connections are still there')
 
     def test_files_are_asked_for_again_after_an_update(self, scene: Scene) -> None:
         with scene.page() as server:
