@@ -13,9 +13,11 @@ from bt_orchestrator.ports import CellLink
 from bt_orchestrator.web.access import Access
 from bt_orchestrator.web.archive.archive import Archive
 from bt_orchestrator.web.archive.heard import Heard
+from bt_orchestrator.web.asking_door import AskingDoor
 from bt_orchestrator.web.book import Book
 from bt_orchestrator.web.cell_show import CellShow
-from bt_orchestrator.web.door_thread import AskingDoor, Began, Doors, Fact, FollowingDoor
+from bt_orchestrator.web.doors import Doors
+from bt_orchestrator.web.following_door import Began, Fact, FollowingDoor
 from bt_orchestrator.web.known import Known, told_by
 from bt_orchestrator.web.people import People
 from bt_orchestrator.web.planning.questions import Questions

@@ -19,7 +19,7 @@ from bt_orchestrator.errors import NodeUnreachable
 from bt_orchestrator.ports import EventPage
 from bt_orchestrator.web import messages
 from bt_orchestrator.web.book import Book, Cursor
-from bt_orchestrator.web.door_thread import Doors
+from bt_orchestrator.web.doors import Doors
 from bt_orchestrator.web.ring import MOST_IN_ONE, Happened, Lost
 
 MOST_READERS = 64

@@ -70,11 +70,12 @@ def found_on(tab: Tab, screen: str) -> list[str]:
 
 def test_the_dialog_to_log_in_has_no_barrier(tmp_path: Path, sit: Sit) -> None:
     with stand(tmp_path, login=True) as one:
-        tab = sit(one.port).open('login')
-        assert not barriers(tab)
-        tab.page.locator('main [data-do="log-in"]').click()
-        tab.page.locator('dialog[data-dialog="login"]').wait_for()
-        assert not barriers(tab)
+        for theme, language in LOOKS:
+            tab = sit(one.port, color_scheme=theme, locale=language).open('login')
+            assert not barriers(tab)
+            tab.page.locator('main [data-do="log-in"]').click()
+            tab.page.locator('dialog[data-dialog="login"]').wait_for()
+            assert not barriers(tab)
 
 
 @pytest.mark.parametrize('sections', [5, 20, 100])

@@ -21,7 +21,7 @@ from bt_orchestrator.model.records import (
     Wanted,
 )
 from bt_orchestrator.web.book import Book
-from bt_orchestrator.web.door_thread import Doors
+from bt_orchestrator.web.doors import Doors
 from bt_orchestrator.web.ring import MOST_KEPT, Happened, Lost
 
 MOST = 1000

@@ -16,7 +16,7 @@ from bt_orchestrator.model.records import Extent, Page, Wanted
 from bt_orchestrator.ports import EventPage
 from bt_orchestrator.web.archive.heard import Heard, HeardRecords
 from bt_orchestrator.web.book import Book
-from bt_orchestrator.web.door_thread import Doors
+from bt_orchestrator.web.doors import Doors
 from bt_orchestrator.web.ring import MOST_KEPT, Happened, Lost
 
 AT_ONCE = 7

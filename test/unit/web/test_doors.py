@@ -18,8 +18,10 @@ from bt_orchestrator.errors import NodeUnreachable
 from bt_orchestrator.model.events import JobHeld
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.ports import CellLink, EventPage, Listener
-from bt_orchestrator.web import door_thread
-from bt_orchestrator.web.door_thread import DEAF_S, AskingDoor, Began, Doors, Fact, FollowingDoor
+from bt_orchestrator.web import following_door
+from bt_orchestrator.web.asking_door import AskingDoor
+from bt_orchestrator.web.doors import Doors
+from bt_orchestrator.web.following_door import DEAF_S, Began, Fact, FollowingDoor
 from bt_orchestrator.web.ring import Happened
 
 PATIENCE_S = 20.0
@@ -310,7 +312,7 @@ class TestFollowing:
     def test_where_a_door_cannot_go_on_another_one_does_and_nothing_is_told_twice(
         self, monkeypatch: pytest.MonkeyPatch
     ) -> None:
-        monkeypatch.setattr(door_thread, 'AGAIN_S', 0.01)
+        monkeypatch.setattr(following_door, 'AGAIN_S', 0.01)
         first, second = TellingDoor(7, 8, None), TellingDoor(9, 9)
         with Follow(first, second) as follow:
             follow.until(lambda: follow.told == [8, 9])
@@ -320,8 +322,8 @@ class TestFollowing:
     def test_a_node_that_cannot_tell_its_events_counts_as_silent(
         self, monkeypatch: pytest.MonkeyPatch
     ) -> None:
-        monkeypatch.setattr(door_thread, 'AGAIN_S', 0.01)
-        monkeypatch.setattr(door_thread, 'STEADY_S', 0.2)
+        monkeypatch.setattr(following_door, 'AGAIN_S', 0.01)
+        monkeypatch.setattr(following_door, 'STEADY_S', 0.2)
         with Follow(TellingDoor(7, 8, None), TellingDoor(9, 9)) as follow:
             follow.until(lambda: follow.told == [8, 9])
             assert follow.following.silent_s != 0.25
