@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from bt_orchestrator.model.hold_words import hold_words
+from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.model.wait import WaitKind
 from bt_orchestrator.report.wait_links import TASK, Link, hold_part, links_of
@@ -43,7 +44,7 @@ class Cause:
 
     root: Root
     is_ordinary: bool
-    """It ends by itself: only time is needed, or further work."""
+    """Nothing is wrong: only time is needed, an order, or a command to a cell that is at rest."""
     waiting: tuple[str, ...]
     """Parts whose chains end here."""
 
@@ -59,6 +60,10 @@ _GRAVE = (
 """Kinds of root causes, those that need a person first; all others come after these."""
 
 
+_TROUBLE = (PackmlState.ABORTING, PackmlState.ABORTED)
+"""States that are no rest."""
+
+
 def chains(status: CellStatus) -> tuple[Chain, ...]:
     """Return the chain of each section, the belt and initialization, if they wait."""
     links = links_of(status)
@@ -68,15 +73,23 @@ def chains(status: CellStatus) -> tuple[Chain, ...]:
     return tuple(_chain(part, chosen, said) for part in waiting if links[part][0].kind != TASK)
 
 
-def causes(found: Iterable[Chain]) -> tuple[Cause, ...]:
-    """Return the root causes of chains, the gravest first."""
+def causes(found: Iterable[Chain], state: PackmlState) -> tuple[Cause, ...]:
+    """Return the root causes of chains, the gravest first.
+
+    :param state: of the cell
+    """
     roots: dict[tuple[str, str], tuple[Root, list[str]]] = {}
     for chain in found:
         _, waiting = roots.setdefault((chain.root.part, chain.root.kind), (chain.root, []))
         waiting.append(chain.part)
     ranked = sorted(roots.values(), key=lambda one: _rank(one[0]))
-    last = _GRAVE.index(TASK)
-    return tuple(Cause(root, _rank(root) >= last, tuple(parts)) for root, parts in ranked)
+    return tuple(Cause(root, _is_ordinary(root, state), tuple(parts)) for root, parts in ranked)
+
+
+def _is_ordinary(root: Root, state: PackmlState) -> bool:
+    if root.kind == WaitKind.CELL_STATE.value:
+        return state not in _TROUBLE
+    return _rank(root) >= _GRAVE.index(TASK)
 
 
 def _may_wait(part: str) -> bool:

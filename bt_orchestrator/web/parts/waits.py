@@ -46,7 +46,7 @@ def why_part(status: CellStatus) -> dict[str, object]:
     found = chains(status)
     return {
         'chains': list(map(_chain_part, found)),
-        'causes': list(map(_cause_part, causes(found))),
+        'causes': list(map(_cause_part, causes(found, status.state))),
     }
 
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import pytest
 from fakes.line import Line, with_initialization, with_section
 from fakes.page_parts import page_parts, root_of, way_of
 from fakes.statuses import section, status
 
+from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.status import BeltStatus, SectionStatus
 from bt_orchestrator.model.wait import Wait, WaitKind
 from bt_orchestrator.report.wait_chains import causes, chains
@@ -156,7 +158,8 @@ def test_a_cause_that_needs_a_person_comes_first_and_names_all_that_wait_for_it(
                     SectionStatus(3, waits=(paused,)),
                 ),
             )
-        )
+        ),
+        PackmlState.EXECUTE,
     )
     assert [(one.root.kind, one.is_ordinary, one.waiting) for one in found] == [
         ('pause', False, ('section/3', 'belt')),
@@ -172,3 +175,21 @@ def test_a_task_that_takes_its_time_is_an_ordinary_cause() -> None:
     (works,) = (one for one in causes_now if one['part'] == 'component/a1')
     assert works['is_ordinary']
     assert 'belt' in works['waiting']
+
+
+@pytest.mark.parametrize(
+    ('state', 'is_ordinary'),
+    [
+        (PackmlState.COMPLETE, True),
+        (PackmlState.IDLE, True),
+        (PackmlState.STOPPED, True),
+        (PackmlState.ABORTED, False),
+    ],
+)
+def test_a_cell_at_rest_is_an_ordinary_cause_and_an_aborted_one_is_none(
+    state: PackmlState, is_ordinary: bool
+) -> None:
+    wait = Wait(f'the cell is {state.value}', WaitKind.CELL_STATE)
+    at_rest = status(state=state, sections=(SectionStatus(1, waits=(wait,)),))
+    (cause,) = causes(chains(at_rest), state)
+    assert cause.is_ordinary is is_ordinary
