@@ -9,77 +9,31 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 
-from bt_orchestrator.model.events import INDEX_KEY
 from bt_orchestrator.model.jobs import job_control
-from bt_orchestrator.model.jobs.isa95 import OVER, JobWord
-from bt_orchestrator.model.packml import Cause, PackmlState
-from bt_orchestrator.model.requests import About, Request, of_hold, of_job, of_word
-from bt_orchestrator.model.requests.table import (
-    ADD,
-    CELL,
-    MOVE,
-    NEXT,
-    REMOVE_ITEM,
-    STOP_AFTERS,
-)
+from bt_orchestrator.model.jobs.isa95 import JobWord
+from bt_orchestrator.model.packml import Cause
+from bt_orchestrator.model.requests import About, Request, of_hold
+from bt_orchestrator.model.requests.table import ADD, CELL, REMOVE_ITEM
+from bt_orchestrator.model.requests.worthwhile import worthwhile_for_cell, worthwhile_for_job
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import CellStatus, ItemStatus, JobStatus
 from bt_orchestrator.model.stop_reason import StopReason
-from bt_orchestrator.model.wish import NEVER
 from bt_orchestrator.web.command_paths import place_of
 
 Offer = dict[str, object]
-
-_STOPPED = (
-    PackmlState.STOPPING,
-    PackmlState.STOPPED,
-    PackmlState.ABORTING,
-    PackmlState.ABORTED,
-    PackmlState.CLEARING,
-)
-"""Where it makes no difference that the line is to run empty and stop."""
 
 _NOTHING: Mapping[str, object] = {}
 
 
 def cell_offers(status: CellStatus) -> list[Offer]:
     """Return what can be asked of the cell."""
-    asked = (of_word(About.CELL, word) for word in status.commands)
-    return [
-        _cell_offer(request, status)
-        for request in asked
-        if request is not None and _changes_cell(request, status)
-    ]
+    return [_cell_offer(request, status) for request in worthwhile_for_cell(status)]
 
 
 def _cell_offer(request: Request, status: CellStatus) -> Offer:
     shown = {'as_shown': status.seq} if request is CELL[Cause.CLEAR] else {}
     return _offer(request, given=shown, without=('hold',))
-
-
-def _changes_cell(request: Request, status: CellStatus) -> bool:
-    """Tell whether the cell would be another one after a request that its state allows."""
-    waits = any(job.state not in OVER for job in status.jobs)
-    if request is CELL[Cause.UNHOLD]:
-        return any(hold.is_pause and not hold.must_be_named for hold in status.holds)
-    if request is CELL[Cause.CLEAR]:
-        return not any(hold.key == INDEX_KEY for hold in status.holds)  # has the belt moved?
-    if request is CELL[Cause.START]:
-        return waits or bool(status.waits_for)
-    if request is CELL[Cause.RESET]:
-        return waits or status.state is PackmlState.STOPPED
-    for after, one in STOP_AFTERS.items():
-        if one is request:
-            return _changes_stop(after, status)
-    return True
-
-
-def _changes_stop(after: str, status: CellStatus) -> bool:
-    if after == NEVER:
-        return bool(status.stop_after)
-    is_begun = any(job.state not in OVER and not job.position for job in status.jobs)
-    return is_begun and after != status.stop_after and status.state not in _STOPPED
 
 
 def hold_offers(hold: Hold) -> list[Offer]:
@@ -125,21 +79,11 @@ def job_offers(job: JobStatus, status: CellStatus) -> Sequence[Offer]:
 def _job_offers(
     job: str, state: JobWord, ending: str, *, is_next: bool, is_alone: bool, is_cell_stopped: bool
 ) -> Sequence[Offer]:
-    """Return the offers of a job; cached for long queues, of which each status tells 100 jobs.
-
-    :param is_alone: no other job is in the queue
-    :param is_cell_stopped: a person has stopped it; then every job on it has the word of a pause
-    """
-    nothing_new = {
-        MOVE.word: is_alone,
-        NEXT.word: is_next and state is not JobWord.NOT_ALLOWED_TO_START,
-        job_control.RESUME.verb: is_cell_stopped,
-    }
-    return [
-        _offer(request, job)
-        for request in of_job(state, ending)
-        if not nothing_new.get(request.word, False)
-    ]
+    """Return the offers of a job; cached for long queues, of which each status tells 100 jobs."""
+    wanted = worthwhile_for_job(
+        state, ending, is_next=is_next, is_alone=is_alone, is_cell_stopped=is_cell_stopped
+    )
+    return [_offer(request, job) for request in wanted]
 
 
 def add_offer() -> Offer:

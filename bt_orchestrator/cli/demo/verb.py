@@ -23,7 +23,6 @@ from bt_orchestrator.cli.door import open_door
 from bt_orchestrator.cli.folders import add_trees_option, shipped
 from bt_orchestrator.cli.journal_file import open_records
 from bt_orchestrator.cli.numbers import factor, port
-from bt_orchestrator.cli.page.access_options import PORT
 from bt_orchestrator.cli.watch import live_or, say
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.cell import Cell
@@ -41,6 +40,7 @@ from bt_orchestrator.screen.words import hold_text
 from bt_orchestrator.script.orders.order_file import read_order
 from bt_orchestrator.sim.controllers.selection import WrongSelection, select
 from bt_orchestrator.stop_signals import StopSignals
+from bt_orchestrator.web.access import PORT
 
 DESCRIPTION = """\
 Show the whole path on this machine: simulated controllers in two processes, the tree node in a

@@ -6,25 +6,20 @@ import argparse
 import getpass
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from bt_orchestrator.cli.numbers import port, seconds
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.users.file import default_file
-
-if TYPE_CHECKING:
-    from bt_orchestrator.web.access import Access
-
-PORT = 8080
+from bt_orchestrator.web.access import IDLE_S, LOOPBACK, PORT, Access, AccessRefused
 
 
 def add_access_options(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument(
         '--host',
-        default='127.0.0.1',
+        default=LOOPBACK,
         metavar='ADDRESS',
-        help='address to listen at (default 127.0.0.1: this computer alone); elsewhere it needs '
+        help=f'address to listen at (default {LOOPBACK}: this computer alone); elsewhere it needs '
         'users, and TLS or a proxy',
     )
     parser.add_argument(
@@ -68,9 +63,9 @@ def add_access_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--lock-after',
         type=seconds,
-        default=900.0,
+        default=IDLE_S,
         metavar='SECONDS',
-        help='a session that nobody uses for so long is locked (default 900)',
+        help=f'a session that nobody uses for so long is locked (default {IDLE_S:.0f})',
     )
 
 
@@ -79,8 +74,6 @@ def access_of(args: argparse.Namespace) -> Access:
 
     :raises WrongUse: they would let in anybody, or do not fit each other
     """
-    from bt_orchestrator.web.access import Access, AccessRefused
-
     access = Access(
         users=args.users or default_file(os.environ),
         host=args.host,

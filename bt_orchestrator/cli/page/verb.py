@@ -76,5 +76,6 @@ def _check_packages() -> None:
     if missing:
         raise WrongUse(
             f'page: {" and ".join(missing)} cannot be imported; install what the page needs with: '
-            "pip install 'bt_orchestrator[page]'"
+            'pip install starlette uvicorn, or on Ubuntu: '
+            'apt install python3-starlette python3-uvicorn'
         )

@@ -1,6 +1,7 @@
 /** One component: whether it can work, what it does now, and what it did lately. */
 import { children, h, show } from '../core/dom.js';
-import { part, partsOf, subscribe } from '../core/store.js';
+import { mountLive } from '../core/live.js';
+import { part, partsOf } from '../core/store.js';
 import { t } from '../core/text.js';
 import { happenings, isEnd } from '../parts/happenings.js';
 import { history } from '../parts/history.js';
@@ -13,14 +14,9 @@ import { jsonValues } from '../parts/values.js';
 /** Show it in a root; `route.id` is its name. */
 export function mount(root, route) {
   const screen = new Component(route.id);
-  root.append(screen.element);
-  screen.update();
+  const leave = mountLive(root, screen);
   screen.history.read();
-  const end = subscribe('', () => screen.update());
-  return () => {
-    end();
-    screen.end();
-  };
+  return leave;
 }
 
 class Component {

@@ -1,6 +1,7 @@
 /** One section: what it does now, with feedback and holds, and what it did lately. */
 import { children, h, show } from '../core/dom.js';
-import { part, partsOf, subscribe } from '../core/store.js';
+import { mountLive } from '../core/live.js';
+import { part, partsOf } from '../core/store.js';
 import { t } from '../core/text.js';
 import { feedback } from '../parts/feedback.js';
 import { happenings, isEnd } from '../parts/happenings.js';
@@ -14,14 +15,9 @@ import { waitWords } from '../core/waits.js';
 /** Show it in a root; `route.id` is its number. */
 export function mount(root, route) {
   const screen = new Section(Number(route.id));
-  root.append(screen.element);
-  screen.update();
+  const leave = mountLive(root, screen);
   screen.history.read();
-  const end = subscribe('', () => screen.update());
-  return () => {
-    end();
-    screen.end();
-  };
+  return leave;
 }
 
 class Section {

@@ -1,6 +1,7 @@
 /** Why the line stands: the line as a picture, and the reasons beside it. */
 import { attribute, children, h, keyed, show, text } from '../core/dom.js';
-import { part, partsOf, subscribe } from '../core/store.js';
+import { mountLive } from '../core/live.js';
+import { part, partsOf } from '../core/store.js';
 import { t } from '../core/text.js';
 import {
   causeWords,
@@ -16,14 +17,7 @@ import { shape } from '../core/shape.js';
 
 /** Show it in a root; `route.id` names the part whose chain is open. */
 export function mount(root, route) {
-  const screen = new Why(route);
-  root.append(screen.element);
-  const end = subscribe('', () => screen.update());
-  screen.update();
-  return () => {
-    end();
-    screen.end();
-  };
+  return mountLive(root, new Why(route));
 }
 
 class Why {

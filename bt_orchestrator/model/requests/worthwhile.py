@@ -1,0 +1,72 @@
+"""Which possible requests would change something now, so that a surface offers no others."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from bt_orchestrator.model.events import INDEX_KEY
+from bt_orchestrator.model.jobs import job_control
+from bt_orchestrator.model.jobs.isa95 import OVER, JobWord
+from bt_orchestrator.model.packml import Cause, PackmlState
+from bt_orchestrator.model.requests.possible import of_job
+from bt_orchestrator.model.requests.request import About, Request
+from bt_orchestrator.model.requests.table import CELL, MOVE, NEXT, STOP_AFTERS, of_word
+from bt_orchestrator.model.status import CellStatus
+from bt_orchestrator.model.wish import NEVER
+
+_STOPPED = (
+    PackmlState.STOPPING,
+    PackmlState.STOPPED,
+    PackmlState.ABORTING,
+    PackmlState.ABORTED,
+    PackmlState.CLEARING,
+)
+"""Where it makes no difference that the line is to run empty and stop."""
+
+
+def worthwhile_for_cell(status: CellStatus) -> Iterator[Request]:
+    """Yield the requests to the cell that it allows and that would change it."""
+    for word in status.commands:
+        request = of_word(About.CELL, word)
+        if request is not None and _changes_cell(request, status):
+            yield request
+
+
+def _changes_cell(request: Request, status: CellStatus) -> bool:
+    waits = any(job.state not in OVER for job in status.jobs)
+    if request is CELL[Cause.UNHOLD]:
+        return any(hold.is_pause and not hold.must_be_named for hold in status.holds)
+    if request is CELL[Cause.CLEAR]:
+        return not any(hold.key == INDEX_KEY for hold in status.holds)  # has the belt moved?
+    if request is CELL[Cause.START]:
+        return waits or bool(status.waits_for)
+    if request is CELL[Cause.RESET]:
+        return waits or status.state is PackmlState.STOPPED
+    for after, one in STOP_AFTERS.items():
+        if one is request:
+            return _changes_stop(after, status)
+    return True
+
+
+def _changes_stop(after: str, status: CellStatus) -> bool:
+    if after == NEVER:
+        return bool(status.stop_after)
+    is_begun = any(job.state not in OVER and not job.position for job in status.jobs)
+    return is_begun and after != status.stop_after and status.state not in _STOPPED
+
+
+def worthwhile_for_job(
+    word: JobWord, ending: str, *, is_next: bool, is_alone: bool, is_cell_stopped: bool
+) -> tuple[Request, ...]:
+    """Return the requests to a job that its state allows and that would change it.
+
+    :param is_next: it is the first one in the queue
+    :param is_alone: no other job is in the queue
+    :param is_cell_stopped: a person has stopped it; then every job on it has the word of a pause
+    """
+    nothing_new = {
+        MOVE.word: is_alone,
+        NEXT.word: is_next and word is not JobWord.NOT_ALLOWED_TO_START,
+        job_control.RESUME.verb: is_cell_stopped,
+    }
+    return tuple(one for one in of_job(word, ending) if not nothing_new.get(one.word, False))
