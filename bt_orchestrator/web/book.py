@@ -9,9 +9,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from bt_orchestrator.doors.facts import Happened, Lost
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.web import messages
-from bt_orchestrator.web.ring import Happened, Lost, Ring
+from bt_orchestrator.web.ring import Ring
 
 MOST_MESSAGES = 32
 """Messages that are kept encoded: readers stand at nearly the same place."""

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from bt_orchestrator.doors.known import Known
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.status import CellDescription, CellStatus
-from bt_orchestrator.web.known import Known
 from bt_orchestrator.web.parts import parts_of
 
 

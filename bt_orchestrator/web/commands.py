@@ -13,6 +13,7 @@ from typing import Any
 from starlette.requests import Request as HttpRequest
 from starlette.responses import Response
 
+from bt_orchestrator.doors.tickets import NotSent, Outcome, Tickets, TicketTaken, Unknown
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.jobs.order import WorkOrder
@@ -25,7 +26,6 @@ from bt_orchestrator.web.command_schemas import DOES, body_at
 from bt_orchestrator.web.endpoint import Endpoint
 from bt_orchestrator.web.replies import Json, Problem, body_of
 from bt_orchestrator.web.sessions import Session
-from bt_orchestrator.web.tickets import NotSent, Outcome, Tickets, TicketTaken, Unknown
 
 log = logging.getLogger(__name__)
 

@@ -7,25 +7,26 @@ import contextlib
 import time
 from collections.abc import Callable, Sequence
 
+from bt_orchestrator.doors.asking_door import AskingDoor
+from bt_orchestrator.doors.doors import Doors
+from bt_orchestrator.doors.facts import Began, Fact, Happened
+from bt_orchestrator.doors.following_door import FollowingDoor
+from bt_orchestrator.doors.known import Known, told_by
+from bt_orchestrator.doors.open_door import OpenDoor
+from bt_orchestrator.doors.tickets import Tickets
 from bt_orchestrator.errors import NodeUnreachable
 from bt_orchestrator.model.status import CellDescription, CellStatus
 from bt_orchestrator.ports import CellLink
 from bt_orchestrator.web.access import Access
 from bt_orchestrator.web.archive.archive import Archive
 from bt_orchestrator.web.archive.heard import Heard
-from bt_orchestrator.web.asking_door import AskingDoor
 from bt_orchestrator.web.book import Book
 from bt_orchestrator.web.cell_show import CellShow
-from bt_orchestrator.web.doors import Doors
-from bt_orchestrator.web.following_door import Began, Fact, FollowingDoor
-from bt_orchestrator.web.known import Known, told_by
 from bt_orchestrator.web.people import People
 from bt_orchestrator.web.planning.questions import Questions
-from bt_orchestrator.web.ring import Happened
 from bt_orchestrator.web.scripts.shelf import Shelf
-from bt_orchestrator.web.seams import OpenDoor, Show, Sources
+from bt_orchestrator.web.seams import Show, Sources
 from bt_orchestrator.web.stream import BEAT_S, Streams
-from bt_orchestrator.web.tickets import Tickets
 from bt_orchestrator.web.tree_watch import TreeWatch
 
 ASK_AGAIN_S = 30.0
@@ -54,7 +55,7 @@ class Page:
         self.description: CellDescription | None = None
         """What exists in the cell; None: not known yet."""
         self._open_door = open_door
-        self._following = FollowingDoor(open_door, self._hand_over)
+        self._following = FollowingDoor('page', open_door, self._hand_over)
         self._node = node
         self._described: tuple[str, int, int] | None = None
         """The cell that a description was asked for: name, sections, components."""
@@ -73,7 +74,7 @@ class Page:
         :param on_error: called in another thread if the page cannot go on (`error`)
         """
         self._loop = asyncio.get_running_loop()
-        self._asking = AskingDoor(self._open_door, self._loop)
+        self._asking = AskingDoor('page', self._open_door, self._loop)
         self.doors = Doors(self._node, self._following, self._asking)
         self.streams = Streams(self.book, self.doors, self._refresh)
         self.tickets = Tickets(self.doors, lambda: self.book.newest)

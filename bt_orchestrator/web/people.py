@@ -13,10 +13,10 @@ from dataclasses import dataclass
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.limits import WHO, cut
 from bt_orchestrator.model.roles import Role
+from bt_orchestrator.users.attempts import Attempts
 from bt_orchestrator.users.file import User, UsersUnusable
 from bt_orchestrator.users.known import KnownUsers
 from bt_orchestrator.web.access import Access, is_loopback
-from bt_orchestrator.web.attempts import Attempts
 from bt_orchestrator.web.sessions import MOST_UNLOCKS, How, Kept, Session, Sessions
 
 log = logging.getLogger(__name__)

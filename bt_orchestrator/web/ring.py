@@ -3,37 +3,14 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from functools import cached_property
 
-from bt_orchestrator.model.codec import to_text
-from bt_orchestrator.model.events import Event
+from bt_orchestrator.doors.facts import Happened, Lost
 
 MOST_KEPT = 20_000
 """Events; readers who were away for longer have theirs fetched from the node."""
 
 MOST_IN_ONE = 200
 """Most events in one message."""
-
-
-class Happened:
-    """An event, with its record as JSON once somebody reads it."""
-
-    def __init__(self, event: Event) -> None:
-        self.first = self.last = event.seq
-        self.event = event
-
-    @cached_property
-    def text(self) -> str:
-        """The record."""
-        return to_text(self.event)
-
-
-class Lost:
-    """Events that are lost for good: removed from the journal, or damaged."""
-
-    def __init__(self, first: int, last: int) -> None:
-        self.first = first
-        self.last = last
 
 
 class Ring:

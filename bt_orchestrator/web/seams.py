@@ -3,18 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.status import CellDescription, CellStatus
-from bt_orchestrator.ports import CellLink, Planning, Records
-
-OpenDoor = Callable[[Callable[[], object]], AbstractContextManager[CellLink]]
-"""Opens a door to the node. Its argument is called again and again while the door waits for the
-node; what that raises ends the waiting. Called once in each thread that has a door."""
+from bt_orchestrator.ports import Planning, Records
 
 
 @dataclass(frozen=True)

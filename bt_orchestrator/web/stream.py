@@ -15,12 +15,13 @@ from typing import Any
 from starlette.requests import Request
 from starlette.types import Receive, Scope, Send
 
+from bt_orchestrator.doors.doors import Doors
+from bt_orchestrator.doors.facts import Happened, Lost
 from bt_orchestrator.errors import NodeUnreachable
 from bt_orchestrator.ports import EventPage
 from bt_orchestrator.web import messages
 from bt_orchestrator.web.book import Book, Cursor
-from bt_orchestrator.web.doors import Doors
-from bt_orchestrator.web.ring import MOST_IN_ONE, Happened, Lost
+from bt_orchestrator.web.ring import MOST_IN_ONE
 
 MOST_READERS = 64
 

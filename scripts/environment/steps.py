@@ -49,7 +49,10 @@ class Environment:
 
     def refresh(self) -> bool:
         """Bring everything up to date; tell whether anything was to do."""
-        lists = [REQUIREMENTS / f'{name}.txt' for name in ('dev', 'runtime', 'page', self._distro)]
+        lists = [
+            REQUIREMENTS / f'{name}.txt'
+            for name in ('dev', 'runtime', 'page', 'opcua', self._distro)
+        ]
         pins = [*lists, INSTALLERS]
         interpreter = os.path.realpath(sys.executable)
         foundation = digest(pins, REQUIREMENTS, sys.version, interpreter)

@@ -16,6 +16,7 @@ from starlette.middleware import Middleware
 from starlette.requests import Request
 from starlette.responses import Response
 
+from bt_orchestrator.doors.tickets import Tickets
 from bt_orchestrator.errors import NodeUnreachable
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.events import Event
@@ -32,7 +33,6 @@ from bt_orchestrator.web.endpoint import Endpoint, routes
 from bt_orchestrator.web.guards import GuardMiddleware
 from bt_orchestrator.web.people import People
 from bt_orchestrator.web.replies import HANDLERS, Json, body_of
-from bt_orchestrator.web.tickets import Tickets
 
 ROLES = {'ann': Role.OPERATE, 'eve': Role.ENGINEER, 'mes': Role.MES, 'vic': Role.VIEW}
 """Users of the page, with their roles."""

@@ -10,6 +10,8 @@ import asyncio
 import contextlib
 from collections.abc import Sequence
 
+from bt_orchestrator.doors.doors import Doors
+from bt_orchestrator.doors.facts import Happened, Lost
 from bt_orchestrator.errors import JournalUnusable, NodeUnreachable
 from bt_orchestrator.model.records import (
     Damage,
@@ -21,8 +23,7 @@ from bt_orchestrator.model.records import (
     Wanted,
 )
 from bt_orchestrator.web.book import Book
-from bt_orchestrator.web.doors import Doors
-from bt_orchestrator.web.ring import MOST_KEPT, Happened, Lost
+from bt_orchestrator.web.ring import MOST_KEPT
 
 MOST = 1000
 """Most records of a page."""

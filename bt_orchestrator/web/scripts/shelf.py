@@ -7,6 +7,7 @@ from collections.abc import Awaitable, Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+from bt_orchestrator.doors.known import Known
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
@@ -16,7 +17,6 @@ from bt_orchestrator.model.script import Parameter, Script
 from bt_orchestrator.script.declared import Declared, declared, script_files
 from bt_orchestrator.web.archive.archive import Archive, Look
 from bt_orchestrator.web.archive.scanning import events
-from bt_orchestrator.web.known import Known
 
 _Stamp = tuple[int, int]
 """Time of the last change, and size: a file with the same ones is not read again."""

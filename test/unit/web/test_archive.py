@@ -13,6 +13,7 @@ import pytest
 from fakes.line import Line, with_section
 from fakes.virtual_run import VirtualRun
 
+from bt_orchestrator.doors.facts import Happened
 from bt_orchestrator.errors import JournalUnusable
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.runtime.overview import description_of
@@ -24,7 +25,6 @@ from bt_orchestrator.web.archive.heard import Heard, HeardRecords
 from bt_orchestrator.web.archive.histories import Subject, history_of
 from bt_orchestrator.web.archive.items import item_record
 from bt_orchestrator.web.archive.jobs import job_with_items, jobs_page
-from bt_orchestrator.web.ring import Happened
 
 LIST = '[{id: work, @a2, args: {special_argument_1: lot}}, {id: also, @b2}]'
 

@@ -6,9 +6,9 @@ from typing import Any
 
 from fakes.statuses import status
 
+from bt_orchestrator.doors.facts import Happened, Lost
 from bt_orchestrator.model.events import JobHeld
 from bt_orchestrator.web.book import Book, Cursor
-from bt_orchestrator.web.ring import Happened, Lost
 
 
 def book_with(*seqs: int, before: int = 0) -> Book:

@@ -16,13 +16,13 @@ from fakes.browser import Answered, Browser
 from fakes.page_bench import ROLES, CellBench
 from fakes.quick_users import PASSWORD
 
+from bt_orchestrator.doors.tickets import SETTLED_S
 from bt_orchestrator.model.limits import REASON
 from bt_orchestrator.model.requests import TABLE, About, Kind, Request, Why
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.store.memory import MemoryStore
 from bt_orchestrator.web.access import IDLE_S
 from bt_orchestrator.web.command_paths import place_of
-from bt_orchestrator.web.tickets import SETTLED_S
 
 SUBJECTS = {About.JOB: 'WO-1', About.ITEM: 'WO-1/1', About.HOLD: '1'}
 

@@ -13,13 +13,13 @@ from fakes.line import THREE, Line
 from fakes.page_bench import PeopleBench
 from fakes.virtual_run import VirtualRun
 
+from bt_orchestrator.doors.facts import Happened, Lost
 from bt_orchestrator.model.jobs.job_record import JobRecord
 from bt_orchestrator.model.records import JobPlace, Summaries
 from bt_orchestrator.ports import Records
 from bt_orchestrator.web.archive import Archive, downloads
 from bt_orchestrator.web.archive.heard import HeardRecords
 from bt_orchestrator.web.endpoint import Endpoint
-from bt_orchestrator.web.ring import Happened, Lost
 
 
 class Forgotten(HeardRecords):

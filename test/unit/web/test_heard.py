@@ -10,14 +10,15 @@ from typing import Any, cast
 from contract.records_contract import RecordsContract, Written
 from contract.written_events import events
 
+from bt_orchestrator.doors.doors import Doors
+from bt_orchestrator.doors.facts import Happened, Lost
 from bt_orchestrator.errors import NodeUnreachable
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.records import Extent, Page, Wanted
 from bt_orchestrator.ports import EventPage
 from bt_orchestrator.web.archive.heard import Heard, HeardRecords
 from bt_orchestrator.web.book import Book
-from bt_orchestrator.web.doors import Doors
-from bt_orchestrator.web.ring import MOST_KEPT, Happened, Lost
+from bt_orchestrator.web.ring import MOST_KEPT
 
 AT_ONCE = 7
 """Events of one answer of the node."""

@@ -14,9 +14,9 @@ from fakes.quick_users import PASSWORD, write_users
 
 from bt_orchestrator.model.requests import TABLE
 from bt_orchestrator.model.roles import Role
+from bt_orchestrator.users.attempts import FREE_OF_NAME
 from bt_orchestrator.web import replies
 from bt_orchestrator.web.access import IDLE_S, SESSION_S
-from bt_orchestrator.web.attempts import FREE_OF_NAME
 from bt_orchestrator.web.people import MOST_WAITING
 from bt_orchestrator.web.sessions import MOST_OF_ONE, MOST_UNLOCKS
 

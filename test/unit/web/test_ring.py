@@ -2,9 +2,10 @@ from __future__ import annotations
 
 import pytest
 
+from bt_orchestrator.doors.facts import Happened, Lost
 from bt_orchestrator.model.events import JobHeld
 from bt_orchestrator.web import ring as ring_module
-from bt_orchestrator.web.ring import MOST_IN_ONE, Happened, Lost, Ring
+from bt_orchestrator.web.ring import MOST_IN_ONE, Ring
 
 
 def filled(*seqs: int, before: int = 0) -> Ring:

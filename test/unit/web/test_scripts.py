@@ -13,13 +13,13 @@ from fakes.line import THREE, Line, expanded
 from fakes.page_parts import status_of
 from fakes.virtual_run import VirtualRun
 
+from bt_orchestrator.doors.facts import Happened
+from bt_orchestrator.doors.known import Known
 from bt_orchestrator.drawing.status_marks import NotThisLine
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.web.archive.archive import Archive
 from bt_orchestrator.web.archive.heard import Heard, HeardRecords
-from bt_orchestrator.web.known import Known
-from bt_orchestrator.web.ring import Happened
 from bt_orchestrator.web.scripts.drawing import Drawings, Drawn
 from bt_orchestrator.web.scripts.shelf import Shelf
 

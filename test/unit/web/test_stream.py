@@ -10,10 +10,10 @@ from typing import Any, cast
 
 from fakes.statuses import status
 
+from bt_orchestrator.doors.facts import Happened
 from bt_orchestrator.model.events import JobHeld
 from bt_orchestrator.ports import EventPage
 from bt_orchestrator.web.book import Book
-from bt_orchestrator.web.ring import Happened
 from bt_orchestrator.web.stream import Streams
 
 PATIENCE_S = 20.0

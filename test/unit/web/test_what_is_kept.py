@@ -11,10 +11,10 @@ from fakes.line import THREE, Line
 from fakes.page_bench import PeopleBench
 from fakes.virtual_run import VirtualRun
 
+from bt_orchestrator.doors.facts import Happened
 from bt_orchestrator.web.archive import Archive, endpoints
 from bt_orchestrator.web.archive.heard import HeardRecords
 from bt_orchestrator.web.endpoint import Endpoint
-from bt_orchestrator.web.ring import Happened
 
 
 class Nothing:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bt_orchestrator.web.attempts import (
+from bt_orchestrator.users.attempts import (
     FORGOTTEN_S,
     FREE_OF_ADDRESS,
     FREE_OF_NAME,

@@ -1,17 +1,17 @@
-"""What the page asks of the node."""
+"""What a program asks of the node."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import TypeVar
 
+from bt_orchestrator.doors.asking_door import AskingDoor
+from bt_orchestrator.doors.following_door import FollowingDoor
 from bt_orchestrator.errors import NodeUnreachable
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.requests import Asked
 from bt_orchestrator.model.status import CellDescription
 from bt_orchestrator.ports import CellLink, EventPage, Moment, QueuePage
-from bt_orchestrator.web.asking_door import AskingDoor
-from bt_orchestrator.web.following_door import FollowingDoor
 
 _T = TypeVar('_T')
 
@@ -20,7 +20,7 @@ SILENT_S = 3.0
 
 
 class Doors:
-    """What the page asks of the node. Each raises NodeUnreachable if the node does not answer.
+    """What a program asks of the node. Each raises NodeUnreachable if the node does not answer.
 
     A question that only reads is refused at once while the node is silent; a command is sent all
     the same.

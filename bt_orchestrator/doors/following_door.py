@@ -1,6 +1,6 @@
 """The door that follows the cell, in a thread of its own.
 
-What happens is handed to the server's loop in batches, and the loop never waits for the node.
+What happens is handed to the loop in batches, and the loop never waits for the node.
 """
 
 from __future__ import annotations
@@ -9,15 +9,14 @@ import queue
 import threading
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
+from bt_orchestrator.doors.ending import FAREWELL_S, Ending
+from bt_orchestrator.doors.facts import Began, Fact, Happened, Lost
+from bt_orchestrator.doors.open_door import OpenDoor
 from bt_orchestrator.errors import NodeUnreachable
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.ports import CellLink
-from bt_orchestrator.web.ending import FAREWELL_S, Ending
-from bt_orchestrator.web.ring import Happened, Lost
-from bt_orchestrator.web.seams import OpenDoor
 
 STEP_S = 0.1
 """Longest time between two looks at whether to end."""
@@ -33,23 +32,15 @@ DEAF_S = 10.0
 waits for a sign of life (20 s) does not hear the others again, nor do they hear it."""
 
 
-@dataclass(frozen=True)
-class Began:
-    """A history, and the event after which its events will be told."""
-
-    history: str
-    last: int
-
-
-Fact = Began | Happened | Lost | CellStatus
-
-
 class FollowingDoor:
-    """Follows the cell for as long as the page runs. Implements `ports.Listener`."""
+    """Follows the cell for as long as the program runs. Implements `ports.Listener`."""
 
-    def __init__(self, open_door: OpenDoor, tell: Callable[[Sequence[Fact]], object]) -> None:
+    def __init__(
+        self, program: str, open_door: OpenDoor, tell: Callable[[Sequence[Fact]], object]
+    ) -> None:
         """Prepare.
 
+        :param program: its name, for that of the thread
         :param tell: called in the thread with what was heard, in order; hands it to the loop
         """
         self._open = open_door
@@ -63,7 +54,9 @@ class FollowingDoor:
         """When the node, which is followed again, counts as heard."""
         self._to_do: queue.SimpleQueue[Callable[[CellLink], object]] = queue.SimpleQueue()
         self._ending = threading.Event()
-        self._thread = threading.Thread(target=self._run, name='page: following', daemon=True)
+        self._thread = threading.Thread(
+            target=self._run, name=f'{program}: following', daemon=True
+        )
         self.error: BaseException | None = None
         """Why the thread ended by itself; None: it has not."""
         self.on_error: Callable[[], object] = _nothing
@@ -141,7 +134,7 @@ class FollowingDoor:
                     self.on_deaf(door)
         except Ending:
             pass
-        except BaseException as error:  # noqa: BLE001 - it is told where the page was started
+        except BaseException as error:  # noqa: BLE001 - it is told where the program was started
             self.error = error
             self.on_error()
 

@@ -1,4 +1,4 @@
-"""What the page knows beside the status: scripts by digest, parameters of jobs, the cell."""
+"""What is known beside the status: scripts by digest, parameters of jobs, the cell."""
 
 from __future__ import annotations
 

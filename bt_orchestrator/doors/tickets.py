@@ -81,7 +81,7 @@ class Search:
 
 @dataclass
 class _Kept:
-    """A command that this page was asked for."""
+    """A command that this program was asked for."""
 
     asked: Asked
     before: int
@@ -118,7 +118,7 @@ class Tickets:
         self._newest = newest
         self._kept: dict[str, _Kept] = {}
         self._earlier: Mapping[str, list[Recorded]] | None = None
-        """On record before this page first asked something; None: not looked yet."""
+        """On record before this program first asked something; None: not looked yet."""
 
     async def carry_out(self, ticket: str, asked: Asked) -> Outcome:
         """Carry out a command once; again the same answer for the same ticket.
@@ -143,7 +143,7 @@ class Tickets:
         return await asyncio.shield(kept.task)
 
     async def find(self, ticket: str) -> Search:
-        """Return what became of a command, from the journal if this page does not know."""
+        """Return what became of a command, from the journal if this program does not know."""
         kept = self._kept.get(ticket)
         if kept is not None:
             try:
@@ -199,9 +199,9 @@ class Tickets:
     # --- the journal ------------------------------------------------------------------------
 
     async def _look_earlier(self, asked: Asked) -> None:
-        """Look once what is on record from before this page was started.
+        """Look once what is on record from before this program was started.
 
-        A page that was killed may have sent the very command that comes again now. An emergency
+        A program that was killed may have sent the very command that comes again now. An emergency
         does not wait for that: to abort, pause or stop twice is to do it once.
 
         :raises NotSent: the node is silent

@@ -14,15 +14,15 @@ from typing import Any
 import pytest
 from fakes.statuses import status
 
+from bt_orchestrator.doors import following_door
+from bt_orchestrator.doors.asking_door import AskingDoor
+from bt_orchestrator.doors.doors import Doors
+from bt_orchestrator.doors.facts import Began, Fact, Happened
+from bt_orchestrator.doors.following_door import DEAF_S, FollowingDoor
 from bt_orchestrator.errors import NodeUnreachable
 from bt_orchestrator.model.events import JobHeld
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.ports import CellLink, EventPage, Listener
-from bt_orchestrator.web import following_door
-from bt_orchestrator.web.asking_door import AskingDoor
-from bt_orchestrator.web.doors import Doors
-from bt_orchestrator.web.following_door import DEAF_S, Began, Fact, FollowingDoor
-from bt_orchestrator.web.ring import Happened
 
 PATIENCE_S = 20.0
 
@@ -69,7 +69,7 @@ def with_asking(work: Callable[[Door, AskingDoor], Awaitable[None]]) -> Door:
     door = Door()
 
     async def whole() -> None:
-        asking = AskingDoor(door.open, asyncio.get_running_loop())
+        asking = AskingDoor('page', door.open, asyncio.get_running_loop())
         asking.start()
         try:
             await asyncio.wait_for(work(door, asking), PATIENCE_S)
@@ -206,7 +206,7 @@ def test_a_door_that_has_gone_deaf_is_opened_anew_and_misses_nothing() -> None:
     def open_door(meanwhile: Callable[[], object]) -> Iterator[Any]:
         yield next(opened)
 
-    door = FollowingDoor(open_door, facts.extend)
+    door = FollowingDoor('page', open_door, facts.extend)
     door.on_deaf = left.append
     door.start()
     assert links[0].turned.wait(PATIENCE_S)
@@ -270,7 +270,7 @@ class Follow:
     def __init__(self, *doors: TellingDoor) -> None:
         self._doors = list(doors)
         self.facts: list[Fact] = []
-        self.following = FollowingDoor(self._open, self.facts.extend)
+        self.following = FollowingDoor('page', self._open, self.facts.extend)
 
     @contextmanager
     def _open(self, meanwhile: Callable[[], object]) -> Iterator[Any]:

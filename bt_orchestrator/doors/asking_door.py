@@ -10,10 +10,10 @@ import threading
 from collections.abc import Callable
 from typing import Any, TypeVar
 
+from bt_orchestrator.doors.ending import FAREWELL_S, Ending
+from bt_orchestrator.doors.open_door import OpenDoor
 from bt_orchestrator.errors import NodeUnreachable
 from bt_orchestrator.ports import CellLink
-from bt_orchestrator.web.ending import FAREWELL_S, Ending
-from bt_orchestrator.web.seams import OpenDoor
 
 _T = TypeVar('_T')
 
@@ -23,14 +23,19 @@ class AskingDoor:
 
     COMMAND, READING = 0, 1
 
-    def __init__(self, open_door: OpenDoor, loop: asyncio.AbstractEventLoop) -> None:
+    def __init__(self, program: str, open_door: OpenDoor, loop: asyncio.AbstractEventLoop) -> None:
+        """Prepare.
+
+        :param program: its name, for that of the thread and for messages
+        """
+        self._ends = f'the {program} ends'
         self._open = open_door
         self._loop = loop
         self._numbers = itertools.count()
         self._questions: queue.PriorityQueue[tuple[int, int, Any, Any]] = queue.PriorityQueue()
         self._is_ending = False
         self._is_deaf = False
-        self._thread = threading.Thread(target=self._run, name='page: asking', daemon=True)
+        self._thread = threading.Thread(target=self._run, name=f'{program}: asking', daemon=True)
 
     def start(self) -> None:
         """Be ready; the door is opened with the first question, which takes a second or two."""
@@ -39,11 +44,11 @@ class AskingDoor:
     async def call(self, question: Callable[[CellLink], _T], urgency: int = READING) -> _T:
         """Return what a question to the door comes to.
 
-        :raises NodeUnreachable: the node does not answer, or the page ends
+        :raises NodeUnreachable: the node does not answer, or the program ends
         """
         future: asyncio.Future[_T] = self._loop.create_future()
         if self._is_ending:
-            raise NodeUnreachable('the page ends')
+            raise NodeUnreachable(self._ends)
         self._questions.put((urgency, next(self._numbers), question, future))
         return await future
 
@@ -80,13 +85,13 @@ class AskingDoor:
                         door = stack.enter_context(self._open(self._check))
                     self._settle(future.set_result, future, question(door))
                 except Ending:
-                    self._settle(future.set_exception, future, NodeUnreachable('the page ends'))
+                    self._settle(future.set_exception, future, NodeUnreachable(self._ends))
                 except BaseException as error:  # noqa: BLE001 - it is told to whoever asked
                     self._settle(future.set_exception, future, error)
             while not self._questions.empty():
                 _, _, question, future = self._questions.get()
                 if question is not None:
-                    self._settle(future.set_exception, future, NodeUnreachable('the page ends'))
+                    self._settle(future.set_exception, future, NodeUnreachable(self._ends))
 
     def _check(self) -> None:
         if self._is_ending:

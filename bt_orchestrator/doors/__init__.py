@@ -1,0 +1,5 @@
+"""What a program with a loop of its own needs to stand at the door of a cell.
+
+Two threads with a door each: one follows, one asks. Commands are done once, by their tickets. The
+page and the OPC UA server are made of it.
+"""

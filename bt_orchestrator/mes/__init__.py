@@ -1,0 +1,1 @@
+"""Our model in the words of ISA-95 Job Control and PackML, and back; pure."""
