@@ -17,7 +17,7 @@ from bt_orchestrator.model.goal import GoalEnd, GoalRequest, SeenContest, StateR
 from bt_orchestrator.model.jobs.job_record import JobRecord
 from bt_orchestrator.model.records import Extent, JobPlace, Page, Summaries, Wanted
 from bt_orchestrator.model.requests import Asked
-from bt_orchestrator.model.status import CellDescription, CellStatus, JobStatus
+from bt_orchestrator.model.status import CellDescription, CellStatus, JobStatus, ListedJob
 from bt_orchestrator.model.uptime import Uptime
 
 _Result = TypeVar('_Result')
@@ -485,6 +485,22 @@ class CellLink(Protocol):
 
         :param after: the job before the first to return; empty: from the first
         :raises CommandRefused: that job is not in the queue (any more)
+        :raises NodeUnreachable: it does not answer
+        """
+
+    def jobs(self, after: str = '', most: int = 0) -> Sequence[ListedJob]:
+        """Return listed jobs: the last that ended, oldest first, those on the line, the queue.
+
+        :param after: the job before the first to return; empty: from the first
+        :param most: maximum number; 0: as many as fit in one answer
+        :raises CommandRefused: that job is not listed (any more)
+        :raises NodeUnreachable: it does not answer
+        """
+
+    def job(self, name: str) -> ListedJob:
+        """Return a listed job.
+
+        :raises CommandRefused: it is not listed (any more)
         :raises NodeUnreachable: it does not answer
         """
 

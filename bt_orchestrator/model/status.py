@@ -141,6 +141,11 @@ class JobStatus:
     """When it should begin."""
     due: float | None = None
     """When it should have ended."""
+    queued_at: float = 0.0
+    started_at: float | None = None
+    """When it left the queue; None: it has not."""
+    ended_at: float | None = None
+    """When its last item had left; None: it has not ended."""
     started: int = 0
     """Source cycles begun; this and the following count items (semantics 6.2)."""
     placed: int = 0
@@ -165,6 +170,19 @@ class JobStatus:
     def on_line(self) -> int:
         """Count the items that are on their way."""
         return max(self.started - self.left, 0)
+
+
+@dataclass(frozen=True)
+class ListedJob:
+    """A job with all that a status leaves out of it (ISA-95: job order and job response)."""
+
+    status: JobStatus
+    params: Mapping[str, object] = field(default_factory=dict)
+    """Every parameter of its script."""
+    details: Mapping[str, object] = field(default_factory=dict)
+    """The customer's JSON, as given."""
+    reason: str = ''
+    """Why it was stopped or aborted."""
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ from bt_orchestrator.model.packml import Cause, PackmlState
 from bt_orchestrator.model.requests import About, of_word
 from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.model.wish import AFTER, NEVER, way_to_work
-from bt_orchestrator.runtime import orders
+from bt_orchestrator.runtime import listed_jobs, orders
 from bt_orchestrator.runtime.command_record import decided
 from bt_orchestrator.runtime.lifecycle import transition
 
@@ -211,20 +211,12 @@ def _is_empty(state: CellState) -> bool:
 
 def _allowed(state: CellState, method: job_control.Method, name: str) -> JobState:
     """Return a job whose state allows a method now."""
-    job = state.jobs.get(name) or state.ended.get(name)
-    if job is None:
-        raise CommandRefused(_unknown(state, name))
+    job = listed_jobs.find(state, name)
     ending = job.ending if job.ended_at is None else ''
     refused = job_control.refusal(method, name, job_word(state, job), ending)
     if refused is not None:
         raise CommandRefused(refused)
     return job
-
-
-def _unknown(state: CellState, name: str) -> str:
-    if name in state.order_ids:
-        return f'{name} is listed no more; the journal has its history'
-    return f'there is no job {name}; jobs now: {listed(state.jobs, "none")}'
 
 
 def _check_queued(state: CellState, name: str) -> JobState:

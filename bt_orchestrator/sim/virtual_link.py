@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.following import Follower
@@ -13,9 +13,10 @@ from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.limits import EVENTS_PAGE, QUEUE_PAGE
 from bt_orchestrator.model.requests import Asked
 from bt_orchestrator.model.snapshot import nearest, state_to_text
-from bt_orchestrator.model.status import CellDescription, CellStatus
+from bt_orchestrator.model.status import CellDescription, CellStatus, ListedJob
 from bt_orchestrator.ports import EventPage, Listener, Moment, QueuePage, Watch
 from bt_orchestrator.replies import begin
+from bt_orchestrator.runtime import listed_jobs
 from bt_orchestrator.runtime.overview import description_of
 from bt_orchestrator.sim.virtual_node import VirtualNode
 from bt_orchestrator.tree.branches import branch_of
@@ -97,6 +98,16 @@ class VirtualLink:
             raise CommandRefused(f'{after} is not in the queue')
         page = jobs.queue(place + 1, min(most or QUEUE_PAGE, QUEUE_PAGE))
         return QueuePage(tuple(map(overview.job, page)), jobs.waiting)
+
+    def jobs(self, after: str = '', most: int = 0) -> Sequence[ListedJob]:
+        """Return listed jobs."""
+        running = self._node.running
+        return listed_jobs.page(running.engine.state, running.overview, after, most)
+
+    def job(self, name: str) -> ListedJob:
+        """Return a listed job."""
+        running = self._node.running
+        return listed_jobs.told_of(listed_jobs.find(running.engine.state, name), running.overview)
 
     def moment(self) -> Moment:
         """Return the state of now."""

@@ -34,6 +34,7 @@ components:
 
 SCRIPT = """
 script: small
+params: {speed: {type: float, default: 1.0}}
 sections:
   1: [{id: feed, task: TASK_A, action: /feeder/task, qty_change: 1}]
   2: [{id: break, task: TASK_A, action: /breaker/task, qty_change: -1}]

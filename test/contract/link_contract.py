@@ -21,7 +21,8 @@ from bt_orchestrator.model.branch import Branch
 from bt_orchestrator.model.by import By, Known
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.events import Event
-from bt_orchestrator.model.jobs.order import WorkOrder
+from bt_orchestrator.model.jobs.isa95 import JobWord
+from bt_orchestrator.model.jobs.order import Terms, WorkOrder
 from bt_orchestrator.model.limits import EVENTS_PAGE, QUEUE_PAGE
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.requests import ask
@@ -326,6 +327,7 @@ class LinkContract(ABC):
             link.status,
             link.description,
             link.queue,
+            link.jobs,
             lambda: link.events_after(0),
             lambda: link.follow(Seen()),
             lambda: asked_of(link, 'cell.pause'),
@@ -361,6 +363,46 @@ class LinkContract(ABC):
             link.queue('NOBODY')
         for name in names:
             assert asked_of(link, 'job.cancel', job=name).accepted
+
+    def test_listed_jobs_with_what_they_were_ordered_with(
+        self, bench: LinkBench, link: CellLink
+    ) -> None:
+        first, second = new_id(), new_id()
+        terms = Terms(3, 1779084000.0, details={'customer': 'ACME'})
+        order = WorkOrder('small', first, 2, {'speed': 0.5}, terms)
+        assert asked_of(link, 'queue.add', orders=[order], held=True).accepted
+        assert add(link, second).accepted
+        job = link.job(first)
+        assert (job.params, job.details, job.reason) == ({'speed': 0.5}, terms.details, '')
+        status = job.status
+        assert (status.quantity, status.priority, status.start) == (2, 3, terms.start)
+        assert status.queued_at == pytest.approx(link.status().stamp, abs=PATIENCE_S)
+        assert (status.started_at, status.ended_at) == (None, None)
+        assert link.job(second).params == {'speed': 1.0}, 'the default'
+        assert asked_of(link, 'job.abort', job=first).accepted
+
+        job = link.job(first)
+        assert (job.status.state, job.details) == (JobWord.ABORTED, terms.details)
+        assert 'Ann' in job.reason
+        assert 'because' in job.reason
+        assert job.status.started_at is None
+        assert job.status.ended_at is not None
+        assert job.status.ended_at >= job.status.queued_at
+        names: list[str] = []
+        while page := link.jobs(names[-1] if names else '', most=3):
+            assert len(page) <= 3
+            names += [one.status.id for one in page]
+        assert names.index(first) < names.index(second), 'those that ended come first'
+        assert names == [one.status.id for one in link.jobs()]
+        assert {job.id for job in link.status().jobs} <= set(names)
+
+        assert asked_of(link, 'job.clear', job=first).accepted
+        for ask_for in (link.job, link.jobs):
+            with pytest.raises(CommandRefused, match=f'{first} is listed no more'):
+                ask_for(first)
+        with pytest.raises(CommandRefused, match='there is no job NOBODY; jobs now: '):
+            link.job('NOBODY')
+        assert asked_of(link, 'job.cancel', job=second).accepted
 
     # --- asking -----------------------------------------------------------------------------
 

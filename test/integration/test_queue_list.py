@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from bt_orchestrator_interfaces.srv import QueueList
+from bt_orchestrator_interfaces.srv import ListJobs, QueueList
 from fakes.line import THREE, Line
 from fakes.virtual_run import BY, VirtualRun
 
@@ -21,8 +21,8 @@ from bt_orchestrator.model.jobs.order import Job, Terms
 from bt_orchestrator.model.snapshot import nearest, state_from_plain, state_to_plain
 from bt_orchestrator.ports import QueuePage
 from bt_orchestrator.report.pace import expected_ends_s
-from bt_orchestrator.ros.services.queue_services import list_queue
-from bt_orchestrator.ros.types.job_messages import job_status
+from bt_orchestrator.ros.services.queue_services import list_jobs, list_queue
+from bt_orchestrator.ros.types.job_messages import job_message, job_status, listed_job
 from bt_orchestrator.runtime.overview import Overview
 from bt_orchestrator.screen import words
 from bt_orchestrator.screen.advice import Shell
@@ -133,6 +133,39 @@ def test_a_job_tells_the_digest_of_its_script_queued_on_the_line_and_ended() -> 
     assert run.sim.status().jobs[1].digest == digests['test']
     run.go()
     assert [job.digest for job in run.sim.status().jobs] == [digests['test']] * 2
+
+
+def test_a_job_tells_when_it_was_queued_and_started_and_ended() -> None:
+    line = Line()
+    run = line.begin(quantity=2).go(until=1.5)
+    run.submit('A', line.script(THREE))
+    (queued,) = run.all('job.queued', job='A')
+    seen = job_status(job_message(run.sim.status().jobs[1]))
+    assert (seen.queued_at, seen.started_at, seen.ended_at) == (queued['time'], None, None)
+    run.go()
+    for job in run.sim.status().jobs:
+        (started,) = run.all('job.started', job=job.id)
+        (ended,) = run.all('job.completed', job=job.id)
+        seen = job_status(job_message(job))
+        assert (seen.started_at or 0.0, seen.ended_at) == (started['time'], ended['time'])
+        assert 0.0 <= seen.queued_at <= started['time'] < ended['time']
+
+
+def test_a_page_of_jobs_is_shorter_where_params_and_details_are_long() -> None:
+    line = Line()
+    run, script = line.begin(quantity=2).go(until=1.5), line.script(THREE)
+    terms = Terms(details={'a': 'x' * 7_000})
+    jobs = tuple(Job(f'Q-{n}', script, 1, {'b': 'x' * 900}, terms) for n in range(200))
+    assert run.ask(AddJobs(jobs, BY)).accepted
+    names: list[str] = []
+    for _ in range(2):
+        request, response = ListJobs.Request(after=names[-1] if names else ''), ListJobs.Response()
+        list_jobs(run.state, Overview(run.sim.orchestrator), request, response)
+        told = list(map(listed_job, response.jobs))
+        assert 1 <= len(told) < 150
+        assert all(one.details == terms.details for one in told if one.status.id != 'J')
+        names += [one.status.id for one in told]
+    assert names == ['J', *(job.id for job in jobs)]
 
 
 def test_a_page_of_the_queue_is_shorter_where_details_are_long() -> None:

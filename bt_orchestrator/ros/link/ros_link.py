@@ -5,10 +5,10 @@ from __future__ import annotations
 import json
 import time
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from bt_orchestrator_interfaces.srv import GetEvents, GetState, QueueList
+from bt_orchestrator_interfaces.srv import GetEvents, GetState, ListJobs, QueueList
 
 from bt_orchestrator.errors import CommandRefused, NodeUnreachable
 from bt_orchestrator.following import Follower
@@ -18,12 +18,12 @@ from bt_orchestrator.model.codec import from_plain, from_record
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.requests import Asked
-from bt_orchestrator.model.status import CellDescription, CellStatus
+from bt_orchestrator.model.status import CellDescription, CellStatus, ListedJob
 from bt_orchestrator.ports import EventPage, Listener, Moment, QueuePage, Watch
 from bt_orchestrator.ros.link.client import NodeClient
 from bt_orchestrator.ros.link.event_fetches import EventFetches
 from bt_orchestrator.ros.link.requests import answer_of, call_of
-from bt_orchestrator.ros.types.job_messages import job_status
+from bt_orchestrator.ros.types.job_messages import job_status, listed_job
 
 if TYPE_CHECKING:
     from bt_orchestrator.ros.link.inspection_streams import InspectionStream
@@ -105,6 +105,26 @@ class RosLink:
         if not answer.accepted:
             raise CommandRefused(answer.message)
         return QueuePage(tuple(map(job_status, answer.jobs)), answer.queued)
+
+    def jobs(self, after: str = '', most: int = 0) -> Sequence[ListedJob]:
+        """Return listed jobs.
+
+        :raises CommandRefused: the job to begin behind is not listed (any more)
+        """
+        return self._listed(ListJobs.Request(after=after, most=most))
+
+    def job(self, name: str) -> ListedJob:
+        """Return a listed job.
+
+        :raises CommandRefused: it is not listed (any more)
+        """
+        return self._listed(ListJobs.Request(job=name))[0]
+
+    def _listed(self, request: ListJobs.Request) -> Sequence[ListedJob]:
+        answer = self._client.call(ListJobs, 'list_jobs', request)
+        if not answer.accepted:
+            raise CommandRefused(answer.message)
+        return tuple(map(listed_job, answer.jobs))
 
     def moment(self) -> Moment:
         """Return the state of now."""

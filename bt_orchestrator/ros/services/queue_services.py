@@ -6,6 +6,7 @@ from typing import Any
 
 from bt_orchestrator_interfaces.msg import OrderAnswer
 from bt_orchestrator_interfaces.srv import (
+    ListJobs,
     QueueAdd,
     QueueCommand,
     QueueList,
@@ -17,6 +18,7 @@ from bt_orchestrator_interfaces.srv import (
 from rclpy.node import Node
 
 from bt_orchestrator.asking.handler import RequestHandler
+from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.limits import QUEUE_PAGE, fitting
 from bt_orchestrator.model.requests import MOVE, About
@@ -25,11 +27,9 @@ from bt_orchestrator.model.wish import STOP_AFTER
 from bt_orchestrator.ros.services.order_requests import asked_change, asked_order
 from bt_orchestrator.ros.services.senders import Senders
 from bt_orchestrator.ros.services.serving import serve, tell
-from bt_orchestrator.ros.types.job_messages import job_message
+from bt_orchestrator.ros.types.job_messages import job_message, listed_message
+from bt_orchestrator.runtime import listed_jobs
 from bt_orchestrator.runtime.overview import Overview
-
-DETAILS_TOLD_BYTES = 1_000_000
-"""Most details of jobs in one answer; where they are longer it has fewer jobs."""
 
 
 class QueueServices:
@@ -54,6 +54,7 @@ class QueueServices:
         serve(node, QueueCommand, 'queue/command', self._command)
         serve(node, QueueStopAfter, 'queue/stop_after', self._stop_after)
         serve(node, QueueList, 'queue/list', self._list)
+        serve(node, ListJobs, 'list_jobs', self._list_jobs)
 
     async def _submit(self, request: Any, response: Any) -> None:
         answer = await self._handler.add(
@@ -100,6 +101,9 @@ class QueueServices:
         word = STOP_AFTER + request.after
         tell(response, await self._handler.give(About.CELL, word, self._senders.by(request)))
 
+    async def _list_jobs(self, request: Any, response: Any) -> None:
+        list_jobs(self._state, self._overview, request, response)
+
     async def _list(self, request: Any, response: Any) -> None:
         list_queue(self._state, self._overview, request, response)
 
@@ -113,9 +117,22 @@ def list_queue(state: CellState, overview: Overview, request: Any, response: Any
     most = min(request.most or QUEUE_PAGE, QUEUE_PAGE)
     response.accepted, response.queued = True, state.jobs.waiting
     told = [(job, _details(job)) for job in state.jobs.queue(place + 1, most)]
-    told = list(fitting(told, DETAILS_TOLD_BYTES, lambda one: len(one[1])))
+    told = list(fitting(told, listed_jobs.PAGE_BYTES, lambda one: len(one[1])))
     response.jobs = [job_message(overview.job(job)) for job, _ in told]
     response.details = [details for _, details in told]
+
+
+def list_jobs(state: CellState, overview: Overview, request: Any, response: Any) -> None:
+    """Fill a response with listed jobs (bt_orchestrator_interfaces/srv/ListJobs)."""
+    try:
+        if request.job:
+            jobs = [listed_jobs.told_of(listed_jobs.find(state, request.job), overview)]
+        else:
+            jobs = listed_jobs.page(state, overview, request.after, request.most)
+    except CommandRefused as why:
+        response.message = str(why)
+        return
+    response.accepted, response.jobs = True, list(map(listed_message, jobs))
 
 
 def _details(job: JobState) -> str:

@@ -1,12 +1,15 @@
-"""Jobs as messages (JobStatus), and back."""
+"""Jobs as messages (JobStatus, ListedJob), and back."""
 
 from __future__ import annotations
 
+import json
+
 from bt_orchestrator_interfaces import msg
 
+from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.jobs.isa95 import JobWord
-from bt_orchestrator.model.status import JobStatus
-from bt_orchestrator.ros.stamps import from_moment, to_moment
+from bt_orchestrator.model.status import JobStatus, ListedJob
+from bt_orchestrator.ros.stamps import from_moment, from_time, to_moment, to_time
 from bt_orchestrator.ros.types.task_messages import (
     from_seconds,
     passed_message,
@@ -32,6 +35,9 @@ def job_message(job: JobStatus) -> msg.JobStatus:
         priority=job.priority,
         start=to_moment(job.start),
         due=to_moment(job.due),
+        queued_at=to_time(job.queued_at),
+        started_at=to_moment(job.started_at),
+        ended_at=to_moment(job.ended_at),
         started=job.started,
         placed=job.placed,
         processed=job.processed,
@@ -60,6 +66,9 @@ def job_status(message: msg.JobStatus) -> JobStatus:
         priority=message.priority,
         start=from_moment(message.start),
         due=from_moment(message.due),
+        queued_at=from_time(message.queued_at),
+        started_at=from_moment(message.started_at),
+        ended_at=from_moment(message.ended_at),
         started=message.started,
         placed=message.placed,
         processed=message.processed,
@@ -70,4 +79,24 @@ def job_status(message: msg.JobStatus) -> JobStatus:
         initialization=tuple(message.initialization),
         running=tuple(map(task_status, message.running)),
         passed=tuple(map(passed_task, message.passed)),
+    )
+
+
+def listed_message(job: ListedJob) -> msg.ListedJob:
+    """Return the message about a job that was asked for."""
+    return msg.ListedJob(
+        job=job_message(job.status),
+        params=json_of(job.params),
+        details=json_of(job.details) if job.details else '',
+        reason=job.reason,
+    )
+
+
+def listed_job(message: msg.ListedJob) -> ListedJob:
+    """Return what a message says of a job that was asked for."""
+    return ListedJob(
+        job_status(message.job),
+        json.loads(message.params),
+        json.loads(message.details or '{}'),
+        message.reason,
     )
