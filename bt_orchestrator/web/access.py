@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import ipaddress
 import ssl
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from bt_orchestrator.doors.addresses import LOOPBACK, address_of, is_everywhere, is_loopback
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.users.file import UsersUnusable
 from bt_orchestrator.users.known import KnownUsers
 
-LOOPBACK = '127.0.0.1'
 PORT = 8080
 IDLE_S = 15 * 60.0
 """Without a command or a sign of life for so long, a session is locked."""
@@ -102,7 +101,7 @@ class Access:
                 'leave it out, or --behind-proxy'
             )
         for address in self.proxy_addresses:
-            if _address(address) is None:
+            if address_of(address) is None:
                 raise AccessRefused(f'--proxy-address is an IP address; found {address!r}')
 
     @property
@@ -134,9 +133,9 @@ class Access:
         """Tell whether the header of the proxy counts in what comes from an address."""
         if not self.proxy_header:
             return False
-        known = {_address(one) for one in self.proxy_addresses}
+        known = {address_of(one) for one in self.proxy_addresses}
         return is_loopback(address) or (
-            _address(address) in known and _address(address) is not None
+            address_of(address) in known and address_of(address) is not None
         )
 
     def is_allowed_host(self, name: str) -> bool:
@@ -151,29 +150,8 @@ class Access:
             *(one.lower() for one in self.allowed_hosts),
         }:
             return True
-        address = _address(wanted)
+        address = address_of(wanted)
         if address is None:
             return False
         # An address that was reached is no name that somebody else could have chosen.
-        return address.is_loopback or _is_everywhere(self.host)
-
-
-def is_loopback(address: str) -> bool:
-    """Tell whether an address, or `localhost`, is this computer only."""
-    known = _address(address)
-    return address == 'localhost' if known is None else known.is_loopback
-
-
-def _is_everywhere(host: str) -> bool:
-    address = _address(host)
-    return address is not None and address.is_unspecified
-
-
-def _address(text: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
-    try:
-        address = ipaddress.ip_address(text.strip('[]').partition('%')[0])
-    except ValueError:
-        return None
-    if isinstance(address, ipaddress.IPv6Address) and address.ipv4_mapped is not None:
-        return address.ipv4_mapped
-    return address
+        return address.is_loopback or is_everywhere(self.host)

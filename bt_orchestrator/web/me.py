@@ -12,9 +12,10 @@ from starlette.responses import Response
 from bt_orchestrator.model.limits import WHO
 from bt_orchestrator.model.requests import TABLE
 from bt_orchestrator.users.file import UsersUnusable
+from bt_orchestrator.users.logins import LoginRefused, MustWait
 from bt_orchestrator.users.passwords import LONGEST
 from bt_orchestrator.web.endpoint import Endpoint
-from bt_orchestrator.web.people import Caller, LoginRefused, MustWait, People
+from bt_orchestrator.web.people import Caller, People
 from bt_orchestrator.web.replies import Json, Problem, body_of
 from bt_orchestrator.web.sessions import Session
 

@@ -2,27 +2,20 @@
 
 from __future__ import annotations
 
-import asyncio
 import logging
-import math
 import time
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
-from bt_orchestrator.errors import OrchestratorError
-from bt_orchestrator.model.limits import WHO, cut
+from bt_orchestrator.doors.addresses import is_loopback
 from bt_orchestrator.model.roles import Role
-from bt_orchestrator.users.attempts import Attempts
 from bt_orchestrator.users.file import User, UsersUnusable
 from bt_orchestrator.users.known import KnownUsers
-from bt_orchestrator.web.access import Access, is_loopback
+from bt_orchestrator.users.logins import LoginRefused, Logins
+from bt_orchestrator.web.access import Access
 from bt_orchestrator.web.sessions import MOST_UNLOCKS, How, Kept, Session, Sessions
 
 log = logging.getLogger(__name__)
-
-MOST_WAITING = 8
-"""Logins that wait for their turn: each takes a fifth of a second of CPU."""
 
 
 @dataclass(frozen=True)
@@ -37,18 +30,6 @@ class Caller:
     """User that the header of a proxy names; empty: none."""
 
 
-class LoginRefused(OrchestratorError):
-    """No such user, or another password; says no more than that."""
-
-
-class MustWait(OrchestratorError):
-    """Too many attempts."""
-
-    def __init__(self, wait_s: float) -> None:
-        self.wait_s = math.ceil(wait_s)
-        super().__init__(f'too many attempts to log in; try again in {self.wait_s} s')
-
-
 class People:
     """Knows callers, and carries out logins. All calls come from the loop's thread."""
 
@@ -58,13 +39,9 @@ class People:
         :param clock: steady, seconds
         """
         self.access = access
-        self._clock = clock
         self._users = KnownUsers(access.users)
         self._sessions = Sessions(clock, idle_s=access.idle_s, session_s=access.session_s)
-        self._attempts = Attempts()
-        # One at a time, or guesses would take every core of the line's computer.
-        self._checks = ThreadPoolExecutor(1, thread_name_prefix='page: passwords')
-        self._waiting = 0
+        self._logins = Logins('page', self._users, clock, log)
 
     # --- who calls ------------------------------------------------------------------------------
 
@@ -128,7 +105,7 @@ class People:
         :raises MustWait: there were too many attempts
         :raises UsersUnusable: nobody can log in
         """
-        user = await self._verified(caller, name, password)
+        user = await self._logins.verify(name, password, caller.address)
         self._sessions.end(caller.key)
         log.info('%s (%s) logged in from %s', name, user.role.value, caller.address)
         return self._sessions.begin(name, user.password)
@@ -169,33 +146,10 @@ class People:
             self._sessions.end(caller.key)
             log.warning('session of %s ended after wrong passwords', kept.name)
             raise LoginRefused('too many wrong passwords: this session has ended; log in again')
-        if await self._check(kept.name, password) is None:
+        if await self._logins.check(kept.name, password) is None:
             raise LoginRefused('this is not the password')
         self._sessions.unlock(kept)
 
     def close(self) -> None:
         """Check no more passwords."""
-        self._checks.shutdown(wait=False, cancel_futures=True)
-
-    async def _verified(self, caller: Caller, name: str, password: str) -> User:
-        now, shown = self._clock(), cut(name, WHO)
-        wait_s = self._attempts.wait_s(shown, caller.address, now)
-        if wait_s > 0:
-            raise MustWait(wait_s)
-        self._attempts.begin(shown, caller.address, now)
-        user = await self._check(name, password)
-        if user is None:
-            log.warning('login refused: %r from %s', shown, caller.address)
-            raise LoginRefused('there is no user with this name and password')
-        self._attempts.succeeded(shown, caller.address)
-        return user
-
-    async def _check(self, name: str, password: str) -> User | None:
-        if self._waiting >= MOST_WAITING:
-            raise MustWait(1.0)
-        self._waiting += 1
-        try:
-            loop = asyncio.get_running_loop()
-            return await loop.run_in_executor(self._checks, self._users.verify, name, password)
-        finally:
-            self._waiting -= 1
+        self._logins.close()

@@ -15,9 +15,9 @@ from fakes.quick_users import PASSWORD, write_users
 from bt_orchestrator.model.requests import TABLE
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.users.attempts import FREE_OF_NAME
+from bt_orchestrator.users.logins import MOST_WAITING
 from bt_orchestrator.web import replies
 from bt_orchestrator.web.access import IDLE_S, SESSION_S
-from bt_orchestrator.web.people import MOST_WAITING
 from bt_orchestrator.web.sessions import MOST_OF_ONE, MOST_UNLOCKS
 
 
@@ -112,7 +112,7 @@ def test_guesses_at_one_time_are_counted_as_they_begin(bench: PeopleBench) -> No
 
 
 def test_passwords_are_checked_one_at_a_time(bench: PeopleBench) -> None:
-    assert bench.people._checks._max_workers == 1
+    assert bench.people._logins._checks._max_workers == 1
 
 
 def test_a_new_login_ends_the_session_before(bench: PeopleBench) -> None:
