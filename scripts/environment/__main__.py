@@ -7,6 +7,7 @@ Steps, each skipped when nothing it reads has changed since it last ended well:
     builds        bindings of every package in interfaces/ and of the user's own ones, and
                   bt_orchestrator, installed as a user would have it
     browser       only if asked for: Chromium, and playwright, which steers it
+    node          only if asked for: Node, and packages of npm
 """
 
 from __future__ import annotations
@@ -42,6 +43,8 @@ def main() -> None:
         if options.browser:
             install_missing_browser(environment.folder.with_suffix('.apt.log'))
             environment.add_browser_driver()
+        if options.node:
+            environment.add_node_packages()
 
 
 def parse_arguments() -> argparse.Namespace:
@@ -67,6 +70,12 @@ def parse_arguments() -> argparse.Namespace:
         '--browser',
         action='store_true',
         help='Chromium too, by apt-get where it is missing, and what steers it: for the gate page',
+    )
+    parser.add_argument(
+        '--node',
+        action='store_true',
+        help='Node too, and an OPC UA client for it, in the folder .venv/<distro>: for the gate '
+        'opcua',
     )
     return parser.parse_args()
 

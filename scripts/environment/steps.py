@@ -10,6 +10,7 @@ from pathlib import Path
 
 from commands import base_interpreter, run_logged
 from installer import Installer
+from node_packages import FILES, install_node_packages
 from projects import Project, interface_project, package_project, read_list
 from report import Failure, say, step
 from sources import digest
@@ -18,6 +19,8 @@ SCRIPTS = Path(__file__).resolve().parents[1]
 REQUIREMENTS = SCRIPTS / 'requirements'
 INSTALLERS = REQUIREMENTS / 'installers.txt'
 BROWSER = REQUIREMENTS / 'browser.txt'
+NODE = REQUIREMENTS / 'node.txt'
+NODE_PACKAGES = REQUIREMENTS / 'node'
 VARIABLES = {
     Path(__file__).with_name('ros_variables.py'): '_ros_variables.py',
     SCRIPTS.parent / 'bt_orchestrator' / 'ros' / 'fast_dds.py': '_fast_dds.py',
@@ -86,6 +89,17 @@ class Environment:
         with step('what steers a browser', self._logs):
             self._installer.install_lists('browser', BROWSER)
         self._done('browser', stamp)
+
+    def add_node_packages(self) -> None:
+        """Install Node and the OPC UA client for it, which one gate alone needs."""
+        lists = [NODE, *(NODE_PACKAGES / name for name in FILES)]
+        stamp = digest(lists, REQUIREMENTS)
+        if self._is_done('node', stamp):
+            return
+        with step('Node and its packages', self._logs):
+            self._installer.install_lists('node', NODE)
+            install_node_packages(self.folder, NODE_PACKAGES, self._state / 'npm.log')
+        self._done('node', stamp)
 
     def _projects(self, foundation: str) -> list[Project]:
         interfaces = self._root / 'interfaces'

@@ -84,14 +84,15 @@ def test_what_fails_twice_has_failed(clone: Path) -> None:
     assert (done.returncode, 'system       FAILED' in done.stdout) == (1, True)
 
 
-def test_the_gate_of_the_page_has_a_browser_brought(clone: Path) -> None:
+@pytest.mark.parametrize(('gate', 'option'), [('page', '--browser'), ('opcua', '--node')])
+def test_a_gate_has_brought_what_it_alone_needs(clone: Path, gate: str, option: str) -> None:
     bootstrap = clone / 'scripts' / 'bootstrap'
-    program(bootstrap, 'case "$*" in *--browser*) echo no browser; exit 1;; esac')
-    done = gates(clone, '--only', 'system,page')
+    program(bootstrap, f'case "$*" in *{option}*) echo none came; exit 1;; esac')
+    done = gates(clone, '--only', f'system,{gate}')
     assert done.returncode == 1
     assert 'system       passed' in done.stdout
-    assert 'no browser' in done.stdout
-    assert 'page         FAILED' in done.stdout
+    assert 'none came' in done.stdout
+    assert f'{gate:12} FAILED' in done.stdout
 
 
 def test_ci_takes_what_a_machine_may_have_by_hand_off_path(tmp_path: Path) -> None:
