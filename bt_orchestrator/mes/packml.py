@@ -1,0 +1,101 @@
+"""PackML in numbers (ISA-TR88.00.02 and OPC 30050): states, nested state machines, commands."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from enum import Enum
+from typing import NamedTuple
+
+from bt_orchestrator.model.packml import Cause, PackmlState
+from bt_orchestrator.model.requests import CELL, Request
+
+STATE_NUMBERS: Mapping[PackmlState, int] = {
+    PackmlState.CLEARING: 1,
+    PackmlState.STOPPED: 2,
+    PackmlState.STARTING: 3,
+    PackmlState.IDLE: 4,
+    PackmlState.SUSPENDED: 5,
+    PackmlState.EXECUTE: 6,
+    PackmlState.STOPPING: 7,
+    PackmlState.ABORTING: 8,
+    PackmlState.ABORTED: 9,
+    PackmlState.HOLDING: 10,
+    PackmlState.HELD: 11,
+    PackmlState.UNHOLDING: 12,
+    PackmlState.SUSPENDING: 13,
+    PackmlState.UNSUSPENDING: 14,
+    PackmlState.RESETTING: 15,
+    PackmlState.COMPLETING: 16,
+    PackmlState.COMPLETE: 17,
+}
+"""StateNumber of the nodeset, which is StateCurrent of PackML."""
+
+PRODUCE = 1
+"""The only unit mode: the cell has no maintenance or manual mode of its own."""
+
+
+class Machine(Enum):
+    """The nested state machines of the nodeset, outermost first; values are their browse paths."""
+
+    BASE = 'BaseStateMachine'
+    MACHINE = 'BaseStateMachine/MachineState'
+    EXECUTE = 'BaseStateMachine/MachineState/ExecuteState'
+
+
+CLEARED, RUNNING = 'Cleared', 'Running'
+"""The states of the outer machines in which the machine inside is active."""
+
+_ABORTED = (PackmlState.ABORTING, PackmlState.ABORTED)
+_NOT_RUNNING = (PackmlState.CLEARING, PackmlState.STOPPED, PackmlState.STOPPING)
+
+
+def states_in(state: PackmlState) -> Mapping[Machine, str]:
+    """Return the state of each nested machine that is active."""
+    if state in _ABORTED:
+        return {Machine.BASE: state.value}
+    if state in _NOT_RUNNING:
+        return {Machine.BASE: CLEARED, Machine.MACHINE: state.value}
+    return {Machine.BASE: CLEARED, Machine.MACHINE: RUNNING, Machine.EXECUTE: state.value}
+
+
+class MachineTransition(NamedTuple):
+    """A transition of one nested machine, with the names of the nodeset."""
+
+    machine: Machine
+    before: str
+    after: str
+
+    @property
+    def name(self) -> str:
+        """Its browse name."""
+        return f'{self.before}To{self.after}'
+
+
+def transitions_between(before: PackmlState, after: PackmlState) -> Iterator[MachineTransition]:
+    """Yield the transitions of the machines; one that begins or ends with it has none."""
+    old, new = states_in(before), states_in(after)
+    for machine in Machine:
+        if machine in old and machine in new and old[machine] != new[machine]:
+            yield MachineTransition(machine, old[machine], new[machine])
+
+
+COMMANDS: Mapping[str, Request] = {
+    'Reset': CELL[Cause.RESET],
+    'Start': CELL[Cause.START],
+    'Stop': CELL[Cause.STOP],
+    'Hold': CELL[Cause.HOLD],
+    'Unhold': CELL[Cause.UNHOLD],
+    'Abort': CELL[Cause.ABORT],
+}
+"""Methods of the nodeset, and what they ask of the cell."""
+
+CLEAR_AS_SHOWN = 'ClearAsShown'
+"""Our method for `clear`: PackML's Clear cannot say what stands on the belt."""
+
+WITHOUT: Mapping[str, str] = {
+    'Clear': f'it cannot say what stands on the belt: {CLEAR_AS_SHOWN} does',
+    'ToComplete': 'the cell completes by itself when the last job has ended',
+    'Suspend': 'the cell suspends by itself when its source or sink is not ready',
+    'Unsuspend': 'the cell goes on by itself',
+}
+"""Methods of the nodeset that the cell does not have, and why."""
