@@ -35,11 +35,6 @@ class Caller:
     session: str = ''
     """Unique among the sessions of the server."""
 
-    def by(self, reason: str, ticket: str) -> By:
-        """Return the sender of a command."""
-        origin = origin_with(PROGRAM, ticket, self.client)
-        return By(self.name, origin, reason, self.role, Known.OPC_UA_USER)
-
 
 CALLER: ContextVar[Caller] = ContextVar('caller')
 """LookupError: nobody calls; the server itself is at work."""
@@ -53,6 +48,13 @@ def calling(caller: Caller) -> Iterator[None]:
         yield
     finally:
         CALLER.reset(token)
+
+
+def by(reason: str, ticket: str) -> By:
+    """Return the caller as the sender of a command."""
+    caller = CALLER.get()
+    origin = origin_with(PROGRAM, ticket, caller.client)
+    return By(caller.name, origin, reason, caller.role, Known.OPC_UA_USER)
 
 
 def client_of(name: str | None, address: str) -> str:

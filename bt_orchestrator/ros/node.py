@@ -51,7 +51,6 @@ from bt_orchestrator.ros.services.run_job import RunJobServer
 from bt_orchestrator.ros.services.senders import Senders
 from bt_orchestrator.ros.services.services import Services
 from bt_orchestrator.ros.services.state_service import StateService
-from bt_orchestrator.ros.spare_log import SpareLog
 from bt_orchestrator.ros.types.action_types import InstalledActionTypes
 from bt_orchestrator.runtime.housekeeping import Housekeeping
 from bt_orchestrator.runtime.observed_durations import ObservedDurations, last_events
@@ -59,6 +58,7 @@ from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.runtime.overview import Overview
 from bt_orchestrator.runtime.writers import WriterThread
 from bt_orchestrator.script.cell_file import read_cell
+from bt_orchestrator.spare_log import SpareLog
 from bt_orchestrator.stop_signals import StopSignals
 
 NODE_NAME = 'bt_orchestrator'

@@ -6,11 +6,12 @@ import ssl
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from bt_orchestrator.doors.addresses import LOOPBACK, address_of, is_everywhere, is_loopback
+from bt_orchestrator.doors.listening import address_in, is_everywhere, is_loopback
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.users.file import UsersUnusable
 from bt_orchestrator.users.known import KnownUsers
 
+LOOPBACK = '127.0.0.1'
 PORT = 8080
 IDLE_S = 15 * 60.0
 """Without a command or a sign of life for so long, a session is locked."""
@@ -101,7 +102,7 @@ class Access:
                 'leave it out, or --behind-proxy'
             )
         for address in self.proxy_addresses:
-            if address_of(address) is None:
+            if address_in(address) is None:
                 raise AccessRefused(f'--proxy-address is an IP address; found {address!r}')
 
     @property
@@ -133,9 +134,9 @@ class Access:
         """Tell whether the header of the proxy counts in what comes from an address."""
         if not self.proxy_header:
             return False
-        known = {address_of(one) for one in self.proxy_addresses}
+        known = {address_in(one) for one in self.proxy_addresses}
         return is_loopback(address) or (
-            address_of(address) in known and address_of(address) is not None
+            address_in(address) in known and address_in(address) is not None
         )
 
     def is_allowed_host(self, name: str) -> bool:
@@ -150,7 +151,7 @@ class Access:
             *(one.lower() for one in self.allowed_hosts),
         }:
             return True
-        address = address_of(wanted)
+        address = address_in(wanted)
         if address is None:
             return False
         # An address that was reached is no name that somebody else could have chosen.

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from bt_orchestrator.doors.addresses import is_loopback
+from bt_orchestrator.doors.listening import is_loopback
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.users.file import User, UsersUnusable
 from bt_orchestrator.users.known import KnownUsers

@@ -9,9 +9,8 @@ from pathlib import Path
 
 from bt_orchestrator.cli.numbers import port, seconds
 from bt_orchestrator.cli.wrong_use import WrongUse
-from bt_orchestrator.doors.addresses import LOOPBACK
 from bt_orchestrator.users.file import default_file
-from bt_orchestrator.web.access import IDLE_S, PORT, Access, AccessRefused
+from bt_orchestrator.web.access import IDLE_S, LOOPBACK, PORT, Access, AccessRefused
 
 
 def add_access_options(parser: argparse.ArgumentParser) -> None:

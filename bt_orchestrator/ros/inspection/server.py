@@ -20,8 +20,8 @@ from bt_orchestrator.ros.inspection.snapshot_streams import SnapshotStreams, Str
 from bt_orchestrator.ros.inspection.stream_refused import StreamRefused
 from bt_orchestrator.ros.inspection.tick_statistics import TickStatistics
 from bt_orchestrator.ros.services.patient_service import create_patient_service
-from bt_orchestrator.ros.spare_log import SpareLog
 from bt_orchestrator.runtime.orchestrator import Orchestrator
+from bt_orchestrator.spare_log import SpareLog
 
 TURN_S = 0.1
 """Shortest time between two snapshots."""

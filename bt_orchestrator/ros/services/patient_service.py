@@ -30,7 +30,7 @@ from bt_orchestrator.model.limits import UNHEARD_S
 from bt_orchestrator.replies import Reply
 from bt_orchestrator.ros.qos import SERVICES
 from bt_orchestrator.ros.services.turns import Later, Turns
-from bt_orchestrator.ros.spare_log import SpareLog
+from bt_orchestrator.spare_log import SpareLog
 
 if TYPE_CHECKING:
     from rclpy.node import Node

@@ -40,12 +40,12 @@ from bt_orchestrator.ros.services.expected_ends import ExpectedEnds
 from bt_orchestrator.ros.services.order_reader import OrderReader
 from bt_orchestrator.ros.services.order_requests import asked_order, written_order
 from bt_orchestrator.ros.services.senders import Senders
-from bt_orchestrator.ros.spare_log import SpareLog
 from bt_orchestrator.ros.stamps import to_time
 from bt_orchestrator.ros.types.job_messages import job_message
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.runtime.overview import Overview
 from bt_orchestrator.script.orders.desk import Reading
+from bt_orchestrator.spare_log import SpareLog
 
 RESULT_TIMEOUT_S = 900
 """How long a result is kept for a client that comes back for it."""

@@ -11,7 +11,7 @@ from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.limits import MESSAGE, cut
 from bt_orchestrator.replies import Steps, begin
 from bt_orchestrator.ros.services.patient_service import create_patient_service
-from bt_orchestrator.ros.spare_log import SpareLog
+from bt_orchestrator.spare_log import SpareLog
 
 
 def serve(node: Node, kind: Any, name: str, handle: Callable[[Any, Any], Steps[None]]) -> None:

@@ -14,6 +14,7 @@ from bt_orchestrator.model.by import Known
 from bt_orchestrator.model.limits import ORIGIN
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.ticket import ticket_in, without_ticket
+from bt_orchestrator.opcua import callers
 from bt_orchestrator.opcua.callers import CALLER, Caller, calling, client_of
 from bt_orchestrator.opcua.people import People
 from bt_orchestrator.users.attempts import FREE_OF_NAME
@@ -102,7 +103,8 @@ def test_who_calls_is_known_while_they_call() -> None:
 
 
 def test_the_sender_of_a_command_is_the_user_and_names_the_client() -> None:
-    by = Caller('mes', Role.MES, 'UaExpert at 10.0.0.1').by('why', '0123456789abcdef')
+    with calling(Caller('mes', Role.MES, 'UaExpert at 10.0.0.1')):
+        by = callers.by('why', '0123456789abcdef')
     assert (by.who, by.role, by.reason) == ('mes', Role.MES, 'why')
     assert by.known is Known.OPC_UA_USER
     assert ticket_in(by.origin) == '0123456789abcdef'
@@ -113,5 +115,5 @@ def test_the_sender_of_a_command_is_the_user_and_names_the_client() -> None:
 def test_what_a_client_calls_itself_can_do_no_harm(name: str | None) -> None:
     client = client_of(name, '[fe80::1234:5678:9abc:def0%eth0]:54321')
     assert client.isprintable()
-    by = Caller('mes', Role.MES, client).by('', '0123456789abcdef')
-    assert len(by.origin) <= ORIGIN
+    with calling(Caller('mes', Role.MES, client)):
+        assert len(callers.by('', '0123456789abcdef').origin) <= ORIGIN

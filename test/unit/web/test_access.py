@@ -9,6 +9,7 @@ import pytest
 from fakes.certificates import make_certificate
 from fakes.quick_users import write_users
 
+from bt_orchestrator.doors.listening import is_loopback
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.web.access import Access, AccessRefused
 
@@ -102,6 +103,25 @@ def test_users_that_others_may_read_are_no_users(
     assert 'chmod 600' in refusal(
         users=users, host='0.0.0.0', certificate=certificate[0], key=certificate[1]
     )
+
+
+@pytest.mark.parametrize(
+    ('address', 'is_here'),
+    [
+        ('127.0.0.1', True),
+        ('127.8.8.8', True),
+        ('::1', True),
+        ('::ffff:127.0.0.1', True),
+        ('localhost', True),
+        ('0.0.0.0', False),
+        ('::', False),
+        ('10.0.0.1', False),
+        ('localhost.example.org', False),
+        ('', False),
+    ],
+)
+def test_this_computer(address: str, is_here: bool) -> None:
+    assert is_loopback(address) is is_here
 
 
 @pytest.mark.parametrize(
