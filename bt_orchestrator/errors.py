@@ -121,14 +121,19 @@ class NotRead(OrchestratorError):
 
 
 class MissingResult(OrchestratorError):
-    """A reference names the result of a task that was skipped or failed for this item.
+    """A reference names no value that could be used for this item.
 
-    semantics 6.3: the attempt ends with the reason `missing_result`.
+    semantics 6.3, 6.5: the task was skipped or failed, or a condition would compare no finite
+    number. The attempt ends with the reason `missing_result`.
     """
 
-    def __init__(self, reference: str) -> None:
+    def __init__(
+        self,
+        reference: str,
+        why: str = 'has no value: that task gave no result for this item',
+    ) -> None:
         self.reference = reference
-        super().__init__(f'${{{reference}}} has no value: that task gave no result for this item')
+        super().__init__(f'${{{reference}}} {why}')
 
 
 class NodeUnreachable(OrchestratorError):

@@ -8,7 +8,6 @@ from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.goal import Reason
-from bt_orchestrator.model.reference import Reference, references
 from bt_orchestrator.model.script import Task
 from bt_orchestrator.model.state import CellState, JobState, TaskState
 
@@ -134,17 +133,12 @@ def _wanted(state: CellState, key: e.TaskKey) -> str:
     named = {
         '.'.join(reference.fields)
         for task in state.script(key.job).tasks.values()
-        for reference in (*references(task.args), *_of_condition(task))
+        for reference in task.references
         if (reference.source, reference.name) == ('results', key.task)
     }
     if not named:
         return ''
     return f'later tasks use its results: {", ".join(sorted(named))}; mark_done may give them'
-
-
-def _of_condition(task: Task) -> Iterator[Reference]:
-    if task.condition is not None:
-        yield from references(task.condition.value)
 
 
 def _policy(state: CellState, key: e.TaskKey, task: Task) -> OnFailure:

@@ -71,9 +71,9 @@ def resolve(value: Any, scope: Scope) -> Any:
     """
     if isinstance(value, Template):
         if len(value.parts) == 1 and isinstance(value.parts[0], Reference):
-            return _look_up(value.parts[0], scope)
+            return look_up(value.parts[0], scope)
         return ''.join(
-            part if isinstance(part, str) else _as_text(_look_up(part, scope))
+            part if isinstance(part, str) else as_text(look_up(part, scope))
             for part in value.parts
         )
     if isinstance(value, Mapping):
@@ -83,7 +83,11 @@ def resolve(value: Any, scope: Scope) -> Any:
     return value
 
 
-def _look_up(reference: Reference, scope: Scope) -> Any:
+def look_up(reference: Reference, scope: Scope) -> Any:
+    """Return what a reference names.
+
+    :raises MissingResult: the result does not exist for this item (semantics 6.3)
+    """
     value: Any = getattr(scope, reference.source)
     for key in (reference.name, *reference.fields):
         if not isinstance(value, Mapping) or key not in value:
@@ -92,6 +96,6 @@ def _look_up(reference: Reference, scope: Scope) -> Any:
     return value
 
 
-def _as_text(value: object) -> str:
+def as_text(value: object) -> str:
     """Write a value as YAML would: true, not Python's True."""
     return str(value).lower() if isinstance(value, bool) else str(value)

@@ -10,7 +10,8 @@ from functools import cached_property
 from typing import Any
 
 from bt_orchestrator.model.cell import DEFAULT_TIMEOUT_S, Cell, OnFailure
-from bt_orchestrator.model.reference import Template, references
+from bt_orchestrator.model.condition import Condition
+from bt_orchestrator.model.reference import Reference, references
 
 INDEX = 'index'
 """Reserved task id of the belt's own move (formats: events)."""
@@ -36,20 +37,6 @@ class Release(Enum):
 
 
 @dataclass(frozen=True)
-class Condition:
-    """A `when` or `unless` (semantics 6.5)."""
-
-    value: Template
-    equals: Any = True
-    negated: bool = False
-    """True for `unless`."""
-
-    def __str__(self) -> str:
-        word = 'unless' if self.negated else 'when'
-        return f'{word} {self.value}' + ('' if self.equals is True else f' = {self.equals}')
-
-
-@dataclass(frozen=True)
 class Task:
     """One goal to one action server (semantics 1 and 2)."""
 
@@ -69,17 +56,30 @@ class Task:
     timeout_s: float | None = DEFAULT_TIMEOUT_S
     """The task's own, else its component's; None: no limit (semantics 2.4)."""
     condition: Condition | None = None
+    """Of `when` or `unless`: whether it runs (semantics 6.5)."""
     runs_for: RunsFor = RunsFor.GOOD
     repeatable: bool = False
     """Doing it twice does no harm (semantics 2.6, 9.2)."""
     once: bool = False
     """Initialization only: skipped if it succeeded since the cell left Stopped (semantics 5.1)."""
 
+    @property
+    def comparisons(self) -> Iterator[Condition]:
+        """Every comparison of a value in its condition."""
+        if self.condition is not None:
+            yield from self.condition.comparisons
+
+    @property
+    def references(self) -> Iterator[Reference]:
+        """Every reference in its arguments and its condition."""
+        yield from references(self.args)
+        if self.condition is not None:
+            yield from self.condition.references
+
     @cached_property
     def refers(self) -> bool:
-        """Tell whether its arguments or its condition name values of the item or the order."""
-        named = (self.args, self.condition.value if self.condition is not None else None)
-        return any(True for _ in references(named))
+        """Tell whether it names values of the item or the order."""
+        return any(True for _ in self.references)
 
 
 def index_task(cell: Cell) -> Task:

@@ -12,7 +12,9 @@ from typing import Any
 
 from bt_orchestrator.script.cell_keys import CELL
 from bt_orchestrator.script.composing import compose
+from bt_orchestrator.script.conditions.condition_keys import CONDITION
 from bt_orchestrator.script.keys import Key, Kind, Table
+from bt_orchestrator.script.names import NAME_WITHOUT_DOTS
 from bt_orchestrator.script.references import OPEN
 from bt_orchestrator.script.report import Report
 from bt_orchestrator.script.script_keys import ORDER, SCRIPT
@@ -58,6 +60,10 @@ def _table(table: Table) -> Schema:
         schema['required'] = required
     if table.rivals:
         schema['allOf'] = [{'not': {'required': list(pair)}} for pair in table.rivals]
+    if table.forms:
+        schema['oneOf'] = [
+            {'required': list(form), 'maxProperties': len(form)} for form in table.forms
+        ]
     return schema
 
 
@@ -106,18 +112,24 @@ def _sections(key: Key) -> Schema:
 
 
 def _condition(key: Key) -> Schema:
-    return {'anyOf': [_reference(key), _ref(key.of[0])]}
+    return {'anyOf': [_reference(key), _ref(CONDITION)]}
 
 
 def _reference(_: Key) -> Schema:
     return {'type': 'string', 'pattern': re.escape(OPEN)}
 
 
+def _bound(_: Key) -> Schema:
+    parameter = f'^{re.escape(OPEN)}params\\.{NAME_WITHOUT_DOTS}\\}}$'
+    return {'anyOf': [{'type': 'number'}, {'type': 'string', 'pattern': parameter}]}
+
+
 def _list(key: Key) -> Schema:
     member = _member(key)
     if key.is_nested:
         member = {'anyOf': [member, {'type': 'array', 'items': member, 'minItems': 1}]}
-    return {'type': 'array', 'items': member, **_fewest('minItems', key)}
+    most = {} if key.most is None else {'maxItems': key.most}
+    return {'type': 'array', 'items': member, **_fewest('minItems', key), **most}
 
 
 def _mapping(key: Key) -> Schema:
@@ -175,6 +187,7 @@ _VALUES: Mapping[Kind, Callable[[Key], Schema]] = {
     Kind.VALUE: lambda _: {'type': _SCALARS},
     Kind.INSTANT: _text,
     Kind.REFERENCE: _reference,
+    Kind.BOUND: _bound,
     Kind.CONDITION: _condition,
     Kind.TABLE: lambda key: _ref(key.of[0]),
     Kind.MAPPING: _mapping,
@@ -186,6 +199,8 @@ _MEMBERS: Mapping[Kind | None, Callable[[Key], Schema]] = {
     Kind.TEXT: lambda _: {'type': _TEXTS, 'minLength': 1},
     Kind.VALUE: lambda _: {'type': _SCALARS},
     Kind.SECONDS: _seconds,
+    Kind.BOUND: _bound,
+    Kind.CONDITION: _condition,
     Kind.JSON: lambda _: {},
     Kind.MAPPING: lambda _: {'type': 'object'},
     Kind.LIST: lambda _: {'type': 'array', 'items': {'type': _TEXTS}, 'minItems': 2},

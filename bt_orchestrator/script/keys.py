@@ -38,7 +38,8 @@ class Kind(Enum):
     INSTANT = 'a date and time with its time zone'
     """A text; the zone must be written."""
     REFERENCE = 'a reference'
-    CONDITION = 'a reference or {value: ..., equals: ...}'
+    BOUND = 'a number or a parameter'
+    CONDITION = 'a reference or a condition'
     TABLE = 'a mapping'
     MAPPING = 'a mapping of names'
     LIST = 'a list'
@@ -72,6 +73,8 @@ class Key:
     """What members are that no table describes; None: whatever a message field may be."""
     fewest: int = 0
     """Members that a list or mapping has at least."""
+    most: int | None = None
+    """Members that a list has at most."""
     is_nested: bool = False
     """Whether a member of the list may be a list of such members."""
     form: str = ''
@@ -99,6 +102,8 @@ class Table:
     """Keys that belong elsewhere: why they are wrong here, and what to do."""
     rivals: tuple[tuple[str, str], ...] = ()
     """Pairs of keys that say the same thing; one of each pair may be given."""
+    forms: tuple[tuple[str, ...], ...] = ()
+    """Sets of keys: exactly one of them is given, whole, and no other key; none: any set is."""
     short: str = ''
     """A key whose value may stand in place of the whole mapping."""
 

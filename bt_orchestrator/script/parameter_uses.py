@@ -1,4 +1,4 @@
-"""Values of an order against the goal fields that they go into."""
+"""Values of an order against the goal fields that they go into, and the conditions they bound."""
 
 from __future__ import annotations
 
@@ -7,17 +7,19 @@ from typing import Any, NamedTuple
 
 from bt_orchestrator.model.action_type import ActionType, FieldType
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.reference import Reference, Template
+from bt_orchestrator.model.condition import Condition
+from bt_orchestrator.model.reference import Reference, Template, references
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.checks.arguments import member_type
-from bt_orchestrator.script.field_types import misfit
-from bt_orchestrator.script.references import is_single
+from bt_orchestrator.script.conditions.operands import are_crossed
+from bt_orchestrator.script.field_types import PARAMETER_TYPES, misfit
+from bt_orchestrator.script.references import FIXED, is_single
 from bt_orchestrator.script.yaml_nodes import found_value
 
 
 class Misuse(NamedTuple):
-    """A value that does not fit a field."""
+    """A value that does not fit a field, or a condition."""
 
     path: tuple[str, ...]
     """Of the order's key."""
@@ -40,7 +42,7 @@ def misfitting_uses(
     params: Mapping[str, Any],
     types: Mapping[str, ActionType],
 ) -> Iterator[Misuse]:
-    """Yield the order's values that some task's goal cannot hold, each use once."""
+    """Yield the order's values that some task's goal or condition cannot take, each use once."""
     known: dict[tuple[str, str], Any] = {('params', name): params[name] for name in params}
     known |= {('order', 'id'): order_id, ('order', 'quantity'): quantity}
     for task in script.tasks.values():
@@ -55,6 +57,55 @@ def misfitting_uses(
                     yield Misuse(
                         _path(reference), f'{what}, not {found_value(given)}', problem.hint
                     )
+        for compared in task.comparisons:
+            where = f'in a condition of the task `{task.id}`'
+            yield from _misfitting_bounds(
+                compared, where, params, _value_type(compared, script, types)
+            )
+
+
+def _misfitting_bounds(
+    compared: Condition, where: str, params: Mapping[str, Any], type_: FieldType | None
+) -> Iterator[Misuse]:
+    """Yield bounds that cannot be compared, and `between` that no value can meet (6.5)."""
+    bounds = (compared.at_least, compared.at_most)
+    given = [_bound(bound, params) for bound in bounds]
+    named = [
+        (one.name, value)
+        for bound, value in zip(bounds, given, strict=True)
+        for one in references(bound)
+    ]
+    for name, value in named:
+        problem = misfit(value, type_) if type_ is not None and value is not None else None
+        if problem is not None:
+            what = f'`params.{name}` must be {problem.needed} {where}, not {found_value(value)}'
+            yield Misuse(('params', name), what, problem.hint)
+    if named and are_crossed(*given):
+        what = f'no value is between {given[0]} and {given[1]} {where}'
+        yield Misuse(('params', named[-1][0]), what, 'the lower bound comes first')
+
+
+def _bound(bound: Any, params: Mapping[str, Any]) -> Any:
+    """Return a bound as the order has it; None if there is none."""
+    return next((params.get(one.name) for one in references(bound)), bound)
+
+
+def _value_type(
+    compared: Condition, script: Script, types: Mapping[str, ActionType]
+) -> FieldType | None:
+    """Return the type of what a condition compares; None if it is text of several parts."""
+    named = compared.value.parts[0]
+    if not is_single(compared.value) or not isinstance(named, Reference):
+        return None
+    if named.source == 'params':
+        return PARAMETER_TYPES[script.params[named.name].type]
+    if named.source != 'results':
+        return FIXED[named.source][named.name]
+    fields, type_ = types[script.tasks[named.name].component].result.fields, None
+    for name in named.fields:
+        type_ = fields[name]
+        fields = type_.message.fields if type_.message else {}
+    return type_
 
 
 def _path(reference: Reference) -> tuple[str, ...]:

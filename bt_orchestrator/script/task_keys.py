@@ -4,30 +4,9 @@ from __future__ import annotations
 
 from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.script import RunsFor
+from bt_orchestrator.script.conditions.condition_keys import CONDITION
 from bt_orchestrator.script.keys import LONGEST_SECONDS, Key, Kind, Table, action, whole, words
 from bt_orchestrator.script.names import ID_FORM
-
-CONDITION = Table(
-    'a condition',
-    (
-        Key(
-            'value',
-            Kind.REFERENCE,
-            'what is compared',
-            '"${results.inspect.size}"',
-            required=True,
-            rule='6.5',
-        ),
-        Key(
-            'equals',
-            Kind.VALUE,
-            'the value that it is compared with',
-            '3',
-            required=True,
-            rule='6.5',
-        ),
-    ),
-)
 
 _FIRST_TASK_KEYS = (
     Key(

@@ -9,7 +9,7 @@ from bt_orchestrator.model.action_type import TASK, ActionType, MessageType
 from bt_orchestrator.model.script import Task
 from bt_orchestrator.script.checks.arguments import MessageReader
 from bt_orchestrator.script.checks.references import ReferenceReader
-from bt_orchestrator.script.conditions import ConditionReader
+from bt_orchestrator.script.conditions.reader import ConditionReader
 from bt_orchestrator.script.drafts import ScriptDraft, TaskDraft
 from bt_orchestrator.script.references import has_reference
 from bt_orchestrator.script.report import Report

@@ -8,9 +8,10 @@ from typing import Protocol
 from bt_orchestrator.errors import MissingResult
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.condition import Condition, holds
 from bt_orchestrator.model.hold_words import hold_wait_words
-from bt_orchestrator.model.reference import Reference, resolve
-from bt_orchestrator.model.script import Condition, Task
+from bt_orchestrator.model.reference import resolve
+from bt_orchestrator.model.script import Task
 from bt_orchestrator.model.state import CellState, Phase, TaskState, same_args, same_task
 from bt_orchestrator.model.wait import Wait, WaitKind
 
@@ -124,19 +125,18 @@ class Subject:
         if condition is None:
             return None
         try:
-            value = resolve(condition.value, self.state.scope(self.key))
+            return None if holds(condition, self.state.scope(self.key)) else str(condition)
         except MissingResult:
             return None
-        return None if (value == condition.equals) != condition.negated else str(condition)
 
-    def missing(self) -> Reference | MissingResult | None:
-        """Return a referenced value of an argument or the condition that this item lacks."""
+    def missing(self) -> MissingResult | None:
+        """Return a value that an argument or the condition needs, and this item lacks."""
         if not self.task.refers:
             return None
         scope = self.state.scope(self.key)
         try:
             if self.task.condition is not None:
-                resolve(self.task.condition.value, scope)
+                holds(self.task.condition, scope)
             resolve(self.task.args, scope)
         except MissingResult as missing:
             return missing

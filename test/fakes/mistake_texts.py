@@ -35,7 +35,7 @@ params: {{lot: {{type: str}}, n: {{type: int}}, x: {{type: float}}, b: {{type: b
 CONDITION = """\
   2: [{{id: look, task: RUN, action: /camera/task}}, {{task: RUN, action: /camera/task,
     {}}}]
-params: {{b: {{type: bool}}, n: {{type: int}}, s: {{type: str}}}}
+params: {{b: {{type: bool}}, n: {{type: int}}, s: {{type: str}}, x: {{type: float}}}}
 """
 RELATED = """\
   2: [{id: look, task: RUN, action: /camera/task}]

@@ -6,6 +6,7 @@ Like the naive cell, which asks them, written from the page and not from the pro
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 from fakes.naive_plan import Row
 from fakes.naive_run import Item, Job, Task
@@ -16,13 +17,24 @@ def is_skipped(given: Row, item: Item) -> bool:
     if not is_for(given, item):
         return True
     for test, needed in ((given.get('when'), True), (given.get('unless'), False)):
-        if isinstance(test, dict) and (item.value(test['value']) == test['equals']) != needed:
-            return True
-        if isinstance(test, str) and item.value(test) != needed:
+        if test is not None and holds(test, item) != needed:
             return True
     for value in given.get('args', {}).values():
         item.value(value)
     return False
+
+
+def holds(test: Any, item: Item) -> bool:
+    """Tell whether a condition holds (6.5; KeyError: a value in it is missing)."""
+    if isinstance(test, str):
+        return item.value(test) is True
+    for joint, enough in (('all', all), ('any', any)):
+        if joint in test:
+            return enough([holds(part, item) for part in test[joint]])
+    value = item.value(test['value'])
+    low, high = test.get('between', (test.get('at_least', value), test.get('at_most', value)))
+    wanted = test.get('one_of', [test.get('equals', value)])
+    return value in wanted and value != test.get('not_equals') and low <= value <= high
 
 
 def is_for(given: Row, item: Item) -> bool:

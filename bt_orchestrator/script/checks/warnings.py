@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 from bt_orchestrator.errors import Finding, Refused
 from bt_orchestrator.model.cell import CONVEYOR, Cell, OnFailure
-from bt_orchestrator.model.reference import references
 from bt_orchestrator.model.script import RunsFor, Script, Task
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.composing import compose
@@ -157,8 +156,7 @@ def _never_there(task: Task, script: Script) -> Iterator[tuple[str, str]]:
     rejecting = [one for one in script.tasks.values() if one.on_failure is OnFailure.REJECT]
     if task.runs_for is not RunsFor.REJECTED or not rejecting:
         return
-    named = dict.fromkeys(references((task.args, task.condition and task.condition.value)))
-    for one in named:
+    for one in dict.fromkeys(task.references):
         giver = script.tasks[one.name] if one.source == 'results' else task
         if giver.runs_for is RunsFor.GOOD and all(
             _is_at_or_behind(places[giver.id], places[r.id]) for r in rejecting

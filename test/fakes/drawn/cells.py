@@ -70,7 +70,7 @@ def _component(draw: Draw, name: str, place: Any, number: int, traits: Traits) -
         seconds = 0.2 + seconds / 10 + number * 0.0171
     found['durations'] = dict.fromkeys(('PREPARE', 'TASK_A', 'TASK_B'), seconds)
     if chance(draw, 20):
-        found['results'] = {'TASK_A': {'item_present': False}}
+        found['results'] = {'TASK_A': {'item_present': False, 'measurement': 2.5}}
     if traits.faults and (faults := _faults(draw, 15)):
         found['faults'] = faults
     return found

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from fakes.drawn.conditions import draw_comparison, draw_condition
 from fakes.drawn.links import draw_flags, draw_initialization, draw_zones
 from fakes.drawn.plan import Draw, Row, Traits, chance, tasks_of
 from hypothesis import strategies as st
@@ -117,9 +118,9 @@ class DrawnScript:
             if chance(draw, 30):
                 task['args'] = {'special_argument_2': f'${{results.{read}.measurement}}'}
             else:
-                task[key] = f'${{results.{read}.item_present}}'
+                task[key] = draw_condition(draw, read)
         else:
-            task[key] = {'value': '${item.number}', 'equals': draw(st.integers(1, 3))}
+            task[key] = draw_comparison(draw, '${item.number}')
 
     def _needs_belt(self, step: Row) -> bool:
         return any(task.get('requires_conveyor', True) for task in tasks_of([step]))

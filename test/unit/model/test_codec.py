@@ -10,13 +10,22 @@ import pytest
 from fakes.line import THREE, Line, with_section
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.codec import digest, event_types, from_record, to_record, to_text
+from bt_orchestrator.model.codec import (
+    digest,
+    event_types,
+    from_plain,
+    from_record,
+    to_plain,
+    to_record,
+    to_text,
+)
+from bt_orchestrator.model.condition import Condition
 from bt_orchestrator.model.reference import Reference, Template
 
 SCRIPT = Line().script(
     """
     quantity: 3
-    params: {label: {type: str, default: none}}
+    params: {label: {type: str, default: none}, least: {type: float, default: 0.5}}
     initialization:
       - {id: home, task: HOME, action: /belt/do, once: true}
       - {id: ready, @a1.PREPARE}
@@ -30,6 +39,15 @@ SCRIPT = Line().script(
             - {id: look, @a2, args: {special_argument_1: "for ${params.label}"}}
             - [{id: two, @b2, repeatable: true}, {id: three, @b2}]
           - {id: more, @b2, requires_conveyor: false, unless: "${results.look.item_present}"}
+          - id: measured
+            task: TASK_A
+            action: /b2/do
+            requires_conveyor: false
+            when:
+              any:
+                - {value: "${results.look.measurement}", between: ["${params.least}", 2.5]}
+                - {all: [{value: "${item.number}", not_equals: 0}, "${results.look.item_present}"]}
+                - {value: "${params.label}", one_of: [a, b]}
       3: [{id: pack, @a3, qty_change: -1, runs_for: all}]
     lateral_dependencies: [{flag: seen, upstream: look, downstream: pack, capacity: 2}]
     zones: {table: [two, pack]}
@@ -172,6 +190,15 @@ def test_scripts_that_say_the_same_have_one_digest() -> None:
     line = Line()
     assert digest(line.script(THREE)) == digest(line.script(THREE))
     assert digest(line.script(THREE)) != digest(line.script(with_section(2, '- {id: w, @b2}')))
+
+
+def test_conditions_of_older_scripts_are_read_and_keep_their_digest() -> None:
+    boolean = {'value': {'$': [{'source': 'params', 'name': 'b'}]}, 'negated': True}
+    named = Template((Reference('params', 'b'),))
+    assert from_plain(Condition, boolean) == Condition(named, negated=True)
+    assert to_plain(Condition(named, negated=True)) == boolean
+    number = {**boolean, 'equals': 3}
+    assert to_plain(from_plain(Condition, number)) == number
 
 
 def test_a_digest_survives_the_journal() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import inf, nan
+
 import pytest
 from fakes.line import THREE, Line, with_section
 from fakes.operator import ann
@@ -288,3 +290,84 @@ def test_6_5_a_condition_on_a_missing_result_ends_the_attempt() -> None:
     )
     run = Line(faults={'a2': '#1=abort'}).run(text)
     assert run.reasons() == ['aborted', 'missing_result']
+
+
+WEIGHED = """
+params:
+  least: {type: float, default: 1.0}
+  kind: {type: str, default: tall}
+  n: {type: int, default: 2}
+sections:
+  1: [{id: place, @a1, qty_change: 1}]
+  2: [{id: look, @a2}]
+  3: [{id: work, @b3, CONDITION}, {id: pack, @a3, qty_change: -1}]
+"""
+WEIGHT = '{value: "${results.look.measurement}", '
+
+
+def weighed(condition: str) -> str:
+    return WEIGHED.replace('CONDITION', condition)
+
+
+@pytest.mark.parametrize(
+    ('condition', 'runs'),
+    [
+        (f'when: {WEIGHT}at_least: 2.5}}', True),
+        (f'when: {WEIGHT}at_least: 2.6}}', False),
+        (f'when: {WEIGHT}at_most: 2.5}}', True),
+        (f'when: {WEIGHT}at_most: 2.4}}', False),
+        (f'when: {WEIGHT}between: [2.5, 3]}}', True),
+        (f'when: {WEIGHT}between: [2, 2.5]}}', True),
+        (f'when: {WEIGHT}between: [2.6, 3]}}', False),
+        (f'when: {WEIGHT}between: [2, 2.4]}}', False),
+        (f'unless: {WEIGHT}between: ["${{params.least}}", "${{params.n}}"]}}', True),
+        ('when: {value: "${params.kind}", not_equals: small}', True),
+        ('when: {value: "${params.kind}", not_equals: tall}', False),
+        ('when: {value: "${item.number}", not_equals: 0}', True),
+        ('when: {value: "${params.kind}", one_of: [small, tall]}', True),
+        ('unless: {value: "${params.n}", one_of: [1, 2]}', False),
+        ('when: {value: "${params.n}", one_of: [0, 1]}', False),
+        (f'when: {{all: ["${{results.look.item_present}}", {WEIGHT}at_least: 3}}]}}', False),
+        (f'when: {{all: ["${{results.look.item_present}}", {WEIGHT}at_least: 2}}]}}', True),
+        (f'when: {{any: ["${{results.look.item_present}}", {WEIGHT}at_least: 3}}]}}', True),
+        (f'unless: {{any: [{WEIGHT}at_most: 2}}, {WEIGHT}at_least: 3}}]}}', True),
+    ],
+)
+def test_6_5_values_are_compared(condition: str, runs: bool) -> None:
+    run = Line(results={'a2': {'measurement': 2.5}}).run(weighed(condition))
+    assert bool(run.starts('work')) is runs
+    assert run.ended
+
+
+@pytest.mark.parametrize('value', [nan, inf, -inf])
+@pytest.mark.parametrize(
+    'condition',
+    [
+        f'when: {WEIGHT}at_least: 2.5}}',
+        f'unless: {WEIGHT}at_most: 2.5}}',
+        'when: {value: "a ${results.look.measurement}", not_equals: b}',
+        f'when: {{any: ["${{results.look.item_present}}", {WEIGHT}at_least: 3}}]}}',
+    ],
+)
+def test_6_5_what_is_no_finite_number_meets_no_condition(condition: str, value: float) -> None:
+    run = Line(results={'a2': {'measurement': value}}).run(weighed(condition))
+    assert run.reasons() == ['missing_result']
+    (hold,) = run.state.holds.values()
+    assert hold.message == f'${{results.look.measurement}} is {value}, which is no finite number'
+
+
+@pytest.mark.parametrize('joint', ['all', 'any'])
+def test_6_5_no_other_part_hides_a_missing_result(joint: str) -> None:
+    text = weighed(
+        f'when: {{{joint}: [{{value: "${{params.n}}", at_least: NUMBER}}, {WEIGHT}at_least: 3}}]}}'
+    ).replace('id: look, @a2', 'id: look, @a2, on_failure: continue')
+    for number in (1, 3):
+        run = Line(faults={'a2': '#1=abort'}).run(text.replace('NUMBER', str(number)))
+        assert run.reasons() == ['aborted', 'missing_result']
+
+
+def test_6_5_a_bound_may_be_a_parameter_of_the_order() -> None:
+    line = Line(results={'a2': {'measurement': 2.5}})
+    text = weighed(f'when: {WEIGHT}at_least: "${{params.least}}"}}')
+    assert line.run(text, least=2.5).starts('work')
+    assert not line.run(text, least=2.6).starts('work')

@@ -17,13 +17,16 @@ if TYPE_CHECKING:
 
 STRUCTURAL = re.compile(
     r'.* (has no key|needs the key `(?!task`)|has no value;|cannot be `\w*`; write one of'
+    r'|needs one of|needs two bounds|has no (conditions|values)|has one comparison|stands beside'
     r'|must be (a mapping|a list|a number|one of|at least|at most|greater|true or false'
     r'|a date|a (whole|section) number))'
     r'|.*`\w+` is empty'
 )
 """Findings that one file alone is enough for."""
 
-BEYOND = re.compile(r'.*\([\w/]+(\[[\w<=]*\])?\)|.*, not the number \d+\.0;')
+BEYOND = re.compile(
+    r'.*\([\w/]+(\[[\w<=]*\])?\)|.*, not the number \d+\.0;|.*; refer to a value of that type'
+)
 """Findings that a ROS 2 type or a parameter is needed for: they name it. And 2.0, where 2 is
 needed: to a schema they are the same."""
 

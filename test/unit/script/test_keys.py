@@ -33,6 +33,7 @@ READERS = {
     Kind.SECTIONS: Fields.value,
     Kind.VALUE: Fields.value,
     Kind.REFERENCE: Fields.value,
+    Kind.BOUND: Fields.value,
     Kind.CONDITION: Fields.value,
 }
 

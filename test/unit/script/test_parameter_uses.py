@@ -48,3 +48,52 @@ def test_initialization_is_checked_too() -> None:
 def test_a_missing_package_is_told() -> None:
     with pytest.raises(UnknownActionType, match='nav_interfaces is not installed'):
         action_types(cell(), FakeActionTypes(without='nav_interfaces'))
+
+
+BOUNDED = """\
+  2: [{{id: look, task: RUN, action: /camera/task}}]
+  3: [{{task: TASK_A, action: /press/task, when: {{value: "${{{}}}", {}}}}}]
+params: {{low: {{type: int}}, high: {{type: int}}, x: {{type: float}}, y: {{type: float}}}}
+"""
+TOO_LARGE = (
+    '`params.low` must be a whole number from -2147483648 to 2147483647 (int32) '
+    'in a condition of the task `3.1`, not the number 2147483648'
+)
+AT_LOW, BETWEEN = 'at_least: "${params.low}"', 'between: ["${params.low}", "${params.high}"]'
+
+
+@pytest.mark.parametrize(
+    ('value', 'comparison', 'params', 'expected'),
+    [
+        ('results.look.count', AT_LOW, {'low': 7}, []),
+        (
+            'results.look.count',
+            AT_LOW,
+            {'low': 2**31},
+            [TOO_LARGE],
+        ),
+        ('results.look.pose.position.x', 'at_most: "${params.x}"', {'x': 2.5}, []),
+        ('results.look.value', BETWEEN, {'low': 3, 'high': 3}, []),
+        (
+            'results.look.value',
+            BETWEEN,
+            {'low': 4, 'high': 3},
+            ['no value is between 4 and 3 in a condition of the task `3.1`'],
+        ),
+        (
+            'results.look.value',
+            'between: [1.5, "${params.x}"]',
+            {'x': 1.25},
+            ['no value is between 1.5 and 1.25 in a condition of the task `3.1`'],
+        ),
+        ('params.y', 'between: ["${params.x}", 9]', {'x': 1.25, 'y': 99.0}, []),
+        ('item.number', AT_LOW, {'low': None}, []),
+        ('params.high', BETWEEN, {'low': 4, 'high': None}, []),
+    ],
+)
+def test_bounds_of_an_order(
+    value: str, comparison: str, params: dict[str, object], expected: list[str]
+) -> None:
+    script = line(BOUNDED.format(value, comparison))
+    uses = misfitting_uses(script, 'WO-1', 1, params, TYPES)
+    assert [use.what for use in uses] == expected

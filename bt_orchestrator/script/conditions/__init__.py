@@ -1,0 +1,1 @@
+"""Conditions of tasks: their keys, and reading them (semantics 6.5)."""
