@@ -36,6 +36,7 @@ VERBS: Mapping[str, tuple[str, str]] = {
     'status': ('status', 'how the cell of a running node stands'),
     'watch': ('watch', 'a running node on the terminal, as it changes'),
     'page': ('page.verb', 'the operator page of a running node, for any browser'),
+    'opcua': ('opcua.verb', 'the OPC UA server of a running node, for an MES or a SCADA'),
     'events': ('events', 'what happens at a running node, or what a journal says happened'),
     'history': ('history', 'the jobs of a journal and what became of them'),
     'journal': ('journal', 'bring a backup of a journal back'),
@@ -55,7 +56,7 @@ VERBS: Mapping[str, tuple[str, str]] = {
 """Module and one line of help of each verb; empty: it is in the table of requests. A module has
 `add_arguments` and `run`."""
 
-TAKE_ROS_ARGUMENTS = ('run', 'sim-cell', 'demo', 'page')
+TAKE_ROS_ARGUMENTS = ('run', 'sim-cell', 'demo', 'page', 'opcua')
 """Verbs that are ROS 2 nodes: --ros-args is for them, up to -- or the end."""
 
 INTERRUPTED = 130

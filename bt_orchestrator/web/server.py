@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import errno
 import socket
 import threading
 from collections.abc import Iterator
@@ -13,7 +12,7 @@ from typing import Any
 import uvicorn
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
-from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.doors.listening import bound, url_host
 from bt_orchestrator.web.app import make_app
 from bt_orchestrator.web.page import Page
 from bt_orchestrator.web.stream import PIECE, SEND_LIMIT_S
@@ -28,20 +27,16 @@ FAREWELL_S = 1
 """Longest wait for requests that are carried out while the page ends."""
 
 
-class PageUnusable(OrchestratorError):
-    """The page cannot be served as it was asked for."""
-
-
 class PageServer:
     """States: bound, running, ended."""
 
     def __init__(self, page: Page) -> None:
         """Take the address; requests wait until it runs.
 
-        :raises PageUnusable: the address is in use, or none of this computer's
+        :raises CannotListen: the address is in use, or none of this computer's
         """
         self._page = page
-        self._socket = _bound(page.access.host, page.access.port)
+        self._socket = bound(page.access.host, page.access.port, _prepare)
         self._stopped = threading.Event()
         self._loop: asyncio.AbstractEventLoop | None = None
         self._error: BaseException | None = None
@@ -57,7 +52,7 @@ class PageServer:
         """What to type into a browser."""
         host, has_tls = self._page.access.host, self._page.access.has_tls
         scheme = 'https' if has_tls else 'http'
-        return f'{scheme}://{f"[{host}]" if ":" in host else host}:{self.port}/'
+        return f'{scheme}://{url_host(host)}:{self.port}/'
 
     @contextlib.contextmanager
     def running(self) -> Iterator[None]:
@@ -159,34 +154,9 @@ class Protocol(H11Protocol):
             transport.abort()
 
 
-def _bound(host: str, port: int) -> socket.socket:
-    try:
-        family, kind, protocol, _, address = socket.getaddrinfo(
-            host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
-        )[0]
-        with contextlib.ExitStack() as stack:
-            bound = stack.enter_context(socket.socket(family, kind, protocol))
-            _prepare(bound)
-            bound.bind(address)
-            bound.listen()
-            stack.pop_all()
-    except OSError as error:
-        raise PageUnusable(_why(host, port, error)) from error
-    return bound
-
-
-def _prepare(bound: socket.socket) -> None:
+def _prepare(taken: socket.socket) -> None:
     """Set what connections inherit."""
-    bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-    bound.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
+    taken.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
     if hasattr(socket, 'TCP_USER_TIMEOUT'):  # the kernel ends a connection that takes nothing
         limit_ms = int(SEND_LIMIT_S * 1000)
-        bound.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, limit_ms)
-
-
-def _why(host: str, port: int, error: OSError) -> str:
-    if error.errno == errno.EADDRINUSE:
-        return f'port {port} of {host} is in use by another program; name another --port'
-    if error.errno == errno.EACCES:
-        return f'port {port} of {host} is not for this user; name a --port of 1024 or more'
-    return f'cannot listen at {host}, port {port}: {error.strerror or error}; see --host'
+        taken.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, limit_ms)

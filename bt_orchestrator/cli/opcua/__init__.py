@@ -1,1 +1,1 @@
-"""The verb `opcua`."""
+"""The verb `opcua`, and what it is made of."""

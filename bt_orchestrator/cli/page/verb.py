@@ -13,8 +13,8 @@ from bt_orchestrator.cli.door import open_door
 from bt_orchestrator.cli.folders import add_trees_option, script_folders
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.page.access_options import access_of, add_access_options
-from bt_orchestrator.cli.page.page_log import page_log
 from bt_orchestrator.cli.planning_process import PlanningProcess
+from bt_orchestrator.cli.server_log import server_log
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.ports import CellLink
 from bt_orchestrator.stop_signals import StopSignals
@@ -23,6 +23,8 @@ DESCRIPTION = """\
 Serve the operator page of a tree node, for any browser: the line as it changes, holds and their
 answers, jobs, the queue. One process for each node; it may be stopped and started at any time, and
 the line never notices. The node need not run yet. Ctrl-C ends it."""
+
+ROOM = 'bt_orchestrator.web'
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -58,7 +60,7 @@ def run(args: argparse.Namespace) -> int:
         trees=script_folders(args.trees),
         planning=PlanningProcess(script_folders(args.trees)),
     )
-    with StopSignals() as stop, page_log():
+    with StopSignals() as stop, server_log(ROOM):
         server = PageServer(Page(args.node, opened, access, sources))
         with server.running():
             print(f'page ready: {server.address} shows {args.node}', flush=True)

@@ -14,7 +14,8 @@ from fakes.quick_users import write_users
 from bt_orchestrator.cli.main import main
 from bt_orchestrator.cli.page import verb
 from bt_orchestrator.cli.page.access_options import access_of
-from bt_orchestrator.cli.page.page_log import ROOM, page_log
+from bt_orchestrator.cli.page.verb import ROOM
+from bt_orchestrator.cli.server_log import server_log
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.web.access import IDLE_S, PORT, Access
 
@@ -86,7 +87,7 @@ def test_packages_that_are_missing_are_named(
 
 
 def test_what_others_wrote_is_no_line_of_the_log(capsys: pytest.CaptureFixture[str]) -> None:
-    with page_log():
+    with server_log(ROOM):
         logging.getLogger(f'{ROOM}.people').info('%s', 'eve\n2026 INFO ann logged in\x1b[2J')
     logging.getLogger(f'{ROOM}.people').info('later')
     (line,) = capsys.readouterr().err.splitlines()

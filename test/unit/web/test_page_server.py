@@ -20,6 +20,7 @@ from fakes.certificates import make_certificate
 from web.sse_client import PATIENCE_S, SseClient
 from web.stand_cell import StandCell
 
+from bt_orchestrator.doors.listening import CannotListen
 from bt_orchestrator.model.codec import to_record
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.order import WorkOrder
@@ -29,7 +30,7 @@ from bt_orchestrator.web import server as server_module
 from bt_orchestrator.web import stream as stream_module
 from bt_orchestrator.web.access import Access
 from bt_orchestrator.web.page import Page
-from bt_orchestrator.web.server import PageServer, PageUnusable
+from bt_orchestrator.web.server import PageServer
 
 SPEED = 20.0
 
@@ -324,12 +325,12 @@ class TestServer:
         with socket.create_server(('127.0.0.1', 0)) as other:
             port = other.getsockname()[1]
             page = Page('/x', scene.cell.open_door, access(port=port))
-            with pytest.raises(PageUnusable, match=rf'port {port} of 127\.0\.0\.1 is in use'):
+            with pytest.raises(CannotListen, match=rf'port {port} of 127\.0\.0\.1 is in use'):
                 PageServer(page)
 
     def test_an_address_of_another_computer_is_a_sentence(self, scene: Scene) -> None:
         page = Page('/x', scene.cell.open_door, access('192.0.2.1'))
-        with pytest.raises(PageUnusable, match=r'cannot listen at 192\.0\.2\.1'):
+        with pytest.raises(CannotListen, match=r'cannot listen at 192\.0\.2\.1'):
             PageServer(page)
 
     def test_both_doors_are_open_before_anybody_asks(self, scene: Scene) -> None:

@@ -1,4 +1,4 @@
-"""What the page writes while it runs: one line for each login, command and error."""
+"""What a server writes while it runs: one line for each login, command and error."""
 
 from __future__ import annotations
 
@@ -7,13 +7,14 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-ROOM = 'bt_orchestrator.web'
-
 
 @contextmanager
-def page_log() -> Iterator[None]:
-    """Write to the standard error as long as the context is open."""
-    log, handler = logging.getLogger(ROOM), logging.StreamHandler(sys.stderr)
+def server_log(room: str) -> Iterator[None]:
+    """Write to the standard error as long as the context is open.
+
+    :param room: package whose log is written
+    """
+    log, handler = logging.getLogger(room), logging.StreamHandler(sys.stderr)
     handler.setFormatter(OneLine('%(asctime)s %(levelname)s %(message)s'))
     level = log.level
     log.setLevel(logging.INFO)
@@ -26,7 +27,7 @@ def page_log() -> Iterator[None]:
 
 
 class OneLine(logging.Formatter):
-    """Keeps what others have written from looking like lines of the page."""
+    """Keeps what others have written from looking like lines of the server."""
 
     def formatMessage(self, record: logging.LogRecord) -> str:  # noqa: N802 - of the base
         """Return the line; a traceback may follow."""

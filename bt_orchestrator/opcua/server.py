@@ -1,0 +1,157 @@
+"""The OPC UA server: an address, and a loop in a thread of its own."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import threading
+from collections.abc import Awaitable, Callable, Iterator, Sequence
+
+from asyncua import Server
+
+from bt_orchestrator.doors.listening import bound, cannot_listen, url_host
+from bt_orchestrator.model.roles import Role
+from bt_orchestrator.opcua import nodesets
+from bt_orchestrator.opcua.access import Access
+from bt_orchestrator.opcua.bridge import Bridge
+from bt_orchestrator.opcua.callers import CALLER, Caller
+from bt_orchestrator.opcua.part import Part
+from bt_orchestrator.opcua.simple import Simple
+from bt_orchestrator.opcua.space import Space
+from bt_orchestrator.opcua.stack import make_stack
+
+PARTS: Sequence[Callable[[Bridge], Part]] = (Simple,)
+"""Each is made anew for each cell."""
+
+
+class OpcUaServer:
+    """States: bound, running, open, ended.
+
+    The port is opened when it is known how the cell stands: before, clients would see that all
+    orders are gone.
+    """
+
+    def __init__(self, bridge: Bridge, access: Access) -> None:
+        """Take the address; clients are refused until the cell is known.
+
+        :raises CannotListen: the address is in use, or none of this computer's
+        """
+        self._bridge = bridge
+        self._access = access
+        # Keeps the port for the whole life; the stack listens at it with a socket of its own.
+        self._socket = bound(access.host, access.port, lambda _: None, listens=False)
+        self._stopped = threading.Event()
+        self._opened = threading.Event()
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._error: BaseException | None = None
+        self._thread = threading.Thread(target=self._run, name='opcua: server', daemon=True)
+
+    @property
+    def port(self) -> int:
+        """The port that it has."""
+        return int(self._socket.getsockname()[1])
+
+    @property
+    def address(self) -> str:
+        """What a client is given."""
+        return f'opc.tcp://{url_host(self._access.host)}:{self.port}'
+
+    @contextlib.contextmanager
+    def running(self) -> Iterator[None]:
+        """Serve as long as the context is open."""
+        self._thread.start()
+        try:
+            yield
+        finally:
+            self.stop()
+            self._thread.join()
+            self._bridge.join()
+
+    def stop(self) -> None:
+        """End it; from any thread."""
+        self._stopped.set()
+        self._opened.set()
+        loop = self._loop
+        if loop is not None:
+            with contextlib.suppress(RuntimeError):  # it has ended
+                loop.call_soon_threadsafe(self._end.set)
+
+    def wait_until_open(self, within_s: float | None = None) -> bool:
+        """Wait until clients can connect, or it was stopped; tells whether it is so."""
+        return self._opened.wait(within_s)
+
+    @property
+    def is_stopped(self) -> bool:
+        """Tell whether it was stopped, or cannot go on."""
+        return self._stopped.is_set()
+
+    def wait(self) -> None:
+        """Wait until it was stopped, or cannot go on; raises why it cannot."""
+        self._stopped.wait()
+        error = self._error or self._bridge.error
+        if error is not None:
+            raise error
+
+    # --- the thread -------------------------------------------------------------------------
+
+    def _run(self) -> None:
+        try:
+            asyncio.run(self._serve())
+        except BaseException as error:  # noqa: BLE001 - `wait` raises it
+            self._error = error
+        finally:
+            self._stopped.set()
+            self._opened.set()
+
+    async def _serve(self) -> None:
+        self._end = asyncio.Event()
+        self._loop = asyncio.get_running_loop()
+        if self._stopped.is_set():  # before there was a loop to tell
+            self._end.set()
+        self._bridge.start(self.stop)
+        try:
+            while await self._before_end(self._bridge.caught_up()):
+                await self._serve_cell()
+        finally:
+            self._bridge.end()
+            self._socket.close()
+
+    async def _serve_cell(self) -> None:
+        """Serve until the end, or until something else exists in the cell."""
+        bridge = self._bridge
+        server = await make_stack(bridge.node, self._access, self.address)
+        if self._access.local_user:
+            # What sessions run in inherits it: asyncua starts them from here.
+            CALLER.set(Caller(self._access.local_user, Role.ENGINEER, 'insecure'))
+        server.socket_address = self._socket.getsockname()[:2]
+        loaded = await nodesets.load(server, bridge.sources.nodesets)
+        space = await Space.of(server, bridge.description.cell, loaded)
+        parts = [make(bridge) for make in PARTS]
+        for part in parts:
+            await part.build(space)
+        bridge.serve(parts, space.values)
+        await space.values.write()
+        try:
+            await self._listen(server)
+            self._opened.set()
+            await self._before_end(bridge.other_cell.wait())
+        finally:
+            bridge.leave()
+            space.values.close()
+            await server.stop()
+
+    async def _listen(self, server: Server) -> None:
+        try:
+            await server.start()
+        except OSError as error:
+            raise cannot_listen(self._access.host, self.port, error) from error
+
+    async def _before_end(self, work: Awaitable[object]) -> bool:
+        """Wait for something; tells whether it came before the end."""
+        end, task = asyncio.ensure_future(self._end.wait()), asyncio.ensure_future(work)
+        try:
+            await asyncio.wait((end, task), return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            end.cancel()
+            task.cancel()
+        return not self._end.is_set()

@@ -1,0 +1,107 @@
+"""The OPC UA server with a cell in virtual time behind it, in real-time pace and without ROS 2.
+
+    .venv/jazzy/bin/python test/opcua_stand.py --port 4840
+
+kill -USR1 PID switches the node off, and on again.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import signal
+import sys
+import tempfile
+from collections.abc import Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from web.stand_cell import StandCell
+
+    from bt_orchestrator.opcua.server import OpcUaServer
+    from bt_orchestrator.ports import EventStore
+
+PATIENCE_S = 30.0
+"""The longest wait for something that must come."""
+
+
+@contextmanager
+def opcua_stand(
+    folder: Path,
+    *,
+    port: int = 0,
+    sections: int = 5,
+    faults: Sequence[str] | None = (),
+    speed: float = 20.0,
+    store: EventStore | None = None,
+) -> Iterator[tuple[StandCell, OpcUaServer]]:
+    """Serve a cell to whoever connects without encryption; everybody is an engineer."""
+    from web.stand_cell import StandCell
+
+    from bt_orchestrator.store.memory import MemoryStore
+
+    stand = StandCell(
+        folder, store or MemoryStore(), sections=sections, faults=faults, speed=speed
+    )
+    with served(stand, port) as server:
+        yield stand, server
+
+
+@contextmanager
+def served(stand: StandCell, port: int = 0) -> Iterator[OpcUaServer]:
+    """Serve a cell that there is."""
+    from fakes.shipped import TREES
+
+    from bt_orchestrator.opcua.access import Access
+    from bt_orchestrator.opcua.bridge import Bridge, Sources
+    from bt_orchestrator.opcua.server import OpcUaServer
+
+    bridge = Bridge(stand.node.name, stand.open_door, Sources(trees=(TREES,)))
+    server = OpcUaServer(bridge, Access(Path('no users'), port=port, local_user='stand'))
+    with server.running():
+        assert server.wait_until_open(PATIENCE_S), 'the server did not open its port'
+        if server.is_stopped:
+            server.wait()  # raises why
+        yield server
+
+
+def main() -> int:
+    """Serve until Ctrl-C."""
+    args = _arguments()
+    from bt_orchestrator.stop_signals import StopSignals
+
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        StopSignals() as stop,
+        opcua_stand(
+            Path(folder),
+            port=args.port,
+            sections=args.sections,
+            faults=args.fail,
+            speed=args.speed,
+        ) as (stand, server),
+    ):
+        signal.signal(signal.SIGUSR1, lambda *_: stand.switch())
+        sys.stdout.write(f'process {os.getpid()}, {server.address}\n')
+        sys.stdout.flush()
+        stop.notify(server.stop)
+        server.wait()
+    return 0
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument('--port', type=int, default=4840)
+    parser.add_argument('--sections', type=int, default=5, help='5, 20, 100 …')
+    parser.add_argument('--fail', action='append', help='COMPONENT.FAULT; default: a hold')
+    parser.add_argument('--speed', type=float, default=1.0)
+    return parser.parse_args()
+
+
+if __name__ == '__main__':
+    sys.path.insert(0, str(Path(__file__).parent))
+    sys.exit(main())
