@@ -14,7 +14,7 @@ from page_process import free_port
 URI = 'urn:bt_orchestrator:test'
 
 
-@uamethod
+@uamethod  # type: ignore[untyped-decorator]
 def add(parent: ua.NodeId, one: int, other: int) -> int:
     return one + other
 
