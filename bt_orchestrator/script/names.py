@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+from bt_orchestrator.model.jobs.order import order_id_fault
 from bt_orchestrator.script.report import Place, Report
 from bt_orchestrator.script.yaml_nodes import quoted
 
@@ -53,7 +54,7 @@ def _check(
 
 def check_order_id(text: str, place: Place, report: Report) -> bool:
     """Report an order id that cannot be one: it begins the ids of the items, `<order>/<n>`."""
-    fault = _order_fault(text)
+    fault = order_id_fault(text)
     if fault is None:
         return True
     legal = re.sub(r'[^\w .-]+', '-', text).strip(' -')[:LONGEST_NAME] or 'WO-1001'
@@ -61,19 +62,3 @@ def check_order_id(text: str, place: Place, report: Report) -> bool:
         place, f'{quoted(text)} cannot be an order id: {fault}', f'write for instance `{legal}`'
     )
     return False
-
-
-def _order_fault(text: str) -> str | None:
-    if not text:
-        return 'it is empty'
-    if '/' in text:
-        return 'a slash separates the order from the number of the item'
-    if text != text.strip():
-        return 'it begins or ends with a space'
-    if not text.isprintable():
-        return 'it has characters that cannot be printed'
-    return (
-        f'it has {len(text)} characters, at most {LONGEST_NAME} are allowed'
-        if (len(text) > LONGEST_NAME)
-        else None
-    )

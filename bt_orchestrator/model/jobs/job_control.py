@@ -14,9 +14,9 @@ Change = Mapping[JobWord | None, JobWord | None]
 """State before and after; None: there is no such job."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Method:
-    """One thing that can be asked of a job."""
+    """One thing that can be asked of a job; there is one of each."""
 
     name: str
     """Method name in ISA-95 Job Control."""

@@ -58,3 +58,21 @@ class Job:
     def item(self, number: int) -> str:
         """Return the id of an item; numbers count from 1."""
         return f'{self.id}/{number}'
+
+
+LONGEST_ORDER_ID = 64
+
+
+def order_id_fault(text: str) -> str | None:
+    """Say why a text cannot be an order id, which begins the ids of its items; None: it can."""
+    if not text:
+        return 'it is empty'
+    if '/' in text:
+        return 'a slash separates the order from the number of the item'
+    if text != text.strip():
+        return 'it begins or ends with a space'
+    if not text.isprintable():
+        return 'it has characters that cannot be printed'
+    if len(text) > LONGEST_ORDER_ID:
+        return f'it has {len(text)} characters, at most {LONGEST_ORDER_ID} are allowed'
+    return None

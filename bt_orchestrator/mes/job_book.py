@@ -1,0 +1,258 @@
+"""The listed jobs at every record of the journal, and each change of the state of one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.cell import OnFailure
+from bt_orchestrator.model.jobs.isa95 import OVER, JobWord
+from bt_orchestrator.model.jobs.job_record import BY_HAND, MISSING
+from bt_orchestrator.model.status import CellStatus, JobStatus, ListedJob
+from bt_orchestrator.model.stop_reason import WORDS, Interruption, StopReason
+
+
+@dataclass(frozen=True)
+class News:
+    """A job has another state, at a record."""
+
+    job: ListedJob
+    """As it is then."""
+    before: JobWord | None
+    """Its state before; None: it is new."""
+    seq: int
+    time: float
+    interrupted: str = ''
+    """Why the line stands still, in words; empty: it does not."""
+
+
+@dataclass
+class _Entry:
+    """A listed job, and what a status does not tell of it."""
+
+    job: ListedJob
+    is_paused: bool = False
+    """An operator paused it, as far as this can be told."""
+    nonconforming: set[str] = field(default_factory=set)
+    """Its items that are."""
+
+    @property
+    def is_at_work(self) -> bool:
+        """Tell whether it is on the line: what stops the line interrupts it."""
+        return self.job.status.started_at is not None and self.job.status.state not in OVER
+
+    def set(self, **values: Any) -> None:
+        """Change fields of its status."""
+        self.job = replace(self.job, status=replace(self.job.status, **values))
+
+    def count(self, name: str) -> None:
+        """Count one more."""
+        self.set(**{name: getattr(self.job.status, name) + 1})
+
+
+class JobBook:
+    """Begins with the jobs that a cell lists, then follows its events.
+
+    A status leaves out states that last for a moment; the events have them all.
+    """
+
+    def __init__(self) -> None:
+        self._entries: dict[str, _Entry] = {}
+        self._stop_reason: StopReason | None = None
+        self._stop_message = ''
+        self.seq = 0
+        """The last event that is contained."""
+
+    def begin(self, status: CellStatus | None = None, listed: Iterable[ListedJob] = ()) -> None:
+        """Begin anew.
+
+        :param status: events up to it are known; None: nothing is
+        :param listed: what is told of jobs beside it
+        """
+        self._entries = {one.status.id: _Entry(one) for one in listed}
+        self._stop_reason, self._stop_message, self.seq = None, '', 0
+        if status is not None:
+            self.seq = status.seq
+            self.agree(status)
+
+    def agree(self, status: CellStatus) -> None:
+        """Take over what a status says of its jobs, if it is of the last event that was heard."""
+        if status.seq != self.seq:
+            return
+        self._stop_reason, self._stop_message = status.stop_reason, status.stop_message
+        for job in status.jobs:
+            entry = self._entries.setdefault(job.id, _Entry(ListedJob(job)))
+            entry.job = replace(entry.job, status=job)
+            if status.stop_reason is None and job.state is JobWord.SUSPENDED:
+                entry.is_paused = True
+
+    def take(self, listed: Iterable[ListedJob]) -> None:
+        """Take in parameters, details and reasons; states are known better here."""
+        for one in listed:
+            entry = self._entries.setdefault(one.status.id, _Entry(one))
+            entry.job = replace(one, status=entry.job.status)
+
+    def get(self, job: str) -> ListedJob | None:
+        """Return a job; None: it is not listed, as far as is known here."""
+        entry = self._entries.get(job)
+        return None if entry is None else entry.job
+
+    @property
+    def interrupted(self) -> str:
+        """Why the line stands still, in words; empty: it does not."""
+        return self._stop_message if self._stop_reason is not None else ''
+
+    def follow(self, event: e.Event) -> list[News]:
+        """Take in the next event; return the changes of state."""
+        if event.seq <= self.seq:
+            return []
+        self.seq = event.seq
+        if isinstance(event, e.StopReasonChanged):
+            known = {one.value: one for one in StopReason}
+            self._stop_reason = known.get(event.stop_reason)
+            self._stop_message = event.reason
+            at_work = [entry for entry in self._entries.values() if entry.is_at_work]
+            return list(self._news(event, [(one, one.job.status.state) for one in at_work]))
+        entry, before = self._concerned(event)
+        if isinstance(event, (e.JobRemoved, e.JobCleared)):
+            self._entries.pop(event.job, None)
+            return []
+        return list(self._news(event, [(entry, before)])) if entry is not None else []
+
+    def _concerned(self, event: e.Event) -> tuple[_Entry | None, JobWord | None]:
+        """Return the job that an event has changed, and its state before."""
+        if isinstance(event, e.JobQueued):
+            entry = self._entries[event.job] = _Entry(_ordered(event))
+            return entry, None
+        fold = _FOLDS.get(type(event))
+        known = self._entries.get(getattr(event, 'job', None) or '')
+        if fold is None or known is None:
+            return None, None
+        before = known.job.status.state
+        fold(known, event)
+        return known, before
+
+    def _news(
+        self, event: e.Event, changed: Iterable[tuple[_Entry, JobWord | None]]
+    ) -> Iterator[News]:
+        for entry, before in changed:
+            entry.set(state=self._word(entry))
+            if entry.job.status.state is not before:
+                yield News(entry.job, before, event.seq, event.time, self.interrupted)
+
+    def _word(self, entry: _Entry) -> JobWord:
+        """Derive the state of a job on the line; that of another is as the events said."""
+        if not entry.is_at_work:
+            return entry.job.status.state
+        if entry.is_paused:
+            return JobWord.SUSPENDED
+        if self._stop_reason is None:
+            return JobWord.RUNNING
+        is_held = WORDS[self._stop_reason].job is Interruption.HELD
+        return JobWord.HELD if is_held else JobWord.SUSPENDED
+
+
+def _ordered(event: e.JobQueued) -> ListedJob:
+    status = JobStatus(
+        event.job,
+        event.script,
+        JobWord.NOT_ALLOWED_TO_START if event.held else JobWord.ALLOWED_TO_START,
+        queued_at=event.time,
+        position=event.position or 0,
+        **_terms(event),
+    )
+    return ListedJob(status, event.params, event.details)
+
+
+def _terms(event: e.JobQueued | e.JobUpdated) -> dict[str, Any]:
+    names = ('digest', 'quantity', 'priority', 'start', 'due')
+    return {name: getattr(event, name) for name in names}
+
+
+def _updated(entry: _Entry, event: e.JobUpdated) -> None:
+    entry.set(script=event.script, **_terms(event))
+    entry.job = replace(entry.job, params=event.params, details=event.details)
+
+
+def _held(entry: _Entry, _: e.JobHeld) -> None:
+    entry.set(state=JobWord.NOT_ALLOWED_TO_START)
+
+
+def _released(entry: _Entry, _: e.JobReleased) -> None:
+    entry.set(state=JobWord.ALLOWED_TO_START)
+
+
+def _started(entry: _Entry, event: e.JobStarted) -> None:
+    entry.set(state=JobWord.RUNNING, started_at=event.time, position=0)
+
+
+def _paused(entry: _Entry, event: e.JobPaused | e.JobResumed) -> None:
+    entry.is_paused = isinstance(event, e.JobPaused)
+
+
+def _ending(entry: _Entry, event: e.JobStopping | e.JobAborting) -> None:
+    entry.is_paused = False
+    entry.job = replace(entry.job, reason=event.reason)
+    entry.set(ending='stopping' if isinstance(event, e.JobStopping) else 'aborting')
+
+
+def _ended(entry: _Entry, event: e.JobCompleted | e.JobAborted) -> None:
+    entry.job = replace(entry.job, reason=event.reason or entry.job.reason)
+    entry.set(
+        state=JobWord.ABORTED if isinstance(event, e.JobAborted) else JobWord.ENDED,
+        ended_at=event.time,
+        ending='',
+        position=0,
+        expected_end_s=None,
+        **{name: count for name, count in event.counts.items() if name in _COUNTED},
+    )
+
+
+def _cycle_started(entry: _Entry, event: e.CycleStarted) -> None:
+    number = event.item.rpartition('/')[2]
+    if number.isdecimal() and int(number) > entry.job.status.started:
+        entry.set(started=int(number))
+
+
+def _placed(entry: _Entry, _: e.ItemPlaced) -> None:
+    entry.count('placed')
+
+
+def _missing(entry: _Entry, _: e.ItemMissing) -> None:
+    entry.count(MISSING)
+
+
+def _removed(entry: _Entry, event: e.ItemRemoved) -> None:
+    name = MISSING if event.how == BY_HAND else event.how
+    if name in _COUNTED:
+        entry.count(name)
+
+
+def _continued(entry: _Entry, event: e.TaskContinued) -> None:
+    is_new = event.item is not None and event.item not in entry.nonconforming
+    if is_new and event.policy == OnFailure.CONTINUE.value:
+        entry.nonconforming.add(event.item or '')
+        entry.count('nonconforming')
+
+
+_COUNTED = ('started', 'placed', 'packed', 'rejected', 'nonconforming', 'missing')
+
+_FOLDS: Mapping[type[e.Event], Callable[[_Entry, Any], None]] = {
+    e.JobUpdated: _updated,
+    e.JobHeld: _held,
+    e.JobReleased: _released,
+    e.JobStarted: _started,
+    e.JobPaused: _paused,
+    e.JobResumed: _paused,
+    e.JobStopping: _ending,
+    e.JobAborting: _ending,
+    e.JobCompleted: _ended,
+    e.JobAborted: _ended,
+    e.CycleStarted: _cycle_started,
+    e.ItemPlaced: _placed,
+    e.ItemMissing: _missing,
+    e.ItemRemoved: _removed,
+    e.TaskContinued: _continued,
+}

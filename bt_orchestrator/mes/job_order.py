@@ -1,0 +1,262 @@
+"""A job order of ISA-95 Job Control (OPC 10031-4) and a work order of ours, both ways."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from datetime import datetime, timezone
+
+from bt_orchestrator.mes.machinery import (
+    KINDS,
+    REASON,
+    RUNS_PLANNED,
+    named_parameters,
+    named_to_plain,
+    wrong_value,
+)
+from bt_orchestrator.mes.parts import (
+    Parameter,
+    Resource,
+    Text,
+    WorkMaster,
+    text_to_plain,
+    texts_from_plain,
+)
+from bt_orchestrator.mes.return_status import Finding, ReturnStatus, Unfit
+from bt_orchestrator.model.codec import json_of
+from bt_orchestrator.model.jobs.order import Terms, WorkOrder, order_id_fault
+from bt_orchestrator.model.status import ListedJob
+
+DESCRIPTION = 'Description'
+PERSONNEL, EQUIPMENT = 'PersonnelRequirements', 'EquipmentRequirements'
+ASSETS, MATERIAL = 'PhysicalAssetRequirements', 'MaterialRequirements'
+
+RESOURCES = {
+    PERSONNEL: 'personnel',
+    EQUIPMENT: 'equipment',
+    ASSETS: 'physical_assets',
+    MATERIAL: 'material',
+}
+"""Names in the standard, and fields of a `JobOrder`."""
+
+OTHER = 'Details'
+"""A parameter with what else the details of an order have, as JSON."""
+
+_MALFORMED = ReturnStatus.MALFORMED
+
+
+@dataclass(frozen=True)
+class JobOrder:
+    """ISA95JobOrderDataType; what is empty was not given."""
+
+    id: str
+    description: tuple[Text, ...] = ()
+    work_masters: tuple[WorkMaster, ...] = ()
+    start: float | None = None
+    """StartTime, seconds since the epoch."""
+    end: float | None = None
+    """EndTime: when it should have ended."""
+    priority: int | None = None
+    parameters: tuple[Parameter, ...] = ()
+    personnel: tuple[Resource, ...] = ()
+    equipment: tuple[Resource, ...] = ()
+    physical_assets: tuple[Resource, ...] = ()
+    material: tuple[Resource, ...] = ()
+
+
+# --- from a job order ---------------------------------------------------------------------------
+
+
+def work_order(order: JobOrder, components: Collection[str] = ()) -> WorkOrder:
+    """Return the work order that a job order asks for.
+
+    :param components: of the cell, that EquipmentRequirements may name; empty: not known
+    :raises Unfit: with every finding
+    """
+    read = _Reading(order, components)
+    findings = tuple(read.findings())
+    if findings:
+        raise Unfit(findings)
+    (master,) = order.work_masters
+    return WorkOrder(
+        master.id,
+        order.id,
+        read.quantity,
+        read.params,
+        Terms(order.priority or 0, order.start, order.end, read.details),
+    )
+
+
+def changes(
+    order: JobOrder, now: ListedJob | None, components: Collection[str] = ()
+) -> dict[str, object]:
+    """Return the arguments of the request job.update; what the order does not name stays.
+
+    :param now: the job as it is; None: it is not listed, and the cell will say so
+    :raises Unfit: with every finding
+    """
+    read = _Reading(order, components, is_whole=False)
+    findings = tuple(read.findings())
+    if findings:
+        raise Unfit(findings)
+    asked: dict[str, object] = {'job': order.id}
+    if order.work_masters and (now is None or order.work_masters[0].id != now.status.script):
+        asked['script'] = order.work_masters[0].id
+    if read.quantity is not None:
+        asked['quantity'] = read.quantity
+    if read.params:
+        asked['params'] = read.params
+    if order.priority is not None:
+        asked['priority'] = order.priority
+    for key, moment in (('start', order.start), ('due', order.end)):
+        if moment is not None:
+            asked[key] = datetime.fromtimestamp(moment, timezone.utc).isoformat()
+    if read.details:
+        asked['details'] = {**(now.details if now is not None else {}), **read.details}
+    return asked
+
+
+def reason_in(order: JobOrder) -> str:
+    """Return the reason that an order carries as a parameter; empty: none."""
+    found = (one.value for one in order.parameters if one.id == REASON)
+    return next((one.text if isinstance(one, Text) else str(one) for one in found), '')
+
+
+@dataclass
+class _Reading:
+    order: JobOrder
+    components: Collection[str]
+    is_whole: bool = True
+    """False: it changes a job, and may leave everything out."""
+    quantity: int | None = None
+    params: dict[str, str | int | float | bool] = field(default_factory=dict)
+    details: dict[str, object] = field(default_factory=dict)
+
+    def findings(self) -> Iterator[Finding]:
+        """Read the order; yield everything that is wrong with it."""
+        order = self.order
+        fault = order_id_fault(order.id)
+        if fault is not None:
+            yield Finding('JobOrderID', f'{order.id!r} cannot be one: {fault}', _MALFORMED)
+        if order.description:
+            self.details[DESCRIPTION] = [text_to_plain(one) for one in order.description]
+        yield from self._read_masters()
+        yield from self._read_parameters()
+        yield from self._read_resources()
+
+    def _read_masters(self) -> Iterator[Finding]:
+        masters = self.order.work_masters
+        if len(masters) != 1 and (masters or self.is_whole):
+            named = ', '.join(one.id for one in masters) or 'none'
+            yield Finding('WorkMasterID', f'expected exactly one, found {named}')
+        for master in masters[:1]:
+            if not master.id:
+                yield Finding('WorkMasterID', 'its ID is empty; name a script', _MALFORMED)
+            yield from self._read_params('WorkMasterID.Parameters', master.parameters)
+
+    def _read_parameters(self) -> Iterator[Finding]:
+        where = 'JobOrderParameters'
+        for one in self.order.parameters:
+            if one.id == RUNS_PLANNED:
+                yield from self._read_quantity(f'{where}.{one.id}', one.value)
+            elif one.id in KINDS:
+                yield from self._read_named(f'{where}.{one.id}', one)
+            elif one.id == OTHER:
+                yield from self._read_others(f'{where}.{one.id}', one.value)
+            elif one.id != REASON:
+                yield from self._read_params(where, (one,))
+
+    def _read_quantity(self, where: str, value: object) -> Iterator[Finding]:
+        if not isinstance(value, int) or isinstance(value, bool):
+            yield Finding(where, f'expected a whole number, found {value!r}', _MALFORMED)
+        elif value < 1:
+            yield Finding(where, f'expected the number of items, at least 1; found {value}')
+        else:
+            self.quantity = value
+
+    def _read_named(self, where: str, parameter: Parameter) -> Iterator[Finding]:
+        wrong = wrong_value(parameter)
+        if wrong is not None:
+            yield Finding(where, wrong, _MALFORMED)
+        else:
+            self.details[parameter.id] = named_to_plain(parameter)
+
+    def _read_others(self, where: str, value: object) -> Iterator[Finding]:
+        try:
+            others = json.loads(value) if isinstance(value, str) else None
+        except (RecursionError, ValueError):
+            others = None
+        if not isinstance(others, dict):
+            yield Finding(where, f'expected a JSON object as a text, found {value!r}', _MALFORMED)
+        else:
+            self.details = {**others, **self.details}
+
+    def _read_params(self, where: str, parameters: Iterable[Parameter]) -> Iterator[Finding]:
+        """Read parameters of the script; the cell knows which those are."""
+        for one in parameters:
+            value = _scalar(one.value)
+            place = f'{where}.{one.id}'
+            if not one.id:
+                yield Finding(where, 'a parameter has no ID', _MALFORMED)
+            elif one.parts:
+                yield Finding(place, 'a parameter of a script has no sub-parameters')
+            elif value is None:
+                expected = 'expected a boolean, a number or a text'
+                yield Finding(place, f'{expected}, found {one.value!r}', _MALFORMED)
+            elif self.params.get(one.id, value) != value:
+                yield Finding(place, f'is given twice: {self.params[one.id]!r}, {value!r}')
+            else:
+                self.params[one.id] = value
+
+    def _read_resources(self) -> Iterator[Finding]:
+        for name, attribute in RESOURCES.items():
+            resources = getattr(self.order, attribute)
+            if resources:
+                self.details[name] = [dict(one) for one in resources]
+        for one in self.order.equipment:
+            id_ = one.get('ID')
+            if self.components and id_ not in self.components:
+                there = ', '.join(sorted(self.components))
+                yield Finding(EQUIPMENT, f'there is no {id_!r} in this cell; it has {there}')
+
+
+def _scalar(value: object) -> str | int | float | bool | None:
+    if isinstance(value, Text):
+        return value.text
+    return value if isinstance(value, (str, int, float, bool)) else None
+
+
+# --- back to a job order ------------------------------------------------------------------------
+
+
+def job_order(job: ListedJob) -> JobOrder:
+    """Return the job order that a listed job was made from, whichever door it came in by.
+
+    Parameters of the script are with its work master; the others are named by OPC 40001-3.
+    """
+    status, details = job.status, job.details
+    params = tuple(Parameter(name, value) for name, value in job.params.items())
+    others = {key: value for key, value in details.items() if key not in _STANDARD}
+    return JobOrder(
+        status.id,
+        texts_from_plain(details.get(DESCRIPTION)),
+        (WorkMaster(status.script, parameters=params),),
+        status.start,
+        status.due,
+        status.priority,
+        (
+            Parameter(RUNS_PLANNED, status.quantity),
+            *named_parameters(details),
+            *([Parameter(OTHER, json_of(others))] if others else []),
+        ),
+        **{field_: _resources(details.get(name)) for name, field_ in RESOURCES.items()},
+    )
+
+
+_STANDARD = {DESCRIPTION, *RESOURCES, *KINDS}
+
+
+def _resources(plain: object) -> tuple[Resource, ...]:
+    several = plain if isinstance(plain, (list, tuple)) else []
+    return tuple(one for one in several if isinstance(one, Mapping))

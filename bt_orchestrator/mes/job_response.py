@@ -1,0 +1,161 @@
+"""What became of a job: ISA95JobResponseDataType, and its JSON with the names of B2MML."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from enum import IntEnum
+
+from bt_orchestrator.mes.job_order import DESCRIPTION
+from bt_orchestrator.mes.job_states import State, states_of
+from bt_orchestrator.mes.machinery import IN_RESPONSE, REASON, named_parameters
+from bt_orchestrator.mes.parts import Parameter, Text, texts_from_plain
+from bt_orchestrator.model.codec import json_of
+from bt_orchestrator.model.jobs.isa95 import OVER, JobWord
+from bt_orchestrator.model.jobs.job_record import ABORTED, QUEUED, REMOVED, RUNNING, JobRecord
+from bt_orchestrator.model.status import JobStatus, ListedJob
+from bt_orchestrator.report.csv_export import iso_time
+
+
+class JobResult(IntEnum):
+    """JobResult of OPC 40001-3."""
+
+    UNKNOWN = 0
+    """It has not ended."""
+    SUCCESSFUL = 1
+    """It ended, and every ordered item was begun."""
+    UNSUCCESSFUL = 2
+    """It was stopped or aborted before."""
+
+
+ENDING = 'Ending'
+"""A parameter of our own: stopping or aborting, from the request until the line has drained."""
+
+EXTRAS: Mapping[str, str] = {
+    'ScrapQuantity': 'items that left the line rejected',
+    'NonconformingQuantity': 'items of which a task failed and was continued',
+    'MissingQuantity': 'items that were never placed, or taken off the belt by hand',
+    ENDING: 'stopping or aborting: it ends when its last item has left the line',
+}
+"""Parameters that no standard names, and what they mean."""
+
+
+@dataclass(frozen=True)
+class JobResponse:
+    """ISA95JobResponseDataType; what is empty is not known, or not there."""
+
+    id: str
+    order: str
+    """JobOrderID."""
+    states: tuple[State, ...]
+    """JobState: the state, and behind it its substate."""
+    description: Text | None = None
+    start: float | None = None
+    """When the job left the queue, seconds since the epoch."""
+    end: float | None = None
+    """When its last item had left."""
+    data: tuple[Parameter, ...] = ()
+
+
+def has_response(status: JobStatus) -> bool:
+    """Tell whether a job belongs into JobOrderResponseList: it has started."""
+    return status.started_at is not None or status.state in OVER
+
+
+def response_of(job: ListedJob, interrupted: str = '') -> JobResponse:
+    """Return the response about a listed job.
+
+    :param interrupted: why the line stands still, in words; empty: it does not
+    """
+    status = job.status
+    reason = interrupted if status.state.substate and not job.reason else job.reason
+    return _response(status, job.details, reason)
+
+
+def response_of_record(record: JobRecord) -> JobResponse | None:
+    """Return the response about a job of a journal; None: it has not started."""
+    if record.status in (QUEUED, REMOVED):
+        return None
+    counts = record.counts
+    word = {RUNNING: JobWord.RUNNING, ABORTED: JobWord.ABORTED}.get(record.status, JobWord.ENDED)
+    status = JobStatus(
+        record.job,
+        record.script,
+        word,
+        quantity=record.quantity,
+        queued_at=record.queued,
+        started_at=record.started,
+        ended_at=record.ended,
+        started=counts.started,
+        placed=counts.placed,
+        packed=counts.packed,
+        rejected=counts.rejected,
+        nonconforming=counts.nonconforming,
+        missing=counts.missing,
+    )
+    return _response(status, record.terms.details, record.reason)
+
+
+def _response(status: JobStatus, details: Mapping[str, object], reason: str) -> JobResponse:
+    return JobResponse(
+        status.id,
+        status.id,
+        states_of(status.state),
+        next(iter(texts_from_plain(details.get(DESCRIPTION))), None),
+        status.started_at,
+        status.ended_at,
+        (*named_parameters(details, IN_RESPONSE), *_data(status, reason)),
+    )
+
+
+def _data(status: JobStatus, reason: str) -> Iterator[Parameter]:
+    yield Parameter('RunsStarted', status.started)
+    yield Parameter('RunsCompleted', status.left)
+    yield Parameter('ProducedQuantity', float(status.packed + status.rejected))
+    yield Parameter('GoodQuantity', float(status.packed))
+    yield Parameter('ScrapQuantity', float(status.rejected))
+    yield Parameter('NonconformingQuantity', float(status.nonconforming))
+    yield Parameter('MissingQuantity', float(status.missing))
+    yield Parameter('JobResult', int(_result(status)))
+    if status.expected_end_s is not None:
+        yield Parameter('EstimatedRemainingTime', status.expected_end_s * 1000.0)
+    if reason:
+        yield Parameter(REASON, Text(reason))
+    if status.ending:
+        yield Parameter(ENDING, status.ending)
+
+
+def _result(status: JobStatus) -> JobResult:
+    if status.state not in OVER:
+        return JobResult.UNKNOWN
+    is_whole = status.state is JobWord.ENDED and status.started >= status.quantity
+    return JobResult.SUCCESSFUL if is_whole else JobResult.UNSUCCESSFUL
+
+
+# --- as JSON ------------------------------------------------------------------------------------
+
+
+def b2mml(response: JobResponse) -> dict[str, object]:
+    """Return a response as JSON with the names of B2MML; times are ISO 8601 in UTC."""
+    plain: dict[str, object] = {'ID': response.id}
+    if response.description is not None:
+        plain['Description'] = [response.description.text]
+    plain['JobOrderID'] = response.order
+    for name, moment in (('StartTime', response.start), ('EndTime', response.end)):
+        if moment is not None:
+            plain[name] = iso_time(moment)
+    plain['JobState'] = '/'.join(one.text for one in response.states)
+    plain['JobResponseData'] = [
+        {'ID': one.id, 'Value': list(_b2mml_values(one.value))} for one in response.data
+    ]
+    return {'JobResponse': plain}
+
+
+def _b2mml_values(value: object) -> Iterator[dict[str, str]]:
+    for one in value if isinstance(value, tuple) else (value,):
+        known = one.text if isinstance(one, Text) else one
+        text = known if isinstance(known, str) else json_of(known)
+        yield {'ValueString': text, 'DataType': _DATA_TYPES.get(type(known), 'string')}
+
+
+_DATA_TYPES: Mapping[type, str] = {bool: 'boolean', int: 'integer', float: 'double', str: 'string'}

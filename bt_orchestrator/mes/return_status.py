@@ -1,0 +1,50 @@
+"""What a method of ISA-95 Job Control returns (OPC 10031-4, annex B.2), and why."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntFlag
+
+
+class ReturnStatus(IntFlag):
+    """A bit map; a call that did what was asked returns DONE alone."""
+
+    DONE = 1
+    UNKNOWN_ID = 1 << 1
+    """There is no such job order."""
+    WRONG_STATE = 1 << 3
+    """The method is not for a job order in its state."""
+    NOT_ACCEPTED = 1 << 4
+    """The order cannot be taken: refused, a duplicate, or the cell takes no more."""
+    MALFORMED = 1 << 32
+    """The request cannot be understood."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that is wrong with a request."""
+
+    where: str
+    """The field, as JobOrderParameters.RunsPlanned."""
+    what: str
+    """What was expected, and what was found."""
+    status: ReturnStatus = ReturnStatus.NOT_ACCEPTED
+
+    def __str__(self) -> str:
+        return f'{self.where}: {self.what}'
+
+
+class Unfit(ValueError):
+    """A request with findings, which is not sent to the cell."""
+
+    def __init__(self, findings: tuple[Finding, ...]) -> None:
+        super().__init__('; '.join(map(str, findings)))
+        self.findings = findings
+
+    @property
+    def status(self) -> ReturnStatus:
+        """All findings together."""
+        status = ReturnStatus(0)
+        for finding in self.findings:
+            status |= finding.status
+        return status
