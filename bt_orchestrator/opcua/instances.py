@@ -64,28 +64,26 @@ class Instances:
 
         :param declarations: where they are declared: the nearest first, each with its supertypes
         """
-        made: dict[ua.QualifiedName, tuple[asyncua.Node, list[asyncua.Node]]] = {}
+        made: dict[str, tuple[asyncua.Node, list[asyncua.Node]]] = {}
         async for member in self._members(declarations):
-            name = member.BrowseName
+            name = member.BrowseName.Name
             source = self._server.get_node(member.NodeId)
             if name in made:  # overridden nearby: that one is made, this one may have more members
                 made[name][1].append(source)
                 continue
-            inner = f'{below}{name.Name}'
+            inner = f'{below}{name}'
             if not await self._is_wanted(source, inner, optionals):
                 continue
             new = await self._add(
-                node, source, member.NodeClass, name, f'{path}/{name.Name}',
+                node, source, member.NodeClass, member.BrowseName, f'{path}/{name}',
                 member.TypeDefinition, member.ReferenceTypeId,
             )  # fmt: skip
             made[name] = new, [source]
         for name, (new, sources) in made.items():
             types = [await one.read_type_definition() for one in sources]
-            known = [self._server.get_node(one) for one in dict.fromkeys(types) if _is_real(one)]
-            inner = f'{below}{name.Name}'
-            await self._fill(
-                new, [*sources, *known], f'{path}/{name.Name}', f'{inner}/', optionals
-            )
+            known = [self._server.get_node(one) for one in dict.fromkeys(types) if one]
+            inner = f'{below}{name}'
+            await self._fill(new, [*sources, *known], f'{path}/{name}', f'{inner}/', optionals)
 
     async def _members(
         self, declarations: list[asyncua.Node]
@@ -147,8 +145,3 @@ class Instances:
         (result,) = await self._server.iserver.isession.add_nodes([item])
         result.StatusCode.check()
         return self._server.get_node(result.AddedNodeId)
-
-
-def _is_real(type_id: ua.NodeId) -> bool:
-    """Tell whether there is a type: a method has none."""
-    return bool(type_id.Identifier)

