@@ -3,79 +3,26 @@
 from __future__ import annotations
 
 import json
-import socket
 from collections.abc import Sequence
 from pathlib import Path
 from urllib.request import urlopen
 
-from program_process import PATIENCE_S, ProgramProcess
-
-from bt_orchestrator.model.roles import Role
-from bt_orchestrator.users.file import UsersFile
-
-PASSWORD = 'a long password of tests'
+from program_process import PATIENCE_S
+from served_process import ServedProcess
 
 
-class PageProcess:
-    """The page on a port of its own, which it keeps when it is started again. Ends in `close`."""
+class PageProcess(ServedProcess):
+    """The page on a port of its own."""
 
     def __init__(self, folder: Path, node: str, options: Sequence[str] = ()) -> None:
         """Start it; `wait_ready` waits for it.
 
         :param options: of the verb, on top of node, port and users
         """
-        self.folder = folder
-        self.port = free_port()
-        self.users = folder / 'users.yaml'
-        if not self.users.exists():
-            _add_users(self.users)
-        words = ['page', '--node', node, '--port', str(self.port), '--users', str(self.users)]
-        self._words = [*words, *options]
-        self._started = 0
-        self.process = self.start()
-
-    def start(self) -> ProgramProcess:
-        """Start it again, which must be gone."""
-        self._started += 1
-        self.process = ProgramProcess(self._words, self.folder, f'page_{self._started}')
-        return self.process
-
-    def wait_ready(self) -> None:
-        """Wait until it serves."""
-        self.process.wait_ready()
-
-    def kill_and_restart(self) -> None:
-        """Kill it as kill -9 does, and start it again."""
-        self.process.kill()
-        self.start()
-        self.wait_ready()
+        super().__init__(folder, 'page', node, options)
 
     @property
     def readers(self) -> int:
         """How many streams it has open."""
         with urlopen(f'http://127.0.0.1:{self.port}/healthz', timeout=PATIENCE_S) as answer:
             return int(json.load(answer)['readers'])
-
-    def stop(self) -> None:
-        """End it as Ctrl-C does, and fail unless it ends well."""
-        assert self.process.stop() == 0, self.process.errors
-        self.process.assert_clean()
-
-    def close(self) -> None:
-        """Leave nothing behind."""
-        self.process.kill()
-
-
-def free_port() -> int:
-    """Return a port that nobody uses now."""
-    with socket.socket() as one:
-        one.bind(('127.0.0.1', 0))
-        number: int = one.getsockname()[1]
-        return number
-
-
-def _add_users(path: Path) -> None:
-    """Make one user of each role, whose name is that of the role."""
-    users = UsersFile(path)
-    for role in Role:
-        users.add(role.value, role, PASSWORD)

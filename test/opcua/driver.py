@@ -43,6 +43,7 @@ class Driver:
     """States: running, ended (after `close`).
 
     :ivar lines: all that it has said, in order; grows by itself
+    :ivar pki: folder of its certificates
     """
 
     def __init__(self, folder: Path, endpoint: str, namespace: str, name: str = 'foreign') -> None:
@@ -51,11 +52,8 @@ class Driver:
         :param folder: for its certificate and its log
         :param namespace: URI of the string ids that tests use
         """
-        options = {
-            'endpoint': endpoint,
-            'namespace': namespace,
-            'pki': str(folder / f'{name}_pki'),
-        }
+        self.pki = folder / f'{name}_pki'
+        options = {'endpoint': endpoint, 'namespace': namespace, 'pki': str(self.pki)}
         self.lines: list[Line] = []
         self._changed = threading.Condition()
         self._asked = 0
@@ -109,10 +107,13 @@ class Driver:
         """Return the values so far of a node."""
         return [line['value'] for line in self.news('value') if line['of'] == of]
 
-    def wait(self, is_it: Callable[[Line], Any], what: str, within_s: float = PATIENCE_S) -> Line:
-        """Return the first line that is so, now or later."""
-        deadline = time.monotonic() + within_s
-        seen = 0
+    def wait(self, is_it: Callable[[Line], Any], what: str, after: int = 0) -> Line:
+        """Return the first line that is so, now or later.
+
+        :param after: so many lines are passed over
+        """
+        deadline = time.monotonic() + PATIENCE_S
+        seen = after
         with self._changed:
             while True:
                 for line in self.lines[seen:]:

@@ -9,7 +9,7 @@ from asyncua import ua
 from asyncua.common.methods import uamethod
 from asyncua.sync import Server, SyncNode
 from opcua.conftest import StartDriver
-from page_process import free_port
+from served_process import free_port
 
 URI = 'urn:bt_orchestrator:test'
 

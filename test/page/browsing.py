@@ -9,8 +9,8 @@ from contextlib import contextmanager
 from typing import Any
 
 from browser import find_browser
-from page_process import PASSWORD
 from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
+from served_process import PASSWORD
 
 PATIENCE_S = 60.0
 _LOOK_MS = 20

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from isa95_table import NONE, read_table
+from isa95_table import GONE, NONE, Cell, read_table
 from nodeset_states import Nodeset, Transition
 
+from bt_orchestrator.mes.methods import DIFFERENT, STATES, TABLE
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.jobs.job_control import METHODS
 
@@ -29,3 +30,32 @@ def test_its_transitions_are_those_of_the_nodeset() -> None:
 
 def test_what_succeeds_has_a_state_that_follows_and_what_fails_has_none() -> None:
     assert all((cell.status == 1) == bool(cell.after) for cell in CELLS.values())
+
+
+def test_the_product_answers_as_the_standard_but_where_it_says_otherwise() -> None:
+    ours = {
+        (method.name, state): (cell.status.value, cell.after, cell.is_later)
+        for method, row in TABLE.items()
+        for state, cell in zip(STATES, row, strict=True)
+    }
+    otherwise = {
+        (name, state)
+        for (name, state), (status, after, is_later) in ours.items()
+        if is_later
+        or not _agrees(CELLS[name, NONE if state is None else state.value], status, after)
+    }
+    assert len(ours) == len(CELLS)
+    assert otherwise == {(method.name, state) for method, state in DIFFERENT}
+    assert {one for one in otherwise if ours[one][2]} == {
+        (name, state)
+        for name in ('Stop', 'Abort')
+        for state in (JobWord.RUNNING, JobWord.HELD, JobWord.SUSPENDED)
+    }
+    assert ours['Resume', JobWord.HELD][0] == 8
+
+
+def _agrees(standard: Cell, status: int, after: JobWord | None) -> bool:
+    if standard.status != 1:
+        return status == standard.status
+    word = GONE if after is None else after.value
+    return status == 1 and standard.after in (word, word.partition('/')[0])
