@@ -12,6 +12,7 @@ from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import CellStatus, JobStatus
 from bt_orchestrator.opcua.bridge import Bridge
+from bt_orchestrator.opcua.simple_commands import SimpleCommands
 from bt_orchestrator.opcua.space import Space
 from bt_orchestrator.opcua.values import moment
 
@@ -101,6 +102,7 @@ class Simple:
         ):
             await space.object(f'{TOP}/{name}', meaning)
             await self._make(f'{name}/', shown)
+        await SimpleCommands(self._bridge).build(space, TOP)
 
     async def _make(self, prefix: str, shown: Mapping[str, Shown]) -> None:
         for name, one in shown.items():

@@ -17,6 +17,11 @@ TOGETHER_S = 0.1
 """What changes within this time is written once."""
 
 
+_LAST_BUILT_IN = ua.VariantType.DiagnosticInfo.value
+_ENUMERATION = ua.NodeId(ua.ObjectIds.Enumeration)
+_HAS_SUBTYPE = ua.NodeId(ua.ObjectIds.HasSubtype)
+
+
 class _Shown(NamedTuple):
     variant: ua.Variant
     at: float
@@ -110,10 +115,25 @@ class Values:
 
     def _type(self, id_: ua.NodeId) -> ua.VariantType:
         if id_ not in self._types:
-            found = self._space.read_attribute_value(id_, ua.AttributeIds.Value).Value
-            assert found is not None
-            self._types[id_] = found.VariantType
+            read = self._space.read_attribute_value
+            found = read(id_, ua.AttributeIds.Value).Value
+            if found is None or found.VariantType is ua.VariantType.Null:
+                self._types[id_] = self._built_in(read(id_, ua.AttributeIds.DataType).Value.Value)
+            else:
+                self._types[id_] = found.VariantType
         return self._types[id_]
+
+    def _built_in(self, data_type: ua.NodeId) -> ua.VariantType:
+        """Return the type in which values of a data type are sent, as Double of Duration."""
+        while data_type.NamespaceIndex or data_type.Identifier > _LAST_BUILT_IN:
+            if data_type == _ENUMERATION:
+                return ua.VariantType.Int32
+            data_type = next(
+                one.NodeId
+                for one in self._space[data_type].references
+                if one.ReferenceTypeId == _HAS_SUBTYPE and not one.IsForward
+            )
+        return ua.VariantType(data_type.Identifier)
 
     def _write_soon(self) -> None:
         if self._later is None:

@@ -2,66 +2,200 @@
 
 from __future__ import annotations
 
-import asyncio
-import time
-from collections.abc import Awaitable, Callable
-from pathlib import Path
+from collections.abc import Iterator
+from typing import Any, NamedTuple
 
-import asyncua
+import pytest
 from asyncua import ua
-from opcua_stand import PATIENCE_S, opcua_stand
+from opcua_reader import Reader, reading
+from opcua_stand import opcua_stand
+from web.stand_cell import FAIL, StandCell
 
-from bt_orchestrator.model.jobs.order import WorkOrder
+from bt_orchestrator.opcua import simple
+from bt_orchestrator.opcua.simple_commands import ANSWER_HOLD, COMMAND, SUBMIT_ORDER
 
 
-class Reader:
-    """Reads a cell by the paths of its nodes."""
+class Scene(NamedTuple):
+    cell: StandCell
+    url: str
 
-    def __init__(self, client: asyncua.Client, idx: int) -> None:
-        self.client = client
-        self.idx = idx
+    def events(self, kind: str) -> list[Any]:
+        """Return what is on record of one kind."""
+        with self.cell.lock:
+            return [event for event in self.cell.store.read() if event.event == kind]
 
-    @classmethod
-    async def of(cls, client: asyncua.Client) -> Reader:
-        (uri,) = (
+
+@pytest.fixture(scope='module')
+def scene(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Scene]:
+    """One cell for all; each test has jobs of its own, and leaves the line empty."""
+    with opcua_stand(tmp_path_factory.mktemp('stand'), faults=[FAIL]) as (cell, server):
+        yield Scene(cell, server.address)
+
+
+async def submit(reader: Reader, *order: Any) -> Any:
+    return await reader.call('Simple/SubmitOrder', *order)
+
+
+def count(number: int) -> ua.Variant:
+    return ua.Variant(number, ua.VariantType.UInt32)
+
+
+def texts(*found: str) -> ua.Variant:
+    return ua.Variant(list(found), ua.VariantType.String)
+
+
+def order(id_: str, quantity: int = 1, *parameters: str) -> tuple[Any, ...]:
+    return id_, 'inspect_and_assemble', count(quantity), texts(*parameters)
+
+
+def test_a_held_job_is_seen_answered_and_ends(scene: Scene) -> None:
+    """The first job meets the fault."""
+
+    async def look(reader: Reader) -> None:
+        assert await reader.value('Simple/Connected') is True
+        assert await reader.value('Simple/CurrentJob/ID') == ''
+        assert (await submit(reader, *order('WO-1', 4)))[0] is True
+        await reader.wait('Simple/CurrentJob/ID', lambda one: one == 'WO-1')
+        assert await reader.value('Simple/CurrentJob/Planned') == 4
+        hold = await reader.wait('Simple/OldestHold/ID', bool)
+        assert await reader.value('Simple/OldestHold/Job') == 'WO-1'
+        assert 'retry' in await reader.value('Simple/OldestHold/Answers')
+        await reader.wait('Simple/StopReason', lambda one: one == 'own_fault')
+        assert await reader.value('Simple/StopMessage')
+        wrong = await reader.call('Simple/AnswerHold', hold, 'wait', '')
+        assert wrong[0] is False
+        assert 'expected one that is possible now (retry, ' in wrong[1]
+        done = await reader.call('Simple/AnswerHold', hold, 'retry', 'seen by the camera')
+        assert done[0] is True
+        await reader.wait('Simple/LastJob/Good', lambda one: one == 4)
+        assert await reader.value('Simple/LastJob/State') == 'Ended'
+        assert await reader.value('Simple/CurrentJob/ID') == ''
+        assert await reader.value('Simple/Holds') == 0
+
+    reading(scene.url, look)
+    (decided,) = (one for one in scene.events('operator.decided') if one.hold)
+    assert (decided.answer, decided.reason) == ('retry', 'seen by the camera')
+    assert decided.origin.startswith('opcua ')
+
+
+def test_every_mistake_of_an_order_is_told_and_nothing_is_sent(scene: Scene) -> None:
+    async def look(reader: Reader) -> None:
+        found = await submit(reader, 'a/b', '', count(1), texts('speed', 'lot=1', 'lot=2'))
+        assert found[:2] == [False, 'the order was not sent']
+        assert [one.partition(':')[0] for one in found[2]] == [
+            'Id', 'Script', 'Parameters', 'Parameters',
+        ]  # fmt: skip
+
+    reading(scene.url, look)
+
+
+def test_what_the_cell_refuses_is_told(scene: Scene) -> None:
+    async def look(reader: Reader) -> None:
+        accepted, _, findings = await submit(reader, *order('WO-3', 1, 'speed=12'))
+        assert accepted is False
+        assert 'speed' in findings[0]
+        accepted, message = await reader.call('Simple/Command', 'cancel', 'WO-9', 'no such')
+        assert accepted is False
+        assert 'WO-9' in message
+
+    reading(scene.url, look)
+    assert any(one.message and 'WO-9' in one.message for one in scene.events('operator.refused'))
+
+
+def test_commands_to_the_cell_and_to_jobs_are_on_record(scene: Scene) -> None:
+    async def look(reader: Reader) -> None:
+        assert (await reader.call('Simple/Command', 'Pause', '', ''))[0] is True
+        await reader.wait('Simple/StopReason', lambda one: one == 'operator')
+        assert (await submit(reader, *order('WO-4')))[0] is True
+        await reader.wait('Simple/NextJob/ID', lambda one: one == 'WO-4')
+        done = await reader.call('Simple/Command', 'cancel', 'WO-4', 'the customer said so')
+        assert done[0] is True, done
+        await reader.wait('Simple/Queued', lambda one: one == 0)
+        assert (await reader.call('Simple/Command', 'resume', '', 'lunch is over'))[0] is True
+        await reader.wait('Simple/StopReason', lambda one: one == '')
+
+    reading(scene.url, look)
+    decided = {one.answer: one for one in scene.events('operator.decided')}
+    assert decided['pause'].reason == 'no comment (OPC UA Command)'
+    assert (decided['cancel'].job, decided['cancel'].reason) == ('WO-4', 'the customer said so')
+
+
+def test_a_word_that_is_no_command_is_told_with_those_there_are(scene: Scene) -> None:
+    async def look(reader: Reader) -> None:
+        accepted, message = await reader.call('Simple/Command', 'faster', '', '')
+        assert accepted is False
+        assert message.startswith('Verb: expected a command to the cell: reset, start, pause')
+
+    reading(scene.url, look)
+
+
+@pytest.mark.parametrize(
+    ('given', 'error'),
+    [
+        (('WO-5', 'x', count(1)), ua.uaerrors.BadArgumentsMissing),
+        (('WO-5', 'x', count(1), texts(), 'more'), ua.uaerrors.BadTooManyArguments),
+        (('WO-5', 'x', 1, texts()), ua.uaerrors.BadInvalidArgument),  # an Int64
+        (('WO-5', 'x', count(1), 'lot=1'), ua.uaerrors.BadInvalidArgument),  # not a list
+    ],
+)
+def test_arguments_of_another_type_are_refused(
+    scene: Scene, given: tuple[Any, ...], error: type[Exception]
+) -> None:
+    async def look(reader: Reader) -> None:
+        with pytest.raises(error):
+            await submit(reader, *given)
+
+    reading(scene.url, look)
+
+
+def test_everything_is_described_typed_and_only_to_be_read(scene: Scene) -> None:
+    async def look(reader: Reader) -> None:
+        expected = {f'Simple/{name}': one for name, one in simple.CELL.items()}
+        for place in ('CurrentJob', 'NextJob', 'LastJob'):
+            expected |= {f'Simple/{place}/{name}': one for name, one in simple.JOB.items()}
+        expected |= {f'Simple/OldestHold/{name}': one for name, one in simple.HOLD.items()}
+        for path, one in expected.items():
+            node = reader.node(path)
+            assert (await node.read_description()).Text == one.meaning
+            assert await node.read_data_type() == ua.NodeId(one.type.value)
+            assert (await node.read_browse_name()).Name == path.rpartition('/')[2]
+            assert await node.get_user_access_level() == {ua.AccessLevel.CurrentRead}
+        for name, arguments in (
+            ('SubmitOrder', SUBMIT_ORDER), ('Command', COMMAND), ('AnswerHold', ANSWER_HOLD),
+        ):  # fmt: skip
+            method = reader.node(f'Simple/{name}')
+            declared = await (await method.get_child('0:InputArguments')).read_value()
+            assert [one.Name for one in declared] == [one.name for one in arguments]
+            assert [one.Description.Text for one in declared] == [one.meaning for one in arguments]
+            assert [one.ValueRank for one in declared] == [
+                1 if one.is_list else -1 for one in arguments
+            ]
+
+    reading(scene.url, look)
+
+
+def test_times_are_those_of_the_cells_clock(scene: Scene) -> None:
+    async def look(reader: Reader) -> None:
+        found = await reader.node('Simple/State').read_data_value()
+        since = await reader.value('Simple/StateSince')
+        assert found.SourceTimestamp >= since
+        assert found.ServerTimestamp is not None
+
+    reading(scene.url, look)
+
+
+def test_the_server_says_what_it_is(scene: Scene) -> None:
+    async def look(reader: Reader) -> None:
+        nodes = reader.client.nodes
+        assert await nodes.server_state.read_value() == ua.ServerState.Running
+        status = await reader.client.get_node(ua.ObjectIds.Server_ServerStatus).read_value()
+        assert status.BuildInfo.ProductName == 'bt_orchestrator'
+        assert status.StartTime <= status.CurrentTime
+        (cell,) = [
             one
-            for one in await client.get_namespace_array()
-            if one.startswith('urn:bt_orchestrator:cell:')
-        )
-        return cls(client, await client.get_namespace_index(uri))
+            for one in await nodes.objects.get_children()
+            if one.nodeid.NamespaceIndex == reader.idx
+        ]
+        assert (await cell.read_browse_name()).Name == 'reference_cell'
 
-    def node(self, path: str) -> asyncua.Node:
-        return self.client.get_node(ua.NodeId(path, self.idx))
-
-    async def value(self, path: str) -> object:
-        return await self.node(path).read_value()
-
-    async def wait(self, path: str, is_so: Callable[[object], bool]) -> object:
-        deadline = time.monotonic() + PATIENCE_S
-        while not is_so(value := await self.value(path)):
-            assert time.monotonic() < deadline, f'{path} is {value!r}'
-            await asyncio.sleep(0.05)
-        return value
-
-
-def with_reader(url: str, what: Callable[[Reader], Awaitable[None]]) -> None:
-    async def connected() -> None:
-        async with asyncua.Client(url) as client:
-            await what(await Reader.of(client))
-
-    asyncio.run(connected())
-
-
-def test_a_job_is_seen_from_the_queue_to_its_end(tmp_path: Path) -> None:
-    with opcua_stand(tmp_path) as (stand, server):
-
-        async def look(reader: Reader) -> None:
-            assert await reader.value('Simple/Connected') is True
-            assert await reader.value('Simple/CurrentJob/ID') == ''
-            assert stand.queue(WorkOrder(stand.script, 'WO-1', 2)).accepted
-            await reader.wait('Simple/CurrentJob/ID', lambda one: one == 'WO-1')
-            assert await reader.value('Simple/CurrentJob/Planned') == 2
-            await reader.wait('Simple/LastJob/Good', lambda one: one == 2)
-            assert await reader.value('Simple/LastJob/State') == 'Ended'
-
-        with_reader(server.address, look)
+    reading(scene.url, look)

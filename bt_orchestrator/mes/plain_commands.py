@@ -1,0 +1,114 @@
+"""Commands in plain texts, for clients that cannot build structures <-> requests of ours."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.model.jobs.order import WorkOrder, order_id_fault
+from bt_orchestrator.model.requests import TABLE, About, Request, of_hold, of_word
+from bt_orchestrator.model.state import Hold
+
+
+class Unclear(OrchestratorError):
+    """No request can be made of what was given."""
+
+    def __init__(self, findings: Iterable[str]) -> None:
+        self.findings = tuple(findings)
+        super().__init__('; '.join(self.findings))
+
+
+class Wanted(NamedTuple):
+    """A request, and its arguments."""
+
+    request: Request
+    arguments: Mapping[str, object]
+
+
+# --- orders -------------------------------------------------------------------------------------
+
+
+def order_of(id_: str, script: str, quantity: int, parameters: Sequence[str]) -> WorkOrder:
+    """Return a work order.
+
+    :param quantity: 0: the default of the script
+    :param parameters: of the script, as in `speed=12`
+    :raises Unclear: with every mistake
+    """
+    params: dict[str, str] = {}
+    findings = list(_mistakes(id_, script, parameters, params))
+    if findings:
+        raise Unclear(findings)
+    return WorkOrder(script, id_, quantity or None, params)
+
+
+def _mistakes(
+    id_: str, script: str, parameters: Sequence[str], params: dict[str, str]
+) -> Iterator[str]:
+    fault = order_id_fault(id_)
+    if fault is not None:
+        yield f'Id: {id_!r} cannot be one: {fault}'
+    if not script:
+        yield 'Script: it is empty; name a script'
+    for text in parameters:
+        name, equals, value = (part.strip() for part in text.partition('='))
+        if not name or not equals:
+            yield f'Parameters: expected name=value, found {text!r}'
+        elif name in params:
+            yield f'Parameters: {name} is given twice'
+        else:
+            params[name] = value
+
+
+# --- commands -----------------------------------------------------------------------------------
+
+
+def command_of(verb: str, job: str) -> Wanted:
+    """Return the request that a verb stands for.
+
+    :param job: its id; empty: the verb is for the cell
+    :raises Unclear: says which verbs there are
+    """
+    about = About.JOB if job else About.CELL
+    request = of_word(about, verb.strip().lower())
+    if request is None or request not in verbs(about):
+        words = ', '.join(one.word for one in verbs(about))
+        subject = 'a job' if job else 'the cell'
+        raise Unclear([f'Verb: expected a command to {subject}: {words}; found {verb!r}'])
+    return Wanted(request, {'job': job} if job else {})
+
+
+def verbs(about: About) -> tuple[Request, ...]:
+    """Return the requests that a verb alone is enough for."""
+    return tuple(
+        one
+        for one in TABLE
+        if one.about is about
+        and not any(p.is_required for p in one.parameters[about is About.JOB :])
+    )
+
+
+# --- holds --------------------------------------------------------------------------------------
+
+
+def answer_of(hold: str, answer: str, holds: Sequence[Hold]) -> Wanted:
+    """Return the request that an answer to a hold stands for.
+
+    :param holds: those there are
+    :raises Unclear: says what is expected
+    """
+    found = next((one for one in holds if one.id == hold), None)
+    if found is None:
+        waiting = ', '.join(one.id for one in holds) or 'none'
+        raise Unclear([f'Hold: expected one that waits ({waiting}); found {hold!r}'])
+    word = answer.strip().lower()
+    request = next((one for one in of_hold(found.answers) if one.word == word), None)
+    if request is None:
+        possible = ', '.join(found.answers) or 'none'
+        raise Unclear(
+            [f'Answer: expected one that is possible now ({possible}); found {answer!r}']
+        )
+    if request.about is About.ITEM:
+        return Wanted(request, {'item': found.item or ''})
+    return Wanted(request, {'hold': hold})

@@ -1,0 +1,111 @@
+"""The methods of the flat part: plain texts and numbers in, a plain answer out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from asyncua import ua
+
+from bt_orchestrator.doors.tickets import Outcome
+from bt_orchestrator.mes.plain_commands import (
+    Unclear,
+    Wanted,
+    answer_of,
+    command_of,
+    order_of,
+    verbs,
+)
+from bt_orchestrator.model.requests import ADD, About, Request
+from bt_orchestrator.opcua.bridge import Bridge
+from bt_orchestrator.opcua.calls import reason_of
+from bt_orchestrator.opcua.space import Argument, Space
+
+TEXT, COUNT = ua.VariantType.String, ua.VariantType.UInt32
+
+ACCEPTED = Argument('Accepted', ua.VariantType.Boolean, 'the cell does it')
+MESSAGE = Argument('Message', TEXT, 'what was done, or why nothing was')
+FINDINGS = Argument('Findings', TEXT, 'every mistake of the order', is_list=True)
+REASON = Argument('Reason', TEXT, 'why, for the record')
+
+
+def _words(requests: Iterable[Request]) -> str:
+    return ', '.join(one.word for one in requests)
+
+
+SUBMIT_ORDER = (
+    Argument('Id', TEXT, 'of the order, given once; its job has the same id'),
+    Argument('Script', TEXT, 'name of the script that it runs'),
+    Argument('Quantity', COUNT, 'items to make; 0: the default of the script'),
+    Argument('Parameters', TEXT, 'of the script, each as in speed=12', is_list=True),
+)
+COMMAND = (
+    Argument(
+        'Verb',
+        TEXT,
+        f'to the cell: {_words(verbs(About.CELL))}; to a job: {_words(verbs(About.JOB))}',
+    ),
+    Argument('Job', TEXT, 'id of the job; empty: the cell'),
+    REASON,
+)
+ANSWER_HOLD = (
+    Argument('Hold', TEXT, 'id of the hold, as in OldestHold/ID'),
+    Argument('Answer', TEXT, 'one of those in OldestHold/Answers'),
+    REASON,
+)
+
+
+class SimpleCommands:
+    """Carries out the methods, for the caller of each."""
+
+    def __init__(self, bridge: Bridge) -> None:
+        self._bridge = bridge
+
+    async def build(self, space: Space, top: str) -> None:
+        """Make the methods."""
+        await space.method(
+            f'{top}/SubmitOrder', self._submit, SUBMIT_ORDER, (ACCEPTED, MESSAGE, FINDINGS),
+            'queues an order; its job starts when its turn comes',
+        )  # fmt: skip
+        await space.method(
+            f'{top}/Command', self._command, COMMAND, (ACCEPTED, MESSAGE),
+            'a command to the cell, or to a job',
+        )  # fmt: skip
+        await space.method(
+            f'{top}/AnswerHold', self._answer, ANSWER_HOLD, (ACCEPTED, MESSAGE),
+            'decides what becomes of something that is held',
+        )  # fmt: skip
+
+    async def _submit(
+        self, id_: str, script: str, quantity: int, parameters: Sequence[str]
+    ) -> list[ua.Variant]:
+        try:
+            order = order_of(id_, script, quantity, parameters)
+        except Unclear as error:
+            return _told(Outcome(False, 'the order was not sent', error.findings), findings=True)
+        outcome = await self._bridge.calls.ask(ADD, {'orders': [order]}, '')
+        return _told(outcome, findings=True)
+
+    async def _command(self, verb: str, job: str, reason: str) -> list[ua.Variant]:
+        try:
+            wanted = command_of(verb, job)
+        except Unclear as error:
+            return _told(Outcome(False, str(error)))
+        return await self._ask(wanted, reason_of(reason, 'Command'))
+
+    async def _answer(self, hold: str, answer: str, reason: str) -> list[ua.Variant]:
+        try:
+            wanted = answer_of(hold, answer, self._bridge.status.holds)
+        except Unclear as error:
+            return _told(Outcome(False, str(error)))
+        return await self._ask(wanted, reason_of(reason, 'AnswerHold'))
+
+    async def _ask(self, wanted: Wanted, reason: str) -> list[ua.Variant]:
+        return _told(await self._bridge.calls.ask(wanted.request, wanted.arguments, reason))
+
+
+def _told(outcome: Outcome, *, findings: bool = False) -> list[ua.Variant]:
+    told = [
+        ua.Variant(outcome.accepted, ua.VariantType.Boolean),
+        ua.Variant(outcome.message, TEXT),
+    ]
+    return [*told, ua.Variant(list(outcome.findings), TEXT)] if findings else told
