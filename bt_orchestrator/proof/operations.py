@@ -1,21 +1,20 @@
 """The operations of one script; each one represents that operation for every item.
 
 Only what another section can wait for is an operation: tasks with flags, and their relations to
-the belt. Everything else in a list takes time, and always ends.
+the belt. Everything else in a list takes time, and always ends: it stands in a relation.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Sequence
 from copy import copy
-from itertools import pairwise
 from typing import NamedTuple
 
-from bt_orchestrator.model.script import Dependency, Script, SectionList, Step
+from bt_orchestrator.model.script import Dependency, Script, SectionList, Step, Task
 
 
 class Operation(NamedTuple):
-    """Something that a section does once for every item."""
+    """Something that a section does once for every item; its moment is when it begins."""
 
     number: int
     """Unique; ascending along the belt, and along each list."""
@@ -23,7 +22,9 @@ class Operation(NamedTuple):
     task: str = ''
     """A task with a flag; empty: the begin of a cycle, or a point between two steps."""
     follows_move: bool = False
-    """It comes after the move that brings its item (semantics 3.3, 3.7)."""
+    """It comes after the move that brings its item has begun (semantics 3.3, 3.7)."""
+    at_rest: bool = False
+    """It also comes after the end of that move."""
 
 
 class Relation(NamedTuple):
@@ -33,8 +34,18 @@ class Relation(NamedTuple):
     after: Operation
     items: int
     """Item offset of the second: 0 is the same item, 1 the next one."""
+    tasks: tuple[str, ...] = ()
+    """What runs between the two, one after the other; the task of the first is among them."""
     dependency: Dependency | None = None
     """The lateral dependency that requires it; None: a section's list does."""
+
+
+class _Way(NamedTuple):
+    """How far a list, or a track of it, has come."""
+
+    last: Operation
+    tasks: list[str]
+    """Those that run since then; only the owner of the way appends to it."""
 
 
 class Operations:
@@ -67,45 +78,52 @@ class Operations:
     def _add_list(self, tasks: SectionList) -> None:
         section = tasks.section
         # A source begins ahead of the move, and waits for it where it first needs the belt.
-        rests = section != self.source
-        last = self._add(section, follows_move=rests)
-        self.begins[section] = self.turns[section] = last
+        begin = self._add(section, follows_move=section != self.source)
+        self.begins[section] = self.turns[section] = begin
+        way, rests = _Way(begin, []), False
         for count, step in enumerate(tasks.steps, 1):
             if step.requires_conveyor and not rests:
                 rests = True
-                last = self._join(section, [last], follows_move=True)
-            ends = list(self._add_step(section, step, last))
-            if len(ends) > 1:
-                last = self._join(section, ends)
-            elif ends:
-                last = ends[0]
+                way = self._join(section, [way], at_rest=True)
+            way = self._add_step(section, step, way)
             if count == tasks.turn_steps:
-                self.turns[section] = last
-        self.ends[section] = last
+                way = self._point(section, way)
+                self.turns[section] = way.last
+        self.ends[section] = self._point(section, way).last
 
-    def _add_step(self, section: int, step: Step, begin: Operation) -> Iterator[Operation]:
-        """Add the operations of a step's tracks; yield the last one of each track that has any."""
-        for track in step.tracks:
-            flagged = [task.id for task in track if task.id in self._flagged]
-            if flagged:
-                found = {task: self._add(section, task) for task in flagged}
-                self.of_task |= found
-                self._in_order([begin, *found.values()])
-                yield found[flagged[-1]]
+    def _add_step(self, section: int, step: Step, way: _Way) -> _Way:
+        if len(step.tracks) == 1:
+            return self._add_track(section, step.tracks[0], way)
+        begin = self._point(section, way).last
+        ends = [self._add_track(section, track, _Way(begin, [])) for track in step.tracks]
+        return self._join(section, ends)
 
-    def _join(
-        self, section: int, ends: Iterable[Operation], *, follows_move: bool = False
+    def _add_track(self, section: int, track: Sequence[Task], way: _Way) -> _Way:
+        for task in track:
+            if task.id in self._flagged:
+                operation = self._add(section, task.id)
+                self.of_task[task.id] = operation
+                self._lead([way], operation)
+                way = _Way(operation, [])
+            way.tasks.append(task.id)
+        return way
+
+    def _point(self, section: int, way: _Way) -> _Way:
+        """Return the way from a moment at which nothing of it runs."""
+        return self._join(section, [way]) if way.tasks else way
+
+    def _join(self, section: int, ways: Sequence[_Way], *, at_rest: bool = False) -> _Way:
+        """Add the point at which several ways have ended."""
+        joined = self._add(section, follows_move=at_rest, at_rest=at_rest)
+        self._lead(ways, joined)
+        return _Way(joined, [])
+
+    def _lead(self, ways: Sequence[_Way], to: Operation) -> None:
+        self.order += [Relation(way.last, to, 0, tuple(way.tasks)) for way in ways]
+
+    def _add(
+        self, section: int, task: str = '', *, follows_move: bool = False, at_rest: bool = False
     ) -> Operation:
-        """Add the point at which several operations have ended."""
-        joined = self._add(section, follows_move=follows_move)
-        for end in ends:
-            self._in_order([end, joined])
-        return joined
-
-    def _in_order(self, operations: list[Operation]) -> None:
-        self.order += [Relation(before, after, 0) for before, after in pairwise(operations)]
-
-    def _add(self, section: int, task: str = '', *, follows_move: bool = False) -> Operation:
         number = self._first_number + len(self.all)
-        self.all.append(Operation(number, section, task, follows_move))
+        self.all.append(Operation(number, section, task, follows_move, at_rest))
         return self.all[-1]

@@ -68,9 +68,10 @@ def _of_flags(scripts: Sequence[Operations]) -> Iterator[Relation]:
         wants, taking = one.flags[flag], other.flags[flag].downstream
         room = wants.capacity - wants.initial
         if room or one is other:
-            yield Relation(other.of_task[taking], one.of_task[wants.upstream], room, wants)
+            up = one.of_task[wants.upstream]
+            yield Relation(other.of_task[taking], up, room, (taking,), wants)
     for one, other, flag in shared:
         wants, adding = one.flags[flag], other.flags[flag].upstream
         if wants.initial or one is other:
             down = one.of_task[wants.downstream]
-            yield Relation(other.of_task[adding], down, wants.initial, wants)
+            yield Relation(other.of_task[adding], down, wants.initial, (adding,), wants)

@@ -1,0 +1,51 @@
+"""Which task would have to be quicker, and by how much, until something else limits the line."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil
+
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.script import INDEX
+from bt_orchestrator.proof.pace import Limit, PacedLine
+
+
+@dataclass(frozen=True)
+class Quicker:
+    """What comes of a quicker task."""
+
+    task: str
+    """The longest task of the limit."""
+    takes_s: float
+    """What it takes now."""
+    by_s: float
+    """What it would have to save; more saves nothing. 0: something else takes as long anyway."""
+    then: Limit
+    """What limits the line then."""
+
+    def __str__(self) -> str:
+        if not self.by_s:
+            return f'{self.task} alone cannot make it less: {self.then} takes as long'
+        by = f'without {self.task}'
+        if self.by_s < self.takes_s:
+            by = f'with {self.task} {self.by_s:.1f} s quicker'
+        return f'{by} every {self.then.per_item_s:.1f} s: {self.then}'
+
+
+def quicker(line: PacedLine, cell: Cell) -> Quicker | None:
+    """Return what making the longest task of the limit quicker would bring; None: there is none.
+
+    A task that is in several circles may have to save more for another one than for the slowest.
+    """
+    us = line.durations(cell)
+    limit = line.limit(us)
+    task = max((one for one in limit.tasks if one != INDEX), key=us.__getitem__, default=None)
+    if task is None:
+        return None
+    then = line.limit({**us, task: 0})
+    saved = 0
+    while limit.per_item_us > then.per_item_us:
+        too_long = (limit.per_item_us - then.per_item_us) * limit.items
+        saved += ceil(too_long / limit.tasks.count(task))
+        limit = line.limit({**us, task: us[task] - saved})
+    return Quicker(task, us[task] / 1_000_000, saved / 1_000_000, then)

@@ -1,0 +1,334 @@
+"""The pace in closed form, against what the engine does (semantics 8.4)."""
+
+from __future__ import annotations
+
+import random
+from collections import Counter
+from dataclasses import replace
+from fractions import Fraction
+
+import pytest
+from fakes.drawn.lines import lines
+from fakes.drawn.plan import Plan, Traits
+from fakes.flagged_line import FlaggedLine
+from fakes.line import THREE, Line, with_section
+from fakes.plan_runs import product_cell, product_scripts, show
+from fakes.profiles import examples
+from fakes.steady import steady
+from hypothesis import given
+from hypothesis import strategies as st
+
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.proof.pace import Pace, PacedLine, pace
+from bt_orchestrator.proof.quicker import Quicker, quicker
+
+pytestmark = pytest.mark.timeout(24 * 3600)
+
+SEEDS = st.integers(0, 2**32)
+SECONDS = (0.0, 0.5, 1.0, 2.5, 3.25, 7.0)
+"""Sums of few of them differ, or are equal, by more than a run of some items hides."""
+
+
+def drawn_durations(cell: Cell, seed: int) -> Cell:
+    """Return a cell in which each task of each component takes some other time."""
+    draw = random.Random(seed)
+    tasks = ('TASK_A', 'TASK_B', cell.conveyor.task)
+    components = {
+        name: replace(one, durations_s={task: draw.choice(SECONDS) for task in tasks})
+        for name, one in cell.components.items()
+    }
+    conveyor = replace(cell.conveyor, component=components[cell.conveyor.component.name])
+    return replace(cell, components=components, conveyor=conveyor)
+
+
+def paced(line: Line, text: str) -> Pace:
+    found = pace(line.script(text), line.cell)
+    assert found is not None
+    return found
+
+
+# --- lists and the belt ---------------------------------------------------------------------
+
+AHEAD = with_section(
+    2, '[{id: free, @b2, requires_conveyor: false}, {id: work, @a2}, {id: more, @b2.TASK_B}]'
+)
+SOURCE_AHEAD = with_section(
+    1, '[{id: pick, @b1, requires_conveyor: false}, {id: place, @a1, qty_change: 1}]'
+)
+GROUP = with_section(2, '[{parallel: [{id: work, @a2}, [{id: x, @b2}, {id: y, @b2.TASK_B}]]}]')
+RELEASE = with_section(
+    2,
+    """
+      release_conveyor: after_last_conveyor_task
+      tasks: [{id: work, @a2}, {id: clean, @b2, requires_conveyor: false}]
+    """,
+)
+REJECTED = with_section(2, '[{id: work, @a2}, {id: drop, @b2, runs_for: rejected}]')
+ALONE = 'sections: {1: [{id: place, @a1, qty_change: 1}, {id: pack, @a1, qty_change: -1}]}'
+
+
+@pytest.mark.parametrize(
+    ('text', 'slow', 'per_item_s', 'limit'),
+    [
+        (THREE, 'a2', 9.0, 'work, the belt moves'),
+        (AHEAD, 'a2', 10.0, 'work, more, the belt moves'),
+        (AHEAD, 'b2', 15.0, 'free, work, more'),
+        (SOURCE_AHEAD, 'b1', 8.0, 'pick, place'),
+        (SOURCE_AHEAD, 'a1', 9.0, 'place, the belt moves'),
+        (GROUP, 'a2', 9.0, 'work, the belt moves'),
+        (GROUP, 'b2', 16.0, 'x, y, the belt moves'),
+        (RELEASE, 'a2', 9.0, 'work, the belt moves'),
+        (RELEASE, 'b2', 8.0, 'work, clean'),
+        (REJECTED, 'b2', 3.0, 'place, the belt moves'),
+        (ALONE, 'a1', 14.0, 'place, pack'),  # nothing stands on the belt, so it does not move
+    ],
+)
+def test_8_4_the_slowest_circle_is_the_pace(
+    text: str, slow: str, per_item_s: float, limit: str
+) -> None:
+    line = Line(seconds={slow: 7.0})
+    found = paced(line, text)
+    assert (found.per_item_s, str(found.limit)) == (per_item_s, limit)
+    assert found.is_exact
+    assert steady(line.cell, line.script(text)) == (per_item_s, True)
+
+
+def test_8_4_a_line_in_which_nothing_takes_time_has_no_limit() -> None:
+    cell = Line(seconds=dict.fromkeys(('a1', 'a2', 'a3'), 0.0)).cell
+    still = replace(cell.conveyor.component, default_duration_s=0.0)
+    cell = replace(cell, components={**cell.components, still.name: still})
+    found = pace(Line().script(THREE), cell)
+    assert found is not None
+    assert str(found) == 'an item every 0.0 s: nothing takes time'
+    assert quicker(PacedLine(Line().script(THREE), cell), cell) is None
+
+
+# --- flags ----------------------------------------------------------------------------------
+
+COUPLED = """
+sections:
+  1: [{id: place, @a1, qty_change: 1}]
+  2: [{id: look, @a2}, {id: turn, @b2}]
+  3: [{id: fill, @a3}, {id: close, @b3}]
+  4: [{id: pack, @a4, qty_change: -1}]
+lateral_dependencies:
+  - {flag: turned, upstream: UP, downstream: DOWN, capacity: CAPACITY, initial: INITIAL}
+"""
+
+
+@pytest.mark.parametrize(
+    ('up', 'down', 'capacity', 'initial', 'per_item_s', 'limit'),
+    [
+        ('turn', 'fill', 2, 0, 8.0, 'look, turn, the belt moves'),
+        # The item in section 3 is filled before that in section 2 is turned.
+        ('turn', 'fill', 1, 0, 10.0, 'fill, turn, the belt moves (flag turned)'),
+        ('look', 'close', 1, 0, 13.0, 'fill, close, look, turn, the belt moves (flag turned)'),
+        # Section 3 works on its item first, in each beat.
+        ('close', 'look', 1, 1, 13.0, 'fill, close, look, turn, the belt moves (flag turned)'),
+        ('close', 'look', 2, 2, 8.0, 'look, turn, the belt moves'),
+    ],
+)
+def test_8_4_a_flag_puts_sections_into_one_circle(
+    up: str, down: str, capacity: int, initial: int, per_item_s: float, limit: str
+) -> None:
+    text = COUPLED
+    for name, value in {'UP': up, 'DOWN': down, 'CAPACITY': capacity, 'INITIAL': initial}.items():
+        text = text.replace(name, str(value))
+    line = Line(4, seconds={'b2': 5.0, 'a3': 3.0, 'b3': 2.0})
+    found = paced(line, text)
+    assert (found.per_item_s, str(found.limit)) == (per_item_s, limit)
+    assert steady(line.cell, line.script(text)) == (per_item_s, True)
+
+
+def test_8_4_lines_without_shared_spaces_are_as_fast_as_the_graph_says() -> None:
+    """And the pace is infinite exactly if the line gets stuck."""
+    seen: Counter[str] = Counter()
+
+    @examples(12, 2000)
+    @given(SEEDS)
+    def holds(seed: int) -> None:
+        drawn = FlaggedLine(seed)
+        cell = drawn_durations(drawn.line.cell, seed)
+        found, real = pace(drawn.script, cell), steady(cell, drawn.script)
+        assert (found is None) == (real is None), drawn.text
+        if found is not None:
+            assert found.is_exact
+            assert real == (pytest.approx(found.per_item_s, abs=1e-6), True), drawn.text
+        seen['all'] += 1
+        seen['stuck'] += found is None
+        seen['by flags'] += found is not None and bool(found.limit.flags)
+
+    holds()
+    assert 0.2 * seen['all'] < seen['stuck'] < 0.8 * seen['all'], seen
+    assert seen['by flags'] > 0, seen
+
+
+# --- what there is only one of --------------------------------------------------------------
+
+ARM = """
+sections:
+  1: [{id: place, @a1, qty_change: 1}]
+  2: [{id: near, @arm}]
+  3: [{id: far, @arm}, {id: pack, @a3, qty_change: -1}]
+"""
+ZONE = """
+sections:
+  1: [{id: place, @a1, qty_change: 1}]
+  2: [{parallel: [{id: left, @a2}, {id: right, @b2}]}]
+  3: [{id: pack, @a3, qty_change: -1}]
+zones:
+  table: [left, right]
+"""
+ONE_AFTER_THE_OTHER = """
+sections:
+  1: [{id: place, @a1, qty_change: 1}]
+  2: [{id: first, @a2}, {id: second, @a2}]
+  3: [{id: pack, @a3, qty_change: -1}]
+zones:
+  table: [first, second]
+"""
+BELT_AS_A_TOOL = """
+sections:
+  1: [{id: place, @a1, qty_change: 1}]
+  2:
+    release_conveyor: after_last_conveyor_task
+    tasks: [{id: work, @a2}, {id: push, task: HOME, action: /belt/do, requires_conveyor: false}]
+  3: [{id: pack, @a3, qty_change: -1}]
+"""
+
+
+def test_8_4_what_is_shared_makes_the_pace_a_bound() -> None:
+    line = Line(seconds={'arm': 4.0})
+    found = paced(line, ARM)
+    assert (found.per_item_s, str(found.limit)) == (8.0, 'near, far, never two at once (arm)')
+    assert found.not_counted == ('waits for arm',)
+    assert not found.is_exact
+    real = steady(line.cell, line.script(ARM))
+    assert real is not None
+    assert real.per_item_s > 8.0  # the belt waits for both, and moves while the arm does nothing
+
+
+def test_8_4_a_zone_may_be_wanted_by_two_tracks_of_a_group() -> None:
+    found = paced(Line(), ZONE)
+    assert found.not_counted == ('waits for zone table',)
+    assert paced(Line(), ONE_AFTER_THE_OTHER).is_exact
+
+
+def test_8_4_a_task_of_the_conveyor_waits_for_its_moves() -> None:
+    found = paced(Line(), BELT_AS_A_TOOL)
+    assert (found.per_item_s, str(found.limit)) == (
+        4.0,
+        'the belt moves, push, never two at once (conveyor)',
+    )
+
+
+# --- conditions -----------------------------------------------------------------------------
+
+SEALED = """
+sections:
+  1: [{id: place, @a1, qty_change: 1}]
+  2: [{id: look, @a2}, {id: seal, @b2, WHEN: {value: "${item.number}", equals: 1}}]
+  3: [{id: pack, @a3, qty_change: -1}]
+"""
+
+
+@pytest.mark.parametrize(('word', 'real_s'), [('when', 3.0), ('unless', 8.0)])
+def test_8_4_tasks_with_conditions_leave_a_range(word: str, real_s: float) -> None:
+    line = Line(seconds={'b2': 5.0})
+    text = SEALED.replace('WHEN', word)
+    found = paced(line, text)
+    assert (found.least.per_item_s, found.per_item_s) == (3.0, 8.0)
+    assert str(found.limit) == 'look, seal, the belt moves'
+    assert not found.is_exact
+    assert steady(line.cell, line.script(text)) == (real_s, True)
+
+
+def test_8_4_a_condition_that_does_not_matter_leaves_the_pace_exact() -> None:
+    found = paced(Line(seconds={'b2': 5.0, 'a3': 6.0}), SEALED.replace('WHEN', 'when'))
+    assert (found.per_item_s, found.is_exact) == (8.0, True)
+
+
+def test_8_4_no_line_is_faster_than_its_pace() -> None:
+    """Lines with shared spaces and conditions, whatever else a script may say."""
+    seen: Counter[str] = Counter()
+
+    @examples(12, 2000)
+    @given(lines(Traits(faults=False, most_sections=5)))
+    def holds(plan: Plan) -> None:
+        show(plan)
+        cell = product_cell(plan)
+        for script in product_scripts(plan, cell).values():
+            found = pace(script, cell)
+            is_shared = found is not None and bool(found.not_counted)
+            real = steady(cell, script, at_most=60 if is_shared else 480)
+            seen['stuck'] += found is None
+            if found is None or real is None:
+                assert found is not None or real is None
+                continue
+            slack_s = 1e-6 if real.repeats else found.per_item_s / 10
+            assert real.per_item_s >= found.least.per_item_s - slack_s
+            if not found.not_counted:
+                assert real.repeats
+                assert real.per_item_s <= found.per_item_s + slack_s
+            seen['all'] += 1
+            seen['exact'] += found.is_exact
+            seen['slower'] += real.per_item_s > found.per_item_s + slack_s
+
+    holds()
+    assert seen['exact'] > 0.2 * seen['all'], seen
+    assert seen['slower'] > 0.1 * seen['all'], seen
+
+
+# --- what would make it faster --------------------------------------------------------------
+
+
+def quickest(line: Line, text: str) -> Quicker:
+    found = quicker(PacedLine(line.script(text), line.cell), line.cell)
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize(
+    ('text', 'seconds', 'words'),
+    [
+        (
+            THREE,
+            {'a2': 7.0, 'a3': 5.5},
+            'with work 1.5 s quicker every 7.5 s: pack, the belt moves',
+        ),
+        (THREE, {}, 'place alone cannot make it less: work, the belt moves takes as long'),
+        (ALONE, {'a1': 2.0}, 'without place every 2.0 s: pack'),
+        (AHEAD, {'b2': 7.0}, 'with free 5.0 s quicker every 10.0 s: work, more, the belt moves'),
+    ],
+)
+def test_8_4_what_a_quicker_task_brings_is_told(
+    text: str, seconds: dict[str, float], words: str
+) -> None:
+    assert str(quickest(Line(seconds=seconds), text)) == words
+
+
+def test_8_4_a_task_in_several_circles_saves_until_none_of_them_is_the_slowest() -> None:
+    """Less is not enough, and more brings nothing."""
+    seen: Counter[str] = Counter()
+
+    @examples(40, 2000)
+    @given(SEEDS)
+    def holds(seed: int) -> None:
+        drawn = FlaggedLine(seed)
+        cell = drawn_durations(drawn.line.cell, seed)
+        line = PacedLine(drawn.script, cell)
+        found = None if line.gets_stuck else quicker(line, cell)
+        if found is None:
+            return
+        us, saved = line.durations(cell), round(found.by_s * 1_000_000)
+
+        def limit_us(left_us: int) -> Fraction:
+            return line.limit({**us, found.task: left_us}).per_item_us
+
+        left_us = us[found.task] - saved
+        assert limit_us(left_us) == limit_us(0) == found.then.per_item_us
+        assert not saved or limit_us(left_us + 1) > found.then.per_item_us
+        seen['saves'] += bool(saved)
+
+    holds()
+    assert seen['saves'] > 5, seen
