@@ -6,7 +6,7 @@ import argparse
 import dataclasses
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,12 +16,17 @@ from bt_orchestrator.errors import Finding, Refused, counted
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.report.pace_text import script_pace
 from bt_orchestrator.script.checks.warnings import ReadScript, warnings
 from bt_orchestrator.script.lookup import find_script
 
 DESCRIPTION = """\
 Read scripts against the cell they are for, and print every mistake in them as
 FILE:LINE:COLUMN: WHAT; HINT. Moves nothing and needs no node.
+
+Of scripts without mistakes it says how long a full line takes from one item to the next, by the
+durations of the cell file: what has to happen one after the other, and what a quicker task would
+bring.
 
 What is probably not meant is printed as FILE:LINE:COLUMN: warning: WHAT; HINT on the standard
 error, and changes nothing, but with --strict."""
@@ -38,7 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_cell_options(parser)
     parser.add_argument(
-        '--json', action='store_true', help='one JSON object: findings, warnings, ok'
+        '--json', action='store_true', help='one JSON object: findings, warnings, ok, paces'
     )
     parser.add_argument('--strict', action='store_true', help='take warnings for mistakes')
 
@@ -74,13 +79,15 @@ def check(args: argparse.Namespace, types: ActionTypes) -> int:
     found = warnings(args.cell, cell, given, folders, types)
     is_fine = not (args.strict and found)
     if args.json:
-        print(json.dumps({'findings': [], 'warnings': _plain(found), 'ok': is_fine}))
+        paces = [script_pace(script, cell).plain() for script in scripts]
+        fine = {'findings': [], 'warnings': _plain(found), 'ok': is_fine, 'paces': paces}
+        print(json.dumps(fine))
         return int(not is_fine)
     for warning in found:
         what = f'warning: {warning.what}'
         print(dataclasses.replace(warning, what=what), file=sys.stderr)
     if is_fine:
-        print('\n'.join(summary(script, cell) for script in scripts))
+        print('\n'.join(line for script in scripts for line in summary(script, cell)))
     return int(not is_fine)
 
 
@@ -93,14 +100,15 @@ def _plain(findings: Sequence[Finding]) -> list[dict[str, Any]]:
     return [dataclasses.asdict(finding) for finding in findings]
 
 
-def summary(script: Script, cell: Cell) -> str:
-    """Say in one line that a script is fine."""
+def summary(script: Script, cell: Cell) -> Iterator[str]:
+    """Yield that a script is fine, and how fast the line makes what it says."""
     tasks = sum(1 for tasks in script.sections.values() for _ in tasks.tasks)
     sections = len(script.sections)
     initialization = (
         f' and {len(script.initialization)} of initialization' if script.initialization else ''
     )
-    return (
+    yield (
         f'{script.name}: {counted(tasks, "task")} in {counted(sections, "section")}'
         f'{initialization}, fits cell {cell.name}'
     )
+    yield from (f'  {line}' for line in script_pace(script, cell).lines())

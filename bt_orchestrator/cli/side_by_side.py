@@ -52,6 +52,10 @@ def change_lines(before: Run, after: Run) -> Iterator[str]:
             yield from (f'  {line}' for line in lines_of(done))
             yield ''
     yield from comparison_lines(before.forecast, after.forecast)
+    for name, done in (('before', before), ('after', after)):
+        for one in done.paces:
+            of_script = f'{one.script}: ' if len(done.paces) > 1 else ''
+            yield f'full line {name}: {of_script}{one.pace or "gets stuck"}'
 
 
 def plain_change(before: Run, after: Run) -> dict[str, Any]:

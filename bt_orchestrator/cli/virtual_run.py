@@ -25,6 +25,7 @@ from bt_orchestrator.ports import ActionTypes, EventSink
 from bt_orchestrator.report.forecast import Forecast
 from bt_orchestrator.report.forecast_fold import ForecastFold
 from bt_orchestrator.report.forecast_text import forecast_lines, job_lines
+from bt_orchestrator.report.pace_text import ScriptPace, script_pace
 from bt_orchestrator.report.wait_log import WaitLog
 from bt_orchestrator.sim.fault_options import with_faults
 from bt_orchestrator.sim.simulation import Outcome, Simulation
@@ -60,6 +61,8 @@ class Run:
     holds: tuple[Hold, ...]
     complaints: tuple[str, ...]
     """Why holds were not answered although there was an answer to give."""
+    paces: tuple[ScriptPace, ...]
+    """What the line is good for with each script, without a run; in the order of the jobs."""
 
 
 def run_jobs(
@@ -94,7 +97,8 @@ def run_jobs(
         waits, now_s = log.end(simulation.clock.now()), simulation.clock.now()
         if options.gantt is not None:
             _draw(gantt.chart(cell.name, cell.conveyor.sections, waits, now_s), options.gantt)
-        return _result(simulation, outcome, fold.forecast(cell, waits), operator)
+        paces = (script_pace(one, cell) for one in {one.name: one for one in scripts}.values())
+        return _result(simulation, outcome, fold.forecast(cell, waits), operator, tuple(paces))
 
 
 def _looks(
@@ -118,13 +122,18 @@ def _draw(gantt: Gantt, path: Path) -> None:
 
 
 def _result(
-    simulation: Simulation, outcome: Outcome, forecast: Forecast, operator: StandingAnswers
+    simulation: Simulation,
+    outcome: Outcome,
+    forecast: Forecast,
+    operator: StandingAnswers,
+    paces: tuple[ScriptPace, ...],
 ) -> Run:
     is_stuck = outcome is Outcome.STUCK
     waits = standstill(simulation.state, simulation.waits()) if is_stuck else []
     holds = tuple(simulation.state.holds.values())
     complaints = tuple(operator.complaints())
-    return Run(outcome, simulation.clock.now(), forecast, tuple(waits), holds, complaints)
+    now_s = simulation.clock.now()
+    return Run(outcome, now_s, forecast, tuple(waits), holds, complaints, paces)
 
 
 # --- as text ----------------------------------------------------------------------------------
@@ -133,7 +142,7 @@ def _result(
 def lines_of(done: Run) -> Iterator[str]:
     """Yield everything about a run, for a person."""
     if done.outcome is Outcome.FINISHED:
-        yield from forecast_lines(done.forecast)
+        yield from forecast_lines(done.forecast, done.paces)
         return
     yield f'{done.outcome.value} at {done.time_s:.1f} s:'
     for wait in done.waits:
@@ -167,4 +176,5 @@ def plain(done: Run) -> dict[str, Any]:
         'waits': [{'part': wait.part, **to_plain(wait.wait)} for wait in done.waits],
         'holds': [dataclasses.asdict(hold) for hold in done.holds],
         'complaints': list(done.complaints),
+        'paces': [one.plain() for one in done.paces],
     }

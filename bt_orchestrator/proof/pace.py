@@ -2,7 +2,8 @@
 
 The relations that decide whether a line gets stuck also decide how fast it is, if they are
 weighted with durations: no line is faster than the circle of them that takes longest for each of
-its beats, and one without shared spaces is exactly as fast (semantics 8.4, docs/deadlock_proof.md).
+its beats, and one without shared spaces is exactly as fast (semantics 8.4; docs/deadlock_proof.md
+says why).
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import INDEX, Script, Task, index_task
@@ -48,17 +50,19 @@ class Limit:
         return float(self.per_item_us / 1_000_000)
 
     def __str__(self) -> str:
-        words = ['the belt moves' if one == INDEX else one for one in self.tasks]
-        if len(words) > NAMED:
-            head, tail = words[: NAMED - 3], words[-2:]
-            words = [*head, f'{len(words) - NAMED + 1} more', *tail]
-        told = ', '.join(words) or 'nothing takes time'
+        told = _named(['the belt moves' if one == INDEX else one for one in self.tasks])
         if self.only_one:
             return f'{told}, never two at once ({self.only_one})'
         if self.flags:
             word = 'flag' if len(self.flags) == 1 else 'flags'
-            told += f' ({word} {", ".join(self.flags)})'
+            told += f' ({word} {_named(self.flags)})'
         return f'{told}, for {self.items} items' if self.items > 1 else told
+
+
+def _named(names: Sequence[str]) -> str:
+    if len(names) > NAMED:
+        names = (*names[: NAMED - 3], f'{len(names) - NAMED + 1} more', *names[-2:])
+    return ', '.join(names) or 'nothing takes time'
 
 
 NOTHING = Limit((), Fraction(0))
@@ -101,8 +105,7 @@ class Pace:
 
 def pace(script: Script, cell: Cell) -> Pace | None:
     """Return the pace of a script by the durations of a cell; None: the line gets stuck."""
-    line = PacedLine(script, cell)
-    return None if line.gets_stuck else line.pace(cell)
+    return PacedLine(script, cell).pace(cell)
 
 
 class PacedLine:
@@ -119,13 +122,15 @@ class PacedLine:
         """The number of the belt behind those of the operations."""
         self._contested = contested(script, self._move)
 
-    @property
+    @cached_property
     def gets_stuck(self) -> bool:
-        """Tell whether an item never comes."""
+        """Tell whether some item never comes."""
         return gets_stuck(self._precedence)
 
-    def pace(self, cell: Cell) -> Pace:
-        """Return the pace by the durations of a cell."""
+    def pace(self, cell: Cell) -> Pace | None:
+        """Return the pace by the durations of a cell; None: the line gets stuck."""
+        if self.gets_stuck:
+            return None
         us = self.durations(cell)
         skipped = {task.id: 0 for task in self._tasks if task.condition is not None}
         most = self.limit(us)
@@ -134,7 +139,7 @@ class PacedLine:
         return Pace(most, least, waits)
 
     def limit(self, us: Durations) -> Limit:
-        """Return what limits the line most; of equals a circle of waits."""
+        """Return what limits a line most that does not get stuck; of equals a circle of waits."""
         circle = slowest_circle(self._belt + 1, self._arcs(us))
         alone = (_alone(name, tasks, us) for name, tasks in self._contested.items())
         return max([_circle(circle, us, self._belt), *alone], key=lambda one: one.per_item_us)

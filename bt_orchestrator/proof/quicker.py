@@ -25,11 +25,11 @@ class Quicker:
 
     def __str__(self) -> str:
         if not self.by_s:
-            return f'{self.task} alone cannot make it less: {self.then} takes as long'
+            return f'a quicker {self.task} alone brings nothing: as long take {self.then}'
         by = f'without {self.task}'
         if self.by_s < self.takes_s:
             by = f'with {self.task} {self.by_s:.1f} s quicker'
-        return f'{by} every {self.then.per_item_s:.1f} s: {self.then}'
+        return f'{by} it would be {self.then.per_item_s:.1f} s: {self.then}'
 
 
 def quicker(line: PacedLine, cell: Cell) -> Quicker | None:
@@ -37,6 +37,8 @@ def quicker(line: PacedLine, cell: Cell) -> Quicker | None:
 
     A task that is in several circles may have to save more for another one than for the slowest.
     """
+    if line.gets_stuck:
+        return None
     us = line.durations(cell)
     limit = line.limit(us)
     task = max((one for one in limit.tasks if one != INDEX), key=us.__getitem__, default=None)

@@ -31,9 +31,16 @@ def slowest_circle(nodes: int, arcs: Sequence[Arc]) -> list[Arc]:
 
     :param nodes: how many; they are numbered from 0
     """
+    # Arcs in an order in which a way that seldom turns back is followed to its end at once.
+    forth = sorted((one for one in arcs if one.start <= one.end), key=lambda one: one.start)
+    back = sorted((one for one in arcs if one.start > one.end), key=lambda one: -one.start)
+    ordered, far = (*forth, *back), [0] * nodes
     slowest: list[Arc] = []
-    while slower := _slower(nodes, arcs, ratio(slowest)):
+    scale = 1
+    while slower := _slower(ordered, ratio(slowest), far):
         slowest = slower
+        before, scale = scale, ratio(slowest).denominator
+        far = [one * scale // before for one in far]
     return slowest
 
 
@@ -42,16 +49,17 @@ def ratio(circle: Sequence[Arc]) -> Fraction:
     return Fraction(sum(a.weight for a in circle), sum(a.length for a in circle) or 1)
 
 
-def _slower(nodes: int, arcs: Sequence[Arc], than: Fraction) -> list[Arc]:
+def _slower(arcs: Sequence[Arc], than: Fraction, far: list[int]) -> list[Arc]:
     """Return a circle of a larger ratio; empty: there is none.
 
-    Bellman-Ford's algorithm: such a circle gains with every round, and then shows among the arcs
-    by which the nodes were reached last.
+    Bellman and Ford's algorithm: such a circle gains each time around, and then shows among the
+    arcs by which the nodes were reached last.
+
+    :param far: how far each node is found to be; any numbers do, those of the last round help
     """
     gains = [
         (a.start, a.end, a.weight * than.denominator - a.length * than.numerator, a) for a in arcs
     ]
-    far = [0] * nodes
     reached_by: dict[int, Arc] = {}
     changed = True
     while changed:

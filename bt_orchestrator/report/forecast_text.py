@@ -11,14 +11,18 @@ from bt_orchestrator.report.forecast import (
     SectionLoad,
     WaitLoad,
 )
+from bt_orchestrator.report.pace_text import ScriptPace
 from bt_orchestrator.report.tables import table
 
 WAITS_SHOWN = 5
 """How many waits are told of each section and component, the longest; the rest is summed up."""
 
 
-def forecast_lines(forecast: Forecast) -> Iterator[str]:
-    """Yield all figures of a run."""
+def forecast_lines(forecast: Forecast, paces: Sequence[ScriptPace] = ()) -> Iterator[str]:
+    """Yield all figures of a run.
+
+    :param paces: of its scripts, to compare with what was measured
+    """
     yield from job_lines(forecast)
     yield ''
     yield f'total time     {forecast.total_s:.1f} s'
@@ -29,6 +33,7 @@ def forecast_lines(forecast: Forecast) -> Iterator[str]:
         yield f'bottleneck     {bottleneck_words(forecast.bottleneck)}'
     if forecast.is_mix:
         yield from _each_of_mix(forecast.jobs)
+    yield from _full_line(paces)
     yield ''
     headers = ('section', 'cycles', 'busy', 'per cycle', 'at best an item every')
     yield from table(headers, [_section(load) for load in forecast.sections])
@@ -55,6 +60,16 @@ def bottleneck_words(bottleneck: Bottleneck) -> str:
     return (
         f'{text}; section {bottleneck.next_section} is next, {margin_s:.1f} s ({share:.0%}) faster'
     )
+
+
+def _full_line(paces: Sequence[ScriptPace]) -> Iterator[str]:
+    """Yield how fast the line is with each script once it is full, which needs no run."""
+    label = 'full line'
+    for one in paces:
+        of_script, behind = (f'{one.script}: ', '  ') if len(paces) > 1 else ('', '')
+        for line in one.lines():
+            yield f'{label:<13}  {of_script}{line}'
+            label, of_script = '', behind
 
 
 def _each_of_mix(jobs: Sequence[JobForecast]) -> Iterator[str]:

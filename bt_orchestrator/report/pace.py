@@ -1,46 +1,68 @@
-"""Estimates of when jobs end, from the durations of a cell (semantics 8.3).
+"""Estimates of when jobs end, from the durations of a cell (semantics 8.4).
 
-The steady pace of a line is that of its slowest section. Flags, shared components, faults and
-people make it slower; `simulate` takes them into account and this does not.
+A line that is full keeps its pace. Waits for what there is only one of, faults and people make it
+slower, and a line that fills or drains is not full; a forecast takes them into account and this
+does not.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+import math
+from collections.abc import Collection, Iterator, Mapping
 
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.limits import QUEUE_SHOWN
-from bt_orchestrator.model.script import Script, SectionList, Step
 from bt_orchestrator.model.state import CellState, JobState
+from bt_orchestrator.proof.pace import Durations, PacedLine
 
 
-def item_s(script: Script, cell: Cell) -> float:
-    """Return the seconds between two items of a script, by the durations of a cell."""
-    move_s = cell.conveyor.component.duration_s(cell.conveyor.task)
-    return max(max(periods(tasks, cell, move_s)) for tasks in script.sections.values())
+class Paces:
+    """Seconds from one item to the next, of scripts by their digests.
 
-
-def periods(tasks: SectionList, cell: Cell, move_s: float) -> Iterator[float]:
-    """Yield the least seconds between two cycles of a section: its whole list, and a beat.
-
-    A beat is the move and what needs the belt at rest; leading steps run while it moves (3.7).
+    Each is worked out again only when the durations of its tasks have changed.
     """
-    yield _sum_s(tasks.steps, cell)
-    in_turn = tasks.steps[: tasks.turn_steps]
-    lead = next((n for n, step in enumerate(in_turn) if step.requires_conveyor), len(in_turn))
-    yield move_s + _sum_s(in_turn[lead:], cell)
+
+    def __init__(self) -> None:
+        self._lines: dict[str, PacedLine] = {}
+        self._known: dict[str, tuple[Durations, float]] = {}
+
+    def item_s(self, job: JobState, cell: Cell) -> float:
+        """Return it for the script of a job; infinite if the line gets stuck with it.
+
+        :param cell: the one that the script is for, perhaps with other durations
+        """
+        line = self._lines.get(job.digest)
+        if line is None:
+            line = self._lines[job.digest] = PacedLine(job.job.script, cell)
+        if line.gets_stuck:
+            return math.inf
+        us = line.durations(cell)
+        known = self._known.get(job.digest)
+        if known is None or known[0] != us:
+            known = self._known[job.digest] = us, line.limit(us).per_item_s
+        return known[1]
+
+    def keep(self, digests: Collection[str]) -> None:
+        """Forget all other scripts."""
+        for digest in self._lines.keys() - digests:
+            del self._lines[digest]
+            self._known.pop(digest, None)
 
 
-def expected_ends_s(state: CellState, cell: Cell) -> Mapping[str, float]:
+def expected_ends_s(
+    state: CellState, cell: Cell, paces: Paces | None = None
+) -> Mapping[str, float]:
     """Return in how many seconds active and next jobs end, if nothing stops the line.
 
     Jobs that are held or paused, what waits behind a paused one, and those far back in a long
     queue are left out.
 
     :param cell: the one of the state, perhaps with other durations
+    :param paces: those of earlier estimates for this cell
     """
     if not state.packml.begins or state.stop_after is not None:
         return {}
+    paces = Paces() if paces is None else paces
     ends: dict[str, float] = {}
     feed_s = 0.0
     paces_s: dict[str, float] = {}
@@ -49,10 +71,13 @@ def expected_ends_s(state: CellState, cell: Cell) -> Mapping[str, float]:
             break
         if not job.held:
             if job.digest not in paces_s:
-                paces_s[job.digest] = item_s(job.job.script, cell)
+                paces_s[job.digest] = paces.item_s(job, cell)
             pace_s = paces_s[job.digest]
+            if math.isinf(pace_s):
+                break
             feed_s += job.cycles_left * pace_s
             ends[job.job.id] = max([feed_s + way for way in _ways_s(job, pace_s)], default=feed_s)
+    paces.keep(paces_s)
     return ends
 
 
@@ -65,14 +90,3 @@ def _ways_s(job: JobState, pace_s: float) -> Iterator[float]:
     for item in job.items.values():
         at = item.section or script.source
         yield max(script.sink - at + 1, 0) * pace_s
-
-
-def _sum_s(steps: Iterable[Step], cell: Cell) -> float:
-    return sum(max(_track_s(step, cell)) for step in steps)
-
-
-def _track_s(step: Step, cell: Cell) -> list[float]:
-    return [
-        sum(cell.components[task.component].duration_s(task.name) for task in track)
-        for track in step.tracks
-    ]

@@ -12,7 +12,7 @@ from bt_orchestrator.model.limits import QUEUE_SHOWN
 from bt_orchestrator.model.snapshot import nearest, state_to_text
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import Foresight
-from bt_orchestrator.report.pace import expected_ends_s
+from bt_orchestrator.report.pace import Paces, expected_ends_s
 from bt_orchestrator.ros.pulse import Pulse
 from bt_orchestrator.runtime.observed_durations import ObservedDurations, as_observed
 from bt_orchestrator.runtime.orchestrator import Orchestrator
@@ -34,7 +34,7 @@ class ExpectedEnds:
     ) -> None:
         """Look ahead, once a second at most.
 
-        :param foresight: makes forecasts; None: the pace of the slowest section has to do
+        :param foresight: makes forecasts; None: the pace has to do
         """
         self._node = node
         self._orchestrator = orchestrator
@@ -43,6 +43,7 @@ class ExpectedEnds:
         self._asked_s = 0.0
         self._asked_seq = 0
         self._asked_about: object = None
+        self._paces = Paces()
         self._cell: Cell | None = None
         """With the durations seen; None: to be made anew when it is needed."""
         pulse.add(self._look)
@@ -61,7 +62,7 @@ class ExpectedEnds:
             return known
         if self._cell is None:
             self._cell = as_observed(state.cell, self._durations.seconds())
-        return {**expected_ends_s(state, self._cell), **known}
+        return {**expected_ends_s(state, self._cell, self._paces), **known}
 
     def close(self) -> None:
         """Ask no more."""

@@ -16,6 +16,8 @@ from bt_orchestrator.errors import Refused
 
 TYPES = FakeActionTypes()
 FITS = 'fits cell reference_cell'
+WAITS = 'waits for zone shared_table not counted'
+CIRCLE = 'assemble, inspect, the belt moves (flag camera_read)'
 
 
 def checked(*words: str | Path, cell: Path = REFERENCE_CELL) -> int:
@@ -41,8 +43,45 @@ def test_a_script_that_fits_is_summed_up(capsys: pytest.CaptureFixture[str]) -> 
     assert checked(TREES / 'reference_process.yaml', TREES / 'inspect_and_assemble.yaml') == 0
     assert capsys.readouterr().out.splitlines() == [
         f'reference_process: 9 tasks in 5 sections and 3 of initialization, {FITS}',
+        '  an item every 6.5 s: 4.1, 4.2, 4.3, 4.4, the belt moves',
+        '  without 4.3 it would be 5.0 s: 2.1, the belt moves',
         f'inspect_and_assemble: 8 tasks in 5 sections and 1 of initialization, {FITS}',
+        f'  an item every 7.5 s or longer ({WAITS}): {CIRCLE}',
+        '  without inspect it would be 4.5 s: assemble, the belt moves',
     ]
+
+
+def test_the_pace_as_json(capsys: pytest.CaptureFixture[str]) -> None:
+    assert checked(TREES / 'inspect_and_assemble.yaml', '--json') == 0
+    (pace,) = json.loads(capsys.readouterr().out)['paces']
+    assert pace == {
+        'script': 'inspect_and_assemble',
+        'per_item_s': 7.5,
+        'least_s': 7.5,
+        'exact': False,
+        'not_counted': ['waits for zone shared_table'],
+        'limit': {
+            'words': CIRCLE,
+            'tasks': ['assemble', 'inspect'],
+            'belt_moves': True,
+            'items': 1,
+            'flags': ['camera_read'],
+            'only_one': '',
+        },
+        'quicker': {
+            'task': 'inspect',
+            'by_s': 3.0,
+            'per_item_s': 4.5,
+            'limit': {
+                'words': 'assemble, the belt moves',
+                'tasks': ['assemble'],
+                'belt_moves': True,
+                'items': 1,
+                'flags': [],
+                'only_one': '',
+            },
+        },
+    }
 
 
 def test_scripts_are_looked_up_by_name_in_the_folders_named(
@@ -93,7 +132,8 @@ def test_findings_as_json(bad: Path, capsys: pytest.CaptureFixture[str]) -> None
 
 def test_no_findings_as_json(capsys: pytest.CaptureFixture[str]) -> None:
     assert checked(TREES / 'reference_process.yaml', '--json') == 0
-    assert json.loads(capsys.readouterr().out) == {'findings': [], 'warnings': [], 'ok': True}
+    found = json.loads(capsys.readouterr().out)
+    assert {**found, 'paces': []} == {'findings': [], 'warnings': [], 'ok': True, 'paces': []}
 
 
 # --- warnings ---------------------------------------------------------------------------------

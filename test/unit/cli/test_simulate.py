@@ -48,6 +48,8 @@ def test_the_prediction_of_the_reference_order(capsys: pytest.CaptureFixture[str
         'bottleneck section 4, an item every 6.5 s at best; section 2 is next, 1.5 s (23%) faster'
     )
     assert slowest in lines
+    assert 'full line an item every 6.5 s: 4.1, 4.2, 4.3, 4.4, the belt moves' in lines
+    assert 'without 4.3 it would be 5.0 s: 2.1, the belt moves' in lines
     assert 'conveyor 7 14.0 s 35.9%' in lines
 
 
@@ -64,6 +66,7 @@ def test_the_prediction_as_json(capsys: pytest.CaptureFixture[str]) -> None:
         'margin_s': 1.5,
     }
     assert answer['forecast']['jobs'][0]['packed'] == 3
+    assert [one['per_item_s'] for one in answer['paces']] == [6.5]
 
 
 def test_a_mix_is_told_by_its_jobs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -75,6 +78,8 @@ def test_a_mix_is_told_by_its_jobs(tmp_path: Path, capsys: pytest.CaptureFixture
     assert lines[at].endswith(' s in steady state, the mean of the mix')
     assert lines[at + 2].startswith('  WO-1001: 7.0 s; bottleneck section 4, an item every 6.5 s')
     assert lines[at + 3].startswith('  WO-2: 8.5 s; bottleneck section 2, an item every 5.0 s')
+    assert lines[at + 4].startswith('full line      reference_process: an item every 6.5 s: 4.1,')
+    assert lines[at + 6].startswith('               inspect_and_assemble: an item every 7.5 s or')
 
 
 def test_a_line_that_gets_stuck_says_who_waits_for_whom(
@@ -261,7 +266,8 @@ def test_another_cell_is_compared(quick_cell: Path, capsys: pytest.CaptureFixtur
     assert lines[0] == 'before after change'
     assert 'time per item 6.5 s 5.0 s -23.1 %' in lines
     assert 'section 2, an item every 5.0 s 5.0 s =' in lines
-    assert lines[-1] == 'bottleneck: from section 4 to section 2'
+    assert 'bottleneck: from section 4 to section 2' in lines
+    assert lines[-1] == 'full line after: an item every 5.0 s: 2.1, the belt moves'
 
 
 def test_another_script_is_compared(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,0 +1,68 @@
+"""The pace of scripts as text for a person, and as plain data (semantics 8.4)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.script import INDEX, Script
+from bt_orchestrator.proof.pace import Limit, Pace, PacedLine
+from bt_orchestrator.proof.quicker import Quicker, quicker
+
+
+@dataclass(frozen=True)
+class ScriptPace:
+    """How fast a line makes what a script says, and what would make it faster."""
+
+    script: str
+    pace: Pace | None
+    """None: the line gets stuck."""
+    quicker: Quicker | None
+    """None: no task limits it."""
+
+    def lines(self) -> Iterator[str]:
+        """Yield it for a person."""
+        if self.pace is not None:
+            yield str(self.pace)
+        if self.quicker is not None:
+            yield str(self.quicker)
+
+    def plain(self) -> dict[str, Any]:
+        """Return it as data that JSON can carry."""
+        found: dict[str, Any] = {'script': self.script, 'per_item_s': None}
+        pace, saving = self.pace, self.quicker
+        if pace is not None:
+            found |= {
+                'per_item_s': pace.per_item_s,
+                'least_s': pace.least.per_item_s,
+                'exact': pace.is_exact,
+                'not_counted': list(pace.not_counted),
+                'limit': _plain(pace.limit),
+            }
+        if saving is not None:
+            found['quicker'] = {
+                'task': saving.task,
+                'by_s': saving.by_s,
+                'per_item_s': saving.then.per_item_s,
+                'limit': _plain(saving.then),
+            }
+        return found
+
+
+def script_pace(script: Script, cell: Cell) -> ScriptPace:
+    """Return the pace of a script by the durations of a cell."""
+    line = PacedLine(script, cell)
+    return ScriptPace(script.name, line.pace(cell), quicker(line, cell))
+
+
+def _plain(limit: Limit) -> dict[str, Any]:
+    return {
+        'words': str(limit),
+        'tasks': [task for task in limit.tasks if task != INDEX],
+        'belt_moves': INDEX in limit.tasks,
+        'items': limit.items,
+        'flags': list(limit.flags),
+        'only_one': limit.only_one,
+    }
