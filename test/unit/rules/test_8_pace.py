@@ -151,9 +151,10 @@ def test_8_4_lines_without_shared_spaces_are_as_fast_as_the_graph_says() -> None
         cell = drawn_durations(drawn.line.cell, seed)
         found, real = pace(drawn.script, cell), steady(cell, drawn.script)
         assert (found is None) == (real is None), drawn.text
-        if found is not None:
+        if found is not None and real is not None:
             assert found.is_exact
-            assert real == (pytest.approx(found.per_item_s, abs=1e-6), True), drawn.text
+            assert real.repeats, drawn.text
+            assert abs(real.per_item_s - found.per_item_s) < 1e-6, drawn.text
         seen['all'] += 1
         seen['stuck'] += found is None
         seen['by flags'] += found is not None and bool(found.limit.flags)
