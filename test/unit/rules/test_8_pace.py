@@ -144,7 +144,7 @@ def test_8_4_lines_without_shared_spaces_are_as_fast_as_the_graph_says() -> None
     """And the pace is infinite exactly if the line gets stuck."""
     seen: Counter[str] = Counter()
 
-    @examples(12, 2000)
+    @examples(20, 2000)
     @given(SEEDS)
     def holds(seed: int) -> None:
         drawn = FlaggedLine(seed)
@@ -160,8 +160,7 @@ def test_8_4_lines_without_shared_spaces_are_as_fast_as_the_graph_says() -> None
         seen['by flags'] += found is not None and bool(found.limit.flags)
 
     holds()
-    assert 0.2 * seen['all'] < seen['stuck'] < 0.8 * seen['all'], seen
-    assert seen['by flags'] > 0, seen
+    assert min(seen['stuck'], seen['by flags']) >= 0.05 * seen['all'], seen
 
 
 # --- what there is only one of --------------------------------------------------------------
@@ -253,7 +252,7 @@ def test_8_4_no_line_is_faster_than_its_pace() -> None:
     """Lines with shared spaces and conditions, whatever else a script may say."""
     seen: Counter[str] = Counter()
 
-    @examples(12, 2000)
+    @examples(20, 2000)
     @given(lines(Traits(faults=False, most_sections=5)))
     def holds(plan: Plan) -> None:
         show(plan)
@@ -276,8 +275,7 @@ def test_8_4_no_line_is_faster_than_its_pace() -> None:
             seen['slower'] += real.per_item_s > found.per_item_s + slack_s
 
     holds()
-    assert seen['exact'] > 0.2 * seen['all'], seen
-    assert seen['slower'] > 0.05 * seen['all'], seen
+    assert min(seen['exact'], seen['slower']) >= 0.03 * seen['all'], seen
 
 
 # --- what would make it faster --------------------------------------------------------------
