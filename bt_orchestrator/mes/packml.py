@@ -45,6 +45,13 @@ class Machine(Enum):
 CLEARED, RUNNING = 'Cleared', 'Running'
 """The states of the outer machines in which the machine inside is active."""
 
+NUMBERS: Mapping[str, int] = {
+    **{state.value: number for state, number in STATE_NUMBERS.items()},
+    RUNNING: 18,
+    CLEARED: 19,
+}
+"""StateNumber of every state of the machines, by name."""
+
 _ABORTED = (PackmlState.ABORTING, PackmlState.ABORTED)
 _NOT_RUNNING = (PackmlState.CLEARING, PackmlState.STOPPED, PackmlState.STOPPING)
 

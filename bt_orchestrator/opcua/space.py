@@ -11,6 +11,7 @@ import asyncua
 from asyncua import ua
 
 from bt_orchestrator.opcua.instances import Instances
+from bt_orchestrator.opcua.notices import Notices
 from bt_orchestrator.opcua.values import Values
 
 log = logging.getLogger(__name__)
@@ -84,6 +85,7 @@ class Space:
         self.ns = ns
         """Indexes of the namespaces of the nodesets, by URI."""
         self.values = Values(server)
+        self.notices = Notices(server, cell.nodeid)
         self._instances = Instances(server, idx)
 
     @classmethod

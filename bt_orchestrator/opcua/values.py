@@ -27,6 +27,7 @@ class _Shown(NamedTuple):
     at: float
     """When it became so, by the node's clock."""
     is_own: bool
+    code: int = ua.StatusCodes.Good
 
 
 class Values:
@@ -48,21 +49,28 @@ class Values:
         return self._is_doubted
 
     def put(
-        self, node: asyncua.Node, value: object, stamp: float, *, is_own: bool = False
+        self,
+        node: asyncua.Node,
+        value: object,
+        stamp: float,
+        *,
+        is_own: bool = False,
+        code: int = ua.StatusCodes.Good,
     ) -> None:
         """Show a value from now on.
 
         :param value: a `ua.Variant`, or what the type of the node can hold
         :param stamp: since when it is so, by the node's clock
         :param is_own: the server knows it by itself: it is never doubted
+        :param code: what a value that is known is good for
         """
         id_ = node.nodeid
         if not isinstance(value, ua.Variant):
             value = ua.Variant(value, self._type(id_))
         shown = self._waiting.get(id_) or self._shown.get(id_)
-        if shown is not None and shown.variant == value:
+        if shown is not None and (shown.variant, shown.code) == (value, code):
             return
-        self._waiting[id_] = _Shown(value, stamp, is_own)
+        self._waiting[id_] = _Shown(value, stamp, is_own, code)
         self._write_soon()
 
     def tell_trust(self, node: asyncua.Node) -> None:
@@ -103,8 +111,8 @@ class Values:
             self._later.cancel()
 
     def _data(self, shown: _Shown) -> ua.DataValue:
-        code = ua.StatusCodes.Good
-        if self._is_doubted and not shown.is_own:
+        code = shown.code
+        if self._is_doubted and not shown.is_own and code == ua.StatusCodes.Good:
             code = ua.StatusCodes.UncertainLastUsableValue
         return ua.DataValue(
             shown.variant,

@@ -1,0 +1,169 @@
+"""The part with the conditions: holds, and what else waits for people."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator, Mapping
+
+import asyncua
+from asyncua import ua
+
+from bt_orchestrator.mes.alarms import Alarm, alarms_of, event_id
+from bt_orchestrator.model.by import named
+from bt_orchestrator.model.events import Event, HoldReleased, OperatorDecided
+from bt_orchestrator.model.status import CellStatus
+from bt_orchestrator.opcua import filters
+from bt_orchestrator.opcua.bridge import Bridge
+from bt_orchestrator.opcua.condition_methods import ConditionMethods
+from bt_orchestrator.opcua.conditions import Place, Remark, Standing, told
+from bt_orchestrator.opcua.notices import Told
+from bt_orchestrator.opcua.space import Space
+
+log = logging.getLogger(__name__)
+
+FIELDS: Mapping[str, tuple[ua.VariantType, str]] = {
+    'Hold': (ua.VariantType.String, 'id of the hold, for AnswerHold; empty: it is none'),
+    'Answers': (ua.VariantType.String, 'the answers that the hold takes now'),
+    'ReasonNumber': (ua.VariantType.Int32, 'number of the reason, as in PackML/Admin/StopReason'),
+}
+
+
+class Holds:
+    """Implements `part.Part`.
+
+    What stands comes from the node's status, so it comes back when this server is started anew;
+    that somebody acknowledged it, is known here only, and is asked for again then.
+    """
+
+    def __init__(self, bridge: Bridge) -> None:
+        self._bridge = bridge
+        self._history = bridge.history
+        self._standing: dict[str, Standing] = {}
+        self._released: dict[str, float] = {}
+        """When holds were released, by their number, until a status tells so."""
+        self._leaving: set[str] = set()
+        """Conditions that the last status did not have, though their end was not heard of yet."""
+        self._said: dict[str, Remark] = {}
+        """How holds were answered, by their number."""
+
+    async def build(self, space: Space) -> None:
+        """Make the type, what conditions are about, and the methods."""
+        filters.install()
+        self._space = space
+        self._notices = space.notices
+        type_node = await _make_type(space)
+        cell = self._bridge.description.cell
+        self._place = Place(type_node.nodeid, space.idx, space.cell.nodeid, cell)
+        await _make_sources(space, self._bridge)
+        ConditionMethods(self, space, self._place).install()
+
+    def show(self, status: CellStatus) -> None:
+        """Tell what has changed."""
+        found = alarms_of(status)
+        for key in [key for key in self._standing if key not in found]:
+            hold = self._standing[key].alarm.hold
+            if hold and hold not in self._released and key not in self._leaving:
+                self._leaving.add(key)  # who released it will be heard in a moment
+            else:
+                self._end(key, status)
+        for key, alarm in found.items():
+            before = self._standing.get(key)
+            if before is None or (before.alarm.hold, before.alarm.since) != (
+                alarm.hold,
+                alarm.since,
+            ):
+                since = status.stamp if alarm.since is None else alarm.since
+                self.put(Standing(alarm, since, since))
+            elif before.alarm != alarm:
+                self.put(_as_now(before, alarm, status.stamp))
+        there = {standing.alarm.hold for standing in self._standing.values()}
+        for known in (self._released, self._said):
+            for hold in known.keys() - there:
+                del known[hold]
+
+    def hear(self, event: Event) -> None:
+        """Remember who answered."""
+        if isinstance(event, OperatorDecided) and event.hold:
+            who, why = named(event.who, event.known), f': {event.reason}' if event.reason else ''
+            self._said[event.hold] = Remark(who, f'{event.answer}{why}', event.time)
+        elif isinstance(event, HoldReleased):
+            self._released[event.hold] = event.time
+            for key in self._leaving & {f'Hold-{event.hold}'}:
+                self._end(key, self._bridge.status)
+
+    def begin(self, history: str) -> None:
+        """End all: the cell has another journal."""
+        for key in list(self._standing):
+            self._end(key, self._bridge.status)
+        self._history = history
+        self._said.clear()
+        self._released.clear()
+
+    # --- what clients ask for ---------------------------------------------------------------
+
+    def standing(self, key: str) -> Standing | None:
+        """Return a condition; None: it is over, or there never was one."""
+        return self._standing.get(key)
+
+    def put(self, standing: Standing) -> None:
+        """Show a condition from now on, and tell of it."""
+        self._standing[standing.alarm.key] = standing
+        self._tell(standing)
+
+    def events(self) -> Iterator[Told]:
+        """Yield all conditions as events, for a refresh."""
+        for standing in self._standing.values():
+            yield told(standing, self._history, self._place)
+
+    def is_of(self, standing: Standing, event: bytes) -> bool:
+        """Tell whether an EventId is that of a condition with its present facts."""
+        return event in (standing.id(self._history), event_id(self._history, standing.alarm))
+
+    # --- the end ----------------------------------------------------------------------------
+
+    def _end(self, key: str, status: CellStatus) -> None:
+        standing = self._standing.pop(key)
+        self._leaving.discard(key)
+        hold = standing.alarm.hold
+        time = self._released.pop(hold, status.stamp)
+        self._tell(standing.over(time, self._said.pop(hold, None)))
+
+    def _tell(self, standing: Standing) -> None:
+        source, _ = self._place.source(standing.alarm)
+        self._notices.tell(told(standing, self._history, self._place), source)
+
+
+def _as_now(before: Standing, alarm: Alarm, stamp: float) -> Standing:
+    return Standing(
+        alarm, before.since, stamp, before.is_active, before.is_acknowledged, before.remark
+    )
+
+
+async def _make_type(space: Space) -> asyncua.Node:
+    """Make the type of our conditions, with its own fields."""
+    base = space.server.get_node(ua.ObjectIds.AlarmConditionType)
+    made = await base.add_object_type(
+        space.id('CellConditionType'), ua.QualifiedName('CellConditionType', space.idx)
+    )
+    for name, (type_, _) in FIELDS.items():
+        is_list = name == 'Answers'
+        value = ua.Variant([] if is_list else ua.get_default_value(type_), type_, is_array=is_list)
+        node = await made.add_property(
+            space.id(f'CellConditionType/{name}'), ua.QualifiedName(name, space.idx), value
+        )
+        await node.set_modelling_rule(True)
+    return made
+
+
+async def _make_sources(space: Space, bridge: Bridge) -> None:
+    """Make what conditions are about: sections and components."""
+    description = bridge.description
+    await space.folder('Sections', 'positions of the belt, in the direction of travel')
+    await space.folder('Components', 'device controllers')
+    sections = {
+        f'Sections/{n}': 'a position of the belt' for n in range(1, description.sections + 1)
+    }
+    components = {f'Components/{one.name}': one.action for one in description.components}
+    for path, meaning in {**sections, **components}.items():
+        node = await space.object(path, meaning)
+        await node.set_event_notifier([ua.EventNotifier.SubscribeToEvents])
