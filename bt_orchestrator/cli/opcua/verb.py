@@ -71,6 +71,7 @@ def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns the exit status."""
     _check_packages()
     from bt_orchestrator.opcua.bridge import Bridge, Sources
+    from bt_orchestrator.opcua.nodesets import texts_in
     from bt_orchestrator.opcua.server import OpcUaServer
 
     def opened(meanwhile: Callable[[], object]) -> AbstractContextManager[CellLink]:
@@ -86,6 +87,7 @@ def run(args: argparse.Namespace) -> int:
         access.check()
     except AccessRefused as error:
         raise WrongUse(f'opcua: {error}') from error
+    texts_in(args.nodesets)  # refused here, and not when the node is there at last
     sources = Sources(trees=script_folders(args.trees), nodesets=args.nodesets)
     with StopSignals() as stop, server_log(ROOM):
         server = OpcUaServer(Bridge(args.node, opened, sources), access)
