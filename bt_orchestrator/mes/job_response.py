@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
@@ -118,11 +119,16 @@ def _data(status: JobStatus, reason: str) -> Iterator[Parameter]:
     yield Parameter('MissingQuantity', float(status.missing))
     yield Parameter('JobResult', int(_result(status)))
     if status.expected_end_s is not None:
-        yield Parameter('EstimatedRemainingTime', status.expected_end_s * 1000.0)
+        yield Parameter('EstimatedRemainingTime', _rounded_ms(status.expected_end_s))
     if reason:
         yield Parameter(REASON, Text(reason))
     if status.ending:
         yield Parameter(ENDING, status.ending)
+
+
+def _rounded_ms(seconds: float) -> float:
+    """Return whole steps of ten seconds, so that a response does not change with every status."""
+    return math.ceil(seconds / 10) * 10_000.0
 
 
 def _result(status: JobStatus) -> JobResult:

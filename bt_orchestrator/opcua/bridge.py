@@ -21,7 +21,7 @@ from bt_orchestrator.model.status import CellDescription, CellStatus
 from bt_orchestrator.opcua.calls import Calls
 from bt_orchestrator.opcua.part import Part
 from bt_orchestrator.opcua.values import Values
-from bt_orchestrator.ports import CellLink
+from bt_orchestrator.ports import CellLink, Records
 
 log = logging.getLogger(__name__)
 
@@ -39,6 +39,8 @@ class Sources:
     """Folders in which scripts are looked up by name."""
     nodesets: Path | None = None
     """Folder of a site's own nodesets."""
+    open_records: Callable[[], Records] | None = None
+    """Opens the journal, to be read in the thread that calls it; None: the door tells the past."""
 
 
 class Bridge:

@@ -16,13 +16,14 @@ from bt_orchestrator.opcua.access import Access
 from bt_orchestrator.opcua.bridge import Bridge
 from bt_orchestrator.opcua.callers import CALLER, Caller
 from bt_orchestrator.opcua.holds import Holds
+from bt_orchestrator.opcua.job_control.part import JobControl
 from bt_orchestrator.opcua.packml import PackML
 from bt_orchestrator.opcua.part import Part
 from bt_orchestrator.opcua.simple import Simple
 from bt_orchestrator.opcua.space import Space
 from bt_orchestrator.opcua.stack import make_stack
 
-PARTS: Sequence[Callable[[Bridge], Part]] = (Simple, PackML, Holds)
+PARTS: Sequence[Callable[[Bridge], Part]] = (Simple, JobControl, PackML, Holds)
 """Each is made anew for each cell."""
 
 

@@ -82,7 +82,7 @@ def test_ending_and_its_reason_are_told_until_the_line_has_drained() -> None:
     found = data(replace(ENDED, status=status, reason='no material'))
     assert found['Ending'] == 'stopping'
     assert found['ReasonForStateChange'] == Text('no material')
-    assert found['EstimatedRemainingTime'] == 2500.0
+    assert found['EstimatedRemainingTime'] == 10_000.0
 
 
 def test_an_interrupted_job_says_why_the_line_stands() -> None:

@@ -1,0 +1,46 @@
+"""What the methods of job control give back: a failed call carries its ReturnStatus, too."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from asyncua import ua
+
+from bt_orchestrator.mes.return_status import ReturnStatus
+from bt_orchestrator.opcua.job_control.structures import listed
+
+
+def answer(status: ReturnStatus, *outputs: ua.Variant) -> ua.CallMethodResult:
+    """Return the result of a call; only Good and Uncertain let the outputs arrive.
+
+    :param outputs: those before ReturnStatus
+    """
+    is_done = status is ReturnStatus.DONE
+    code = ua.StatusCodes.Good if is_done else ua.StatusCodes.Uncertain
+    result = ua.CallMethodResult()
+    result.StatusCode = ua.StatusCode(code)
+    number = ua.Variant(int(status), ua.VariantType.UInt64)
+    result.OutputArguments = [*outputs, number]
+    return result
+
+
+def one(structure: Any) -> ua.Variant:
+    """Return a structure as an output."""
+    return ua.Variant(structure, ua.VariantType.ExtensionObject)
+
+
+def several(structures: Sequence[Any]) -> ua.Variant:
+    """Return structures as an output."""
+    return listed(structures)
+
+
+def check_number(given: Sequence[object], wanted: int) -> None:
+    """Refuse a call with too few arguments, or too many.
+
+    :raises ua.UaStatusCodeError: as OPC UA says
+    """
+    if len(given) < wanted:
+        raise ua.UaStatusCodeError(ua.StatusCodes.BadArgumentsMissing)
+    if len(given) > wanted:
+        raise ua.UaStatusCodeError(ua.StatusCodes.BadTooManyArguments)

@@ -1,0 +1,126 @@
+"""The part of ISA-95 Job Control: a receiver of job orders and a provider of job responses."""
+
+from __future__ import annotations
+
+import asyncio
+
+from asyncua import ua
+
+from bt_orchestrator.mes.job_book import News
+from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.jobs.job_control import METHODS
+from bt_orchestrator.model.status import CellStatus, ListedJob
+from bt_orchestrator.opcua.bridge import Bridge
+from bt_orchestrator.opcua.job_control.jobs import Jobs
+from bt_orchestrator.opcua.job_control.lists import MOST, JobLists, chosen
+from bt_orchestrator.opcua.job_control.receiver import Receiver
+from bt_orchestrator.opcua.job_control.records import Records
+from bt_orchestrator.opcua.job_control.results import Results
+from bt_orchestrator.opcua.job_control.status_events import StatusEvents
+from bt_orchestrator.opcua.job_control.structures import Structures
+from bt_orchestrator.opcua.job_control.work_masters import WorkMasters
+from bt_orchestrator.opcua.nodesets import JOB_CONTROL
+from bt_orchestrator.opcua.space import Space
+
+RECEIVER, RESULTS = 'JobOrderControl', 'JobOrderResults'
+
+_RECEIVER_TYPE, _RESULTS_TYPE = 1008, 1003
+"""ISA95JobOrderReceiverSubStatesType, ISA95JobResponseProviderObjectType."""
+
+_SUBSTATES = 'InterruptedSubstates'
+_EMPTY = ('PersonnelID', 'PhysicalAssetID', 'MaterialClassID', 'MaterialDefinitionID')
+"""What an order may name of them is not checked, and no list of them is known."""
+
+
+class JobControl:
+    """Implements `part.Part`."""
+
+    def __init__(self, bridge: Bridge) -> None:
+        self._bridge = bridge
+        self._jobs = Jobs(bridge, self._tell, self._show_again)
+        self._masters = WorkMasters(bridge)
+        self._looking: asyncio.Task[None] | None = None
+
+    async def build(self, space: Space) -> None:
+        """Make both instances, and learn how the jobs stand."""
+        self._space = space
+        self._index = space.ns[JOB_CONTROL.uri]
+        structures = Structures(self._index)
+        self._lists = JobLists(structures)
+        await self._make_instances(space)
+        receiver, results = space.id(RECEIVER), space.id(RESULTS)
+        self._events = StatusEvents(space, structures, results, receiver)
+        await self._events.build(self._index)
+        for name, call in Receiver(self._bridge, self._jobs, self._events).calls().items():
+            space.link(space.node(f'{RECEIVER}/{name}'), call)
+        answers = Results(self._jobs, structures, self._shown)
+        for name, call in answers.calls().items():
+            space.link(space.node(f'{RESULTS}/{name}'), call)
+        await Records(self._bridge).build(space, RESULTS)
+        await self._masters.look()
+        await self._jobs.begin()
+        self._put_constants()
+
+    async def _make_instances(self, space: Space) -> None:
+        methods = [method.name for method in METHODS]
+        for path, type_, optionals in (
+            (RECEIVER, _RECEIVER_TYPE, (*methods, _SUBSTATES)),
+            (RESULTS, _RESULTS_TYPE, ('JobOrderResponseList',)),
+        ):
+            node = await space.instance(
+                space.cell, ua.NodeId(type_, self._index), path, path, optionals=optionals
+            )
+            await node.set_event_notifier([ua.EventNotifier.SubscribeToEvents])
+
+    def _put_constants(self) -> None:
+        description = self._bridge.description
+        names = [description.conveyor, *(one.name for one in description.components)]
+        stamp = self._bridge.status.stamp
+        text = ua.VariantType.String
+        lists = {'EquipmentID': sorted(set(names)), **{name: [] for name in _EMPTY}}
+        for name, ids in lists.items():
+            node = self._space.node(f'{RECEIVER}/{name}')
+            self._space.values.put(node, ua.Variant(ids, text, is_array=True), stamp, is_own=True)
+        most = self._space.node(f'{RECEIVER}/MaxDownloadableJobOrders')
+        self._space.values.put(most, ua.Variant(MOST, ua.VariantType.UInt16), stamp, is_own=True)
+
+    # --- what is heard ----------------------------------------------------------------------
+
+    def show(self, status: CellStatus) -> None:
+        """Show the jobs of a status."""
+        self._jobs.show(status)
+        self._put(status)
+        if self._masters.is_due and (self._looking is None or self._looking.done()):
+            self._looking = asyncio.ensure_future(self._look())
+
+    def hear(self, event: Event) -> None:
+        """Tell of changes of state."""
+        self._jobs.hear(event)
+
+    def begin(self, history: str) -> None:
+        """Forget the jobs."""
+        del history
+        self._jobs.forget()
+
+    def _tell(self, news: News) -> None:
+        self._events.tell(news, self._bridge.history)
+
+    def _show_again(self) -> None:
+        self._put(self._bridge.status)
+
+    def _put(self, status: CellStatus) -> None:
+        listed = self._jobs.listed(status)
+        jobs = [listed[job.id] for job in chosen(status.jobs)]
+        values, stamp = self._space.values, status.stamp
+        interrupted = status.stop_message if status.stop_reason is not None else ''
+        values.put(self._space.node(f'{RECEIVER}/JobOrderList'), self._lists.orders(jobs), stamp)
+        responses = self._lists.responses(jobs, interrupted)
+        values.put(self._space.node(f'{RESULTS}/JobOrderResponseList'), responses, stamp)
+        values.put(self._space.node(f'{RECEIVER}/WorkMaster'), self._masters.value(), stamp)
+
+    def _shown(self) -> list[ListedJob]:
+        return list(self._jobs.listed(self._bridge.status).values())
+
+    async def _look(self) -> None:
+        await self._masters.look()
+        self._show_again()

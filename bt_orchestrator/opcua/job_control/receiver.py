@@ -1,0 +1,116 @@
+"""The eleven methods of the job order receiver: an order or an id in, ReturnStatus out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from asyncua import ua
+
+from bt_orchestrator.doors.tickets import Outcome
+from bt_orchestrator.errors import NodeUnreachable
+from bt_orchestrator.mes.job_order import JobOrder, changes, reason_in, work_order
+from bt_orchestrator.mes.methods import REQUESTS, STORING, refused
+from bt_orchestrator.mes.return_status import ReturnStatus, Unfit
+from bt_orchestrator.model.jobs import job_control
+from bt_orchestrator.model.jobs.job_control import METHODS, Method
+from bt_orchestrator.model.jobs.order import order_id_fault
+from bt_orchestrator.model.status import ListedJob
+from bt_orchestrator.opcua.bridge import Bridge
+from bt_orchestrator.opcua.calls import reason_of
+from bt_orchestrator.opcua.job_control.answers import answer, check_number
+from bt_orchestrator.opcua.job_control.jobs import Jobs
+from bt_orchestrator.opcua.job_control.status_events import StatusEvents
+from bt_orchestrator.opcua.job_control.structures import ORDER, comment_from, is_of, order_from
+from bt_orchestrator.opcua.space import Call
+
+_WITH_ORDER = (*STORING, job_control.UPDATE)
+
+
+class Receiver:
+    """Arguments first, then the role, then the cell; what it accepted is never an error."""
+
+    def __init__(self, bridge: Bridge, jobs: Jobs, events: StatusEvents) -> None:
+        self._bridge = bridge
+        self._jobs = jobs
+        self._events = events
+
+    def calls(self) -> Mapping[str, Call]:
+        """Return what carries out every method, by its name."""
+        return {method.name: self._call(method) for method in METHODS}
+
+    def _call(self, method: Method) -> Call:
+        async def call(*given: object) -> ua.CallMethodResult:
+            check_number(given, 2)
+            what, comment = given[0], comment_from(given[1])
+            if method in _WITH_ORDER:
+                return await self._with_order(method, what, comment)
+            return await self._with_id(method, what, comment)
+
+        return call
+
+    async def _with_order(
+        self, method: Method, structure: object, comment: str
+    ) -> ua.CallMethodResult:
+        if not is_of(ORDER, structure):
+            what = f'expected {ORDER}, found {type(structure).__name__}'
+            return self._malformed(method, '', what)
+        order = order_from(structure)
+        reason = reason_of(comment or reason_in(order), method.name)
+        try:
+            arguments = await self._arguments(method, order)
+        except Unfit as unfit:
+            found = [str(finding) for finding in unfit.findings]
+            return self._refused(method, order.id, unfit.status, '; '.join(found), found)
+        outcome = await self._bridge.calls.ask(REQUESTS[method], arguments, reason)
+        return await self._answer(method, order.id, outcome)
+
+    async def _arguments(self, method: Method, order: JobOrder) -> Mapping[str, object]:
+        """Return the arguments of the request.
+
+        :raises Unfit: the order cannot be taken like this
+        """
+        description = self._bridge.description
+        components = [description.conveyor, *(one.name for one in description.components)]
+        if method is job_control.UPDATE:
+            return changes(order, await self._now(order.id), components)
+        held = {'held': True} if method is job_control.STORE else {}
+        return {'orders': (work_order(order, components),), **held}
+
+    async def _with_id(self, method: Method, job: object, comment: str) -> ua.CallMethodResult:
+        fault = order_id_fault(job) if isinstance(job, str) else 'it is none'
+        if fault is not None:
+            return self._malformed(method, str(job or ''), f'{job!r} is no job order id: {fault}')
+        reason = reason_of(comment, method.name)
+        outcome = await self._bridge.calls.ask(REQUESTS[method], {'job': job}, reason)
+        return await self._answer(method, str(job), outcome)
+
+    # --- answers ----------------------------------------------------------------------------
+
+    async def _answer(self, method: Method, job: str, outcome: Outcome) -> ua.CallMethodResult:
+        if outcome.accepted:
+            return answer(ReturnStatus.DONE)
+        now = None if method in STORING else await self._now(job)
+        word, ending = (None, '') if now is None else (now.status.state, now.status.ending)
+        status = refused(method, word, ending)
+        return self._refused(method, job, status, outcome.message, outcome.findings)
+
+    async def _now(self, job: str) -> ListedJob | None:
+        """Return a job as it is now, or else as it was last heard of."""
+        try:
+            return await self._jobs.ask(job)
+        except NodeUnreachable:
+            return self._jobs.book.get(job)
+
+    def _malformed(self, method: Method, job: str, message: str) -> ua.CallMethodResult:
+        return self._refused(method, job, ReturnStatus.MALFORMED, message, (message,))
+
+    def _refused(
+        self,
+        method: Method,
+        job: str,
+        status: ReturnStatus,
+        message: str,
+        findings: Sequence[str] = (),
+    ) -> ua.CallMethodResult:
+        self._events.tell_refusal(method.name, job, status, message, findings)
+        return answer(status)

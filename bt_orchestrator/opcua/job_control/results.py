@@ -1,0 +1,73 @@
+"""The job response provider: what became of a job, by its id or by its state."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+
+from asyncua import ua
+
+from bt_orchestrator.errors import NodeUnreachable
+from bt_orchestrator.mes.job_response import response_of
+from bt_orchestrator.mes.job_states import words_in
+from bt_orchestrator.mes.return_status import ReturnStatus
+from bt_orchestrator.model.status import ListedJob
+from bt_orchestrator.opcua.job_control.answers import answer, check_number, one, several
+from bt_orchestrator.opcua.job_control.jobs import Jobs
+from bt_orchestrator.opcua.job_control.structures import (
+    RESPONSE,
+    STATE,
+    Structures,
+    is_of,
+    none_of,
+    states_from,
+)
+from bt_orchestrator.opcua.space import Call
+
+
+class Results:
+    """The two methods of ISA95JobResponseProviderObjectType."""
+
+    def __init__(
+        self, jobs: Jobs, structures: Structures, shown: Callable[[], Iterable[ListedJob]]
+    ) -> None:
+        """Prepare.
+
+        :param shown: returns the jobs that the newest status lists
+        """
+        self._jobs = jobs
+        self._structures = structures
+        self._shown = shown
+
+    def calls(self) -> Mapping[str, Call]:
+        """Return what carries out each method, by its name."""
+        return {
+            'RequestJobResponseByJobOrderID': self._by_id,
+            'RequestJobResponseByJobOrderState': self._by_state,
+        }
+
+    async def _by_id(self, *given: object) -> ua.CallMethodResult:
+        check_number(given, 1)
+        nothing = one(none_of(RESPONSE))
+        if not isinstance(given[0], str) or not given[0]:
+            return answer(ReturnStatus.MALFORMED, nothing)
+        try:
+            job = await self._jobs.ask(given[0])
+        except NodeUnreachable as error:
+            raise ua.UaStatusCodeError(ua.StatusCodes.BadNoCommunication) from error
+        if job is None:
+            return answer(ReturnStatus.UNKNOWN_ID, nothing)
+        return answer(ReturnStatus.DONE, one(self._response(job)))
+
+    async def _by_state(self, *given: object) -> ua.CallMethodResult:
+        check_number(given, 1)
+        wanted = given[0] if isinstance(given[0], (list, tuple)) else ()
+        if not wanted or not all(is_of(STATE, state) for state in wanted):
+            return answer(ReturnStatus.MALFORMED, several([]))
+        words = words_in(states_from(wanted))
+        if not words:
+            return answer(ReturnStatus.WRONG_STATE, several([]))
+        found = [self._response(job) for job in self._shown() if job.status.state in words]
+        return answer(ReturnStatus.DONE, several(found))
+
+    def _response(self, job: ListedJob) -> object:
+        return self._structures.response(response_of(job, self._jobs.book.interrupted))

@@ -1,0 +1,128 @@
+"""Events of job control: a job has another state, and why a call was refused."""
+
+from __future__ import annotations
+
+import itertools
+import time
+from collections.abc import Sequence
+
+from asyncua import ua
+
+from bt_orchestrator.mes.job_book import News
+from bt_orchestrator.mes.job_order import job_order
+from bt_orchestrator.mes.job_response import response_of
+from bt_orchestrator.mes.job_states import states_of
+from bt_orchestrator.mes.return_status import ReturnStatus
+from bt_orchestrator.model.jobs.isa95 import JobWord
+from bt_orchestrator.opcua.job_control.structures import Structures
+from bt_orchestrator.opcua.notices import Told, id_of
+from bt_orchestrator.opcua.space import Space
+
+CHANGED, REFUSED = 'JobOrderChangedEventType', 'RequestRefusedEventType'
+
+_STATUS_EVENT = 1006
+"""ISA95JobOrderStatusEventType, which is abstract."""
+
+_ORDINARY, _NOTABLE = 100, 300
+"""Severities."""
+
+
+class StatusEvents:
+    """Tells them at results and receiver, at the cell and at the Server object."""
+
+    def __init__(self, space: Space, structures: Structures, *nodes: ua.NodeId) -> None:
+        """Prepare.
+
+        :param nodes: results, and receiver
+        """
+        self._space = space
+        self._structures = structures
+        self._results, self._receiver = nodes
+        self._numbers = itertools.count(1)
+
+    async def build(self, namespace: int) -> None:
+        """Make the types of the events.
+
+        :param namespace: of the nodeset
+        """
+        self._changed = await self._type(CHANGED, ua.NodeId(_STATUS_EVENT, namespace), ())
+        self._refused = await self._type(
+            REFUSED,
+            ua.NodeId(ua.ObjectIds.BaseEventType),
+            (
+                ('Method', ua.VariantType.String, False),
+                ('JobOrderID', ua.VariantType.String, False),
+                ('ReturnStatus', ua.VariantType.UInt64, False),
+                ('Findings', ua.VariantType.String, True),
+            ),
+        )
+
+    async def _type(
+        self, name: str, base: ua.NodeId, fields: Sequence[tuple[str, ua.VariantType, bool]]
+    ) -> ua.NodeId:
+        space = self._space
+        made = await space.server.get_node(base).add_object_type(
+            space.id(name), ua.QualifiedName(name, space.idx)
+        )
+        for field, type_, is_list in fields:
+            value = [] if is_list else ua.get_default_value(type_)
+            node = await made.add_property(
+                space.id(f'{name}/{field}'),
+                ua.QualifiedName(field, space.idx),
+                ua.Variant(value, type_, is_array=is_list),
+            )
+            await node.set_modelling_rule(True)
+        return made.nodeid
+
+    def tell(self, news: News, history: str) -> None:
+        """Tell that a job has another state, with the job as it was at this record."""
+        structures, status = self._structures, news.job.status
+        response = response_of(news.job, news.interrupted)
+        kind = ua.VariantType.ExtensionObject
+        was = '' if news.before is None else f', was {news.before.value}'
+        self._space.notices.tell(
+            Told(
+                type_id=self._changed,
+                id=id_of(history, news.seq, status.id),
+                source=self._results,
+                source_name='JobOrderResults',
+                time=news.time,
+                message=f'{status.id} is {status.state.value}{was}',
+                severity=_NOTABLE if status.state in _NOTABLE_STATES else _ORDINARY,
+                fields={
+                    'JobOrder': ua.Variant(structures.order(job_order(news.job)), kind),
+                    'JobState': ua.Variant(structures.states(states_of(status.state)), kind),
+                    'JobResponse': ua.Variant(structures.response(response), kind),
+                },
+            ),
+            self._results,
+            self._receiver,
+        )
+
+    def tell_refusal(
+        self, method: str, job: str, status: ReturnStatus, message: str, findings: Sequence[str]
+    ) -> None:
+        """Tell why a call was refused: ReturnStatus has no text."""
+        text = ua.VariantType.String
+        now = time.time()
+        self._space.notices.tell(
+            Told(
+                type_id=self._refused,
+                id=id_of('refused', now, method, job, next(self._numbers)),
+                source=self._receiver,
+                source_name='JobOrderControl',
+                time=now,
+                message=f'{method} {job}: {message}',
+                severity=_NOTABLE,
+                fields={
+                    'Method': ua.Variant(method, text),
+                    'JobOrderID': ua.Variant(job, text),
+                    'ReturnStatus': ua.Variant(int(status), ua.VariantType.UInt64),
+                    'Findings': ua.Variant(list(findings), text, is_array=True),
+                },
+            ),
+            self._receiver,
+        )
+
+
+_NOTABLE_STATES = (JobWord.HELD, JobWord.ABORTED)
