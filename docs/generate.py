@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
-from tables import event_stream, keys, page_api, programs, requests, rules, states, status
+from tables import event_stream, keys, opcua, page_api, programs, requests, rules, states, status
 
 from bt_orchestrator.script.cell_keys import CELL
 from bt_orchestrator.script.json_schema import SCHEMA_FILES, json_schema
@@ -28,6 +28,7 @@ PAGES = (
     'docs/semantics.md',
     'docs/formats.md',
     'docs/script_reference.md',
+    'docs/opcua.md',
     'docs/operating.md',
     'docs/page.md',
     'docs/queue.md',
@@ -54,6 +55,7 @@ PARTS: Mapping[str, Callable[[], Iterator[str]]] = {
     'everything that can be asked': requests.everything_that_can_be_asked,
     'roles': requests.roles,
     'API of the page': page_api.api_of_the_page,
+    'simple values of OPC UA': opcua.simple_values,
 }
 
 _PART = re.compile(r'(<!-- generated: (?P<name>[\w -]+) -->\n).*?(?=<!-- end -->)', re.DOTALL)

@@ -20,6 +20,8 @@ TEXT, COUNT, TIME = ua.VariantType.String, ua.VariantType.UInt32, ua.VariantType
 
 TOP = 'Simple'
 
+CONNECTED = 'the server hears the cell; while it does not, all other values are of before'
+
 
 class Shown(NamedTuple):
     """A variable."""
@@ -90,7 +92,7 @@ class Simple:
         connected = await space.variable(
             f'{TOP}/Connected',
             ua.VariantType.Boolean,
-            'the server hears the cell; while it does not, all other values are of before',
+            CONNECTED,
         )
         space.values.tell_trust(connected)
         await self._make('', CELL)
