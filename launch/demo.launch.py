@@ -2,7 +2,7 @@
 
     ros2 launch bt_orchestrator demo.launch.py --show-args
     ros2 launch bt_orchestrator demo.launch.py speed:=4.0
-    ros2 launch bt_orchestrator demo.launch.py page:=true
+    ros2 launch bt_orchestrator demo.launch.py page:=true opcua:=true
     ros2 run bt_orchestrator bt-orchestrator submit ORDER
 
 ORDER is a work order (YAML); the tree node waits for one.
@@ -64,6 +64,15 @@ def generate_launch_description() -> LaunchDescription:
             DeclareLaunchArgument(
                 'page_port', default_value='8080', description='Port of the operator page.'
             ),
+            DeclareLaunchArgument(
+                'opcua',
+                default_value='false',
+                choices=['true', 'false'],
+                description='Serve OPC UA clients on this computer, without login and encryption.',
+            ),
+            DeclareLaunchArgument(
+                'opcua_port', default_value='4840', description='Port of the OPC UA server.'
+            ),
             OpaqueFunction(function=_processes),
         ]
     )
@@ -84,6 +93,8 @@ def _processes(context: LaunchContext) -> list[Node]:
             'namespace',
             'page',
             'page_port',
+            'opcua',
+            'opcua_port',
         )
     }
     names = list(load_cell(Path(values['cell']), installed_types()).components)
@@ -94,6 +105,7 @@ def _processes(context: LaunchContext) -> list[Node]:
         _simulator('sim_cell_2', second, values),
         _tree_node(values),
         *([_page(values)] if values['page'] == 'true' else []),
+        *([_opcua(values)] if values['opcua'] == 'true' else []),
     ]
 
 
@@ -127,7 +139,7 @@ def _tree_node(values: dict[str, str]) -> Node:
                 'cell': values['cell'],
                 'trees': [values['trees']],
                 'tick_rate_hz': float(values['tick_rate_hz']),
-                'trust_local_doors': values['page'] == 'true',
+                'trust_local_doors': 'true' in (values['page'], values['opcua']),
             },
         ],
         output='screen',
@@ -135,19 +147,20 @@ def _tree_node(values: dict[str, str]) -> Node:
 
 
 def _page(values: dict[str, str]) -> Node:
+    return _server('page', values['page_port'], '--trust-this-computer', values)
+
+
+def _opcua(values: dict[str, str]) -> Node:
+    return _server('opcua', values['opcua_port'], '--insecure', values)
+
+
+def _server(verb: str, port: str, trust: str, values: dict[str, str]) -> Node:
     namespace = values['namespace'].strip('/')
     node = f'/{namespace}/bt_orchestrator' if namespace else '/bt_orchestrator'
     return Node(
         package=PACKAGE,
         executable='bt-orchestrator',
-        name='page',
-        arguments=[
-            'page',
-            '--node',
-            node,
-            '--port',
-            values['page_port'],
-            '--trust-this-computer',
-        ],
+        name=verb,
+        arguments=[verb, '--node', node, '--port', port, trust],
         output='screen',
     )

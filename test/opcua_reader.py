@@ -49,7 +49,7 @@ class Reader:
         return await self.node(above).call_method(self.node(path).nodeid, *arguments)
 
 
-def reading(url: str, what: Callable[[Reader], Awaitable[None]]) -> None:
+def reading(url: str, what: Callable[[Reader], Awaitable[object]]) -> None:
     """Do something with a client, without encryption and login."""
 
     async def connected() -> None:

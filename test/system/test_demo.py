@@ -11,6 +11,7 @@ from http.client import HTTPConnection
 from pathlib import Path
 
 import pytest
+from opcua_reader import reading
 from program_process import PATIENCE_S, ProgramProcess
 
 from bt_orchestrator.cli.demo.folder import stop_process
@@ -65,18 +66,22 @@ def test_the_demo_packs_its_order_and_leaves_nothing(demo: ProgramProcess) -> No
     assert [pid for pid in pids if is_there(pid)] == []
 
 
-def test_a_demo_with_a_page_goes_on_until_somebody_ends_it(tmp_path: Path) -> None:
-    demo = ProgramProcess(['demo', '--speed', '10', '--page', '0'], tmp_path, 'demo')
+def test_a_demo_with_page_and_opc_ua_goes_on_until_somebody_ends_it(tmp_path: Path) -> None:
+    words = ['demo', '--speed', '10', '--page', '0', '--opcua', '0']
+    demo = ProgramProcess(words, tmp_path, 'demo')
     try:
         demo.wait_ready('WO-1001 completed')
         pids = started_pids(demo)
-        assert [is_there(pid) for pid in pids] == [True] * 4
+        assert [is_there(pid) for pid in pids] == [True] * 5
         address = re.search(r'page ready: http://([^/]+)/', demo.output)
         assert address is not None
         connection = HTTPConnection(address[1], timeout=PATIENCE_S)
         connection.request('GET', '/healthz')
         assert json.loads(connection.getresponse().read())['node'] == '/bt_orchestrator'
         connection.close()
+        endpoint = re.search(r'opcua ready: (opc\.tcp://\S+) shows /bt_orchestrator', demo.output)
+        assert endpoint is not None
+        reading(endpoint[1], lambda reader: reader.wait('Simple/LastJob/ID', 'WO-1001'.__eq__))
         demo.send(signal.SIGINT)
         assert demo.wait() == 0, demo.errors
         assert re.search(ALL_PACKED, demo.output, re.MULTILINE), demo.output

@@ -90,6 +90,8 @@ def test_every_argument_is_described_and_has_a_default(launched: LaunchFile) -> 
         'namespace',
         'page',
         'page_port',
+        'opcua',
+        'opcua_port',
     ]
     for argument in launched.arguments:
         assert argument.settings['description'].endswith('.'), argument.words
@@ -145,9 +147,18 @@ def test_a_page_is_served_if_it_is_wanted(launched: LaunchFile) -> None:
     assert main.parsed(alone['arguments']).node == DEFAULT_NODE
 
 
+def test_opc_ua_clients_are_served_if_it_is_wanted(launched: LaunchFile) -> None:
+    *_, node, server = launched.processes(opcua='true', opcua_port='4841', namespace='/cell_b')
+    _, values = node['parameters']
+    assert values['trust_local_doors'] is True
+    args = main.parsed([*server['arguments'], '--ros-args', '-r', '__node:=opcua'])
+    assert (args.verb, args.node, args.port) == ('opcua', '/cell_b/bt_orchestrator', 4841)
+    assert args.insecure
+
+
 def test_the_programs_exist(launched: LaunchFile) -> None:
     setup = (ROOT / 'setup.py').read_text(encoding='utf-8')
-    for process in launched.processes(page='true'):
+    for process in launched.processes(page='true', opcua='true'):
         assert f"'{process['executable']} = bt_orchestrator.cli" in setup
     assert callable(run.tree_node_main)
     assert callable(sim_cell.sim_cell_main)

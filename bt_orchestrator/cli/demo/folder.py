@@ -36,8 +36,15 @@ class DemoRecord:
     executor: str = 'single'
     page: int | None = None
     """Port of the operator page; None: there is none."""
+    opcua: int | None = None
+    """Port of the OPC UA server; None: there is none."""
     processes: Mapping[str, int] = field(default_factory=dict)
     """Process ids by name."""
+
+    @property
+    def stays(self) -> bool:
+        """Tell whether it goes on after the order: somebody may look at it."""
+        return self.page is not None or self.opcua is not None
 
 
 def default_folder() -> Path:

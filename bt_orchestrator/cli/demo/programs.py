@@ -1,8 +1,8 @@
-"""The programs of a demo: simulated controllers in two processes, tree node, operator page."""
+"""The programs of a demo: simulated controllers in two processes, tree node, page, OPC UA."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from bt_orchestrator.cli.demo.folder import DemoFolder, DemoRecord, is_ours, stop_process
@@ -14,6 +14,13 @@ READY_S = 60.0
 
 NODE = 'tree node'
 PAGE = 'operator page'
+OPCUA = 'OPC UA server'
+
+_SERVERS: Mapping[str, str] = {
+    PAGE: 'open {} in a browser',
+    OPCUA: 'connect an OPC UA client to {}',
+}
+"""What can be done with a server's address."""
 
 REMEMBERED_S = 24 * 3600
 """For so long the controllers remember how a goal ended: a demo is resumed after any coffee."""
@@ -37,7 +44,8 @@ class DemoPrograms:
         self._taken_over = {n: pid for n, pid in record.processes.items() if is_ours(pid)}
         self._started: dict[str, Program] = {}
         self._goes_on = False
-        self._page_words = ''
+        self._addresses: dict[str, str] = {}
+        """Of the servers that were started, by name."""
 
     def start(self, cell: Cell) -> None:
         """Start what does not run yet, and wait until all of it is ready.
@@ -51,15 +59,16 @@ class DemoPrograms:
             log = self._folder.path / f'{name.replace(" ", "_")}.log'
             self._started[name] = Program(verb, log, {})
             self._keep()
-        for program in self._started.values():
+        for name, program in self._started.items():
             words = program.wait_ready('ready', READY_S)
             print(f'[{program.pid}] {words}', flush=True)
-            if program is self._started.get(PAGE):
-                self._page_words = f'open {words.split()[2]} in a browser'
+            if name in _SERVERS:
+                self._addresses[name] = words.split()[2]
 
-    def about_page(self) -> str:
-        """Return where the operator page is; empty: there is none, or it is of an earlier demo."""
-        return self._page_words
+    def about_servers(self) -> Iterator[str]:
+        """Yield where page and OPC UA server are; not those of an earlier demo."""
+        for name, address in self._addresses.items():
+            yield _SERVERS[name].format(address)
 
     def about_node(self) -> str:
         """Return the number of the tree node's process, and what can be tried with it."""
@@ -108,10 +117,10 @@ class DemoPrograms:
         verb = ['run', '--cell', self._record.cell, '--executor', self._record.executor]
         verb += ['--journal', str(self._folder.journal), '--auto-resume', '--script-paths']
         trees = [f'--trees={folder}' for folder in self._record.trees]
-        if self._record.page is None:
-            yield NODE, [*verb, *trees]
-            return
-        yield NODE, [*verb, *trees, '--trust-local-doors']
-        journal = ['--journal', str(self._folder.journal)]
-        port = ['--port', str(self._record.page)]
-        yield PAGE, ['page', *port, '--trust-this-computer', *journal, *trees]
+        yield NODE, [*verb, *trees, *(['--trust-local-doors'] if self._record.stays else [])]
+        if self._record.page is not None:
+            journal = ['--journal', str(self._folder.journal)]
+            port = ['--port', str(self._record.page)]
+            yield PAGE, ['page', *port, '--trust-this-computer', *journal, *trees]
+        if self._record.opcua is not None:
+            yield OPCUA, ['opcua', '--port', str(self._record.opcua), '--insecure', *trees]

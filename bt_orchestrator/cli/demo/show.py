@@ -63,7 +63,7 @@ class DemoShow(Ignoring):
         self._programs.check()
         if self._job and self._of_job() is not None:  # what came before it is over soon
             self._dialogue.look(self._status)
-        about = filter(None, (self._programs.about_page(), self._programs.about_node()))
+        about = (*self._programs.about_servers(), self._programs.about_node())
         self._viewer.on_notes([*self._dialogue.lines(), *about])
         self._viewer.refresh()
 

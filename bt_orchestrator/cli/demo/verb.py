@@ -28,6 +28,7 @@ from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import from_record
 from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.opcua.access import PORT as OPCUA_PORT
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.report.forecast_fold import forecast
 from bt_orchestrator.report.forecast_text import forecast_lines
@@ -96,6 +97,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         'on after the order, until Ctrl-C',
     )
     parser.add_argument(
+        '--opcua',
+        nargs='?',
+        type=port,
+        const=OPCUA_PORT,
+        metavar='PORT',
+        help='serve OPC UA clients as well, on this computer, without login and encryption '
+        f'(default port {OPCUA_PORT}), and go on after the order, until Ctrl-C',
+    )
+    parser.add_argument(
         '--resume',
         action='store_true',
         help='take over from a demo that was killed: its journal, its controllers, its order',
@@ -160,6 +170,7 @@ def _checked(args: argparse.Namespace, types: ActionTypes) -> DemoRecord:
         trees=[str(folder.resolve()) for folder in args.trees],
         executor=args.executor,
         page=args.page,
+        opcua=args.opcua,
     )
 
 
@@ -187,7 +198,7 @@ def _show(
         show = DemoShow(programs, viewer, dialogue, stop)
         door = stack.enter_context(open_door(DEFAULT_NODE, READY_S, show.look))
         order = read_order(Path(record.order)).order
-        return show.follow(door, order, asks=asks, stays=record.page is not None)
+        return show.follow(door, order, asks=asks, stays=record.stays)
 
 
 def _sum_up(folder: DemoFolder, cell: Cell, job: str) -> int:

@@ -16,6 +16,7 @@ from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.numbers import port
 from bt_orchestrator.cli.server_log import server_log
 from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.opcua.access import LOOPBACK, PORT, Access, AccessRefused
 from bt_orchestrator.ports import CellLink
 from bt_orchestrator.stop_signals import StopSignals
 from bt_orchestrator.users.file import default_file
@@ -30,9 +31,6 @@ ROOM = 'bt_orchestrator.opcua'
 
 SAY_WAITING_S = 2.0
 """After so long without the node it is said that it is waited for."""
-
-LOOPBACK, PORT = '127.0.0.1', 4840
-"""As in `opcua.access`, which is imported only where it is needed: asyncua takes its time."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -72,8 +70,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns the exit status."""
     _check_packages()
-    from bt_orchestrator.opcua.access import Access, AccessRefused
     from bt_orchestrator.opcua.bridge import Bridge, Sources
+    from bt_orchestrator.opcua.nodesets import texts_in
     from bt_orchestrator.opcua.server import OpcUaServer
 
     def opened(meanwhile: Callable[[], object]) -> AbstractContextManager[CellLink]:
@@ -89,6 +87,7 @@ def run(args: argparse.Namespace) -> int:
         access.check()
     except AccessRefused as error:
         raise WrongUse(f'opcua: {error}') from error
+    texts_in(args.nodesets)  # refused here, and not when the node is there at last
     sources = Sources(trees=script_folders(args.trees), nodesets=args.nodesets)
     with StopSignals() as stop, server_log(ROOM):
         server = OpcUaServer(Bridge(args.node, opened, sources), access)
