@@ -7,11 +7,13 @@ import getpass
 import os
 from collections.abc import Callable
 from contextlib import AbstractContextManager
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 
 from bt_orchestrator.cli.door import open_door
 from bt_orchestrator.cli.folders import add_trees_option, script_folders
+from bt_orchestrator.cli.journal_file import open_records
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.numbers import port
 from bt_orchestrator.cli.server_log import server_log
@@ -59,6 +61,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_trees_option(parser)
     parser.add_argument(
+        '--journal',
+        type=Path,
+        metavar='FILE',
+        help='journal of the node, for items of all jobs that have been; it is only read '
+        '(default: what the node tells of its last events)',
+    )
+    parser.add_argument(
         '--nodesets',
         type=Path,
         metavar='DIR',
@@ -88,7 +97,12 @@ def run(args: argparse.Namespace) -> int:
     except AccessRefused as error:
         raise WrongUse(f'opcua: {error}') from error
     texts_in(args.nodesets)  # refused here, and not when the node is there at last
-    sources = Sources(trees=script_folders(args.trees), nodesets=args.nodesets)
+    journal = args.journal
+    sources = Sources(
+        trees=script_folders(args.trees),
+        nodesets=args.nodesets,
+        open_records=None if journal is None else partial(open_records, journal),
+    )
     with StopSignals() as stop, server_log(ROOM):
         server = OpcUaServer(Bridge(args.node, opened, sources), access)
         with server.running():

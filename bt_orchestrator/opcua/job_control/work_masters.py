@@ -26,6 +26,8 @@ class WorkMasters:
         self._bridge = bridge
         self._in_folders: Mapping[str, WorkMaster] = {}
         self._looked_at: float | None = None
+        self._value = listed([])
+        self._made_from: object = None
 
     @property
     def is_due(self) -> bool:
@@ -39,12 +41,14 @@ class WorkMasters:
 
     def value(self) -> ua.Variant:
         """Return them by name: those in the folders, and those of jobs that are known."""
-        heard = {
-            script.name: _master(script.name, script.params.values())
-            for script in self._bridge.known.scripts.values()
-        }
-        found = {**heard, **self._in_folders}
-        return listed([work_master(found[name]) for name in sorted(found)])
+        scripts = self._bridge.known.scripts
+        made_from = (self._looked_at, tuple(scripts))
+        if made_from != self._made_from:
+            heard = {one.name: _master(one.name, one.params.values()) for one in scripts.values()}
+            found = {**heard, **self._in_folders}
+            self._made_from = made_from
+            self._value = listed([work_master(found[name]) for name in sorted(found)])
+        return self._value
 
 
 def _read(folders: tuple[Path, ...]) -> Mapping[str, WorkMaster]:

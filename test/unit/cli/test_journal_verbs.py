@@ -62,6 +62,15 @@ def test_history_for_programs(journal: str, capsys: pytest.CaptureFixture[str]) 
     assert list(only['items']) == ['J2/1', 'J2/2']
 
 
+def test_history_as_job_responses(journal: str, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ('history', '--journal', journal, '--b2mml', '--job', 'J1')
+    (line,) = said(capsys, *words).splitlines()
+    response = json.loads(line)['JobResponse']
+    assert (response['JobOrderID'], response['JobState']) == ('J1', 'Ended')
+    found = {one['ID']: one['Value'][0]['ValueString'] for one in response['JobResponseData']}
+    assert (found['GoodQuantity'], found['JobResult']) == ('3.0', '1')
+
+
 def test_history_for_programs_without_a_job_is_nothing(
     journal: str, capsys: pytest.CaptureFixture[str]
 ) -> None:

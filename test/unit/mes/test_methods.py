@@ -1,17 +1,13 @@
-"""Methods of jobs, compared with the table that is written from the standard."""
+"""What the methods of job control answer; the table as a whole is in test_isa95_table.py."""
 
 from __future__ import annotations
 
 import pytest
-from isa95_table import GONE, NONE, Cell, read_table
 
 from bt_orchestrator.mes.methods import (
-    DIFFERENT,
     REQUESTS,
-    STATES,
     STORING,
     TABLE,
-    Answered,
     refused,
 )
 from bt_orchestrator.mes.return_status import ReturnStatus
@@ -20,38 +16,6 @@ from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.jobs.job_control import METHODS, Method
 
 DONE, UNKNOWN, WRONG = ReturnStatus.DONE, ReturnStatus.UNKNOWN_ID, ReturnStatus.WRONG_STATE
-
-STANDARD = read_table()
-
-
-def test_the_88_cells_are_those_of_the_standard_but_where_it_is_said() -> None:
-    ours = {
-        (method.name, word.value if word else NONE): Cell(int(cell.status), _after(method, cell))
-        for method, cells in TABLE.items()
-        for word, cell in zip(STATES, cells, strict=True)
-    }
-    different = {(method.name, word.value) for method, word in DIFFERENT}
-    assert len(ours) == 88
-    assert ours.keys() == STANDARD.keys()
-    assert {key for key in ours if ours[key] != STANDARD[key]} == {('Resume', 'Interrupted/Held')}
-    later = {key for key in different if ours[key] == STANDARD[key]}
-    assert later == different - {('Resume', 'Interrupted/Held')}
-
-
-def test_only_the_states_that_wait_for_the_line_to_drain_come_later() -> None:
-    later = {
-        (method, word)
-        for method, cells in TABLE.items()
-        for word, cell in zip(STATES, cells, strict=True)
-        if cell.is_later
-    }
-    assert later == set(DIFFERENT) - {(job_control.RESUME, JobWord.HELD)}
-
-
-def _after(method: Method, cell: Answered) -> str:
-    if cell.status is not DONE:
-        return ''
-    return GONE if cell.after is None else cell.after.state
 
 
 def test_an_order_is_stored_once() -> None:
