@@ -13,7 +13,7 @@ import signal
 import sys
 import tempfile
 from collections.abc import Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -39,7 +39,7 @@ def opcua_stand(
     speed: float = 20.0,
     store: EventStore | None = None,
 ) -> Iterator[tuple[StandCell, OpcUaServer]]:
-    """Serve a cell to whoever connects without encryption; everybody is an engineer."""
+    """Serve a cell without encryption; the address has a user in it, who is an engineer."""
     from web.stand_cell import StandCell
 
     from bt_orchestrator.store.memory import MemoryStore
@@ -54,15 +54,22 @@ def opcua_stand(
 @contextmanager
 def served(stand: StandCell, port: int = 0) -> Iterator[OpcUaServer]:
     """Serve a cell that there is."""
+    from fakes.opcua_access import access_in, with_login
     from fakes.shipped import TREES
 
-    from bt_orchestrator.opcua.access import Access
     from bt_orchestrator.opcua.bridge import Bridge, Sources
     from bt_orchestrator.opcua.server import OpcUaServer
 
+    class WithLogin(OpcUaServer):
+        @property
+        def address(self) -> str:
+            return with_login(super().address)
+
     bridge = Bridge(stand.node.name, stand.open_door, Sources(trees=(TREES,)))
-    server = OpcUaServer(bridge, Access(Path('no users'), port=port, local_user='stand'))
-    with server.running():
+    with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
+        access = access_in(Path(folder), stand.node.name, port=port, insecure=True)
+        server = WithLogin(bridge, access)
+        stack.enter_context(server.running())
         assert server.wait_until_open(PATIENCE_S), 'the server did not open its port'
         if server.is_stopped:
             server.wait()  # raises why

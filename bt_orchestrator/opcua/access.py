@@ -7,6 +7,8 @@ from pathlib import Path
 
 from bt_orchestrator.doors.listening import is_loopback
 from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.users.file import UsersUnusable
+from bt_orchestrator.users.known import KnownUsers
 
 LOOPBACK = '127.0.0.1'
 PORT = 4840
@@ -18,28 +20,33 @@ class AccessRefused(OrchestratorError):
 
 @dataclass(frozen=True)
 class Access:
-    """Who reaches the server, and how people are known there."""
+    """Who reaches the server, and how."""
 
     users: Path
+    """File of the users and their roles (`users/`)."""
+    pki: Path
+    """Folder of the certificates (`opcua.pki`)."""
     host: str = LOOPBACK
     port: int = PORT
-    local_user: str = ''
-    """Who calls without a login and without encryption, as an engineer: for trials on one
-    computer. Empty: nobody does."""
+    is_insecure: bool = False
+    """Unencrypted connections are accepted as well; passwords are encrypted all the same."""
 
     def check(self) -> None:
-        """Refuse options that would let in anybody.
+        """Refuse options that would let in anybody, or nobody.
 
         :raises AccessRefused: says what was expected
         """
-        if not self.local_user:
+        if self.is_insecure and not is_loopback(self.host):
             raise AccessRefused(
-                'clients without a login and encryption are let in with --insecure alone, and '
-                'only on this computer'
+                f'--insecure lets clients connect without encryption, and --host {self.host} lets '
+                'other computers reach the server; leave one of the two out'
             )
-        if not is_loopback(self.host):
+        try:
+            has_users = bool(KnownUsers(self.users).all())
+        except UsersUnusable as error:
+            raise AccessRefused(str(error)) from error
+        if not has_users:
             raise AccessRefused(
-                f'--insecure makes everybody who reaches the server an engineer, without '
-                f'encryption, and --host {self.host} lets others reach it; leave one of the two '
-                'out'
+                f'there are no users in {self.users}, so nobody could log in; add one with: '
+                'bt-orchestrator user add mes --role mes'
             )

@@ -10,13 +10,12 @@ from collections.abc import Awaitable, Callable, Iterator, Sequence
 from asyncua import Server
 
 from bt_orchestrator.doors.listening import bound, cannot_listen, url_host
-from bt_orchestrator.model.roles import Role
 from bt_orchestrator.opcua import nodesets
 from bt_orchestrator.opcua.access import Access
 from bt_orchestrator.opcua.bridge import Bridge
-from bt_orchestrator.opcua.callers import CALLER, Caller
 from bt_orchestrator.opcua.holds import Holds
 from bt_orchestrator.opcua.job_control.part import JobControl
+from bt_orchestrator.opcua.overrides import Security
 from bt_orchestrator.opcua.packml import PackML
 from bt_orchestrator.opcua.part import Part
 from bt_orchestrator.opcua.simple import Simple
@@ -38,9 +37,11 @@ class OpcUaServer:
         """Take the address; clients are refused until the cell is known.
 
         :raises CannotListen: the address is in use, or none of this computer's
+        :raises PkiUnusable: there is no certificate that the server can prove itself with
         """
         self._bridge = bridge
         self._access = access
+        self._security = Security.of(bridge.node, access)
         # Keeps the port for the whole life; the stack listens at it with a socket of its own.
         self._socket = bound(access.host, access.port, lambda _: None, listens=False)
         self._stopped = threading.Event()
@@ -117,15 +118,13 @@ class OpcUaServer:
                 await self._serve_cell()
         finally:
             self._bridge.end()
+            self._security.people.close()
             self._socket.close()
 
     async def _serve_cell(self) -> None:
         """Serve until the end, or until something else exists in the cell."""
         bridge = self._bridge
-        server = await make_stack(bridge.node, self._access, self.address)
-        if self._access.local_user:
-            # What sessions run in inherits it: asyncua starts them from here.
-            CALLER.set(Caller(self._access.local_user, Role.ENGINEER, 'insecure'))
+        server = await make_stack(bridge.node, self._security, self.address)
         server.socket_address = self._socket.getsockname()[:2]
         loaded = await nodesets.load(server, bridge.sources.nodesets)
         space = await Space.of(server, bridge.description.cell, loaded)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import getpass
 import os
 from collections.abc import Callable
 from contextlib import AbstractContextManager
@@ -16,6 +15,7 @@ from bt_orchestrator.cli.folders import add_trees_option, script_folders
 from bt_orchestrator.cli.journal_file import open_records
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.numbers import port
+from bt_orchestrator.cli.opcua.trust import run_trust
 from bt_orchestrator.cli.server_log import server_log
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.opcua.access import LOOPBACK, PORT, Access, AccessRefused
@@ -27,7 +27,13 @@ DESCRIPTION = """\
 Serve a tree node to OPC UA clients, an MES or a SCADA: orders, jobs, state and holds of its cell.
 One process for each node; it may be stopped and started at any time, and the line never notices.
 The node need not run yet: the port is opened when it is known how the cell stands. Ctrl-C ends
-it."""
+it.
+
+Clients log in as a user (`user`), and connect with a certificate that is trusted:
+
+  opcua trust                       which clients were refused, and which are trusted
+  opcua trust THUMBPRINT            trust one; the beginning of its thumbprint is enough
+  opcua trust --remove THUMBPRINT   trust it no more"""
 
 ROOM = 'bt_orchestrator.opcua'
 
@@ -38,6 +44,11 @@ SAY_WAITING_S = 2.0
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of the verb."""
     parser.description = DESCRIPTION
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.add_argument(
+        'what', nargs='*', metavar='trust [THUMBPRINT]', help='see above; nothing: serve'
+    )
+    parser.add_argument('--remove', action='store_true', help='trust: trust it no more')
     parser.add_argument(
         '--host',
         default=LOOPBACK,
@@ -54,10 +65,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help='file of users (default: ~/.config/bt_orchestrator/users.yaml); see `user`',
     )
     parser.add_argument(
+        '--pki',
+        type=Path,
+        metavar='DIR',
+        help='folder of certificates (default: ~/.config/bt_orchestrator/pki)',
+    )
+    parser.add_argument(
         '--insecure',
         action='store_true',
-        help='no login and no encryption: whoever is at this computer may give every command; '
-        'for trials, and only at an address that others cannot reach',
+        help='accept connections without encryption and certificates as well; users still log in; '
+        'only at an address that other computers cannot reach',
     )
     add_trees_option(parser)
     parser.add_argument(
@@ -79,6 +96,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns the exit status."""
     _check_packages()
+    from bt_orchestrator.opcua.pki import default_pki
+
+    pki = args.pki or default_pki(os.environ)
+    if args.what:
+        verb, *given = args.what
+        if verb != 'trust':
+            raise WrongUse(f'opcua: expected trust, or options alone; found {verb}')
+        return run_trust(pki, given, removes=args.remove)
+    if args.remove:
+        raise WrongUse('opcua: --remove is for opcua trust')
+    _serve(args, pki)
+    return 0
+
+
+def _serve(args: argparse.Namespace, pki: Path) -> None:
     from bt_orchestrator.opcua.bridge import Bridge, Sources
     from bt_orchestrator.opcua.nodesets import texts_in
     from bt_orchestrator.opcua.server import OpcUaServer
@@ -88,9 +120,10 @@ def run(args: argparse.Namespace) -> int:
 
     access = Access(
         users=args.users or default_file(os.environ),
+        pki=pki,
         host=args.host,
         port=args.port,
-        local_user=getpass.getuser() if args.insecure else '',
+        is_insecure=args.insecure,
     )
     try:
         access.check()
@@ -113,7 +146,6 @@ def run(args: argparse.Namespace) -> int:
             if not server.is_stopped:
                 print(f'opcua ready: {server.address} shows {args.node}', flush=True)
             server.wait()
-    return 0
 
 
 def _check_packages() -> None:

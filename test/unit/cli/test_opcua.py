@@ -6,9 +6,25 @@ import socket
 from pathlib import Path
 
 import pytest
+from cryptography.hazmat.primitives.serialization import Encoding
+from fakes.opcua_access import certificate
+from fakes.quick_users import write_users
 
 from bt_orchestrator.cli.main import main
 from bt_orchestrator.cli.opcua import verb
+from bt_orchestrator.model.roles import Role
+from bt_orchestrator.opcua.pki import Pki
+from bt_orchestrator.opcua.trust import Trust, Untrusted, thumbprint
+
+
+@pytest.fixture(autouse=True)
+def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Where the users and the certificates of this user are."""
+    folder = tmp_path / 'home' / 'bt_orchestrator'
+    folder.mkdir(parents=True)
+    write_users(folder / 'users.yaml', {'mes': Role.MES})
+    monkeypatch.setenv('XDG_CONFIG_HOME', str(tmp_path / 'home'))
+    return folder
 
 
 def test_packages_that_are_missing_are_named(
@@ -43,3 +59,55 @@ def test_a_folder_without_nodesets_is_told_before_the_node_is_there(
 ) -> None:
     assert main(['opcua', '--insecure', '--port', '0', '--nodesets', str(tmp_path)]) == 1
     assert f'--nodesets {tmp_path}: no .xml or .xml.gz there' in capsys.readouterr().err
+
+
+def test_without_users_nobody_could_log_in(home: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (home / 'users.yaml').unlink()
+    assert main(['opcua']) == 2
+    assert 'bt-orchestrator user add mes --role mes' in capsys.readouterr().err
+
+
+# --- opcua trust --------------------------------------------------------------------------------
+
+
+def said_by(capsys: pytest.CaptureFixture[str], *words: str) -> str:
+    assert main(['opcua', 'trust', *words]) == 0
+    return capsys.readouterr().out
+
+
+def test_a_refused_client_is_listed_trusted_and_removed(
+    home: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert said_by(capsys) == 'refused: none\ntrusted: none\n'
+    found, trust = certificate('Ua\x1b[31mExpert'), Trust(Pki(home / 'pki'))
+    content, number = found.public_bytes(Encoding.DER), thumbprint(found)
+    with pytest.raises(Untrusted, match=number[:8]):
+        trust.check(content)
+    listed = said_by(capsys)
+    assert listed.startswith('refused:\n')
+    assert number in listed
+    assert 'urn:test:client, valid until' in listed
+    assert '\x1b' not in listed
+    assert 'is trusted; connect it again' in said_by(capsys, number[:8].upper())
+    trust.check(content)
+    assert 'trusted:\n' in said_by(capsys)
+    assert 'is trusted no more' in said_by(capsys, '--remove', number[:8])
+    with pytest.raises(Untrusted):
+        trust.check(content)
+
+
+@pytest.mark.parametrize(
+    ('words', 'said'),
+    [
+        (('trust', 'ab'), "begins with 'ab'; there are: none"),
+        (('trust', 'ab', 'cd'), 'expected one thumbprint'),
+        (('trust', '--remove'), 'expected the beginning of a thumbprint'),
+        (('--remove',), '--remove is for opcua trust'),
+        (('believe',), 'expected trust, or options alone; found believe'),
+    ],
+)
+def test_wrong_use_of_trust(
+    words: tuple[str, ...], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(['opcua', *words]) == 2
+    assert said in capsys.readouterr().err

@@ -5,14 +5,13 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Awaitable, Callable, Iterator
 from contextlib import closing
-from pathlib import Path
 
 import asyncua
 import pytest
 from asyncua import ua
+from fakes.opcua_access import any_security
 
 from bt_orchestrator.opcua import instances, nodesets
-from bt_orchestrator.opcua.access import Access
 from bt_orchestrator.opcua.space import Space
 from bt_orchestrator.opcua.stack import make_stack
 
@@ -28,7 +27,7 @@ def in_space() -> Iterator[InSpace]:
     """Does something in a space without a cell, which all tests share."""
 
     async def made() -> Space:
-        server = await make_stack('/node', Access(Path('none')), 'opc.tcp://127.0.0.1:0')
+        server = await make_stack('/node', any_security('/node'), 'opc.tcp://127.0.0.1:0')
         return await Space.of(server, 'cell', await nodesets.load(server))
 
     with closing(asyncio.new_event_loop()) as loop:

@@ -10,16 +10,16 @@ from importlib.resources import files
 from pathlib import Path
 
 import pytest
+from fakes.opcua_access import any_security
 
 from bt_orchestrator.opcua import nodesets
-from bt_orchestrator.opcua.access import Access
 from bt_orchestrator.opcua.nodesets import JOB_CONTROL, PACK_ML, NodesetUnusable, texts_in
 from bt_orchestrator.opcua.stack import make_stack
 
 
 def loaded(folder: Path | None = None) -> Mapping[str, int]:
     async def load() -> Mapping[str, int]:
-        server = await make_stack('/node', Access(Path('none')), 'opc.tcp://127.0.0.1:0')
+        server = await make_stack('/node', any_security('/node'), 'opc.tcp://127.0.0.1:0')
         return await nodesets.load(server, folder)
 
     return asyncio.run(load())

@@ -1,0 +1,10 @@
+"""asyncua's server where it would let in too much, keep too much, or answer what is not so.
+
+Each override has its reason beside it, and a test that fails without it (docs/decisions/0037).
+"""
+
+from bt_orchestrator.opcua.overrides.security import Security
+from bt_orchestrator.opcua.overrides.server import GuardedServer
+from bt_orchestrator.opcua.overrides.version import OpcUaUnusable, check_version
+
+__all__ = ['GuardedServer', 'OpcUaUnusable', 'Security', 'check_version']

@@ -1,0 +1,155 @@
+"""The server, made of the overridden parts."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+from pathlib import Path
+
+import asyncua
+from asyncua import ua
+from asyncua.common.connection import TransportLimits
+from asyncua.crypto.permission_rules import User, UserRole
+from asyncua.server.address_space import MethodService
+from asyncua.server.internal_server import InternalServer
+
+from bt_orchestrator.opcua.overrides import limits
+from bt_orchestrator.opcua.overrides.connection import Listener
+from bt_orchestrator.opcua.overrides.methods import Methods
+from bt_orchestrator.opcua.overrides.security import Security
+from bt_orchestrator.opcua.overrides.session import Session
+from bt_orchestrator.opcua.overrides.subscriptions import Subscriptions
+from bt_orchestrator.opcua.overrides.version import check_version
+
+log = logging.getLogger(__name__)
+
+LOOK_S = 1.0
+"""Between two looks at whether somebody was removed who is connected."""
+
+_NODES = {
+    'MaxNodesPerRead': limits.NODES,
+    'MaxNodesPerWrite': limits.NODES,
+    'MaxNodesPerMethodCall': limits.CALLED,
+    'MaxNodesPerBrowse': limits.BROWSED,
+    'MaxNodesPerTranslateBrowsePathsToNodeIds': limits.BROWSED,
+    'MaxMonitoredItemsPerCall': limits.NODES,
+}
+
+
+class Inside(InternalServer):
+    """What all connections share."""
+
+    method_service: MethodService
+
+    def __init__(self, security: Security) -> None:
+        super().__init__()
+        self.security = security
+        self.certificate = security.own.certificate
+        self.private_key = security.own.key
+        # Sessions are let in by `Processor`; asyncua would ask a manager, in the loop.
+        self.user_manager = None
+        self.supported_tokens = (ua.UserNameIdentityToken,)
+        self.method_service.stop()
+        self.method_service = Methods(self.aspace)
+        self.subscription_service = self.isession.subscription_service = Subscriptions(
+            self.aspace, iserver=self
+        )
+        self.max_connections = limits.CONNECTIONS
+        self.max_pending_activation_seconds = limits.PENDING_S
+        self.max_pending_messages_per_connection = limits.WAITING_MESSAGES
+        self.min_session_timeout_ms, self.max_session_timeout_ms = limits.SESSION_MS
+        self.max_subscriptions = limits.SUBSCRIPTIONS
+        self.max_monitored_item_queue_size = limits.EVENT_QUEUES[1]
+        self.max_unacked_messages_per_subscription = limits.KEPT_MESSAGES
+
+    def create_session(
+        self, name: str, user: User | None = None, external: bool = False
+    ) -> Session:
+        """Return a session of a client."""
+        return Session(
+            self,
+            self.aspace,
+            self.subscription_service,
+            name,
+            user=user or User(role=UserRole.Anonymous),
+            external=external,
+        )
+
+    @property
+    def sessions(self) -> list[Session]:
+        """Those of clients, also such as wait for their client to come back."""
+        return [one for one in self._external_sessions.values() if isinstance(one, Session)]
+
+
+class GuardedServer(asyncua.Server):
+    """asyncua's server with users, trust and limits."""
+
+    def __init__(self, security: Security) -> None:
+        """Prepare; `init` and `start` follow.
+
+        :raises OpcUaUnusable: asyncua is another one
+        """
+        check_version()
+        self.inside = Inside(security)
+        super().__init__(iserver=self.inside)
+        self.limits = TransportLimits(
+            max_recv_buffer=limits.CHUNK_BYTES,
+            max_send_buffer=limits.CHUNK_BYTES,
+            max_chunk_count=limits.MESSAGE_BYTES // limits.SMALLEST_CHUNK_BYTES + 1,
+            max_message_size=limits.MESSAGE_BYTES,
+        )
+        self._security = security
+        self.set_security_policy(security.policies)
+        self._watch: asyncio.Task[None] | None = None
+
+    async def init(self, shelf_file: Path | None = None) -> None:
+        """Load what every server has; clients are told the limits."""
+        await super().init(shelf_file)
+        await self.set_application_uri(self._security.own.uri)
+        for name, most in _NODES.items():
+            node = self.get_node(
+                ua.NodeId(
+                    getattr(ua.ObjectIds, f'Server_ServerCapabilities_OperationLimits_{name}')
+                )
+            )
+            await node.write_value(most, ua.VariantType.UInt32)
+
+    async def start(self) -> None:
+        """Listen.
+
+        asyncua makes its `BinaryServer` here, by name; otherwise this is what it does.
+        """
+        await self._setup_server_nodes()
+        await self.iserver.start()
+        host, port = self._get_bind_socket_info()
+        self.bserver = Listener(self.inside, host or '', port or 0, self.limits)
+        self.bserver.set_policies(self._policies)
+        try:
+            await self.bserver.start()
+        except OSError:
+            await self.iserver.stop()
+            raise
+        self._watch = asyncio.create_task(self._look_again())
+
+    async def stop(self) -> None:
+        """End all connections."""
+        if self._watch is not None:
+            self._watch.cancel()
+            with contextlib.suppress(asyncio.CancelledError):
+                await self._watch
+        await super().stop()
+
+    async def _look_again(self) -> None:
+        """End sessions of users and certificates that were removed.
+
+        A client whose requests for news wait here needs no further one to be told something.
+        """
+        while True:
+            await asyncio.sleep(LOOK_S)
+            for session in self.inside.sessions:
+                why = session.why_not(self._security)
+                if why:
+                    await session.end(why)
+                    if session.processor is not None:
+                        session.processor.close_connection()

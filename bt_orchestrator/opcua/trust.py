@@ -1,0 +1,372 @@
+"""Which clients may connect: certificates in folders, which are read anew when they change."""
+
+from __future__ import annotations
+
+import datetime
+import logging
+import re
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TypeVar
+
+from cryptography import x509
+from cryptography.exceptions import InvalidSignature
+from cryptography.hazmat.primitives import hashes
+from cryptography.hazmat.primitives.asymmetric import rsa
+from cryptography.hazmat.primitives.serialization import Encoding
+from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
+
+from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.opcua.pki import Pki, application_uri, parsed
+from bt_orchestrator.spare_log import SpareLog
+
+_T = TypeVar('_T')
+
+spare = SpareLog(logging.getLogger(__name__))
+
+MOST_REJECTED = 50
+"""Refused certificates that are kept; anybody who reaches the port can send another one."""
+
+MOST_BYTES = 20_000
+"""Longest certificate, or chain of them, that is looked at."""
+
+MOST_ISSUERS = 5
+"""Most authorities between a client and a trusted one."""
+
+KEY_BITS = range(2048, 4096 + 1)
+_HASHES = (hashes.SHA256, hashes.SHA384, hashes.SHA512)
+_SUFFIXES = ('.der', '.crt', '.cer', '.pem')
+
+
+class Untrusted(OrchestratorError):
+    """A certificate is refused; says why, and what to do."""
+
+
+class NoSuchCertificate(OrchestratorError):
+    """No certificate, or several, have this thumbprint; says which there are."""
+
+
+@dataclass(frozen=True)
+class Listed:
+    """A certificate in one of the folders."""
+
+    path: Path
+    certificate: x509.Certificate
+    since: datetime.datetime
+    """When it came into the folder."""
+
+    @property
+    def thumbprint(self) -> str:
+        """SHA-1, in small letters: what OPC UA programs show."""
+        return thumbprint(self.certificate)
+
+    @property
+    def subject(self) -> str:
+        """Whose it is, for people."""
+        return self.certificate.subject.rfc4514_string()
+
+    @property
+    def uri(self) -> str:
+        """The application URI."""
+        return application_uri(self.certificate)
+
+
+def thumbprint(certificate: x509.Certificate) -> str:
+    """Return the SHA-1 of a certificate in small letters."""
+    return certificate.fingerprint(hashes.SHA1()).hex()
+
+
+@dataclass(frozen=True)
+class _Store:
+    """What the folders hold at a time."""
+
+    trusted: Sequence[x509.Certificate]
+    issuers: Sequence[x509.Certificate]
+    revocations: Sequence[x509.CertificateRevocationList]
+
+
+class Trust:
+    """Decides about certificates of clients; what is trusted or removed counts at once."""
+
+    def __init__(self, pki: Pki, clock: Callable[[], float] = time.time) -> None:
+        """Begin with what is in the folders.
+
+        :param clock: seconds since 1970
+        """
+        self._pki = pki
+        self._clock = clock
+        self._version: object = None
+        self._store = _Store((), (), ())
+
+    @property
+    def version(self) -> object:
+        """What changes with the folders."""
+        return tuple(map(_changed_at, (self._pki.trusted, self._pki.issuers, *self._crl)))
+
+    def check(self, content: bytes) -> x509.Certificate:
+        """Return the certificate of a client that may connect.
+
+        :param content: DER, perhaps followed by those of its authorities
+        :raises Untrusted: it may not
+        """
+        if len(content) > MOST_BYTES:
+            raise Untrusted(f'a certificate of {len(content)} bytes; {MOST_BYTES} is the most')
+        try:
+            certificate = x509.load_der_x509_certificate(first_of(content))
+            self._check_form(certificate)
+            is_trusted = self._is_trusted(certificate)
+        except Untrusted:
+            raise
+        # Whatever the parser finds in what anybody may send: ASN.1 errors, unknown algorithms.
+        except Exception as error:
+            raise Untrusted(f'this is no certificate: {str(error)[:200]}') from error
+        if not is_trusted:
+            self._reject(certificate)
+            raise Untrusted(
+                f'{_named(certificate)} is not trusted; if its thumbprint is what that client '
+                f'shows, trust it with: {self._command} {thumbprint(certificate)[:8]}'
+            )
+        return certificate
+
+    # --- for people -----------------------------------------------------------------------------
+
+    def trusted(self) -> list[Listed]:
+        """Return what is trusted, newest first."""
+        return _listed(self._pki.trusted)
+
+    def rejected(self) -> list[Listed]:
+        """Return what was refused and is not trusted since, newest first."""
+        return _listed(self._pki.rejected)
+
+    def trust(self, prefix: str) -> Listed:
+        """Trust a certificate that was refused.
+
+        :param prefix: of its thumbprint
+        :raises NoSuchCertificate: there is none, or several
+        """
+        found = _one_of(self.rejected(), prefix, 'was refused')
+        self._move(found, self._pki.trusted)
+        return found
+
+    def remove(self, prefix: str) -> Listed:
+        """Trust a certificate no more; it can be trusted again.
+
+        :param prefix: of its thumbprint
+        :raises NoSuchCertificate: there is none, or several
+        """
+        found = _one_of(self.trusted(), prefix, 'is trusted')
+        self._move(found, self._pki.rejected)
+        return found
+
+    @property
+    def _command(self) -> str:
+        return f'bt-orchestrator opcua trust --pki {self._pki.root}'
+
+    def _move(self, found: Listed, folder: Path) -> None:
+        self._pki.make_folders()
+        _write(folder, found.certificate)
+        found.path.unlink()
+
+    # --- whether --------------------------------------------------------------------------------
+
+    def _check_form(self, certificate: x509.Certificate) -> None:
+        """Refuse what would not be accepted from anybody."""
+        named = _named(certificate)
+        key = certificate.public_key()
+        if not isinstance(key, rsa.RSAPublicKey) or key.key_size not in KEY_BITS:
+            raise Untrusted(f'{named} has no RSA key of {KEY_BITS[0]} to {KEY_BITS[-1]} bits')
+        if not isinstance(certificate.signature_hash_algorithm, _HASHES):
+            raise Untrusted(f'{named} is not signed with SHA-256 or better')
+        self._check_time(certificate)
+        if not application_uri(certificate):
+            raise Untrusted(f'{named} has no application URI (a URI in subjectAltName)')
+        if not _may_be_a_client(certificate):
+            raise Untrusted(f'{named} is not meant for clients (key usage)')
+
+    def _check_time(self, certificate: x509.Certificate) -> None:
+        now = datetime.datetime.fromtimestamp(self._clock(), datetime.timezone.utc)
+        first, last = certificate.not_valid_before_utc, certificate.not_valid_after_utc
+        if not first <= now <= last:
+            raise Untrusted(
+                f'{_named(certificate)} is valid from {first:%Y-%m-%d %H:%M} to '
+                f'{last:%Y-%m-%d %H:%M} UTC, and it is {now:%Y-%m-%d %H:%M}; it needs a new '
+                'certificate, or a clock is wrong'
+            )
+
+    def _is_trusted(self, certificate: x509.Certificate) -> bool:
+        """Tell whether it is trusted itself, or an authority that is trusted stands behind it.
+
+        :raises Untrusted: it, or an authority, was taken back or has expired
+        """
+        store = self._read()
+        is_known, one = certificate in store.trusted, certificate
+        for _ in range(MOST_ISSUERS):
+            if one.issuer == one.subject:
+                break
+            issuer = _issuer_of(one, (*store.trusted, *store.issuers))
+            if issuer is None:
+                break
+            self._check_time(issuer)
+            _check_revoked(one, issuer, store.revocations)
+            is_known, one = is_known or issuer in store.trusted, issuer
+        return is_known
+
+    def _reject(self, certificate: x509.Certificate) -> None:
+        """Keep a certificate, so that somebody can trust it."""
+        try:
+            self._pki.make_folders()
+            _write(self._pki.rejected, certificate)
+            for old in _listed(self._pki.rejected)[MOST_REJECTED:]:
+                old.path.unlink(missing_ok=True)
+        except (OSError, OrchestratorError) as error:
+            spare.warning(f'the refused certificate was not kept: {error}')
+
+    # --- the folders ----------------------------------------------------------------------------
+
+    @property
+    def _crl(self) -> tuple[Path, Path]:
+        return self._pki.revocations
+
+    def _read(self) -> _Store:
+        version = self.version
+        if version != self._version:
+            self._version = version
+            revocations = _contents(self._crl, (*_SUFFIXES, '.crl'), _revocation_list)
+            certificates = partial(_contents, suffixes=_SUFFIXES, parse=parsed)
+            self._store = _Store(
+                list(certificates((self._pki.trusted,))),
+                list(certificates((self._pki.issuers,))),
+                list(revocations),
+            )
+        return self._store
+
+
+def first_of(content: bytes) -> bytes:
+    """Return the first certificate of a chain in DER, by its own length."""
+    if len(content) >= 4 and content[0] == 0x30 and content[1] == 0x82:
+        return content[: 4 + int.from_bytes(content[2:4], 'big')]
+    return content
+
+
+def _may_be_a_client(certificate: x509.Certificate) -> bool:
+    extensions = certificate.extensions
+    with suppress(x509.ExtensionNotFound):
+        usage = extensions.get_extension_for_class(x509.KeyUsage).value
+        if not usage.digital_signature:
+            return False
+    with suppress(x509.ExtensionNotFound):
+        purposes = extensions.get_extension_for_class(x509.ExtendedKeyUsage).value
+        return ExtendedKeyUsageOID.CLIENT_AUTH in purposes
+    return True
+
+
+def _issuer_of(
+    certificate: x509.Certificate, others: Iterable[x509.Certificate]
+) -> x509.Certificate | None:
+    """Return the authority that has signed a certificate; None: it is not known."""
+    for one in others:
+        with suppress(ValueError, TypeError, InvalidSignature, x509.ExtensionNotFound):
+            certificate.verify_directly_issued_by(one)
+            if one.extensions.get_extension_for_class(x509.BasicConstraints).value.ca:
+                return one
+    return None
+
+
+def _check_revoked(
+    certificate: x509.Certificate,
+    issuer: x509.Certificate,
+    revocations: Iterable[x509.CertificateRevocationList],
+) -> None:
+    key = issuer.public_key()
+    lists = [
+        one
+        for one in revocations
+        if one.issuer == issuer.subject and one.is_signature_valid(key)  # type: ignore[arg-type]
+    ]
+    if not lists:
+        raise Untrusted(
+            f'whether {_named(certificate)} was taken back is not known: its authority '
+            f'{issuer.subject.rfc4514_string()} has no revocation list in trusted/crl or '
+            'issuers/crl; put one there, it may be empty'
+        )
+    if any(
+        one.get_revoked_certificate_by_serial_number(certificate.serial_number) for one in lists
+    ):
+        raise Untrusted(f'{_named(certificate)} was taken back by its authority')
+
+
+def _named(certificate: x509.Certificate) -> str:
+    uri = application_uri(certificate)
+    subject = certificate.subject.rfc4514_string()
+    shown_uri = f' ({uri!r:.200})' if uri else ''
+    return f'the certificate {thumbprint(certificate)} of {subject!r:.200}{shown_uri}'
+
+
+# --- files --------------------------------------------------------------------------------------
+
+
+def _changed_at(folder: Path) -> int:
+    try:
+        return folder.stat().st_mtime_ns
+    except OSError:
+        return 0
+
+
+def _files(folder: Path, suffixes: Sequence[str]) -> Iterator[Path]:
+    with suppress(OSError):
+        yield from (path for path in folder.iterdir() if path.suffix.lower() in suffixes)
+
+
+def _contents(
+    folders: Iterable[Path], suffixes: Sequence[str], parse: Callable[[bytes], _T]
+) -> Iterator[_T]:
+    for folder in folders:
+        for path in _files(folder, suffixes):
+            try:
+                yield parse(path.read_bytes())
+            except (OSError, ValueError) as error:
+                spare.warning(f'{path} is not used: {str(error)[:200]}')
+
+
+def _revocation_list(content: bytes) -> x509.CertificateRevocationList:
+    if content.lstrip().startswith(b'-----BEGIN'):
+        return x509.load_pem_x509_crl(content)
+    return x509.load_der_x509_crl(content)
+
+
+def _listed(folder: Path) -> list[Listed]:
+    found = []
+    for path in _files(folder, _SUFFIXES):
+        with suppress(OSError, ValueError):
+            at = datetime.datetime.fromtimestamp(path.stat().st_mtime, datetime.timezone.utc)
+            found.append(Listed(path, parsed(path.read_bytes()), at))
+    return sorted(found, key=lambda one: one.since, reverse=True)
+
+
+def _one_of(listed: Sequence[Listed], prefix: str, what: str) -> Listed:
+    wanted = prefix.lower().replace(':', '').replace(' ', '')
+    fitting = [one for one in listed if wanted and one.thumbprint.startswith(wanted)]
+    if len(fitting) == 1:
+        return fitting[0]
+    there = ', '.join(one.thumbprint[:8] for one in fitting or listed) or 'none'
+    if fitting:
+        raise NoSuchCertificate(
+            f'several certificates begin with {prefix}: {there}; give more of it'
+        )
+    raise NoSuchCertificate(
+        f'no certificate that {what} begins with {prefix!r}; there are: {there}'
+    )
+
+
+def _write(folder: Path, certificate: x509.Certificate) -> None:
+    """Write a certificate under a name that tells people which one it is."""
+    common = certificate.subject.get_attributes_for_oid(NameOID.COMMON_NAME)
+    shown = re.sub(r'[^\w@.-]', '_', str(common[0].value) if common else 'nobody')[:60]
+    path = folder / f'{shown.lstrip(".")} [{thumbprint(certificate)}].der'
+    fresh = path.with_suffix('.new')
+    fresh.write_bytes(certificate.public_bytes(Encoding.DER))
+    fresh.replace(path)
