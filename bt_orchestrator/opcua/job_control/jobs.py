@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
 
 from bt_orchestrator.errors import CommandRefused, NodeUnreachable
 from bt_orchestrator.mes.job_book import JobBook, News
@@ -105,46 +105,38 @@ class Jobs:
 
         return await self._bridge.doors.read(question)
 
-    def close(self) -> None:
-        """Ask nothing more."""
-        if self._task is not None:
-            self._task.cancel()
-
     # --- what happened meanwhile ------------------------------------------------------------
 
-    def _spawn(self, work: object) -> None:
-        self._task = asyncio.ensure_future(work)  # type: ignore[call-overload]
-        self._task.add_done_callback(self._go_on)
+    def _spawn(self, work: Coroutine[None, None, None]) -> None:
+        self._task = asyncio.ensure_future(self._done_first(work))
 
-    async def _catch_up(self, *, is_new: bool) -> None:
-        """Follow what happened between the status that the book began with and now."""
+    async def _done_first(self, work: Coroutine[None, None, None]) -> None:
+        """Do something, then follow what was heard meanwhile; with the next status again."""
         try:
-            if is_new:
-                self.book.begin(self._bridge.status, await self._bridge.doors.read(_all_jobs))
-            while self.book.seq < self._bridge.newest:
-                page = await self._bridge.doors.events_after(self.book.seq)
-                if page.history != self._bridge.history or not page.events:
-                    return
-                for event in page.events:
-                    self._follow(event)
+            await work
         except NodeUnreachable:
             self._is_behind = True
-
-    async def _learn(self) -> None:
-        """Ask for what no event told."""
-        try:
-            self.book.take(await self._bridge.doors.read(_all_jobs))
-        except NodeUnreachable:
             self._asked.clear()
-
-    def _go_on(self, _: asyncio.Task[None]) -> None:
-        waiting, self._waiting = self._waiting, []
-        if self._is_behind:
-            self._waiting = waiting
             return
+        waiting, self._waiting = self._waiting, []
         for event in waiting:
             self._follow(event)
         self._changed()
+
+    async def _catch_up(self, *, is_new: bool) -> None:
+        """Follow what happened between the status that the book began with and now."""
+        if is_new:
+            self.book.begin(self._bridge.status, await self._bridge.doors.read(_all_jobs))
+        while self.book.seq < self._bridge.newest:
+            page = await self._bridge.doors.events_after(self.book.seq)
+            if page.history != self._bridge.history or not page.events:
+                return
+            for event in page.events:
+                self._follow(event)
+
+    async def _learn(self) -> None:
+        """Ask for what no event told."""
+        self.book.take(await self._bridge.doors.read(_all_jobs))
 
     def _follow(self, event: Event) -> None:
         for news in self.book.follow(event):

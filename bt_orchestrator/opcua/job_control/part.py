@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Mapping
 
 from asyncua import ua
 
@@ -20,12 +21,13 @@ from bt_orchestrator.opcua.job_control.status_events import StatusEvents
 from bt_orchestrator.opcua.job_control.structures import Structures
 from bt_orchestrator.opcua.job_control.work_masters import WorkMasters
 from bt_orchestrator.opcua.nodesets import JOB_CONTROL
-from bt_orchestrator.opcua.space import Space
+from bt_orchestrator.opcua.space import Call, Space
 
 RECEIVER, RESULTS = 'JobOrderControl', 'JobOrderResults'
 
-_RECEIVER_TYPE, _RESULTS_TYPE = 1008, 1003
-"""ISA95JobOrderReceiverSubStatesType, ISA95JobResponseProviderObjectType."""
+_RECEIVER_TYPE, _METHODS_TYPE, _RESULTS_TYPE = 1008, 1002, 1003
+"""ISA95JobOrderReceiverSubStatesType, its supertype that has the methods, and
+ISA95JobResponseProviderObjectType."""
 
 _SUBSTATES = 'InterruptedSubstates'
 _EMPTY = ('PersonnelID', 'PhysicalAssetID', 'MaterialClassID', 'MaterialDefinitionID')
@@ -51,11 +53,10 @@ class JobControl:
         receiver, results = space.id(RECEIVER), space.id(RESULTS)
         self._events = StatusEvents(space, structures, results, receiver)
         await self._events.build(self._index)
-        for name, call in Receiver(self._bridge, self._jobs, self._events).calls().items():
-            space.link(space.node(f'{RECEIVER}/{name}'), call)
+        orders = Receiver(self._bridge, self._jobs, self._events)
         answers = Results(self._jobs, structures, self._shown)
-        for name, call in answers.calls().items():
-            space.link(space.node(f'{RESULTS}/{name}'), call)
+        await self._link(RECEIVER, _METHODS_TYPE, orders.calls())
+        await self._link(RESULTS, _RESULTS_TYPE, answers.calls())
         await Records(self._bridge).build(space, RESULTS)
         await self._masters.look()
         await self._jobs.begin()
@@ -71,6 +72,14 @@ class JobControl:
                 space.cell, ua.NodeId(type_, self._index), path, path, optionals=optionals
             )
             await node.set_event_notifier([ua.EventNotifier.SubscribeToEvents])
+
+    async def _link(self, path: str, type_: int, calls: Mapping[str, Call]) -> None:
+        """Have methods carried out, also where a client names the method of the type."""
+        declared = self._space.server.get_node(ua.NodeId(type_, self._index))
+        of_type = {one.BrowseName.Name: one for one in await declared.get_children_descriptions()}
+        for name, call in calls.items():
+            self._space.link(self._space.node(f'{path}/{name}'), call)
+            self._space.link(self._space.server.get_node(of_type[name].NodeId), call)
 
     def _put_constants(self) -> None:
         description = self._bridge.description

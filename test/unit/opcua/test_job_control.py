@@ -12,43 +12,31 @@ from typing import Any
 import asyncua
 import pytest
 from asyncua import ua
+from opcua_reader import Reader
 from opcua_stand import PATIENCE_S, opcua_stand, served
 from web.stand_cell import StandCell
 
 from bt_orchestrator.model.jobs.order import WorkOrder
 from bt_orchestrator.store.memory import MemoryStore
 
-URI = 'http://opcfoundation.org/UA/ISA95-JOBCONTROL_V2/'
 DONE, UNKNOWN, WRONG, NOT_ACCEPTED, MALFORMED = 1, 2, 8, 16, 1 << 32
 COMMENT = [ua.LocalizedText('a test', 'en')]
 
 
-class Mes:
+class Mes(Reader):
     """An MES."""
 
-    def __init__(self, client: asyncua.Client, cell: int, standard: int) -> None:
-        self.client = client
-        self.cell = cell
-        self.standard = standard
+    def __init__(self, client: asyncua.Client, idx: int) -> None:
+        super().__init__(client, idx)
         self.heard: list[Any] = []
 
-    @classmethod
-    async def of(cls, client: asyncua.Client) -> Mes:
-        await client.load_data_type_definitions()
-        uris = await client.get_namespace_array()
-        cell = next(n for n, uri in enumerate(uris) if uri.startswith('urn:bt_orchestrator:cell'))
-        return cls(client, cell, uris.index(URI))
-
-    def node(self, path: str) -> asyncua.Node:
-        return self.client.get_node(ua.NodeId(path, self.cell))
-
-    async def value(self, path: str) -> Any:
-        return await self.node(path).read_value()
-
-    async def call(self, path: str, *given: ua.Variant) -> tuple[ua.StatusCode, list[Any]]:
+    async def send(
+        self, path: str, *given: ua.Variant, on: ua.NodeId | None = None
+    ) -> tuple[ua.StatusCode, list[Any]]:
+        """Call a method; returns status and outputs, which asyncua keeps back unless Good."""
         request = ua.CallMethodRequest()
-        request.ObjectId = ua.NodeId(path.rpartition('/')[0], self.cell)
-        request.MethodId = ua.NodeId(path, self.cell)
+        request.ObjectId = on or self.node(path.rpartition('/')[0]).nodeid
+        request.MethodId = self.node(path).nodeid
         request.InputArguments = list(given)
         (result,) = await self.client.uaclient.call([request])
         return result.StatusCode, [one.Value for one in result.OutputArguments or ()]
@@ -58,7 +46,7 @@ class Mes:
         is_id = isinstance(what, str)
         type_ = ua.VariantType.String if is_id else ua.VariantType.ExtensionObject
         text = ua.Variant(comment, ua.VariantType.LocalizedText, is_array=True)
-        code, outputs = await self.call(f'JobOrderControl/{name}', ua.Variant(what, type_), text)
+        code, outputs = await self.send(f'JobOrderControl/{name}', ua.Variant(what, type_), text)
         (status,) = outputs
         assert code.is_good() if status == DONE else code.is_uncertain(), (code, status)
         return int(status)
@@ -69,7 +57,7 @@ class Mes:
             for one in await self.value('JobOrderControl/JobOrderList')
         }
 
-    async def wait(self, job: str, *states: str) -> Any:
+    async def wait_for(self, job: str, *states: str) -> Any:
         """Wait until a job is listed in a state."""
         deadline = time.monotonic() + PATIENCE_S
         while True:
@@ -81,7 +69,7 @@ class Mes:
             await asyncio.sleep(0.05)
 
     async def response(self, job: str) -> Any:
-        code, (response, status) = await self.call(
+        code, (response, status) = await self.send(
             'JobOrderResults/RequestJobResponseByJobOrderID',
             ua.Variant(job, ua.VariantType.String),
         )
@@ -92,8 +80,8 @@ class Mes:
         """Hear the events of a node."""
         subscription = await self.client.create_subscription(50, self)
         types = [
-            ua.NodeId('JobOrderChangedEventType', self.cell),
-            ua.NodeId('RequestRefusedEventType', self.cell),
+            ua.NodeId('JobOrderChangedEventType', self.idx),
+            ua.NodeId('RequestRefusedEventType', self.idx),
         ]
         await subscription.subscribe_events(node, types)
 
@@ -131,7 +119,10 @@ def data(response: Any) -> dict[str, Any]:
 def with_mes(url: str, what: Callable[[Mes], Awaitable[None]]) -> None:
     async def connected() -> None:
         async with asyncua.Client(url) as client:
-            await what(await Mes.of(client))
+            await client.load_data_type_definitions()
+            mes = await Mes.of(client)
+            assert isinstance(mes, Mes)
+            await what(mes)
 
     asyncio.run(connected())
 
@@ -157,9 +148,9 @@ def test_an_order_is_stored_started_made_and_cleared(script: str, url: str) -> N
     async def look(mes: Mes) -> None:
         await mes.listen(mes.client.nodes.server)
         assert await mes.method('Store', order('WO-7', script, 2)) == DONE
-        await mes.wait('WO-7', 'NotAllowedToStart')
+        await mes.wait_for('WO-7', 'NotAllowedToStart')
         assert await mes.method('Start', 'WO-7') == DONE
-        ended = await mes.wait('WO-7', 'Ended')
+        ended = await mes.wait_for('WO-7', 'Ended')
         assert script == ended.JobOrder.WorkMasterID[0].ID
         response = await mes.response('WO-7')
         found = data(response)
@@ -185,11 +176,11 @@ def test_items_and_events_are_pulled(script: str, url: str) -> None:
 
     async def items(mes: Mes, after: str, most: int) -> tuple[ua.StatusCode, list[Any]]:
         given = ua.Variant('IT-1', text), ua.Variant(after, text), ua.Variant(most, number)
-        return await mes.call('JobOrderResults/GetItems', *given)
+        return await mes.send('JobOrderResults/GetItems', *given)
 
     async def look(mes: Mes) -> None:
         assert await mes.method('StoreAndStart', order('IT-1', script, 3)) == DONE
-        await mes.wait('IT-1', 'Ended')
+        await mes.wait_for('IT-1', 'Ended')
         _, (first, is_last, is_whole) = await items(mes, '', 2)
         assert [json.loads(one)['item'] for one in first] == ['IT-1/1', 'IT-1/2']
         assert (is_last, is_whole) == (False, True)
@@ -199,12 +190,10 @@ def test_items_and_events_are_pulled(script: str, url: str) -> None:
         code, _ = await items(mes, 'IT-1/99', 0)
         assert code.value == ua.StatusCodes.BadInvalidArgument
         given = ua.Variant(0, ua.VariantType.UInt64), ua.Variant(5, number)
-        request = ua.CallMethodRequest()
-        request.ObjectId = (await mes.node('JobOrderResults').get_parent()).nodeid
-        request.MethodId = ua.NodeId('GetEvents', mes.cell)
-        request.InputArguments = list(given)
-        (result,) = await mes.client.uaclient.call([request])
-        events, last, history = (one.Value for one in result.OutputArguments)
+        cell = await mes.node('JobOrderResults').get_parent()
+        code, outputs = await mes.send('GetEvents', *given, on=cell.nodeid)
+        assert code.is_good()
+        events, last, history = outputs
         assert [json.loads(one)['seq'] for one in events] == [1, 2, 3, 4, 5]
         assert last > 5
         assert history
@@ -251,8 +240,21 @@ def test_an_order_given_twice_is_made_once(script: str, url: str) -> None:
     async def look(mes: Mes) -> None:
         assert await mes.method('Store', order('TW-1', script, 2)) == DONE
         assert await mes.method('StoreAndStart', order('TW-1', script, 2)) == NOT_ACCEPTED
-        await mes.wait('TW-1', 'NotAllowedToStart')
+        await mes.wait_for('TW-1', 'NotAllowedToStart')
         assert await mes.method('Cancel', 'TW-1') == DONE
+
+    with_mes(url, look)
+
+
+def test_a_client_may_name_the_method_of_the_type(url: str) -> None:
+    async def look(mes: Mes) -> None:
+        uris = await mes.client.get_namespace_array()
+        declared = ua.NodeId(7011, uris.index('http://opcfoundation.org/UA/ISA95-JOBCONTROL_V2/'))
+        request = ua.CallMethodRequest()
+        request.ObjectId, request.MethodId = mes.node('JobOrderControl').nodeid, declared
+        request.InputArguments = [ua.Variant('NO-1', ua.VariantType.String), ua.Variant()]
+        (result,) = await mes.client.uaclient.call([request])
+        assert [one.Value for one in result.OutputArguments] == [UNKNOWN]
 
     with_mes(url, look)
 
@@ -275,7 +277,7 @@ def test_an_order_is_changed_and_told_as_it_is(script: str, url: str) -> None:
             parameters=names,
         )
         assert await mes.method('Store', given) == DONE
-        told = (await mes.wait('UP-1', 'NotAllowedToStart')).JobOrder
+        told = (await mes.wait_for('UP-1', 'NotAllowedToStart')).JobOrder
         assert told.Description == given.Description
         assert told.Priority == 3
         assert told.MaterialRequirements == [material]
@@ -298,19 +300,19 @@ def test_a_job_on_the_line_is_paused_resumed_and_stopped(script: str, url: str) 
     async def look(mes: Mes) -> None:
         await mes.listen(mes.node('JobOrderResults'))
         assert await mes.method('StoreAndStart', order('ST-1', script, 200)) == DONE
-        await mes.wait('ST-1', 'Running')
+        await mes.wait_for('ST-1', 'Running')
         assert await mes.method('Start', 'ST-1') == WRONG
         assert await mes.method('Pause', 'ST-1') == DONE
-        paused = await mes.wait('ST-1', 'Interrupted', 'Suspended')
+        paused = await mes.wait_for('ST-1', 'Interrupted', 'Suspended')
         assert paused.State[1].BrowsePath.Elements[0].TargetName.Name == 'InterruptedSubstates'
         found = await mes.client.uaclient.translate_browsepaths_to_nodeids(
-            [ua.BrowsePath(ua.NodeId('JobOrderControl', mes.cell), paused.State[1].BrowsePath)]
+            [ua.BrowsePath(ua.NodeId('JobOrderControl', mes.idx), paused.State[1].BrowsePath)]
         )
         assert found[0].StatusCode.is_good()
         assert await mes.method('Resume', 'ST-1') == DONE
         assert await mes.method('Stop', 'ST-1', comment=[]) == DONE
         assert await mes.method('Stop', 'ST-1') == WRONG
-        await mes.wait('ST-1', 'Ended')
+        await mes.wait_for('ST-1', 'Ended')
         response = data(await mes.response('ST-1'))
         assert response['JobResult'] == 2
         assert response['ReasonForStateChange'].Text == (
@@ -327,12 +329,12 @@ def test_responses_are_found_by_state(script: str, url: str) -> None:
     async def by_state(mes: Mes, *states: Any) -> tuple[list[str], int]:
         given = ua.Variant(list(states), ua.VariantType.ExtensionObject, is_array=True)
         path = 'JobOrderResults/RequestJobResponseByJobOrderState'
-        _, (found, status) = await mes.call(path, given)
+        _, (found, status) = await mes.send(path, given)
         return [one.JobOrderID for one in found], status
 
     async def look(mes: Mes) -> None:
         assert await mes.method('StoreAndStart', order('BY-1', script)) == DONE
-        await mes.wait('BY-1', 'Ended')
+        await mes.wait_for('BY-1', 'Ended')
         ended = ua.ISA95StateDataType(StateNumber=5)
         found, status = await by_state(mes, ended)
         assert 'BY-1' in found
@@ -365,13 +367,13 @@ def test_all_comes_back_from_the_journal_of_the_node(tmp_path: Path) -> None:
         one = order('WO-1', stand.script, 3, Priority=7, Description=text, parameters=names)
         assert await mes.method('StoreAndStart', order('WO-0', stand.script)) == DONE
         assert await mes.method('Store', one) == DONE
-        await mes.wait('WO-0', 'Ended')
-        given.append((await mes.wait('WO-1', 'NotAllowedToStart'), await mes.response('WO-0')))
+        await mes.wait_for('WO-0', 'Ended')
+        given.append((await mes.wait_for('WO-1', 'NotAllowedToStart'), await mes.response('WO-0')))
 
     async def look(mes: Mes) -> None:
         await mes.listen(mes.client.nodes.server)
         assert set(await mes.listed()) == {'WO-0', 'WO-1'}, 'known before the port is open'
-        found = await mes.wait('WO-1', 'NotAllowedToStart'), await mes.response('WO-0')
+        found = await mes.wait_for('WO-1', 'NotAllowedToStart'), await mes.response('WO-0')
         assert found == given[0]
         assert await mes.method('Cancel', 'WO-1') == DONE
         assert not mes.heard, 'what was before is not told again'
@@ -388,7 +390,36 @@ def test_orders_of_other_doors_are_told_too(url: str, line: tuple[StandCell, str
     async def look(mes: Mes) -> None:
         made = line[0].queue(WorkOrder(line[0].script, 'YAML-1', 1))
         assert made.accepted
-        listed = await mes.wait('YAML-1', 'Ended')
+        listed = await mes.wait_for('YAML-1', 'Ended')
         assert listed.JobOrder.JobOrderParameters[0].Value.Value == 1
 
     with_mes(url, look)
+
+
+def test_another_journal_begins_with_its_own_jobs(tmp_path: Path) -> None:
+    with opcua_stand(tmp_path) as (stand, server):
+
+        def anew() -> None:
+            with stand.lock:
+                stand.node.switch_off()
+                stand.store = MemoryStore()
+                stand.node.switch_on(stand.store)
+
+        async def look(mes: Mes) -> None:
+            await mes.listen(mes.node('JobOrderResults'))
+            assert await mes.method('Store', order('WO-1', stand.script, 2, Priority=1)) == DONE
+            await mes.wait_for('WO-1', 'NotAllowedToStart')
+            await asyncio.to_thread(anew)
+            deadline = time.monotonic() + PATIENCE_S
+            while await mes.listed():
+                assert time.monotonic() < deadline
+                await asyncio.sleep(0.05)
+            again = order('WO-1', stand.script, 3, Priority=2)
+            assert await mes.method('Store', again) == DONE
+            told = await mes.wait_for('WO-1', 'NotAllowedToStart')
+            assert told.JobOrder.Priority == 2
+            assert await mes.method('Cancel', 'WO-1') == DONE
+            heard = await mes.heard_of(lambda one: one.JobOrder.JobOrderID == 'WO-1', 2)
+            assert [one.JobOrder.Priority for one in heard] == [1, 2]
+
+        with_mes(server.address, look)
