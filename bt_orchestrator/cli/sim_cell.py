@@ -33,6 +33,7 @@ kinds:
     hang           does not end by itself; a cancel request is obeyed
     ignore_cancel  does not end by itself; cancel requests are refused
     late:S         ends well, S seconds later
+    reads:X        ends well, and every float of its result is X (NaN without X)
     mute           the request is never answered and nothing is executed
     die[:S]        half-way through the task action server and state topic vanish without an
                    answer; with S both are back after S seconds and know nothing

@@ -28,6 +28,9 @@ class FaultKind(Enum):
     """The goal does not end by itself, and cancel requests are refused."""
     LATE = 'late'
     """The goal ends well, `seconds` later than its nominal duration."""
+    READS = 'reads'
+    """The goal ends well, and every float of its result is the number behind `reads:`; without
+    one it is NaN."""
     MUTE = 'mute'
     """The goal request is never answered and nothing is executed."""
     DIE = 'die'
@@ -56,6 +59,7 @@ class Fault:
     nth: int = 1
     """Strikes at the nth goal counted from 1 (of `task`, if given); 0: from the start; EVERY."""
     seconds: float | None = None
+    """Of READS it is the number that is read."""
 
     def strikes(self, task: str, count: int, count_of_task: int) -> bool:
         """Tell whether it strikes at a goal.
@@ -69,7 +73,7 @@ class Fault:
 
 
 _SPEC = re.compile(
-    r'(?P<task>[A-Za-z]\w*)?(?:#(?P<nth>\d+|\*))?=(?P<kind>[a-z_]+)(?::(?P<seconds>\d+(\.\d+)?))?'
+    r'(?P<task>[A-Za-z]\w*)?(?:#(?P<nth>\d+|\*))?=(?P<kind>[a-z_]+)(?::(?P<seconds>-?\d+(\.\d+)?))?'
 )
 
 
@@ -94,4 +98,6 @@ def parse_fault(text: str) -> Fault:
     seconds = None if match['seconds'] is None else float(match['seconds'])
     if kind is FaultKind.LATE and seconds is None:
         raise ValueError('late needs seconds, as in =late:3.5')
+    if kind is not FaultKind.READS and seconds is not None and seconds < 0:
+        raise ValueError(f'{kind.value} cannot take {seconds:g} seconds')
     return Fault(kind, match['task'], nth, seconds)

@@ -96,6 +96,7 @@ _FOLDS: Mapping[type[e.Event], Callable[..., None]] = {
     e.ItemMissing: line.item_missing,
     e.ItemMoved: line.item_moved,
     e.ItemRejected: line.item_rejected,
+    e.ItemNonconforming: line.item_nonconforming,
     e.ItemRemoved: line.item_removed,
     e.PositionEnded: line.position_ended,
     # components, holds

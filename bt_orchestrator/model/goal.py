@@ -46,6 +46,7 @@ class Reason(Enum):
     CANCELED = 'canceled'
     TIMEOUT = 'timeout'
     TASK_RESULT_FALSE = 'task_result_false'
+    RESULT_REFUSED = 'result_refused'
     MISSING_RESULT = 'missing_result'
     SERVER_LOST = 'server_lost'
     IN_DOUBT = 'in_doubt'

@@ -57,6 +57,8 @@ class Task:
     """The task's own, else its component's; None: no limit (semantics 2.4)."""
     condition: Condition | None = None
     """Of `when` or `unless`: whether it runs (semantics 6.5)."""
+    fails_unless: Condition | None = None
+    """Its verdict: what has to hold of its results (semantics 2.8)."""
     runs_for: RunsFor = RunsFor.GOOD
     repeatable: bool = False
     """Doing it twice does no harm (semantics 2.6, 9.2)."""
@@ -65,16 +67,24 @@ class Task:
 
     @property
     def comparisons(self) -> Iterator[Condition]:
-        """Every comparison of a value in its condition."""
-        if self.condition is not None:
-            yield from self.condition.comparisons
+        """Every comparison of a value in its condition and its verdict."""
+        for condition in self._conditions:
+            yield from condition.comparisons
 
     @property
     def references(self) -> Iterator[Reference]:
-        """Every reference in its arguments and its condition."""
+        """Every reference to what has to be known when it starts; not to its own results."""
         yield from references(self.args)
-        if self.condition is not None:
-            yield from self.condition.references
+        for condition in self._conditions:
+            yield from (one for one in condition.references if not self.gives(one))
+
+    def gives(self, reference: Reference) -> bool:
+        """Tell whether a reference names one of its own results."""
+        return (reference.source, reference.name) == ('results', self.id)
+
+    @property
+    def _conditions(self) -> Iterator[Condition]:
+        return (one for one in (self.condition, self.fails_unless) if one is not None)
 
     @cached_property
     def refers(self) -> bool:

@@ -87,6 +87,8 @@ class TaskState:
     """Why the last attempt failed."""
     message: str = ''
     """Message of the failure, or why it was skipped."""
+    refused: Mapping[str, Any] = field(default_factory=dict)
+    """Results of the last attempt, if the task's verdict refused them (semantics 2.8)."""
     end: End | None = None
     """How it ended, in phase DONE; None: from a journal older than this field."""
     not_before: float = 0.0
@@ -113,7 +115,8 @@ class ItemState:
     """It left the belt; kept only while a cycle still works on its data."""
     open_cycles: int = 0
     nonconforming: list[str] = field(default_factory=list)
-    """Ids of the tasks that failed and were continued (semantics 2.7)."""
+    """Ids of the tasks that failed and were continued, or that an operator let it pass without
+    the verdict (semantics 2.7, 2.8)."""
     results: dict[str, Mapping[str, Any]] = field(default_factory=dict)
     """Result fields by task id (semantics 6.3)."""
 

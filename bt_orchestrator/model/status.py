@@ -62,7 +62,8 @@ class ItemStatus:
     """False: an empty position (semantics 3.2)."""
     rejected: bool = False
     nonconforming: tuple[str, ...] = ()
-    """Ids of the tasks that failed for it and were continued (semantics 2.7)."""
+    """Ids of the tasks that failed for it and were continued (semantics 2.7), or that an operator
+    let it pass without their verdict (2.8)."""
 
 
 @dataclass(frozen=True)

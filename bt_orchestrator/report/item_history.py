@@ -164,3 +164,4 @@ def _end(attempt: Attempt, event: e.TaskSucceeded | e.TaskFailed) -> None:
     else:
         attempt.outcome = FAILED
         attempt.reason, attempt.message = event.reason, event.message
+        attempt.results = event.results

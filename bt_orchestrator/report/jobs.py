@@ -122,13 +122,23 @@ def _task_failed(job: JobRecord, event: e.TaskFailed) -> None:
 def _task_continued(job: JobRecord, event: e.TaskContinued) -> None:
     if event.item is None or event.policy != OnFailure.CONTINUE.value:
         return
+    item = _nonconforming(job, event)
+    refused = (f.results for f in reversed(job.failures) if f.is_of(event.item, event.task))
+    results = next(refused, None)
+    if results:
+        item.results[event.task] = results
+
+
+def _nonconforming(job: JobRecord, event: e.ItemNonconforming | e.TaskContinued) -> ItemRecord:
+    assert event.item is not None
     item = _item_of(job, event.item, event.time)
     if not item.nonconforming:
         _count(job, 'nonconforming')
     item.nonconforming.append(event.task)
+    return item
 
 
-_FOLDS: Mapping[type[e.Event], Callable[[JobRecord, Any], None]] = {
+_FOLDS: Mapping[type[e.Event], Callable[[JobRecord, Any], object]] = {
     e.JobStarted: _started,
     e.JobUpdated: _updated,
     e.JobCompleted: _ended,
@@ -142,6 +152,7 @@ _FOLDS: Mapping[type[e.Event], Callable[[JobRecord, Any], None]] = {
     e.TaskMarkedDone: _task_done,
     e.TaskFailed: _task_failed,
     e.TaskContinued: _task_continued,
+    e.ItemNonconforming: _nonconforming,
 }
 
 FOLLOWED = (e.JobQueued.event, *(kind.event for kind in _FOLDS))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
 
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
@@ -20,6 +21,7 @@ from bt_orchestrator.model.limits import MESSAGE, RESULT_BYTES, cut, without_lon
 from bt_orchestrator.model.script import Task, index_task
 from bt_orchestrator.model.state import CellState, TaskState
 from bt_orchestrator.model.uptime import seconds_between
+from bt_orchestrator.model.verdict import why_refused
 from bt_orchestrator.ports import ActionGateway, Clock, Goal, Timer
 from bt_orchestrator.runtime import contests
 from bt_orchestrator.runtime.ledger import Ledger
@@ -277,13 +279,25 @@ def _of_end(state: CellState, key: e.TaskKey, end: GoalEnd) -> e.TaskEvent:
     words = _foreign(end.message) if _is_foreign_cancel(task, end) else end.message
     said = {name: value for name, value in end.result.items() if name != TASK_RESULT}
     results = without_longest(said, RESULT_BYTES)
+    left_out = tuple(name for name in said if name not in results)
     if end.status is GoalStatus.SUCCEEDED and end.result.get(TASK_RESULT, True) is not False:
-        return e.TaskSucceeded(
+        refused = _why_refused(state, key, results)
+        if refused is None:
+            return e.TaskSucceeded(
+                **key._asdict(),
+                attempt=task.attempt,
+                goal=task.goal,
+                results=results,
+                left_out=left_out,
+            )
+        return e.TaskFailed(
             **key._asdict(),
             attempt=task.attempt,
             goal=task.goal,
+            reason=Reason.RESULT_REFUSED.value,
+            message=cut(refused, MESSAGE),
             results=results,
-            left_out=tuple(name for name in said if name not in results),
+            left_out=left_out,
         )
     return e.TaskFailed(
         **key._asdict(),
@@ -292,6 +306,14 @@ def _of_end(state: CellState, key: e.TaskKey, end: GoalEnd) -> e.TaskEvent:
         reason=_reason(task, end).value,
         message=cut(words, MESSAGE),
     )
+
+
+def _why_refused(state: CellState, key: e.TaskKey, results: Mapping[str, Any]) -> str | None:
+    """Say why a task's verdict refuses its results (semantics 2.8)."""
+    task = state.task(key)
+    if task is None or task.fails_unless is None:
+        return None
+    return why_refused(task, results, state.scope(key))
 
 
 def _is_foreign_cancel(task: TaskState, end: GoalEnd) -> bool:

@@ -96,13 +96,27 @@ def _retry(state: CellState, key: e.TaskKey, _: AnswerHold, now: float) -> Itera
 def _mark_done(
     state: CellState, key: e.TaskKey, command: AnswerHold, _: float
 ) -> Iterator[e.Event]:
+    yield from _without_verdict(state, key, command)
     yield e.TaskMarkedDone(**key._asdict(), results=command.results)
     yield from effects.of_success(state, key)
 
 
 def _skip(state: CellState, key: e.TaskKey, command: AnswerHold, _: float) -> Iterator[e.Event]:
+    yield from _without_verdict(state, key, command)
     yield e.TaskSkipped(**key._asdict(), reason=command.by.deciding(command.answer))
     yield from effects.of_passing(state, key)
+
+
+def _without_verdict(
+    state: CellState, key: e.TaskKey, command: AnswerHold
+) -> Iterator[e.ItemNonconforming]:
+    """Mark an item that passes a task although its verdict does not say so (semantics 2.8)."""
+    task = state.task(key)
+    if task is None or task.fails_unless is None or key.job is None or key.item is None:
+        return
+    if state.items[key.item].present:
+        reason = command.by.deciding(command.answer)
+        yield e.ItemNonconforming(job=key.job, item=key.item, task=key.task, reason=reason)
 
 
 def _reject(state: CellState, key: e.TaskKey, command: AnswerHold, _: float) -> Iterator[e.Event]:

@@ -200,6 +200,7 @@ CONVEYOR = Table(
             'write for instance `duration: 2.0`',
         ),
         'section': ('the conveyor belongs to no section', 'remove `section`'),
+        'fails_unless': ('the move of the belt has no result to judge', 'remove `fails_unless`'),
     },
 )
 

@@ -119,6 +119,14 @@ TASK = Table(
             rule='6.5',
         ),
         Key(
+            'fails_unless',
+            Kind.CONDITION,
+            'what has to hold of its results; else the attempt has failed',
+            '{value: "${results.inspect.measurement}", between: [4.5, 5.5]}',
+            of=(CONDITION,),
+            rule='2.8',
+        ),
+        Key(
             'runs_for',
             Kind.CHOICE,
             'items that it runs for',
@@ -152,6 +160,12 @@ INITIALIZATION_TASK = Table(
     misplaced={
         key: (_NO_ITEM.format(key), f'remove `{key}`')
         for key in ('requires_conveyor', 'qty_change', 'when', 'unless', 'runs_for')
+    }
+    | {
+        'fails_unless': (
+            'the results of initialization are not kept, so `fails_unless` cannot judge them',
+            'remove `fails_unless`',
+        )
     },
     rivals=(('continue_if_fail', 'on_failure'),),
 )

@@ -1,4 +1,4 @@
-"""Second pass over a task: its arguments and its condition, which may refer to other tasks."""
+"""Second pass over a task: arguments, condition and verdict, which may refer to other tasks."""
 
 from __future__ import annotations
 
@@ -23,7 +23,9 @@ def complete_task(script: ScriptDraft, draft: TaskDraft, report: Report) -> Task
     if draft.position is None:
         return replace(draft.task, args=args)
     condition = ConditionReader(draft, references, report).read()
-    return replace(draft.task, args=args, condition=condition)
+    afterwards = ReferenceReader(script, draft, report, of_verdict=True)
+    verdict = ConditionReader(draft, afterwards, report).verdict()
+    return replace(draft.task, args=args, condition=condition, fails_unless=verdict)
 
 
 def _args(draft: TaskDraft, references: ReferenceReader, report: Report) -> dict[str, Any]:

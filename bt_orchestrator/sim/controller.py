@@ -5,6 +5,7 @@ The same one in virtual time and behind real action servers: it knows a clock an
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Generic, TypeVar
@@ -17,7 +18,7 @@ from bt_orchestrator.ports import Clock, Timer
 from bt_orchestrator.sim.carrier import Answer, CarriedGoal, Carrier, Verdict
 from bt_orchestrator.sim.fault_schedule import FaultSchedule, GoalFaults
 from bt_orchestrator.sim.readiness import Readiness
-from bt_orchestrator.sim.results import as_failed, simulated_result
+from bt_orchestrator.sim.results import as_failed, as_read, simulated_result
 
 GoalT = TypeVar('GoalT', bound=CarriedGoal)
 
@@ -154,6 +155,11 @@ class Controller(Generic[GoalT]):
         good = self._success(work.goal.request.task)
         self._end_in_time(work, replace(good, result=as_failed(good.result)))
 
+    def _read(self, work: _Work[GoalT], fault: Fault) -> None:
+        good = self._success(work.goal.request.task)
+        number = math.nan if fault.seconds is None else fault.seconds
+        self._end_in_time(work, replace(good, result=as_read(good.result, number)))
+
     def _abort(self, work: _Work[GoalT], _: Fault) -> None:
         self._end_in_time(work, _ABORTED)
 
@@ -176,6 +182,7 @@ class Controller(Generic[GoalT]):
 
     _endings: ClassVar[Mapping[FaultKind, _Ending]] = {
         FaultKind.FALSE: _false,
+        FaultKind.READS: _read,
         FaultKind.ABORT: _abort,
         FaultKind.CANCEL: _cancel_unasked,
         FaultKind.HANG: _hang,

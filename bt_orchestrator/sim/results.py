@@ -32,6 +32,19 @@ def as_failed(result: Mapping[str, Any]) -> dict[str, Any]:
     return {**result, **failed}
 
 
+def as_read(result: Mapping[str, Any], number: float) -> dict[str, Any]:
+    """Return the same result with another number in every float, nested ones too."""
+    return {name: _read(value, number) for name, value in result.items()}
+
+
+def _read(value: Any, number: float) -> Any:
+    if isinstance(value, Mapping):
+        return as_read(value, number)
+    if isinstance(value, list):
+        return [_read(member, number) for member in value]
+    return number if isinstance(value, float) else value
+
+
 def ready_value(state: StateTopic) -> Any:
     """Return what a simulated state topic says from the start."""
     return state.ready[0]

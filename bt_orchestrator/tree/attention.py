@@ -19,7 +19,7 @@ from bt_orchestrator.tree.turns import Turns
 
 _OF_NO_PART = (
     *(e.JobQueued, e.JobMoved, e.JobHeld, e.JobReleased, e.JobRemoved, e.JobCleared),
-    *(e.ScriptLoaded, e.OperatorDecided, e.OperatorRefused),
+    *(e.ScriptLoaded, e.OperatorDecided, e.OperatorRefused, e.ItemNonconforming),
 )
 """Events that affect no part; if they change which jobs are at work, branches are added."""
 

@@ -32,7 +32,7 @@ from bt_orchestrator.tree.guards import (
 )
 from bt_orchestrator.tree.leaf import ActionLeaf
 from bt_orchestrator.tree.pages import Page, detach, is_long, paged
-from bt_orchestrator.tree.policies import OnFailureDecorator, Retry
+from bt_orchestrator.tree.policies import OnFailureDecorator, Retry, Verdict
 from bt_orchestrator.tree.root import CellRoot
 from bt_orchestrator.tree.section import CompleteCycle, CycleOf, ReleaseConveyor, Section
 from bt_orchestrator.tree.sharing import BELT, INITIALIZATION
@@ -263,6 +263,8 @@ _AT_WORK = (
 def _decided(subject: Subject) -> Ticked:
     """Compile a task's leaf, with the decorators that handle its failures."""
     leaf: Ticked = ActionLeaf(subject)
+    if subject.task.fails_unless is not None:
+        leaf = Verdict(subject, leaf)
     if subject.task.retries:
         leaf = Retry(subject, leaf)
     return OnFailureDecorator(subject, leaf)

@@ -7,6 +7,7 @@ from py_trees.common import Status
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model import failures
 from bt_orchestrator.model.cell import OnFailure
+from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.tree.subject import Subject
 from bt_orchestrator.tree.ticking import Ticked, Wrapper
 
@@ -38,6 +39,25 @@ class Retry(Wrapper):
         self.subject.recorder.record([retrying])
         self.feedback_message = f'attempt {attempt}'
         return Status.RUNNING
+
+
+class Verdict(Wrapper):
+    """Shows a task's verdict (semantics 2.8).
+
+    It was given when the end of the goal was recorded: a refused result is a failed attempt.
+    """
+
+    def __init__(self, subject: Subject, child: Ticked) -> None:
+        assert subject.task.fails_unless is not None
+        super().__init__(f'fails unless {subject.task.fails_unless.words}', child)
+        self.subject = subject
+
+    def update(self) -> Status:
+        """Say why a result was refused."""
+        progress = self.subject.progress
+        is_refused = progress is not None and progress.reason is Reason.RESULT_REFUSED
+        self.feedback_message = progress.message if progress is not None and is_refused else ''
+        return self.decorated.status
 
 
 _WORDS = {

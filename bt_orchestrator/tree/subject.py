@@ -10,7 +10,7 @@ from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.condition import Condition, holds
 from bt_orchestrator.model.hold_words import hold_wait_words
-from bt_orchestrator.model.reference import resolve
+from bt_orchestrator.model.reference import look_up, resolve
 from bt_orchestrator.model.script import Task
 from bt_orchestrator.model.state import CellState, Phase, TaskState, same_args, same_task
 from bt_orchestrator.model.wait import Wait, WaitKind
@@ -130,14 +130,15 @@ class Subject:
             return None
 
     def missing(self) -> MissingResult | None:
-        """Return a value that an argument or the condition needs, and this item lacks."""
+        """Return a value that arguments, condition or verdict need, and this item lacks."""
         if not self.task.refers:
             return None
         scope = self.state.scope(self.key)
         try:
             if self.task.condition is not None:
                 holds(self.task.condition, scope)
-            resolve(self.task.args, scope)
+            for reference in self.task.references:
+                look_up(reference, scope)
         except MissingResult as missing:
             return missing
         return None

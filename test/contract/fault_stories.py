@@ -36,6 +36,7 @@ STORIES = {
     FaultKind.HANG: Story('=hang', GoalStatus.CANCELED, hangs=True),
     FaultKind.IGNORE_CANCEL: Story('=ignore_cancel', None, hangs=True, then=GoalStatus.REJECTED),
     FaultKind.LATE: Story('=late:0.6', GoalStatus.SUCCEEDED, done=True),
+    FaultKind.READS: Story('=reads:4.2', GoalStatus.SUCCEEDED, done=True),
     FaultKind.MUTE: Story('=mute', GoalStatus.LOST, accepted=False),
     FaultKind.DIE: Story('=die:0.1', GoalStatus.LOST),
     FaultKind.ABSENT: Story('=absent', GoalStatus.UNAVAILABLE, accepted=False, then=None, said=()),

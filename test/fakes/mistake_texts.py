@@ -37,6 +37,11 @@ CONDITION = """\
     {}}}]
 params: {{b: {{type: bool}}, n: {{type: int}}, s: {{type: str}}, x: {{type: float}}}}
 """
+VERDICT = """\
+  2: [{{id: look, task: RUN, action: /camera/task}}, {{id: judged, task: RUN, action: /camera/task,
+    {}}}]
+params: {{x: {{type: float}}}}
+"""
 RELATED = """\
   2: [{id: look, task: RUN, action: /camera/task}]
   3: [{id: press, task: TASK_A, action: /press/task}]
@@ -77,6 +82,7 @@ AROUND: Mapping[str, Around] = {
     'scripts': Around(SCRIPT_FILE, str),
     'section_rules': Around(SCRIPT_FILE, _in_line),
     'sections': Around(SCRIPT_FILE, _in_line),
+    'verdicts': Around(SCRIPT_FILE, lambda text: LINE + VERDICT.format(text)),
     'task_names': Around(SCRIPT_FILE, _in_line),
     'task_options': Around(SCRIPT_FILE, lambda text: LINE + TASK.format(text)),
 }

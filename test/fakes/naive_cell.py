@@ -16,7 +16,7 @@ from typing import Any
 from fakes.naive_plan import Row
 from fakes.naive_run import Item, Job, Task
 from fakes.naive_state import NaiveState
-from fakes.naive_verdicts import answers, is_skipped, needs_belt, verdict
+from fakes.naive_verdicts import answers, is_skipped, needs_belt, refuses, verdict
 
 GRACE_S = 5.0
 CANCELED_FIRST, TIMES_LAST = -inf, inf
@@ -296,16 +296,20 @@ class NaiveCell(NaiveState):
 
     def end(self, task: Task, end: str) -> None:
         """Let an attempt end with a reason or '' for success, or its time be over (2.2 to 2.4)."""
+        results = task.device.results(task.given['task'])
+        refused = not end and task is not self.move and refuses(task, results)
+        end = 'result_refused' if refused else end
         if end == 'timeout':
             self.cancel(task, 'timeout')
         elif end:
+            task.refused = results if refused else {}
             means = OF_CANCEL if end == 'canceled' else {}
             task.state, task.reason = 'failed', means.get(task.cancelled, end)
             asks = ('hold', 'abort_job') if task is self.move else ('hold',)
             task.busy &= verdict(task) in asks
-            self.say('task.failed', task.where, attempt=task.attempt, reason=task.reason)
+            fields = {'attempt': task.attempt, 'reason': task.reason}
+            self.say('task.failed', task.where, **fields, results=task.refused or None)
         else:
-            results = task.device.results(task.given['task'])
             self.say('task.succeeded', task.where, attempt=task.attempt, results=results or None)
             self.executed(task, results)
 
@@ -316,7 +320,7 @@ class NaiveCell(NaiveState):
         if task is self.move:
             self.moved()
         elif item:
-            item.values |= {f'results.{task.id}.{key}': v for key, v in (results or {}).items()}
+            item.remember(task, results or {})
             for flag, step, _ in item.job.plan.changes[task.id]:
                 self.flags[flag] += step
                 event = 'flag.raised' if step > 0 else 'flag.lowered'
@@ -356,11 +360,15 @@ class NaiveCell(NaiveState):
             times = {'attempt': task.attempt + 1, 'not_before': task.not_before}
             self.say('task.retrying', task.where, **times)
         elif what in ('mark_done', 'skip'):
+            if task.state == 'held' and 'fails_unless' in task.given and not task.item.empty:
+                self.say('item.nonconforming', {'job': task.job, 'item': task.item, 'task': task})
             self.say('task.skipped' if what == 'skip' else 'task.marked_done', task.where)
             self.executed(task, {} if what == 'mark_done' else None)
         else:
             self.say('task.continued', task.where, policy=what)
             self.executed(task, None)
+            if what == 'continue' and task.refused:
+                task.item.remember(task, task.refused)
 
     def offered(self, task: Task) -> list[str]:
         """Return what makes sense as an answer about a held task now (7.1)."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable
 from itertools import chain
-from math import ceil, inf
+from math import ceil, inf, nan
 from types import SimpleNamespace
 from typing import Any
 
@@ -27,6 +27,7 @@ class NaiveDevice:
         self.places = (place if isinstance(place, list) else [place]) or list(sections)
         self.faults = dict(text[1:].split('=') for text in given.get('faults', []))
         self.goals, self.accepted, self.dead = 0, 0, False
+        self.read: float | None = None
 
     def take(self, task: str) -> tuple[float, list[tuple[float, str, float]]]:
         """Take a goal.
@@ -52,12 +53,17 @@ class NaiveDevice:
         if kind in ('hang', 'ignore_cancel'):
             self.dead = kind == 'ignore_cancel'
             return 0.0 if self.dead else inf, []
-        return inf, [(seconds + float(extra_s or 0), REASONS.get(kind, ''), 0.0)]
+        self.read = float(extra_s or nan) if kind == 'reads' else None
+        late_s = float(extra_s or 0) if kind == 'late' else 0.0
+        return inf, [(seconds + late_s, REASONS.get(kind, ''), 0.0)]
 
     def results(self, task: str) -> Row:
         """Return the results of a task that succeeded."""
         own = self.given.get('results', {}).get(task, {})
-        return {} if self.name == 'conveyor' else {'item_present': True, 'measurement': 0.0, **own}
+        found = {'item_present': True, 'measurement': 0.0, **own}
+        if self.read is not None:
+            found['measurement'] = self.read
+        return {} if self.name == 'conveyor' else found
 
 
 def requires_conveyor(task: Row) -> bool:

@@ -6,6 +6,7 @@ import itertools
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from math import isnan
 from types import SimpleNamespace
 from typing import Any
 
@@ -42,6 +43,9 @@ class Item:
         """Return what a reference stands for; KeyError: nothing; any other value is itself."""
         return self.values[text[2:-1]] if str(text).startswith('${') else text
 
+    def remember(self, task: Task, results: Row) -> None:
+        self.values |= {f'results.{task.id}.{name}': value for name, value in results.items()}
+
     def at(self, section: int) -> Row:
         return {'job': self.job, 'section': section, 'item': self}
 
@@ -66,6 +70,8 @@ class Task:
     attempt: int = 0
     not_before: float = 0.0
     reason: str = ''
+    refused: Row = field(default_factory=dict)
+    """Results that its verdict refused (2.8)."""
     cancelled: str = ''
     deaf_from: float = 0.0
     """The time from which its server hears no cancel."""
@@ -131,6 +137,8 @@ class NaiveRun(ABC):
         self._facts.add((event, *where.values()))
         row = {'time': round(self.now, 6), 'event': event, **where, **fields}
         named = {key: getattr(value, 'id', value) for key, value in row.items()}
+        if named.get('results'):
+            named['results'] = {key: _written(value) for key, value in named['results'].items()}
         self.records.append({key: value for key, value in named.items() if value is not None})
 
     def said(self, event: str, where: Row) -> bool:
@@ -210,3 +218,8 @@ class NaiveRun(ABC):
 
     @abstractmethod
     def end(self, task: Task, end: str) -> None: ...
+
+
+def _written(value: Any) -> Any:
+    """Return a value as records have it; JSON has no NaN."""
+    return {'$float': 'nan'} if isinstance(value, float) and isnan(value) else value

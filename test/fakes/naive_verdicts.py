@@ -6,6 +6,8 @@ Like the naive cell, which asks them, written from the page and not from the pro
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
+from math import isfinite
 from typing import Any
 
 from fakes.naive_plan import Row
@@ -19,9 +21,30 @@ def is_skipped(given: Row, item: Item) -> bool:
     for test, needed in ((given.get('when'), True), (given.get('unless'), False)):
         if test is not None and holds(test, item) != needed:
             return True
-    for value in given.get('args', {}).values():
+    judged = named(given.get('fails_unless', []))
+    others = [one for one in judged if f'results.{given["id"]}.' not in str(one)]
+    for value in (*given.get('args', {}).values(), *others):
         item.value(value)
     return False
+
+
+def refuses(task: Task, results: Row) -> bool:
+    """Tell whether the verdict of a task refuses its results (2.8)."""
+    own = {f'results.{task.id}.{name}': value for name, value in results.items()}
+    test = task.given.get('fails_unless')
+    try:
+        return bool(test) and not holds(
+            test, replace(task.item, values={**task.item.values, **own})
+        )
+    except KeyError:
+        return True
+
+
+def named(test: Any) -> list[Any]:
+    """Return what a condition names."""
+    if isinstance(test, dict):
+        return named([test.get('value', ''), *test.get('all', []), *test.get('any', [])])
+    return [one for part in test for one in named(part)] if isinstance(test, list) else [test]
 
 
 def holds(test: Any, item: Item) -> bool:
@@ -32,6 +55,8 @@ def holds(test: Any, item: Item) -> bool:
         if joint in test:
             return enough([holds(part, item) for part in test[joint]])
     value = item.value(test['value'])
+    if not isfinite(value):
+        raise KeyError(test['value'])
     low, high = test.get('between', (test.get('at_least', value), test.get('at_most', value)))
     wanted = test.get('one_of', [test.get('equals', value)])
     return value in wanted and value != test.get('not_equals') and low <= value <= high

@@ -289,6 +289,7 @@ WORDS = (
 WORDED = {
     'task.skipped',
     'item.rejected',
+    'item.nonconforming',
     'job.aborting',
     'cell.state_changed',
     'operator.decided',

@@ -132,6 +132,15 @@ class ItemRejected(ItemEvent):
 
 
 @dataclass(frozen=True, kw_only=True)
+class ItemNonconforming(ItemEvent):
+    """An operator let the item pass a task whose verdict it does not have (semantics 2.8)."""
+
+    event: ClassVar[str] = 'item.nonconforming'
+    task: str
+    reason: str
+
+
+@dataclass(frozen=True, kw_only=True)
 class ItemRemoved(ItemEvent):
     """The item left the belt; by hand or before the sink, it leaves an empty position."""
 

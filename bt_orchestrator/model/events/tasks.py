@@ -101,6 +101,10 @@ class TaskFailed(TaskEvent):
     """None where nothing was sent (missing_result)."""
     reason: str
     message: str = ''
+    results: Mapping[str, Any] = field(default_factory=dict)
+    """What the verdict of the task refused (result_refused)."""
+    left_out: tuple[str, ...] = ()
+    """As in `task.succeeded`."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -77,6 +77,18 @@ def item_rejected(event: e.ItemRejected, state: CellState) -> None:
     state.items[event.item].rejected = True
 
 
+def item_nonconforming(event: e.ItemNonconforming, state: CellState) -> None:
+    mark_nonconforming(state, event.item, event.task)
+
+
+def mark_nonconforming(state: CellState, name: str, task: str) -> None:
+    """Note that an item passed a task that was not done well for it."""
+    item = state.items[name]
+    if not item.nonconforming:
+        state.jobs[item.job].progress.nonconforming += 1
+    item.nonconforming.append(task)
+
+
 def item_removed(event: e.ItemRemoved, state: CellState) -> None:
     item = state.items[event.item]
     progress = state.jobs[event.job].progress

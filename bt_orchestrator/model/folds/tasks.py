@@ -5,6 +5,7 @@ from __future__ import annotations
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.failures import will_hold
+from bt_orchestrator.model.folds.line import mark_nonconforming
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.script import index_task
@@ -61,6 +62,7 @@ def task_failed(event: e.TaskFailed, state: CellState) -> None:
         attempt=event.attempt,
         reason=reason,
         message=event.message,
+        refused=event.results,
     )
     # While an operator is asked, the robot stays where it stopped (semantics 4.4).
     if not will_hold(state, event.key, state.task(event.key) or index_task(state.cell)):
@@ -104,10 +106,10 @@ def task_continued(event: e.TaskContinued, state: CellState) -> None:
     _end(state, event.key, _ENDS[event.policy])
     if event.item is None or event.policy != OnFailure.CONTINUE.value:
         return
-    item = state.items[event.item]
-    if not item.nonconforming:
-        state.jobs[item.job].progress.nonconforming += 1
-    item.nonconforming.append(event.task)
+    mark_nonconforming(state, event.item, event.task)
+    refused = state.tasks[event.key].refused
+    if refused:
+        state.items[event.item].results[event.task] = refused
 
 
 _ENDS = {

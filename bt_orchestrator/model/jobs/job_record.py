@@ -44,6 +44,12 @@ class FailureRecord:
     message: str = ''
     section: int | None = None
     item: str | None = None
+    results: Mapping[str, Any] = field(default_factory=dict)
+    """What the task's verdict refused."""
+
+    def is_of(self, item: str, task: str) -> bool:
+        """Tell whether it is an attempt of this task of this item."""
+        return (self.item, self.task) == (item, task)
 
 
 @dataclass

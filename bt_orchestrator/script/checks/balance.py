@@ -175,6 +175,7 @@ def _check_placing(task: TaskDraft, report: Report) -> None:
     for key in _conditions(task):
         what = f'a task that places the item cannot have `{key}`'
         report.add(task.fields.key_place(key), what, f'remove `{key}`')
+    _check_unjudged(task, 'places the item', report)
     if task.task.runs_for is not RunsFor.GOOD:
         what = 'an item that is rejected before it is placed leaves an empty position'
         report.add(task.place('runs_for'), what, 'remove `runs_for` from this task')
@@ -184,10 +185,19 @@ def _check_taking(task: TaskDraft, report: Report) -> None:
     for key in _conditions(task):
         what = f'a task that takes the item out cannot have `{key}`: the item would stay'
         report.add(task.fields.key_place(key), what, f'remove `{key}`, or use `runs_for`')
+    _check_unjudged(task, 'takes the item out', report)
     if task.task.on_failure is OnFailure.CONTINUE and task.fields.is_sure('on_failure'):
         key = 'continue_if_fail' if task.fields.has('continue_if_fail') else 'on_failure'
         what = 'a task that takes the item out cannot continue after a failure'
         report.add(task.place(key), what, 'use `hold`, `reject` or `abort_job`')
+
+
+def _check_unjudged(task: TaskDraft, does: str, report: Report) -> None:
+    """The item has moved before a verdict could say that the task was not done (2.8)."""
+    if task.fields.has('fails_unless'):
+        what = f'a task that {does} cannot have `fails_unless`: the item has moved by then'
+        hint = 'judge it by a task of its own, or by the task before'
+        report.add(task.fields.key_place('fails_unless'), what, hint)
 
 
 def _conditions(task: TaskDraft) -> Iterator[str]:

@@ -31,10 +31,17 @@ class ReferenceReader:
     because no item becomes good again; the other way round is legal.
     """
 
-    def __init__(self, script: ScriptDraft, task: TaskDraft, report: Report) -> None:
+    def __init__(
+        self, script: ScriptDraft, task: TaskDraft, report: Report, *, of_verdict: bool = False
+    ) -> None:
+        """Read the references of a task.
+
+        :param of_verdict: its own results are there, too (semantics 2.8)
+        """
         self._script = script
         self._task = task
         self._report = report
+        self._of_verdict = of_verdict
 
     def read(self, node: Scalar, name: str, needed: FieldType) -> Template | None:
         """Return the template of a string, for a field of a type; None if it is wrong."""
@@ -151,7 +158,7 @@ class ReferenceReader:
         """Say why a task cannot have given a result before this one starts."""
         task = self._task
         if giver is task:
-            return 'it is this task itself'
+            return None if self._of_verdict else 'it is this task itself'
         if giver.section is None:
             return f'`{giver.id}` is an initialization task and has no item'
         if giver.is_beside(task):

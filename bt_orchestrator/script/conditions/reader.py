@@ -1,4 +1,4 @@
-"""`when` and `unless` (semantics 6.5)."""
+"""`when`, `unless` and `fails_unless` (semantics 2.8, 6.5)."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ _BOUNDS = ['at_least', 'at_most']
 
 
 class ConditionReader:
-    """Reads the condition of one task.
+    """Reads the condition of one task, or its verdict, whose references know its own results.
 
-    It must refer to something: without a reference it would always skip or never.
+    Each must refer to something: without a reference it would always skip or never.
     """
 
     def __init__(self, task: TaskDraft, references: ReferenceReader, report: Report) -> None:
@@ -37,6 +37,22 @@ class ConditionReader:
         """Return the condition; None if there is none or it is wrong."""
         when, unless = self._read('when'), self._read('unless')
         return when or (unless and replace(unless, negated=True))
+
+    def verdict(self) -> Condition | None:
+        """Return the verdict; None if there is none or it is wrong.
+
+        It must name a result of its task: it would otherwise judge what was known before.
+        """
+        mistakes = len(self._report.findings)
+        verdict = self._read('fails_unless')
+        if verdict is None or len(self._report.findings) > mistakes:
+            return verdict
+        task = self._task.task
+        if not any(map(task.gives, verdict.references)):
+            what = f'`fails_unless` names no result of `{task.id}`, which it is to judge'
+            hint = f'refer to `${{results.{task.id}.FIELD}}`; for what is known before, use `when`'
+            self._report.add(self._task.place('fails_unless'), what, hint)
+        return verdict
 
     def _read(self, key: str) -> Condition | None:
         node = self._task.fields.value(key)

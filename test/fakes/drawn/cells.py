@@ -16,6 +16,8 @@ FAULTS = (
     'reject',
     'cancel',
     'late:3.3',
+    'reads:2.5',
+    'reads',
     'hang',
     'die:1',
     'mute',

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from fakes.drawn.plan import Draw, Row, chance
@@ -19,6 +20,15 @@ def draw_condition(draw: Draw, read: str) -> Any:
     if chance(draw, 50):
         parts.reverse()
     return {draw(st.sampled_from(('all', 'any'))): parts}
+
+
+def draw_verdict(draw: Draw, own: str, readable: Sequence[str]) -> Any:
+    """Draw a verdict of a task on what it measured and saw itself, perhaps on others too."""
+    verdict = draw_condition(draw, own)
+    if not readable or not chance(draw, 20):
+        return verdict
+    other = f'${{results.{draw(st.sampled_from(readable))}.item_present}}'
+    return {draw(st.sampled_from(('all', 'any'))): [verdict, other]}
 
 
 def draw_comparison(draw: Draw, value: str) -> Row:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fakes.drawn.conditions import draw_comparison, draw_condition
+from fakes.drawn.conditions import draw_comparison, draw_condition, draw_verdict
 from fakes.drawn.links import draw_flags, draw_initialization, draw_zones
 from fakes.drawn.plan import Draw, Row, Traits, chance, tasks_of
 from hypothesis import strategies as st
@@ -104,6 +104,8 @@ class DrawnScript:
         if chance(draw, 20):
             task['repeatable'] = True
         self._condition(task)
+        if chance(draw, 15) and 'qty_change' not in fixed:
+            task['fails_unless'] = draw_verdict(draw, task['id'], self.readable)
         task |= fixed
         self.tasks.append((number, task))
         return task

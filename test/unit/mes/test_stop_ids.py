@@ -17,7 +17,8 @@ KEPT = {
     0: '', 100: 'stopped', 101: 'paused', 200: 'own_fault', 201: 'server_unavailable',
     202: 'goal_rejected', 203: 'aborted', 204: 'canceled', 205: 'timeout',
     206: 'task_result_false', 207: 'missing_result', 208: 'server_lost', 209: 'in_doubt',
-    211: 'slot_occupied', 212: 'overrun', 221: 'restarted', 222: 'restored', 223: 'missing',
+    210: 'result_refused', 211: 'slot_occupied', 212: 'overrun', 221: 'restarted',
+    222: 'restored', 223: 'missing',
     224: 'twin', 225: 'unknown_goal', 300: 'starved', 400: 'blocked', 500: 'emergency',
     600: 'journal', 610: 'contested',
 }  # fmt: skip

@@ -71,11 +71,15 @@ def test_9_1_every_line_goes_as_the_second_opinion_says() -> None:
         seen['stopped'] += 'Stopped' in product.run.states
         seen['aborted'] += 'Aborted' in product.run.states
         seen['faults'] += plan.has_faults
+        seen['result_refused'] += 'result_refused' in product.run.reasons()
+        seen['let pass'] += bool(product.run.all('item.nonconforming'))
 
     holds()
     assert seen['all'] >= 200, seen
     assert seen['refused'] >= 0.1 * seen['all'], seen
     assert seen['two jobs'] >= 0.3 * seen['all'], seen
-    assert seen['stopped'] >= 0.1 * seen['all'], seen
-    assert seen['aborted'] >= 0.1 * seen['all'], seen
+    assert seen['stopped'] >= 0.05 * seen['all'], seen
+    assert seen['aborted'] >= 0.05 * seen['all'], seen
+    assert seen['result_refused'] >= 0.1 * seen['all'], seen
+    assert seen['let pass'] >= 0.05 * seen['all'], seen
     assert seen['faults'] >= 0.3 * seen['all'], seen

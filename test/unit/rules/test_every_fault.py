@@ -25,6 +25,7 @@ CASES = [
     # The controller stays busy with the goal that it would not cancel: nothing more can be done.
     ('#20=ignore_cancel', False, ['in_doubt'], 'abort_job', None),
     ('#20=late:7', False, [], None, 50),
+    ('#20=reads:4.2', False, [], None, 50),
     ('#20=late:60', False, ['timeout'], 'retry', 50),
     ('#20=mute', False, ['server_lost'], 'retry', 50),
     ('#20=die:30', False, ['server_lost'], 'retry', 50),

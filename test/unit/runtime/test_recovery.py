@@ -67,6 +67,55 @@ def test_9_2_killed_after_any_settle_the_job_ends_the_same(text: str) -> None:
     assert kills > 10
 
 
+JUDGED = with_section(
+    2,
+    """
+    - id: work
+      task: TASK_A
+      action: /a2/do
+      retries: 1
+      on_failure: continue
+      fails_unless: {value: "${results.work.measurement}", at_most: 1.5}
+    - {id: use, @b2, args: {special_argument_2: "${results.work.measurement}"}}
+    """,
+)
+
+
+def story_of(world: World) -> list[tuple[object, ...]]:
+    """Return how each attempt ended and what it gave, and what the next task was given."""
+    found: list[tuple[object, ...]] = []
+    for event in world.store.read():
+        if isinstance(event, (e.TaskSucceeded, e.TaskFailed)):
+            found.append((event.time, event.item, event.task, event.attempt, event.results))
+        elif isinstance(event, e.TaskStarted):
+            found.append((event.time, event.item, event.task, event.attempt, event.args))
+    return found
+
+
+def test_2_8_killed_after_any_settle_every_verdict_is_the_same() -> None:
+    line = Line(faults={'a2': '#1=reads:2.5 #3=reads:3.5 #4=reads:4.5'})
+    whole = World(line.cell)
+    whole.go(begun(whole, line.script(JUDGED)))
+    expected, kills = story_of(whole), 0
+    refused = [one.results for one in whole.events(e.TaskFailed)]  # type: ignore[attr-defined]
+    assert [one['measurement'] for one in refused] == [2.5, 3.5, 4.5]
+
+    for settles in itertools.count(1):
+        world = World(line.cell)
+        first = begun(world, line.script(JUDGED))
+        world.go(first, settles)
+        if not first.state.jobs:
+            break
+        first.close()
+        second = world.orchestrator()
+        world.go(second)
+        assert second.state.ended['J'].progress.nonconforming == 1, f'killed after {settles}'
+        assert story_of(world) == expected
+        second.close()
+        kills += 1
+    assert kills > 10
+
+
 def test_9_2_without_auto_resume_nothing_new_starts_until_resume() -> None:
     line = Line()
     world = World(line.cell)

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 from fakes.mistake_tables import table
-from fakes.mistake_texts import CONDITION
+from fakes.mistake_texts import CONDITION, VERDICT
 from fakes.script_texts import line, mistakes
 
 from bt_orchestrator.model.condition import Condition
@@ -16,6 +16,11 @@ from bt_orchestrator.model.reference import Reference, Template
 @pytest.mark.parametrize(('condition', 'expected'), table('conditions'))
 def test_conditions(condition: str, expected: list[str]) -> None:
     assert mistakes(lambda: line(CONDITION.format(condition))) == expected
+
+
+@pytest.mark.parametrize(('verdict', 'expected'), table('verdicts'))
+def test_verdicts(verdict: str, expected: list[str]) -> None:
+    assert mistakes(lambda: line(VERDICT.format(verdict))) == expected
 
 
 @pytest.mark.parametrize(
