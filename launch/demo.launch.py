@@ -68,7 +68,8 @@ def generate_launch_description() -> LaunchDescription:
                 'opcua',
                 default_value='false',
                 choices=['true', 'false'],
-                description='Serve OPC UA clients on this computer, without login and encryption.',
+                description='Serve OPC UA clients on this computer, without encryption; the users '
+                'are those of bt-orchestrator user.',
             ),
             DeclareLaunchArgument(
                 'opcua_port', default_value='4840', description='Port of the OPC UA server.'

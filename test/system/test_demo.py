@@ -11,10 +11,12 @@ from http.client import HTTPConnection
 from pathlib import Path
 
 import pytest
+from fakes.opcua_access import with_login
 from opcua_reader import reading
 from program_process import PATIENCE_S, ProgramProcess
 
 from bt_orchestrator.cli.demo.folder import stop_process
+from bt_orchestrator.cli.demo.opcua_user import NAME, PASSWORD
 
 pytestmark = pytest.mark.every_distro
 
@@ -81,7 +83,8 @@ def test_a_demo_with_page_and_opc_ua_goes_on_until_somebody_ends_it(tmp_path: Pa
         connection.close()
         endpoint = re.search(r'opcua ready: (opc\.tcp://\S+) shows /bt_orchestrator', demo.output)
         assert endpoint is not None
-        reading(endpoint[1], lambda reader: reader.wait('Simple/LastJob/ID', 'WO-1001'.__eq__))
+        url = with_login(endpoint[1], NAME, PASSWORD)
+        reading(url, lambda reader: reader.wait('Simple/LastJob/ID', 'WO-1001'.__eq__))
         demo.send(signal.SIGINT)
         assert demo.wait() == 0, demo.errors
         assert re.search(ALL_PACKED, demo.output, re.MULTILINE), demo.output

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from bt_orchestrator.cli.demo.folder import DemoFolder, DemoRecord, is_ours, stop_process
+from bt_orchestrator.cli.demo.opcua_user import NAME, PASSWORD, opcua_options
 from bt_orchestrator.cli.programs import Program, ProgramFailed
 from bt_orchestrator.model.cell import Cell
 
@@ -18,7 +19,7 @@ OPCUA = 'OPC UA server'
 
 _SERVERS: Mapping[str, str] = {
     PAGE: 'open {} in a browser',
-    OPCUA: 'connect an OPC UA client to {}',
+    OPCUA: f'connect an OPC UA client to {{}}: user {NAME}, password {PASSWORD}',
 }
 """What can be done with a server's address."""
 
@@ -123,4 +124,5 @@ class DemoPrograms:
             port = ['--port', str(self._record.page)]
             yield PAGE, ['page', *port, '--trust-this-computer', *journal, *trees]
         if self._record.opcua is not None:
-            yield OPCUA, ['opcua', '--port', str(self._record.opcua), '--insecure', *trees]
+            options = opcua_options(self._folder.path)
+            yield OPCUA, ['opcua', '--port', str(self._record.opcua), *options, *trees]

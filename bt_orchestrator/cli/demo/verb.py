@@ -102,7 +102,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=port,
         const=OPCUA_PORT,
         metavar='PORT',
-        help='serve OPC UA clients as well, on this computer, without login and encryption '
+        help='serve OPC UA clients as well, on this computer and without encryption '
         f'(default port {OPCUA_PORT}), and go on after the order, until Ctrl-C',
     )
     parser.add_argument(
