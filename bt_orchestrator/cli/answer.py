@@ -8,21 +8,24 @@ from bt_orchestrator.cli.asked_verbs import in_one_line
 from bt_orchestrator.cli.door import ask_and_print
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options
 from bt_orchestrator.cli.wrong_use import WrongUse
-from bt_orchestrator.model.requests import ANSWERS
+from bt_orchestrator.model.requests import ACKNOWLEDGE, ANSWERS, COMMENT
 from bt_orchestrator.script.given_results import results_of
 
 DESCRIPTION = """\
 Decide about something that is held; `status` lists the holds and what each of them offers.
 """
 
+WORDS = {**ANSWERS, **{one.word: one for one in (ACKNOWLEDGE, COMMENT)}}
+"""Answers, and remarks, which leave the hold as it is."""
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of the verb."""
-    each = [f'  {word:<10} {in_one_line(request)}' for word, request in ANSWERS.items()]
+    each = [f'  {word:<11} {in_one_line(request)}' for word, request in WORDS.items()]
     parser.description = '\n'.join([DESCRIPTION, *each])
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.add_argument('hold', metavar='HOLD', help='id of the hold')
-    parser.add_argument('answer', choices=tuple(ANSWERS), help='the decision')
+    parser.add_argument('answer', choices=tuple(WORDS), help='the decision, or a remark')
     parser.add_argument(
         '--result',
         action='append',

@@ -8,30 +8,27 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Awaitable, Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Protocol
 
 from asyncua import ua
 
-from bt_orchestrator.model.roles import Role
+from bt_orchestrator.model.limits import REASON
+from bt_orchestrator.model.requests import ACKNOWLEDGE, COMMENT, Request
 from bt_orchestrator.opcua.callers import CALLER
+from bt_orchestrator.opcua.calls import Calls
 from bt_orchestrator.opcua.conditions import Place, Remark, Standing
 from bt_orchestrator.opcua.notices import SERVER, Told, id_of
 from bt_orchestrator.opcua.space import Space
 
 log = logging.getLogger(__name__)
 
-ACKNOWLEDGE = ua.NodeId(ua.ObjectIds.AcknowledgeableConditionType_Acknowledge)
-ADD_COMMENT = ua.NodeId(ua.ObjectIds.ConditionType_AddComment)
+_REQUESTS: Mapping[ua.NodeId, Request] = {
+    ua.NodeId(ua.ObjectIds.AcknowledgeableConditionType_Acknowledge): ACKNOWLEDGE,
+    ua.NodeId(ua.ObjectIds.ConditionType_AddComment): COMMENT,
+}
 REFRESH = ua.NodeId(ua.ObjectIds.ConditionType_ConditionRefresh)
 REFRESH_2 = ua.NodeId(ua.ObjectIds.ConditionType_ConditionRefresh2)
-
-MAY = (Role.OPERATE, Role.ENGINEER)
-"""Roles that may acknowledge and comment."""
-
-LONGEST_COMMENT = 2_000
-
-_Method = Callable[[Standing, Remark], Awaitable[ua.CallMethodResult]]
 
 
 class Conditions(Protocol):
@@ -53,8 +50,9 @@ class Conditions(Protocol):
 class ConditionMethods:
     """Answers the methods of conditions."""
 
-    def __init__(self, conditions: Conditions, space: Space, place: Place) -> None:
+    def __init__(self, conditions: Conditions, calls: Calls, space: Space, place: Place) -> None:
         self._conditions = conditions
+        self._calls = calls
         self._space = space
         self._place = place
         self._refreshes = 0
@@ -84,43 +82,45 @@ class ConditionMethods:
     # --- of one condition -------------------------------------------------------------------
 
     async def _to_condition(self, key: str, method: ua.CallMethodRequest) -> ua.CallMethodResult:
-        do = self._methods.get(method.MethodId)
-        if do is None:
-            return _result(ua.StatusCodes.BadMethodInvalid)
+        codes = ua.StatusCodes
+        request = _REQUESTS.get(method.MethodId)
+        if request is None:
+            return _result(codes.BadMethodInvalid)
         given = [one.Value for one in method.InputArguments or []]
         if len(given) != 2:
             few = len(given) < 2
-            codes = ua.StatusCodes
             return _result(codes.BadArgumentsMissing if few else codes.BadTooManyArguments)
-        event, comment = given
-        words = (comment.Text or '') if isinstance(comment, ua.LocalizedText) else None
-        if not isinstance(event, bytes) or words is None or len(words) > LONGEST_COMMENT:
-            return _result(ua.StatusCodes.BadInvalidArgument)
+        event, words = given[0], _words(given[1])
+        if not isinstance(event, bytes) or words is None or len(words) > REASON:
+            return _result(codes.BadInvalidArgument)
+        if request is COMMENT and not words:
+            return _result(codes.BadInvalidArgument)
         caller = CALLER.get()
-        if caller.role not in MAY:
-            return _result(ua.StatusCodes.BadUserAccessDenied)
+        if caller.role not in request.roles:
+            return _result(codes.BadUserAccessDenied)
         standing = self._conditions.standing(key)
         if standing is None:
-            return _result(ua.StatusCodes.BadNodeIdUnknown)
+            return _result(codes.BadNodeIdUnknown)
         if not self._conditions.is_of(standing, event):
-            return _result(ua.StatusCodes.BadEventIdUnknown)
-        return await do(standing, Remark(caller.name, words, time.time()))
+            return _result(codes.BadEventIdUnknown)
+        if request is ACKNOWLEDGE and standing.is_acknowledged:
+            return _result(codes.BadConditionBranchAlreadyAcked)
+        return await self._remark(request, standing, Remark(caller.name, words, time.time()))
 
-    @property
-    def _methods(self) -> Mapping[ua.NodeId, _Method]:
-        return {ACKNOWLEDGE: self._acknowledge, ADD_COMMENT: self._comment}
-
-    async def _acknowledge(self, standing: Standing, remark: Remark) -> ua.CallMethodResult:
-        if standing.is_acknowledged:
-            return _result(ua.StatusCodes.BadConditionBranchAlreadyAcked)
-        log.info('%s acknowledged %s: %s', remark.who, standing.alarm.key, remark.words)
-        self._conditions.put(standing.acknowledged(remark))
-        return _result(ua.StatusCodes.Good)
-
-    async def _comment(self, standing: Standing, remark: Remark) -> ua.CallMethodResult:
-        log.info('%s said of %s: %s', remark.who, standing.alarm.key, remark.words)
-        self._conditions.put(standing.commented(remark))
-        return _result(ua.StatusCodes.Good)
+    async def _remark(
+        self, request: Request, standing: Standing, remark: Remark
+    ) -> ua.CallMethodResult:
+        """Have the node record it, and all who follow it are told; it knows holds only."""
+        if not standing.alarm.hold:
+            log.info('%s: %s %s: %s', remark.who, request.word, standing.alarm.key, remark.words)
+            self._conditions.put(standing.with_remark(request.word, remark))
+            return _result(ua.StatusCodes.Good)
+        try:
+            outcome = await self._calls.ask(request, {'hold': standing.alarm.hold}, remark.words)
+        except ua.UaStatusCodeError as error:
+            return _result(error.code)
+        codes = ua.StatusCodes
+        return _result(codes.Good if outcome.accepted else codes.BadInvalidState)
 
     # --- of all -----------------------------------------------------------------------------
 
@@ -149,6 +149,13 @@ class ConditionMethods:
         )  # fmt: skip
         self._space.notices.tell_one([begin, *self._conditions.events(), end], subscription, item)
         return _result(ua.StatusCodes.Good)
+
+
+def _words(comment: object) -> str | None:
+    """Return the text of a comment, which may be missing; None: it is no text."""
+    if comment is None:
+        return ''
+    return (comment.Text or '').strip() if isinstance(comment, ua.LocalizedText) else None
 
 
 def _result(code: int) -> ua.CallMethodResult:

@@ -13,6 +13,7 @@ from datetime import datetime, timezone
 from asyncua import ua
 
 from bt_orchestrator.mes.alarms import Alarm, event_id
+from bt_orchestrator.model.requests import ACKNOWLEDGE
 from bt_orchestrator.opcua.notices import Told
 
 TEXT, YES_NO, NODE = ua.VariantType.LocalizedText, ua.VariantType.Boolean, ua.VariantType.NodeId
@@ -45,13 +46,13 @@ class Standing:
     remark: Remark | None = None
     """The last one."""
 
-    def acknowledged(self, remark: Remark) -> Standing:
-        """Return it as somebody has seen it."""
-        return replace(self, is_acknowledged=True, remark=remark, changed=remark.time)
+    def with_remark(self, word: str, remark: Remark) -> Standing:
+        """Return it with what somebody said of it.
 
-    def commented(self, remark: Remark) -> Standing:
-        """Return it with what somebody said."""
-        return replace(self, remark=remark, changed=remark.time)
+        :param word: acknowledge or comment
+        """
+        is_seen = self.is_acknowledged or word == ACKNOWLEDGE.word
+        return replace(self, is_acknowledged=is_seen, remark=remark, changed=remark.time)
 
     def over(self, time: float, remark: Remark | None) -> Standing:
         """Return it as it ended: whoever ended it has seen it."""

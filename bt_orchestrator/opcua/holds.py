@@ -8,9 +8,11 @@ from collections.abc import Iterator, Mapping
 import asyncua
 from asyncua import ua
 
+from bt_orchestrator.errors import NodeUnreachable
 from bt_orchestrator.mes.alarms import Alarm, alarms_of, event_id
 from bt_orchestrator.model.by import named
 from bt_orchestrator.model.events import Event, HoldReleased, OperatorDecided
+from bt_orchestrator.model.requests import REMARKS
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.opcua import filters
 from bt_orchestrator.opcua.bridge import Bridge
@@ -18,6 +20,9 @@ from bt_orchestrator.opcua.condition_methods import ConditionMethods
 from bt_orchestrator.opcua.conditions import Place, Remark, Standing, told
 from bt_orchestrator.opcua.notices import Told
 from bt_orchestrator.opcua.space import Space
+
+LOOK_BACK = 2_000
+"""How many of the last events are searched for remarks about the holds that stand."""
 
 log = logging.getLogger(__name__)
 
@@ -31,8 +36,8 @@ FIELDS: Mapping[str, tuple[ua.VariantType, str]] = {
 class Holds:
     """Implements `part.Part`.
 
-    What stands comes from the node's status, so it comes back when this server is started anew;
-    that somebody acknowledged it, is known here only, and is asked for again then.
+    What stands comes from the node's status, and remarks about holds from its journal, so both
+    come back when this server is started anew. Remarks about other conditions are known here only.
     """
 
     def __init__(self, bridge: Bridge) -> None:
@@ -55,7 +60,8 @@ class Holds:
         cell = self._bridge.description.cell
         self._place = Place(type_node.nodeid, space.idx, space.cell.nodeid, cell)
         await _make_sources(space, self._bridge)
-        ConditionMethods(self, space, self._place).install()
+        await self._recall()
+        ConditionMethods(self, self._bridge.calls, space, self._place).install()
 
     def show(self, status: CellStatus) -> None:
         """Tell what has changed."""
@@ -82,9 +88,13 @@ class Holds:
                 del known[hold]
 
     def hear(self, event: Event) -> None:
-        """Remember who answered."""
+        """Remember who answered, and show what was remarked."""
         if isinstance(event, OperatorDecided) and event.hold:
-            who, why = named(event.who, event.known), f': {event.reason}' if event.reason else ''
+            who = named(event.who, event.known)
+            if event.answer in REMARKS:
+                self._remark(event.hold, event.answer, Remark(who, event.reason, event.time))
+                return
+            why = f': {event.reason}' if event.reason else ''
             self._said[event.hold] = Remark(who, f'{event.answer}{why}', event.time)
         elif isinstance(event, HoldReleased):
             self._released[event.hold] = event.time
@@ -118,6 +128,30 @@ class Holds:
     def is_of(self, standing: Standing, event: bytes) -> bool:
         """Tell whether an EventId is that of a condition with its present facts."""
         return event in (standing.id(self._history), event_id(self._history, standing.alarm))
+
+    # --- remarks ----------------------------------------------------------------------------
+
+    def _remark(self, hold: str, word: str, remark: Remark) -> None:
+        standing = self._standing.get(f'Hold-{hold}')
+        if standing is not None:
+            self.put(standing.with_remark(word, remark))
+
+    async def _recall(self) -> None:
+        """Show what stands, with the remarks in the journal."""
+        status = self._bridge.status
+        self.show(status)
+        seq = max(0, status.seq - LOOK_BACK) if status.holds else status.seq
+        try:
+            while seq < status.seq:
+                page = await self._bridge.doors.events_after(seq)
+                if not page.events:
+                    break
+                for event in page.events:
+                    if isinstance(event, OperatorDecided) and event.answer in REMARKS:
+                        self.hear(event)
+                seq = page.events[-1].seq
+        except NodeUnreachable as error:
+            log.warning('what was said about holds is not known: %s', error)
 
     # --- the end ----------------------------------------------------------------------------
 

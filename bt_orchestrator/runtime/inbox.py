@@ -11,6 +11,7 @@ from bt_orchestrator.model.cell_commands import Clear, Reset, Resume, Start
 from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.commands import (
     Answer,
+    AnswerHold,
     Command,
     FoundTwin,
     OnRecord,
@@ -27,6 +28,7 @@ from bt_orchestrator.model.jobs.job_commands import (
     UpdateJob,
 )
 from bt_orchestrator.model.limits import COMMANDS, COMMANDS_OF_ONE, NAME, ORIGIN, REASON, WHO
+from bt_orchestrator.model.requests import REMARKS
 from bt_orchestrator.runtime.command_record import refused
 from bt_orchestrator.runtime.commands import answer_to
 from bt_orchestrator.runtime.ledger import Ledger
@@ -34,7 +36,7 @@ from bt_orchestrator.runtime.refusals import Refusals, sender_of
 
 _MUST_WAIT = (AddJobs, UpdateJob, MoveJob, RunNext, StopAfter, Resume, Reset, Start, Clear)
 """Commands that can be repeated without limit, so their rate is limited. A stop, pause or answer
-is refused until one of these undoes it, so it is never delayed."""
+is refused until one of these undoes it, so it is never delayed; a remark about a hold may wait."""
 
 _UNDO = (job_control.START.verb, job_control.RESUME.verb)
 """The same among the commands to a job."""
@@ -84,6 +86,8 @@ class Inbox:
 def _must_wait(command: OnRecord) -> bool:
     if isinstance(command, ControlJob):
         return command.verb in _UNDO
+    if isinstance(command, AnswerHold):
+        return command.answer in REMARKS
     return isinstance(command, _MUST_WAIT)
 
 

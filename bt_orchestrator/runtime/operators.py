@@ -21,15 +21,19 @@ from bt_orchestrator.model.failures import (
 from bt_orchestrator.model.hold_words import hold_name
 from bt_orchestrator.model.limits import listed
 from bt_orchestrator.model.pauses import release_command
+from bt_orchestrator.model.requests import REMARKS
 from bt_orchestrator.model.state import CellState, Hold
 from bt_orchestrator.runtime.command_record import decided
 
 
 def answer(state: CellState, command: AnswerHold, now: float) -> Iterator[e.Event]:
-    """Answer a hold.
+    """Answer a hold, or record a remark about it, which changes nothing.
 
     :raises CommandRefused: there is no such hold, or it does not offer that answer
     """
+    if command.answer in REMARKS:
+        yield from _remark(state, command)
+        return
     hold = _offering(state, command)
     yield from decided(command)
     if hold.key == e.INDEX_KEY and command.answer == OnFailure.ABORT_JOB.value:
@@ -63,11 +67,23 @@ def released_with(state: CellState, item: str) -> Iterator[e.HoldReleased]:
         yield e.HoldReleased(hold=hold.id)
 
 
-def _offering(state: CellState, command: AnswerHold) -> Hold:
+def _remark(state: CellState, command: AnswerHold) -> Iterator[e.Event]:
+    _standing(state, command)
+    if command.results:
+        raise CommandRefused(f'results are given with {MARK_DONE}; found {command.answer}')
+    yield from decided(command)
+
+
+def _standing(state: CellState, command: AnswerHold) -> Hold:
     hold = state.holds.get(command.hold)
     if hold is None:
         there = listed(state.holds, 'none')
         raise CommandRefused(f'there is no hold {command.hold}; holds now: {there}')
+    return hold
+
+
+def _offering(state: CellState, command: AnswerHold) -> Hold:
+    hold = _standing(state, command)
     if hold.is_pause:
         raise CommandRefused(f'{hold_name(hold)} takes no answer; {release_command(hold.id)}')
     if hold.task is None:

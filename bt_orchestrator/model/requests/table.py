@@ -190,6 +190,16 @@ ANSWERS: Mapping[str, Request] = {
     )
 }  # fmt: skip
 
+ACKNOWLEDGE = _request(
+    About.HOLD, 'acknowledge', 'records that somebody has seen it; it stays', _OPERATORS,
+    why=Why.NEVER,
+)  # fmt: skip
+COMMENT = _request(
+    About.HOLD, 'comment', 'records what somebody says about it; it stays', _OPERATORS
+)
+REMARKS = (ACKNOWLEDGE.word, COMMENT.word)
+"""Words about a hold that are no answers to it."""
+
 TABLE: tuple[Request, ...] = (
     *CELL.values(),
     *STOP_AFTERS.values(),
@@ -199,6 +209,8 @@ TABLE: tuple[Request, ...] = (
     *(request for _, request in JOB),
     REMOVE_ITEM,
     *ANSWERS.values(),
+    ACKNOWLEDGE,
+    COMMENT,
 )
 """All requests, in the order of the documentation."""
 

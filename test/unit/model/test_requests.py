@@ -36,10 +36,11 @@ def test_who_may_ask_what() -> None:
     queue = {'queue.add'} | {f'job.{word}' for word in ('hold', 'release', 'pause', 'resume')}
     assert words(Role.MES) == queue | {'job.update', 'job.stop', 'job.cancel', 'job.clear'}
     answers = {f'hold.{word}' for word in ('retry', 'mark_done', 'skip', 'reject')}
+    remarks = {'hold.acknowledge', 'hold.comment'}
     cell = {f'cell.{word}' for word in ('reset', 'start', 'pause', 'resume', 'stop', 'abort')}
     after = {f'cell.stop_after_{word}' for word in ('item', 'job', 'never')}
     places = {'job.move', 'job.next', 'job.stop', 'job.clear'}
-    assert words(Role.OPERATE) == queue | answers | cell | after | places
+    assert words(Role.OPERATE) == queue | answers | remarks | cell | after | places
 
 
 def test_danger_does_not_wait_for_a_reason() -> None:

@@ -96,20 +96,22 @@ def test_a_hold_is_told_acknowledged_answered_and_over(tmp_path: Path) -> None:
 
 def test_conditions_come_back_with_their_ids_when_all_was_started_anew(tmp_path: Path) -> None:
     """Server and node are killed; the journal is there."""
-    found: list[bytes] = []
+    found: list[Any] = []
 
     async def look(reader: Reader) -> None:
         heard = await Heard.of(reader)
         (hold,) = [event for event in await heard.refresh(reader) if is_hold(event)]
-        found.append(hold.EventId)
-        await say(reader, ACKNOWLEDGE, hold, 'seen')
+        found.append((hold.EventId, hold.Comment.Text, getattr(hold, 'AckedState/Id')))
 
-    async def wait(reader: Reader) -> None:
+    async def acknowledge(reader: Reader) -> None:
         order(cell)
-        await reader.wait('PackML/Admin/StopReason', lambda one: one.Value == 1)
+        heard = await Heard.of(reader)
+        hold = await heard.wait(is_hold)
+        await say(reader, ACKNOWLEDGE, hold, 'on my way')
+        await heard.wait(lambda event: is_hold(event) and getattr(event, 'AckedState/Id'))
 
     with opcua_stand(tmp_path, faults=[FAIL], store=MemoryStore()) as (cell, server):
-        reading(server.address, wait)
+        reading(server.address, acknowledge)
         reading(server.address, look)
     with served(cell) as again:
         reading(again.address, look)
@@ -117,8 +119,8 @@ def test_conditions_come_back_with_their_ids_when_all_was_started_anew(tmp_path:
     cell.switch()
     with served(cell) as third:
         reading(third.address, look)
-    assert len(found) == 3
-    assert len(set(found)) == 1
+    assert found[0][1:] == ('on my way', True)
+    assert found == found[:1] * 3
 
 
 def test_a_client_that_asks_for_a_general_type_gets_ours(tmp_path: Path) -> None:

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import pytest
 from fakes.line import THREE, Line, with_section
+from fakes.operator import ann
 from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.model.cell_commands import Abort
+from bt_orchestrator.model.commands import AnswerHold
+from bt_orchestrator.model.requests import REMARKS
 
 # --- 7.1: what a hold stops -----------------------------------------------------------------
 
@@ -397,6 +400,29 @@ def test_7_1_after_an_abort_of_the_cell_the_slot_is_asked_for(
     run.control('abort', 'J')
     (hold,) = run.state.holds.values()
     assert hold.answers == then
+
+
+@pytest.mark.parametrize('word', REMARKS)
+def test_7_1_a_remark_is_on_record_and_the_hold_still_waits(word: str) -> None:
+    run = Line(faults={'a2': '#1=abort'}).run()
+    before, holds = len(run.records), dict(run.state.holds)
+    assert run.answer(word).accepted
+    run.go()
+    assert [record['event'] for record in run.records[before:]] == ['operator.decided']
+    (said,) = run.all('operator.decided', answer=word)
+    assert (said['hold'], said['reason']) == ('1', 'it looked so')
+    assert run.state.holds == holds
+    assert word not in holds['1'].answers
+    assert run.answer('retry').accepted
+
+
+def test_7_1_a_pause_takes_remarks_and_what_is_over_takes_none() -> None:
+    run = Line().begin(quantity=2).go(until=3.0)
+    run.pause()
+    assert run.answer('acknowledge', '1').accepted
+    results = run.ask(AnswerHold('1', 'comment', ann('tea'), {'measurement': 1.0}))
+    assert results.message == 'results are given with mark_done; found comment'
+    assert run.answer('comment', '2').message == 'there is no hold 2; holds now: 1'
 
 
 def test_7_1_remove_item_that_is_not_on_the_belt_is_refused() -> None:

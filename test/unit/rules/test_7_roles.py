@@ -21,7 +21,7 @@ from bt_orchestrator.model.jobs.job_commands import (
 )
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.packml import VERBS
-from bt_orchestrator.model.requests import REQUESTS, About, Why
+from bt_orchestrator.model.requests import REMARKS, REQUESTS, About, Why
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.runtime.requested import request_of
 
@@ -51,7 +51,7 @@ COMMANDS: dict[str, Callable[[By], Command]] = {
     'item.remove_item': lambda by: RemoveItem('J/1', by),
     **{
         f'hold.{word}': lambda by, word=word: AnswerHold('1', word, by)  # type: ignore[misc]
-        for word in ('retry', 'mark_done', 'skip', 'reject', 'abort_job')
+        for word in ('retry', 'mark_done', 'skip', 'reject', 'abort_job', *REMARKS)
     },
 }
 """A command for every request but those that are made like another one here."""

@@ -239,6 +239,9 @@ def test_7_1_a_pause_and_its_end_without_end_fill_no_disk(cell: Cell) -> None:
     assert accepted > 1000
     assert cell.bytes - before < 64_000_000
     held = cell.bytes
+    (pause,) = cell.orchestrator.state.holds
+    remark = cell.ask(AnswerHold(pause, 'comment', by(reason=reason)))
+    assert remark.message.startswith('too many commands')
     for _ in range(1000):
         cell.ask(Resume(by(reason=reason)))
     cell.wait(60.0)
