@@ -56,6 +56,9 @@ PARTS: Mapping[str, Callable[[], Iterator[str]]] = {
     'roles': requests.roles,
     'API of the page': page_api.api_of_the_page,
     'simple values of OPC UA': opcua.simple_values,
+    'states in numbers': opcua.states_in_numbers,
+    'commands of PackML': opcua.commands_of_packml,
+    'numbers of stop reasons': opcua.stop_numbers,
 }
 
 _PART = re.compile(r'(<!-- generated: (?P<name>[\w -]+) -->\n).*?(?=<!-- end -->)', re.DOTALL)

@@ -31,6 +31,7 @@ class Nodeset:
         self._names = {node.attrib['NodeId']: _bare(node.attrib['BrowseName']) for node in nodes}
         self._tags = {node.attrib['NodeId']: node.tag.removeprefix(_XML) for node in nodes}
         self._references = {node.attrib['NodeId']: tuple(_references(node)) for node in nodes}
+        self._values = {node.attrib['NodeId']: _value(node) for node in nodes}
 
     def transitions(self, machine: str) -> list[Transition]:
         """Return the transitions of a state machine type, given by its node id."""
@@ -47,6 +48,15 @@ class Nodeset:
         """Return the names of the methods of a type."""
         found = [node for node in self._components(machine) if self._tags[node] == 'UAMethod']
         return {self._names[node] for node in found}
+
+    def state_numbers(self) -> dict[str, int]:
+        """Return the StateNumber of each state of all machines."""
+        found = {}
+        for node, references in self._references.items():
+            if self._names[node] == 'StateNumber':
+                [state] = [to for kind, _, to in references if kind == 'HasProperty']
+                found[self._names[state]] = int(self._values[node])
+        return found
 
     def _components(self, machine: str) -> Iterator[str]:
         for node, references in self._references.items():
@@ -69,6 +79,11 @@ def _references(node: ElementTree.Element) -> Iterator[tuple[str, bool, str]]:
     for one in node.iterfind(f'{_XML}References/{_XML}Reference'):
         is_forward = one.get('IsForward', 'true') == 'true'
         yield one.attrib['ReferenceType'], is_forward, (one.text or '').strip()
+
+
+def _value(node: ElementTree.Element) -> str:
+    found = node.find(f'{_XML}Value')
+    return '' if found is None else ''.join(found.itertext()).strip()
 
 
 def _bare(browse_name: str) -> str:

@@ -1,0 +1,125 @@
+"""When conditions begin, change and end, without a server."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+from asyncua import ua
+from fakes.statuses import NOW_S, hold, status
+
+from bt_orchestrator.model.events import HoldReleased, OperatorDecided
+from bt_orchestrator.model.state import Hold
+from bt_orchestrator.model.status import CellStatus
+from bt_orchestrator.opcua.conditions import Place
+from bt_orchestrator.opcua.holds import Holds
+from bt_orchestrator.opcua.notices import Told
+
+
+class Scene:
+    """The part, and what it tells."""
+
+    def __init__(self) -> None:
+        self.told: list[Told] = []
+        bridge: Any = SimpleNamespace(history='a', status=status())
+        self.part = Holds(bridge)
+        self.part._bridge = bridge
+        self.part._notices = self  # type: ignore[assignment]
+        self.part._place = Place(ua.NodeId('T', 4), 4, ua.NodeId('cell', 4), 'cell')
+
+    def tell(self, told: Told, *nodes: ua.NodeId) -> None:
+        """As `Notices`."""
+        self.told.append(told)
+
+    def show(self, *holds: Hold) -> CellStatus:
+        """Show a status with these holds."""
+        shown = status(holds=[*holds])
+        self.part.show(shown)
+        return shown
+
+    def take(self) -> list[tuple[bool, bool, str]]:
+        """Return whether each told condition is active, acknowledged, and its last remark."""
+        found = [
+            (
+                one.fields['ActiveState/Id'].Value,
+                one.fields['AckedState/Id'].Value,
+                one.fields['Comment'].Value.Text,
+            )
+            for one in self.told
+        ]
+        self.told.clear()
+        return found
+
+
+def decided(answer: str, reason: str = 'because') -> OperatorDecided:
+    return OperatorDecided(
+        answer=answer, who='Ben', reason=reason, known='page login', hold='1', time=NOW_S
+    )
+
+
+def test_an_answer_is_the_last_remark_of_a_hold() -> None:
+    scene = Scene()
+    scene.show(hold())
+    scene.show(hold())
+    assert scene.take() == [(True, False, '')]
+    scene.part.hear(decided('retry'))
+    scene.part.hear(HoldReleased(hold='1', time=NOW_S + 1))
+    scene.show()
+    assert [one.time for one in scene.told] == [NOW_S + 1]
+    assert scene.take() == [(False, True, 'retry: because')]
+
+
+def test_a_status_that_comes_before_its_events_waits_for_them() -> None:
+    scene = Scene()
+    scene.show(hold())
+    scene.take()
+    scene.show()
+    assert scene.take() == []
+    scene.part.hear(decided('skip'))
+    assert scene.take() == []
+    scene.part.hear(HoldReleased(hold='1', time=NOW_S))
+    assert scene.take() == [(False, True, 'skip: because')]
+    scene.show()
+    assert scene.take() == []
+
+
+def test_an_end_that_no_event_tells_of_counts_with_the_next_status() -> None:
+    scene = Scene()
+    scene.show(hold())
+    scene.show()
+    scene.take()
+    scene.show()
+    assert scene.take() == [(False, True, '')]
+
+
+def test_remarks_from_anywhere_are_shown() -> None:
+    scene = Scene()
+    scene.show(hold())
+    scene.take()
+    scene.part.hear(decided('comment', 'who has the key?'))
+    scene.part.hear(decided('acknowledge', 'on my way'))
+    scene.show(hold())
+    assert scene.take() == [(True, False, 'who has the key?'), (True, True, 'on my way')]
+
+
+def test_other_answers_are_told_and_what_was_acknowledged_stays_so() -> None:
+    scene = Scene()
+    scene.show(hold())
+    scene.part.hear(decided('acknowledge'))
+    scene.take()
+    scene.show(hold(answers=('retry',)))
+    assert [one.fields['Answers'].Value for one in scene.told] == [['retry']]
+    assert scene.take() == [(True, True, 'because')]
+
+
+def test_with_another_journal_all_conditions_end_and_numbers_begin_anew() -> None:
+    scene = Scene()
+    scene.show(hold())
+    first = scene.told[0].id
+    scene.part.hear(decided('acknowledge'))
+    scene.take()
+    scene.part.begin('b')
+    assert [active for active, _, _ in scene.take()] == [False]
+    scene.show(hold())
+    assert scene.told[0].id != first
+    assert scene.take() == [(True, False, '')]
