@@ -130,7 +130,7 @@ class ConditionMethods:
         if not 1 <= len(numbers) <= 2 or not all(type(one) is int for one in numbers):
             return _result(ua.StatusCodes.BadInvalidArgument)
         subscription, item = numbers[0], numbers[1] if len(numbers) == 2 else None
-        monitors = self._space.notices.monitors(subscription)
+        monitors = self._space.notices.monitors(subscription, CALLER.get().session)
         if monitors is None:
             return _result(ua.StatusCodes.BadSubscriptionIdInvalid)
         if item is not None and item not in monitors:

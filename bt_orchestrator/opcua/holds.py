@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
-import asyncua
 from asyncua import ua
 
 from bt_orchestrator.errors import NodeUnreachable
@@ -14,23 +13,24 @@ from bt_orchestrator.model.by import named
 from bt_orchestrator.model.events import Event, HoldReleased, OperatorDecided
 from bt_orchestrator.model.requests import REMARKS
 from bt_orchestrator.model.status import CellStatus
-from bt_orchestrator.opcua import filters
 from bt_orchestrator.opcua.bridge import Bridge
 from bt_orchestrator.opcua.condition_methods import ConditionMethods
 from bt_orchestrator.opcua.conditions import Place, Remark, Standing, told
 from bt_orchestrator.opcua.notices import Told
-from bt_orchestrator.opcua.space import Space
+from bt_orchestrator.opcua.space import Argument, Space
 
 LOOK_BACK = 2_000
 """How many of the last events are searched for remarks about the holds that stand."""
 
 log = logging.getLogger(__name__)
 
-FIELDS: Mapping[str, tuple[ua.VariantType, str]] = {
-    'Hold': (ua.VariantType.String, 'id of the hold, for AnswerHold; empty: it is none'),
-    'Answers': (ua.VariantType.String, 'the answers that the hold takes now'),
-    'ReasonNumber': (ua.VariantType.Int32, 'number of the reason, as in PackML/Admin/StopReason'),
-}
+FIELDS = (
+    Argument('Hold', ua.VariantType.String, 'id of the hold, for AnswerHold; empty: it is none'),
+    Argument('Answers', ua.VariantType.String, 'the answers that it takes now', is_list=True),
+    Argument(
+        'ReasonNumber', ua.VariantType.Int32, 'of its reason, as ID of PackML/Admin/StopReason'
+    ),
+)
 
 
 class Holds:
@@ -53,10 +53,10 @@ class Holds:
 
     async def build(self, space: Space) -> None:
         """Make the type, what conditions are about, and the methods."""
-        filters.install()
         self._space = space
         self._notices = space.notices
-        type_node = await _make_type(space)
+        base = ua.NodeId(ua.ObjectIds.AlarmConditionType)
+        type_node = await space.event_type('CellConditionType', base, FIELDS)
         cell = self._bridge.description.cell
         self._place = Place(type_node.nodeid, space.idx, space.cell.nodeid, cell)
         await _make_sources(space, self._bridge)
@@ -171,22 +171,6 @@ def _as_now(before: Standing, alarm: Alarm, stamp: float) -> Standing:
     return Standing(
         alarm, before.since, stamp, before.is_active, before.is_acknowledged, before.remark
     )
-
-
-async def _make_type(space: Space) -> asyncua.Node:
-    """Make the type of our conditions, with its own fields."""
-    base = space.server.get_node(ua.ObjectIds.AlarmConditionType)
-    made = await base.add_object_type(
-        space.id('CellConditionType'), ua.QualifiedName('CellConditionType', space.idx)
-    )
-    for name, (type_, _) in FIELDS.items():
-        is_list = name == 'Answers'
-        value = ua.Variant([] if is_list else ua.get_default_value(type_), type_, is_array=is_list)
-        node = await made.add_property(
-            space.id(f'CellConditionType/{name}'), ua.QualifiedName(name, space.idx), value
-        )
-        await node.set_modelling_rule(True)
-    return made
 
 
 async def _make_sources(space: Space, bridge: Bridge) -> None:

@@ -82,10 +82,14 @@ class Notices:
         """
         self._put(lambda: self._to_one(several, subscription, item))
 
-    def monitors(self, subscription: int) -> Collection[int] | None:
-        """Return the ids of the monitored items of a subscription; None: there is none."""
+    def monitors(self, subscription: int, session: str) -> Collection[int] | None:
+        """Return the ids of the monitored items of a subscription.
+
+        :param session: that it must be of (`callers.Caller`)
+        :return: None: the session has no such subscription
+        """
         found = self._service.subscriptions.get(subscription)
-        if found is None:
+        if found is None or str(found.session_id) != session:
             return None
         return list(found.monitored_item_srv._monitored_items)  # noqa: SLF001 - no other way
 

@@ -157,6 +157,24 @@ class Space:
         )
         return await self._described(node, meaning)
 
+    async def event_type(
+        self, name: str, base: ua.NodeId, fields: Sequence[Argument]
+    ) -> asyncua.Node:
+        """Make a type of events with fields of its own."""
+        made = await self.server.get_node(base).add_object_type(
+            self.id(name), ua.QualifiedName(name, self.idx)
+        )
+        for one in fields:
+            value = [] if one.is_list else ua.get_default_value(one.type)
+            node = await made.add_property(
+                self.id(f'{name}/{one.name}'),
+                ua.QualifiedName(one.name, self.idx),
+                ua.Variant(value, one.type, is_array=one.is_list),
+            )
+            await node.set_modelling_rule(True)
+            await self._described(node, one.meaning)
+        return made
+
     async def instance(
         self,
         parent: asyncua.Node,

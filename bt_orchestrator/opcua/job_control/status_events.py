@@ -16,7 +16,7 @@ from bt_orchestrator.mes.return_status import ReturnStatus
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.opcua.job_control.structures import Structures
 from bt_orchestrator.opcua.notices import Told, id_of
-from bt_orchestrator.opcua.space import Space
+from bt_orchestrator.opcua.space import Argument, Space
 
 CHANGED, REFUSED = 'JobOrderChangedEventType', 'RequestRefusedEventType'
 
@@ -45,34 +45,17 @@ class StatusEvents:
 
         :param namespace: of the nodeset
         """
-        self._changed = await self._type(CHANGED, ua.NodeId(_STATUS_EVENT, namespace), ())
-        self._refused = await self._type(
-            REFUSED,
-            ua.NodeId(ua.ObjectIds.BaseEventType),
-            (
-                ('Method', ua.VariantType.String, False),
-                ('JobOrderID', ua.VariantType.String, False),
-                ('ReturnStatus', ua.VariantType.UInt64, False),
-                ('Findings', ua.VariantType.String, True),
-            ),
+        space, text = self._space, ua.VariantType.String
+        base = ua.NodeId(_STATUS_EVENT, namespace)
+        self._changed = (await space.event_type(CHANGED, base, ())).nodeid
+        refused = (
+            Argument('Method', text, 'that was called'),
+            Argument('JobOrderID', text, 'that it was about'),
+            Argument('ReturnStatus', ua.VariantType.UInt64, 'that it answered'),
+            Argument('Findings', text, 'every mistake found', is_list=True),
         )
-
-    async def _type(
-        self, name: str, base: ua.NodeId, fields: Sequence[tuple[str, ua.VariantType, bool]]
-    ) -> ua.NodeId:
-        space = self._space
-        made = await space.server.get_node(base).add_object_type(
-            space.id(name), ua.QualifiedName(name, space.idx)
-        )
-        for field, type_, is_list in fields:
-            value = [] if is_list else ua.get_default_value(type_)
-            node = await made.add_property(
-                space.id(f'{name}/{field}'),
-                ua.QualifiedName(field, space.idx),
-                ua.Variant(value, type_, is_array=is_list),
-            )
-            await node.set_modelling_rule(True)
-        return made.nodeid
+        base = ua.NodeId(ua.ObjectIds.BaseEventType)
+        self._refused = (await space.event_type(REFUSED, base, refused)).nodeid
 
     def tell(self, news: News, history: str) -> None:
         """Tell that a job has another state, with the job as it was at this record."""

@@ -14,7 +14,7 @@ from asyncua.crypto.permission_rules import User, UserRole
 from asyncua.server.address_space import MethodService
 from asyncua.server.internal_server import InternalServer
 
-from bt_orchestrator.opcua.overrides import limits
+from bt_orchestrator.opcua.overrides import filters, limits
 from bt_orchestrator.opcua.overrides.connection import Listener
 from bt_orchestrator.opcua.overrides.methods import Methods
 from bt_orchestrator.opcua.overrides.security import Security
@@ -45,6 +45,7 @@ class Inside(InternalServer):
     def __init__(self, security: Security) -> None:
         super().__init__()
         self.security = security
+        filters.install()
         self.certificate = security.own.certificate
         self.private_key = security.own.key
         # Sessions are let in by `Processor`; asyncua would ask a manager, in the loop.

@@ -70,20 +70,25 @@ class Scene:
         """As `Conditions`."""
         return event == b'known'
 
-    def monitors(self, subscription: int) -> list[int] | None:
+    def monitors(self, subscription: int, session: str) -> list[int] | None:
         """As `Notices`."""
-        return [5] if subscription == 1 else None
+        return [5] if (subscription, session) == (1, 'own') else None
 
     def tell_one(self, several: Any, subscription: int, item: int | None) -> None:
         """As `Notices`."""
         self.refreshed.append((several[1:-1], subscription, item))
 
     def call(
-        self, node: ua.NodeId, method: ua.NodeId, *given: Any, role: Role = Role.OPERATE
+        self,
+        node: ua.NodeId,
+        method: ua.NodeId,
+        *given: Any,
+        role: Role = Role.OPERATE,
+        session: str = 'own',
     ) -> str:
         """Call a method, and return the name of its status."""
         request = ua.CallMethodRequest(node, method, [ua.Variant(one) for one in given])
-        with calling(Caller('Ann', role, 'a client')):
+        with calling(Caller('Ann', role, 'a client', session)):
             [result] = asyncio.run(self.service.call([request]))
         return str(result.StatusCode.name)
 
@@ -158,5 +163,7 @@ def test_a_refresh_tells_all_to_one_subscription_or_one_monitor() -> None:
     scene = Scene()
     assert scene.call(ua.NodeId(9), REFRESH, 1, role=Role.VIEW) == 'Good'
     assert scene.call(ua.NodeId(9), REFRESH_2, 1, 5, role=Role.VIEW) == 'Good'
+    other = scene.call(ua.NodeId(9), REFRESH, 1, session='another')
+    assert other == 'BadSubscriptionIdInvalid'
     both = ['Emergency', 'Hold-3']
     assert scene.refreshed == [(both, 1, None), (both, 1, 5)]
