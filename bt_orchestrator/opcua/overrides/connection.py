@@ -16,6 +16,8 @@ from bt_orchestrator.spare_log import SpareLog
 if TYPE_CHECKING:
     from bt_orchestrator.opcua.overrides.server import Inside
 
+_HEADER_BYTES = 8
+
 spare = SpareLog(logging.getLogger(__name__))
 
 
@@ -38,9 +40,9 @@ class Connection(OPCUAProtocol):
     def data_received(self, data: bytes) -> None:
         """Take bytes; asyncua would wait for as many as a header announces, up to 4 GB."""
         super().data_received(data)
-        if len(self._buffer) >= 8 and self.transport is not None:
+        if len(self._buffer) >= _HEADER_BYTES and self.transport is not None:
             announced = int.from_bytes(self._buffer[4:8], 'little')
-            if announced > limits.CHUNK_BYTES:
+            if not _HEADER_BYTES < announced <= limits.CHUNK_BYTES:
                 spare.warning(
                     f'{self.peer_name} announces a part of {announced} bytes, and '
                     f'{limits.CHUNK_BYTES} is the most; its connection is closed'
