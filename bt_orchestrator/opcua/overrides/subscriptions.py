@@ -56,14 +56,6 @@ class Subscriptions(SubscriptionService):
             raise ServiceError(ua.StatusCodes.BadSubscriptionIdInvalid)
         return found
 
-    async def condition_refresh(self, parent: Any, *args: Any) -> Any:
-        """Tell the conditions that are open once more, to a subscription of the caller."""
-        caller = CALLER.get()
-        found = self.subscriptions.get(args[0].Value) if args else None
-        if found is None or str(found.session_id) != caller.session:
-            return ua.StatusCode(ua.StatusCodes.BadSubscriptionIdInvalid)
-        return await super().condition_refresh(parent, *args)
-
 
 def _revise(params: ua.CreateSubscriptionParameters) -> None:
     """Change what was asked for into what is possible.

@@ -15,8 +15,11 @@ from asyncua.common.subscription import Subscription
 from fakes.guarded import SOON_S, Bench, Served, becomes, code_of
 from fakes.opcua_access import ROLES
 
-from bt_orchestrator.opcua.overrides import OpcUaUnusable, check_version, limits, version
+from bt_orchestrator.opcua import asyncua_version
+from bt_orchestrator.opcua.asyncua_version import OpcUaUnusable, check_version
+from bt_orchestrator.opcua.overrides import limits
 from bt_orchestrator.opcua.overrides.monitored import refused_filter
+from bt_orchestrator.opcua.overrides.session import Session
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -147,6 +150,26 @@ def test_a_subscription_is_taken_over_by_its_own_user_alone(insecure: Served) ->
             assert deleted[0].value == CODES.BadSubscriptionIdInvalid
 
     insecure(work)
+
+
+def test_news_and_acknowledgements_are_of_the_session(insecure: Served) -> None:
+    async def work(bench: Bench) -> None:
+        async with two(bench) as (_, _, own), bench.plain('eve') as third:
+            found = await code_of(third.uaclient.session.publish([]))
+            assert found == CODES.BadNoSubscription
+            acks = [ua.SubscriptionAcknowledgement(own, 9999)]
+            _, (result,) = _of_user(bench, 'mes').publish(acks)
+            assert result.value == CODES.BadSequenceNumberUnknown
+            _, (result,) = _of_user(bench, 'ann').publish(acks)
+            assert result.value == CODES.BadSubscriptionIdInvalid
+
+    insecure(work)
+
+
+def _of_user(bench: Bench, name: str) -> Session:
+    """Return the session of a user, as it is inside the server."""
+    (found,) = (one for one in bench.server.inside.sessions if one.user.name == name)
+    return found
 
 
 @pytest.mark.parametrize('wanted', [0.0, 1e-9, -5.0, float('nan'), float('inf'), 1e30])
@@ -358,6 +381,49 @@ def test_a_session_stays_with_its_user(insecure: Served) -> None:
     insecure(work)
 
 
+async def go_on(bench: Bench, former: asyncua.Client, name: str = 'mes') -> asyncua.Client:
+    """Take the session of a client whose connection was cut to another connection."""
+    client = bench.plain(name)
+    await client.connect_socket()
+    await client.send_hello()
+    await client.open_secure_channel()
+    client._policy_ids = former._policy_ids
+    client._server_nonce = former._server_nonce
+    client.security_policy.peer_certificate = former.security_policy.peer_certificate
+    client.uaclient.protocol.authentication_token = former.uaclient.protocol.authentication_token
+    await client.activate_session(name, client._password)
+    return client
+
+
+def test_a_session_goes_on_at_another_connection_and_not_at_both(insecure: Served) -> None:
+    async def work(bench: Bench) -> None:
+        async with bench.plain() as former:
+            client = await go_on(bench, former)
+            (session,) = bench.server.inside.sessions
+            node = former.get_node(bench.variable.nodeid)
+            assert await code_of(node.read_value()) == CODES.BadSecureChannelIdInvalid
+            former.uaclient.disconnect_socket()
+            await becomes(lambda: len(bench.server.bserver.clients) == 1)
+            await asyncio.sleep(0)
+            # asyncua would end the session with the connection that it has left.
+            assert bench.server.inside.sessions == [session]
+            assert session.is_open
+            client.disconnect_socket()
+
+    insecure(work)
+
+
+def test_nobody_goes_on_with_the_session_of_another(insecure: Served) -> None:
+    async def work(bench: Bench) -> None:
+        async with bench.plain() as former:
+            found = await code_of(go_on(bench, former, 'ann'))
+            assert found == CODES.BadIdentityChangeNotSupported
+            node = former.get_node(bench.variable.nodeid)
+            assert await node.read_value() == 1
+
+    insecure(work)
+
+
 # --- connections --------------------------------------------------------------------------------
 
 HELLO = struct.pack('<3sc6I', b'HEL', b'F', 32, 0, 65535, 65535, 0, 0) + b'\xff\xff\xff\xff'
@@ -455,6 +521,6 @@ def test_answers_that_nobody_reads_do_not_pile_up(
 @pytest.mark.parametrize('found', ['2.0.9', '2.2.0', '3.0'])
 def test_another_asyncua_is_refused(monkeypatch: pytest.MonkeyPatch, found: str) -> None:
     check_version()
-    monkeypatch.setattr(version, 'version', lambda _: found)
+    monkeypatch.setattr(asyncua_version, 'version', lambda _: found)
     with pytest.raises(OpcUaUnusable, match=f'2.1.x is needed, and {found} is installed'):
         check_version()
