@@ -6,8 +6,14 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from fakes import plan_runs
+from fakes.drawn.lines import lines
+from fakes.drawn.plan import Plan
 from fakes.line import THREE, TYPES, Line, with_section
+from fakes.plan_runs import ProductBench, operate
+from fakes.profiles import examples
 from fakes.virtual_run import VirtualRun
+from hypothesis import given
 
 from bt_orchestrator.mes.job_book import JobBook, News
 from bt_orchestrator.model.jobs.isa95 import JobWord, job_word
@@ -171,3 +177,14 @@ def test_what_was_heard_before_is_heard_once() -> None:
     run = begin(Line())
     run.go()
     assert not [one for event in run.store.read() for one in run.book.follow(event)]
+
+
+def test_the_book_agrees_with_the_engine_on_every_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(plan_runs, 'VirtualRun', BookedRun)
+
+    @examples(15, 1000)
+    @given(lines())
+    def holds(plan: Plan) -> None:
+        operate(ProductBench(plan), plan.moments)
+
+    holds()
