@@ -120,12 +120,12 @@ class Space:
     async def folder(self, path: str, meaning: str) -> asyncua.Node:
         """Make a folder."""
         node = await self._parent(path).add_folder(self.id(path), self._name(path))
-        return await self._described(node, meaning)
+        return await self.described(node, meaning)
 
     async def object(self, path: str, meaning: str) -> asyncua.Node:
         """Make an object."""
         node = await self._parent(path).add_object(self.id(path), self._name(path))
-        return await self._described(node, meaning)
+        return await self.described(node, meaning)
 
     async def variable(
         self, path: str, type_: ua.VariantType, meaning: str, *, is_list: bool = False
@@ -137,7 +137,7 @@ class Space:
             self.id(path), self._name(path), variant, datatype=ua.NodeId(type_.value)
         )
         await node.write_value_rank(ua.ValueRank.OneDimension if is_list else ua.ValueRank.Scalar)
-        return await self._described(node, meaning)
+        return await self.described(node, meaning)
 
     async def method(
         self,
@@ -155,7 +155,7 @@ class Space:
             [one.declared for one in inputs],
             [one.declared for one in outputs],
         )
-        return await self._described(node, meaning)
+        return await self.described(node, meaning)
 
     async def event_type(
         self, name: str, base: ua.NodeId, fields: Sequence[Argument]
@@ -172,7 +172,7 @@ class Space:
                 ua.Variant(value, one.type, is_array=one.is_list),
             )
             await node.set_modelling_rule(True)
-            await self._described(node, one.meaning)
+            await self.described(node, one.meaning)
         return made
 
     async def instance(
@@ -195,7 +195,8 @@ class Space:
         """Have a method of a nodeset carried out; `call` gets what the client sent."""
         self.server.link_method(node, answering(call))
 
-    async def _described(self, node: asyncua.Node, meaning: str) -> asyncua.Node:
+    async def described(self, node: asyncua.Node, meaning: str) -> asyncua.Node:
+        """Have a node say what it is."""
         text = ua.Variant(ua.LocalizedText(meaning), ua.VariantType.LocalizedText)
         await node.write_attribute(ua.AttributeIds.Description, ua.DataValue(text))
         return node

@@ -30,6 +30,26 @@ _RECEIVER_TYPE, _METHODS_TYPE, _RESULTS_TYPE = 1008, 1002, 1003
 ISA95JobResponseProviderObjectType."""
 
 _SUBSTATES = 'InterruptedSubstates'
+_STATES = tuple(
+    f'{machine}/CurrentState{id_}'
+    for machine in (RECEIVER, f'{RECEIVER}/{_SUBSTATES}')
+    for id_ in ('', '/Id')
+)
+"""Of the receiver there is no state, only of each of its orders."""
+
+_MEANINGS = {
+    RECEIVER: 'takes job orders and changes them (OPC 10031-4)',
+    f'{RECEIVER}/MaxDownloadableJobOrders': 'the most orders in JobOrderList; the queue of the '
+    'cell may be longer',
+    RESULTS: 'what became of job orders, and the events of their states (OPC 10031-4)',
+    f'{RESULTS}/RequestJobResponseByJobOrderID': 'the response about one job order',
+    f'{RESULTS}/RequestJobResponseByJobOrderState': 'the responses about the listed job orders '
+    'in a state',
+    f'{RESULTS}/JobOrderResponseList': 'the responses about the orders in JobOrderList that have '
+    'started',
+}
+"""Where the nodeset says nothing of a node, or nothing that a reader could use."""
+
 _EMPTY = ('PersonnelID', 'PhysicalAssetID', 'MaterialClassID', 'MaterialDefinitionID')
 """What an order may name of them is not checked, and no list of them is known."""
 
@@ -72,6 +92,9 @@ class JobControl:
                 space.cell, ua.NodeId(type_, self._index), path, path, optionals=optionals
             )
             await node.set_event_notifier([ua.EventNotifier.SubscribeToEvents])
+        meanings = {f'{RECEIVER}/{method.name}': method.meaning for method in METHODS}
+        for path, meaning in {**_MEANINGS, **meanings}.items():
+            await space.described(space.node(path), meaning)
 
     async def _link(self, path: str, type_: int, calls: Mapping[str, Call]) -> None:
         """Have methods carried out, also where a client names the method of the type."""
@@ -90,6 +113,10 @@ class JobControl:
         for name, ids in lists.items():
             node = self._space.node(f'{RECEIVER}/{name}')
             self._space.values.put(node, ua.Variant(ids, text, is_array=True), stamp, is_own=True)
+        for path in _STATES:
+            inactive = ua.StatusCodes.BadStateNotActive
+            node = self._space.node(path)
+            self._space.values.put(node, ua.Variant(), stamp, is_own=True, code=inactive)
         most = self._space.node(f'{RECEIVER}/MaxDownloadableJobOrders')
         self._space.values.put(most, ua.Variant(MOST, ua.VariantType.UInt16), stamp, is_own=True)
 

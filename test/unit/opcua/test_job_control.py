@@ -353,6 +353,12 @@ def test_work_masters_and_limits_are_told(script: str, url: str) -> None:
         assert await mes.value('JobOrderControl/MaxDownloadableJobOrders') == 100
         assert 'conveyor' in await mes.value('JobOrderControl/EquipmentID')
         assert await mes.value('JobOrderControl/PersonnelID') == []
+        meaning = await mes.node('JobOrderControl/Stop').read_description()
+        assert meaning.Text.startswith('end a job early')
+        state = await mes.node('JobOrderControl/CurrentState').read_data_value(
+            raise_on_bad_status=False
+        )
+        assert state.StatusCode.value == ua.StatusCodes.BadStateNotActive
 
     with_mes(url, look)
 
