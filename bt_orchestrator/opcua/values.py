@@ -22,6 +22,10 @@ _ENUMERATION = ua.NodeId(ua.ObjectIds.Enumeration)
 _HAS_SUBTYPE = ua.NodeId(ua.ObjectIds.HasSubtype)
 
 
+NO_TIME = datetime(1601, 1, 1, tzinfo=timezone.utc)
+"""Zero, which OPC UA takes for no time; asyncua cannot send None."""
+
+
 class _Shown(NamedTuple):
     variant: ua.Variant
     at: float
@@ -59,14 +63,16 @@ class Values:
     ) -> None:
         """Show a value from now on.
 
-        :param value: a `ua.Variant`, or what the type of the node can hold
+        :param value: a `ua.Variant`, or what the type of the node can hold; None: no time
         :param stamp: since when it is so, by the node's clock
         :param is_own: the server knows it by itself: it is never doubted
         :param code: what a value that is known is good for
         """
         id_ = node.nodeid
         if not isinstance(value, ua.Variant):
-            value = ua.Variant(value, self._type(id_))
+            type_ = self._type(id_)
+            is_no_time = value is None and type_ is ua.VariantType.DateTime
+            value = ua.Variant(NO_TIME if is_no_time else value, type_)
         shown = self._waiting.get(id_) or self._shown.get(id_)
         if shown is not None and (shown.variant, shown.code) == (value, code):
             return

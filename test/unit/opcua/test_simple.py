@@ -158,6 +158,8 @@ def test_everything_is_described_typed_and_only_to_be_read(scene: Scene) -> None
             node = reader.node(path)
             assert (await node.read_description()).Text == one.meaning
             assert await node.read_data_type() == ua.NodeId(one.type.value)
+            found = (await node.read_data_value()).Value
+            assert (found.VariantType, found.is_array) == (one.type, one.is_list)
             assert (await node.read_browse_name()).Name == path.rpartition('/')[2]
             assert await node.get_user_access_level() == {ua.AccessLevel.CurrentRead}
         for name, arguments in (
