@@ -8,6 +8,7 @@ from typing import NamedTuple
 from asyncua import ua
 
 from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.hold_words import hold_words
 from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import CellStatus, JobStatus
@@ -67,11 +68,11 @@ JOB: Mapping[str, Shown] = {
 
 HOLD: Mapping[str, Shown] = {
     'ID': Shown(TEXT, 'id of the hold, for AnswerHold; empty: there is none'),
-    'Message': Shown(TEXT, 'what happened'),
+    'Message': Shown(TEXT, 'where something is held, what, and why'),
     'Job': Shown(TEXT, 'id of its job'),
     'Section': Shown(COUNT, 'section of the belt; 0: none'),
     'Item': Shown(TEXT, 'id of its item'),
-    'Task': Shown(TEXT, 'id of its task'),
+    'Task': Shown(TEXT, 'id of its task in the script'),
     'Answers': Shown(TEXT, 'the answers that are possible now', is_list=True),
     'Since': Shown(TIME, 'when it began'),
 }
@@ -173,7 +174,7 @@ def _job(name: str, job: JobStatus | None, status: CellStatus) -> Iterator[tuple
 
 def _hold(hold: Hold | None) -> Iterator[tuple[str, object]]:
     values = ('', '', '', 0, '', '', [], None) if hold is None else (
-        hold.id, hold.message, hold.job or '', hold.section or 0, hold.item or '',
+        hold.id, hold_words(hold), hold.job or '', hold.section or 0, hold.item or '',
         hold.task or '', list(hold.answers), moment(hold.since),
     )  # fmt: skip
     yield from ((f'OldestHold/{key}', value) for key, value in zip(HOLD, values, strict=True))

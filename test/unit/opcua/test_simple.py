@@ -60,6 +60,9 @@ def test_a_held_job_is_seen_answered_and_ends(scene: Scene) -> None:
         hold = await reader.wait('Simple/OldestHold/ID', bool)
         assert await reader.value('Simple/OldestHold/Job') == 'WO-1'
         assert 'retry' in await reader.value('Simple/OldestHold/Answers')
+        said = await reader.value('Simple/OldestHold/Message')
+        assert 'section 4' in said
+        assert 'aborted' in said
         await reader.wait('Simple/StopReason', lambda one: one == 'own_fault')
         assert await reader.value('Simple/StopMessage')
         wrong = await reader.call('Simple/AnswerHold', hold, 'wait', '')
