@@ -8,7 +8,6 @@ from typing import Any
 from asyncua import ua
 
 from bt_orchestrator.mes.return_status import ReturnStatus
-from bt_orchestrator.opcua.job_control.structures import listed
 
 
 def answer(status: ReturnStatus, *outputs: ua.Variant) -> ua.CallMethodResult:
@@ -28,11 +27,6 @@ def answer(status: ReturnStatus, *outputs: ua.Variant) -> ua.CallMethodResult:
 def one(structure: Any) -> ua.Variant:
     """Return a structure as an output."""
     return ua.Variant(structure, ua.VariantType.ExtensionObject)
-
-
-def several(structures: Sequence[Any]) -> ua.Variant:
-    """Return structures as an output."""
-    return listed(structures)
 
 
 def check_number(given: Sequence[object], wanted: int) -> None:

@@ -54,6 +54,9 @@ class Jobs:
 
     def forget(self) -> None:
         """Begin anew with the next status: the cell has another journal."""
+        if self._task is not None:
+            self._task.cancel()
+        self._waiting.clear()
         self.book.begin()
         self._asked.clear()
         self._is_behind = True

@@ -17,6 +17,7 @@ from bt_orchestrator.opcua.job_control.lists import MOST, JobLists, chosen
 from bt_orchestrator.opcua.job_control.receiver import Receiver
 from bt_orchestrator.opcua.job_control.records import Records
 from bt_orchestrator.opcua.job_control.results import Results
+from bt_orchestrator.opcua.job_control.shown import Shown
 from bt_orchestrator.opcua.job_control.status_events import StatusEvents
 from bt_orchestrator.opcua.job_control.structures import Structures
 from bt_orchestrator.opcua.job_control.work_masters import WorkMasters
@@ -73,8 +74,9 @@ class JobControl:
         receiver, results = space.id(RECEIVER), space.id(RESULTS)
         self._events = StatusEvents(space, structures, results, receiver)
         await self._events.build(self._index)
-        orders = Receiver(self._bridge, self._jobs, self._events)
-        answers = Results(self._jobs, structures, self._shown)
+        self._shown = Shown(space.values)
+        orders = Receiver(self._bridge, self._jobs, self._events, self._shown)
+        answers = Results(self._jobs, structures, self._listed)
         await self._link(RECEIVER, _METHODS_TYPE, orders.calls())
         await self._link(RESULTS, _RESULTS_TYPE, answers.calls())
         await Records(self._bridge).build(space, RESULTS)
@@ -126,6 +128,7 @@ class JobControl:
         """Show the jobs of a status."""
         self._jobs.show(status)
         self._put(status)
+        self._shown.reached(status.seq)
         if self._masters.is_due and (self._looking is None or self._looking.done()):
             self._looking = asyncio.ensure_future(self._look())
 
@@ -154,7 +157,7 @@ class JobControl:
         values.put(self._space.node(f'{RESULTS}/JobOrderResponseList'), responses, stamp)
         values.put(self._space.node(f'{RECEIVER}/WorkMaster'), self._masters.value(), stamp)
 
-    def _shown(self) -> list[ListedJob]:
+    def _listed(self) -> list[ListedJob]:
         return list(self._jobs.listed(self._bridge.status).values())
 
     async def _look(self) -> None:

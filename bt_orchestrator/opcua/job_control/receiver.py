@@ -19,6 +19,7 @@ from bt_orchestrator.opcua.bridge import Bridge
 from bt_orchestrator.opcua.calls import reason_of
 from bt_orchestrator.opcua.job_control.answers import answer, check_number
 from bt_orchestrator.opcua.job_control.jobs import Jobs
+from bt_orchestrator.opcua.job_control.shown import Shown
 from bt_orchestrator.opcua.job_control.status_events import StatusEvents
 from bt_orchestrator.opcua.job_control.structures import ORDER, comment_from, is_of, order_from
 from bt_orchestrator.opcua.space import Call
@@ -29,10 +30,11 @@ _WITH_ORDER = (*STORING, job_control.UPDATE)
 class Receiver:
     """Arguments first, then the role, then the cell; what it accepted is never an error."""
 
-    def __init__(self, bridge: Bridge, jobs: Jobs, events: StatusEvents) -> None:
+    def __init__(self, bridge: Bridge, jobs: Jobs, events: StatusEvents, shown: Shown) -> None:
         self._bridge = bridge
         self._jobs = jobs
         self._events = events
+        self._shown = shown
 
     def calls(self) -> Mapping[str, Call]:
         """Return what carries out every method, by its name."""
@@ -88,6 +90,7 @@ class Receiver:
 
     async def _answer(self, method: Method, job: str, outcome: Outcome) -> ua.CallMethodResult:
         if outcome.accepted:
+            await self._shown.wait(outcome)
             return answer(ReturnStatus.DONE)
         now = None if method in STORING else await self._now(job)
         word, ending = (None, '') if now is None else (now.status.state, now.status.ending)

@@ -12,7 +12,8 @@ from asyncua import ua
 from bt_orchestrator.errors import JournalUnusable, NodeUnreachable
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import json_of, to_plain, to_text
-from bt_orchestrator.model.jobs.job_record import JobRecord
+from bt_orchestrator.model.jobs.job_record import ItemRecord, JobRecord
+from bt_orchestrator.model.limits import EVENTS_BYTES, fitting
 from bt_orchestrator.opcua.bridge import Bridge
 from bt_orchestrator.opcua.space import Argument, Space
 from bt_orchestrator.report.jobs import JobFold
@@ -88,11 +89,11 @@ class Records:
         if after and after not in names:
             raise ua.UaStatusCodeError(ua.StatusCodes.BadInvalidArgument)
         first = names.index(after) + 1 if after else 0
-        end = first + min(most or ITEMS, MOST_ITEMS)
-        texts = [json_of(to_plain(one, whole=True)) for one in items[first:end]]
+        wanted = items[first : first + min(most or ITEMS, MOST_ITEMS)]
+        texts = list(fitting(map(_text_of, wanted), EVENTS_BYTES, len))
         return [
             ua.Variant(texts, TEXT, is_array=True),
-            ua.Variant(end >= len(items), YES_NO),
+            ua.Variant(first + len(texts) >= len(items), YES_NO),
             ua.Variant(found.is_whole, YES_NO),
         ]
 
@@ -139,6 +140,10 @@ class Records:
             if not page.events or page.events[-1].seq >= page.last_seq:
                 return Found(fold.jobs.get(job), True)
             seq = page.events[-1].seq
+
+
+def _text_of(item: ItemRecord) -> str:
+    return json_of(to_plain(item, whole=True))
 
 
 _ENDS = (e.JobCompleted, e.JobAborted, e.JobRemoved)

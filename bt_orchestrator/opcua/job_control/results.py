@@ -11,13 +11,14 @@ from bt_orchestrator.mes.job_response import response_of
 from bt_orchestrator.mes.job_states import words_in
 from bt_orchestrator.mes.return_status import ReturnStatus
 from bt_orchestrator.model.status import ListedJob
-from bt_orchestrator.opcua.job_control.answers import answer, check_number, one, several
+from bt_orchestrator.opcua.job_control.answers import answer, check_number, one
 from bt_orchestrator.opcua.job_control.jobs import Jobs
 from bt_orchestrator.opcua.job_control.structures import (
     RESPONSE,
     STATE,
     Structures,
     is_of,
+    listed,
     none_of,
     states_from,
 )
@@ -62,12 +63,12 @@ class Results:
         check_number(given, 1)
         wanted = given[0] if isinstance(given[0], (list, tuple)) else ()
         if not wanted or not all(is_of(STATE, state) for state in wanted):
-            return answer(ReturnStatus.MALFORMED, several([]))
+            return answer(ReturnStatus.MALFORMED, listed([]))
         words = words_in(states_from(wanted))
         if not words:
-            return answer(ReturnStatus.WRONG_STATE, several([]))
+            return answer(ReturnStatus.WRONG_STATE, listed([]))
         found = [self._response(job) for job in self._shown() if job.status.state in words]
-        return answer(ReturnStatus.DONE, several(found))
+        return answer(ReturnStatus.DONE, listed(found))
 
     def _response(self, job: ListedJob) -> object:
         return self._structures.response(response_of(job, self._jobs.book.interrupted))

@@ -236,6 +236,18 @@ def test_what_is_wrong_with_an_order_is_a_status_and_an_event(script: str, url: 
     with_mes(url, look)
 
 
+def test_what_was_done_can_be_read_at_once(script: str, url: str) -> None:
+    async def look(mes: Mes) -> None:
+        for number in range(5):
+            name = f'AT-{number}'
+            assert await mes.method('Store', order(name, script)) == DONE
+            assert name in await mes.listed()
+            assert await mes.method('Cancel', name) == DONE
+            assert name not in await mes.listed()
+
+    with_mes(url, look)
+
+
 def test_an_order_given_twice_is_made_once(script: str, url: str) -> None:
     async def look(mes: Mes) -> None:
         assert await mes.method('Store', order('TW-1', script, 2)) == DONE
