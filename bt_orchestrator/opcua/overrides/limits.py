@@ -62,8 +62,15 @@ SESSION_MS = (5_000.0, 600_000.0)
 NODES = 1_000
 """Nodes in a request to read, write, or watch."""
 
-BROWSED = 500
+BROWSED = 200
 """Nodes in a request to browse, or to find by their paths."""
+
+SAME = 10
+"""How often one value may be read in a request, or watched by a session: a list of orders may have
+a megabyte, and is copied each time."""
+
+STEP = 20
+"""Nodes after which others get their turn."""
 
 CALLED = 50
 """Methods in a request."""

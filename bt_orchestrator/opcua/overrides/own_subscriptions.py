@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections import Counter
 from collections.abc import Callable, Iterable, Sized
 from typing import TYPE_CHECKING, Any
 
@@ -58,9 +59,14 @@ class OwnSubscriptions(InternalSession):
         self._get(params.SubscriptionId)
         items = params.ItemsToCreate
         check_count(items, limits.NODES)
-        watched = sum(len(one.monitored_item_srv._monitored_items) for one in self._own.values())
-        if watched + len(items) > limits.ITEMS_OF_SESSION:
+        watched = [
+            item.read_value_id
+            for one in self._own.values()
+            for item in one.monitored_item_srv._monitored_items.values()
+        ]
+        if len(watched) + len(items) > limits.ITEMS_OF_SESSION:
             raise ServiceError(ua.StatusCodes.BadTooManyMonitoredItems)
+        check_same([*watched, *(item.ItemToMonitor for item in items)])
         refusals = [_refusal(item) for item in items]
         params.ItemsToCreate = [
             item for item, refusal in zip(items, refusals, strict=True) if refusal is None
@@ -205,6 +211,16 @@ def check_count(given: Sized | None, most: int) -> None:
     :raises ServiceError: BadTooManyOperations
     """
     if given is not None and len(given) > most:
+        raise ServiceError(ua.StatusCodes.BadTooManyOperations)
+
+
+def check_same(given: Iterable[ua.ReadValueId] | None) -> None:
+    """Refuse a request for one and the same value many times.
+
+    :raises ServiceError: BadTooManyOperations
+    """
+    counts = Counter((one.NodeId, one.AttributeId) for one in given or ())
+    if counts and max(counts.values()) > limits.SAME:
         raise ServiceError(ua.StatusCodes.BadTooManyOperations)
 
 

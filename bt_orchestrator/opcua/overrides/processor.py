@@ -62,6 +62,11 @@ class Processor(UaProcessor):
         policy = self._connection.security_policy
         return policy.Mode == ua.MessageSecurityMode.SignAndEncrypt
 
+    @property
+    def is_gone(self) -> bool:
+        """Tell whether the connection is closed."""
+        return bool(self._transport.is_closing())
+
     def close_connection(self) -> None:
         """Close the connection, whatever is under way."""
         self._transport.close()
@@ -190,7 +195,7 @@ class Processor(UaProcessor):
 
     async def _create(self, typeid: ua.NodeId, requesthdr: Any, seqhdr: Any, body: Buffer) -> Any:
         wanted = struct_from_binary(ua.CreateSessionParameters, body.copy())
-        self._check_creation(wanted)
+        await self._check_creation(wanted)
         result = await super()._process_message(typeid, requesthdr, seqhdr, body)
         if self.session is not None:
             named = wanted.ClientDescription.ApplicationName.Text or wanted.SessionName
@@ -198,11 +203,11 @@ class Processor(UaProcessor):
             self.session.certificate, self.session.processor = self._certificate, self
         return result
 
-    def _check_creation(self, wanted: Any) -> None:
+    async def _check_creation(self, wanted: Any) -> None:
         if self.session is not None and self.session.is_open:
             # asyncua would forget the first one, which then stays for ever.
             raise ServiceError(ua.StatusCodes.BadTooManySessions)
-        if len(self.iserver.sessions) >= limits.SESSIONS:
+        if len(self.iserver.sessions) >= limits.SESSIONS and not await self._end_forsaken():
             spare.warning(f'a session for {self._address} was refused: {limits.SESSIONS} are open')
             raise ServiceError(ua.StatusCodes.BadTooManySessions)
         if not self._is_encrypted:
@@ -220,6 +225,17 @@ class Processor(UaProcessor):
                 'to be the same'
             )
             raise ServiceError(ua.StatusCodes.BadCertificateUriInvalid)
+
+    async def _end_forsaken(self) -> bool:
+        """End a session that waits for its client to come back; tells whether there was one.
+
+        A client whose network comes and goes would else fill the places with its own sessions.
+        """
+        for session in self.iserver.sessions:
+            if session.processor is not None and session.processor.is_gone:
+                await session.end('its client is gone, and another one needs the place')
+                return True
+        return False
 
     async def _activate(
         self, typeid: ua.NodeId, requesthdr: Any, seqhdr: Any, body: Buffer

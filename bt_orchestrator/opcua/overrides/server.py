@@ -20,6 +20,7 @@ from bt_orchestrator.opcua.overrides.methods import Methods
 from bt_orchestrator.opcua.overrides.security import Security
 from bt_orchestrator.opcua.overrides.session import Session
 from bt_orchestrator.opcua.overrides.subscriptions import Subscriptions
+from bt_orchestrator.opcua.overrides.views import Views
 
 log = logging.getLogger(__name__)
 
@@ -40,6 +41,7 @@ class Inside(InternalServer):
     """What all connections share."""
 
     method_service: MethodService
+    view_service: Views
 
     def __init__(self, security: Security) -> None:
         super().__init__()
@@ -52,6 +54,7 @@ class Inside(InternalServer):
         self.supported_tokens = (ua.UserNameIdentityToken,)
         self.method_service.stop()
         self.method_service = Methods(self.aspace)
+        self.view_service = Views(self.aspace)
         self.subscription_service = self.isession.subscription_service = Subscriptions(
             self.aspace, iserver=self
         )
@@ -116,6 +119,7 @@ class GuardedServer(asyncua.Server):
 
         asyncua makes its `BinaryServer` here, by name; otherwise this is what it does.
         """
+        self.inside.view_service.forget()
         await self._setup_server_nodes()
         await self.iserver.start()
         host, port = self._get_bind_socket_info()

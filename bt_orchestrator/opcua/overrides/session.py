@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import secrets
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from asyncua import ua
@@ -12,7 +15,11 @@ from asyncua.crypto.permission_rules import User, UserRole
 from asyncua.server.internal_session import SessionState
 
 from bt_orchestrator.opcua.overrides import limits
-from bt_orchestrator.opcua.overrides.own_subscriptions import OwnSubscriptions, check_count
+from bt_orchestrator.opcua.overrides.own_subscriptions import (
+    OwnSubscriptions,
+    check_count,
+    check_same,
+)
 from bt_orchestrator.opcua.people import Person
 from bt_orchestrator.opcua.trust import Untrusted
 
@@ -85,7 +92,12 @@ class Session(OwnSubscriptions):
     async def read(self, params: ua.ReadParameters) -> list[ua.DataValue]:
         """Read some attributes."""
         check_count(params.NodesToRead, limits.NODES)
-        return await super().read(params)
+        check_same(params.NodesToRead)
+        results = []
+        for step in _steps(params.NodesToRead):
+            results += await super().read(replace(params, NodesToRead=step))
+            await asyncio.sleep(0)
+        return results
 
     async def write(self, params: ua.WriteParameters) -> list[ua.StatusCode]:
         """Write some attributes."""
@@ -95,16 +107,31 @@ class Session(OwnSubscriptions):
     async def browse(self, params: ua.BrowseParameters) -> list[ua.BrowseResult]:
         """Return references of some nodes."""
         check_count(params.NodesToBrowse, limits.BROWSED)
-        return await super().browse(params)
+        results = []
+        for step in _steps(params.NodesToBrowse):
+            results += await super().browse(replace(params, NodesToBrowse=step))
+            await asyncio.sleep(0)
+        return results
 
     async def translate_browsepaths_to_nodeids(
         self, params: list[ua.BrowsePath]
     ) -> list[ua.BrowsePathResult]:
         """Find some nodes."""
         check_count(params, limits.BROWSED)
-        return await super().translate_browsepaths_to_nodeids(params)
+        results = []
+        for step in _steps(params):
+            results += await super().translate_browsepaths_to_nodeids(step)
+            await asyncio.sleep(0)
+        return results
 
     async def call(self, params: list[ua.CallMethodRequest]) -> list[ua.CallMethodResult]:
         """Call some methods."""
         check_count(params, limits.CALLED)
         return await super().call(params)
+
+
+def _steps(given: Sequence[Any] | None) -> Iterator[list[Any]]:
+    """Yield what is given in steps, between which others get their turn."""
+    things = given or []
+    for first in range(0, len(things), limits.STEP):
+        yield list(things[first : first + limits.STEP])

@@ -205,6 +205,9 @@ def test_there_are_not_too_many_subscriptions_and_watched_nodes(
             node = client.get_node(bench.variable.nodeid)
             more = subscription.subscribe_data_change([node] * 3)
             assert await code_of(more) == CODES.BadTooManyMonitoredItems
+            monkeypatch.setattr(limits, 'ITEMS_OF_SESSION', 1000)
+            same = subscription.subscribe_data_change([node] * limits.SAME)
+            assert await code_of(same) == CODES.BadTooManyOperations
 
     insecure(work)
 
@@ -258,7 +261,9 @@ def test_requests_for_too_many_things_are_refused(insecure: Served) -> None:
     async def work(bench: Bench) -> None:
         async with bench.plain() as client:
             value = ua.ReadValueId(bench.variable.nodeid, ua.AttributeIds.Value)
-            read = ua.ReadParameters(NodesToRead=[value] * (limits.NODES + 1))
+            same = ua.ReadParameters(NodesToRead=[value] * (limits.SAME + 1))
+            many = [ua.ReadValueId(ua.NodeId(number)) for number in range(limits.NODES + 1)]
+            read = ua.ReadParameters(NodesToRead=many)
             call = [ua.CallMethodRequest(bench.method.nodeid, bench.method.nodeid, [])]
             path = ua.BrowsePath(bench.variable.nodeid)
             browse = ua.BrowseParameters(
@@ -267,7 +272,8 @@ def test_requests_for_too_many_things_are_refused(insecure: Served) -> None:
             write = ua.WriteParameters(NodesToWrite=[ua.WriteValue()] * (limits.NODES + 1))
             session = client.uaclient.session
             for work in (
-                session.read(read), session.write(write), session.browse(browse),
+                session.read(same), session.read(read), session.write(write),
+                session.browse(browse),
                 session.call(call * (limits.CALLED + 1)),
                 session.translate_browsepaths_to_nodeids([path] * (limits.BROWSED + 1)),
             ):  # fmt: skip
@@ -354,6 +360,54 @@ def test_there_are_not_too_many_sessions(
     async def work(bench: Bench) -> None:
         async with bench.plain():
             assert await code_of(bench.plain().connect()) == CODES.BadTooManySessions
+
+    insecure(work)
+
+
+def test_a_session_whose_client_is_gone_makes_room(
+    insecure: Served, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(limits, 'SESSIONS', 2)
+
+    async def work(bench: Bench) -> None:
+        gone = bench.plain()
+        await gone.connect()
+        await watching(bench, gone)
+        gone.uaclient.disconnect_socket()
+        await becomes(lambda: not bench.server.bserver.clients)
+        assert len(bench.server.inside.sessions) == 1  # it may come back
+        async with bench.plain(), bench.plain('ann'):
+            names = [one.user.name for one in bench.server.inside.sessions]
+            assert names == ['mes', 'ann']
+
+    insecure(work)
+
+
+def test_large_requests_are_answered_whole_and_let_others_have_their_turn(
+    insecure: Served,
+) -> None:
+    async def work(bench: Bench) -> None:
+        async with bench.plain() as client, bench.plain('ann') as other:
+            session, done = client.uaclient.session, []
+            # A type with many subtypes.
+            browse = ua.BrowseDescription(
+                ua.NodeId(ua.ObjectIds.BaseEventType), ua.BrowseDirection.Forward,
+                ua.NodeId(ua.ObjectIds.HierarchicalReferences), True,
+            )  # fmt: skip
+            wanted = ua.BrowseParameters(NodesToBrowse=[browse] * 60)
+
+            async def large() -> None:
+                found = await session.browse(wanted)
+                done.append('large')
+                assert len(found) == 60
+                assert len({len(one.References) for one in found}) == 1
+
+            async def small() -> None:
+                await other.get_node(bench.variable.nodeid).read_value()
+                done.append('small')
+
+            await asyncio.gather(large(), small())
+            assert done == ['small', 'large']
 
     insecure(work)
 
@@ -503,7 +557,7 @@ def test_answers_that_nobody_reads_do_not_pile_up(
         async with bench.plain() as client:
             client.uaclient.protocol.transport.pause_reading()
             browse = ua.BrowseDescription(ua.NodeId(ua.ObjectIds.Server))
-            params = ua.BrowseParameters(NodesToBrowse=[browse] * 400)
+            params = ua.BrowseParameters(NodesToBrowse=[browse] * limits.BROWSED)
             asked = [
                 asyncio.ensure_future(client.uaclient.session.browse(params)) for _ in range(60)
             ]
