@@ -57,6 +57,7 @@ PARTS: Mapping[str, Callable[[], Iterator[str]]] = {
     'API of the page': page_api.api_of_the_page,
     'simple values of OPC UA': opcua.simple_values,
     'states in numbers': opcua.states_in_numbers,
+    'values of PackML': opcua.values_of_packml,
     'commands of PackML': opcua.commands_of_packml,
     'numbers of stop reasons': opcua.stop_numbers,
 }

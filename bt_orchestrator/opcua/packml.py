@@ -24,6 +24,7 @@ from bt_orchestrator.opcua.bridge import Bridge
 from bt_orchestrator.opcua.calls import reason_of
 from bt_orchestrator.opcua.nodesets import PACK_ML
 from bt_orchestrator.opcua.notices import Told, id_of
+from bt_orchestrator.opcua.packml_meanings import METHODS, meanings
 from bt_orchestrator.opcua.packml_values import Shown
 from bt_orchestrator.opcua.space import Argument, Space
 
@@ -34,12 +35,6 @@ TOP = 'PackML'
 _TYPES = {Machine.BASE: 3, Machine.MACHINE: 2, Machine.EXECUTE: 1}
 _TYPE_OF_ALL = 6
 """Numbers of the types in the nodeset."""
-
-_METHODS: Mapping[Machine, Sequence[str]] = {
-    Machine.BASE: ('Abort',),
-    Machine.MACHINE: ('Reset', 'Stop'),
-    Machine.EXECUTE: ('Reset', 'Start', 'Hold', 'Unhold'),
-}
 
 _NOT_OURS = ('SetUnitMode', 'SetMachSpeed', 'SetProduct', 'SetParameter')
 """Mandatory methods of the nodeset for what the cell does not have."""
@@ -55,7 +50,7 @@ _OPTIONALS = (
     *(f'{machine.value}/CurrentState/Number' for machine in Machine),
     *(f'{machine.value}/LastTransition' for machine in Machine),
     *(f'{machine.value}/LastTransition/TransitionTime' for machine in Machine),
-    *(f'{machine.value}/{name}' for machine, names in _METHODS.items() for name in names),
+    *(f'{machine.value}/{name}' for machine, names in METHODS.items() for name in names),
 )
 
 
@@ -78,7 +73,7 @@ class PackML:
         }
         self._shown = Shown(space, self._names)
         await self._shown.build()
-        for machine, names in _METHODS.items():
+        for machine, names in METHODS.items():
             for name in names:
                 call = partial(self._command, COMMANDS[name], name)
                 space.link(space.node(f'{TOP}/{machine.value}/{name}'), call)
@@ -87,6 +82,8 @@ class PackML:
         for name in _NOT_OURS:
             space.link(space.node(f'{TOP}/{name}'), partial(_not_supported, name))
         await self._make_clear()
+        for path, meaning in meanings(TOP):
+            await space.described(space.node(path), meaning)
         for path in (TOP, *(f'{TOP}/{machine.value}' for machine in Machine)):
             await space.node(path).set_event_notifier([ua.EventNotifier.SubscribeToEvents])
 

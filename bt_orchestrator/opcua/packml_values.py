@@ -23,6 +23,7 @@ from bt_orchestrator.model.belt_statement import EMPTY
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.packml import TRANSITIONS, PackmlState
 from bt_orchestrator.model.status import CellStatus, SectionStatus
+from bt_orchestrator.opcua.packml_meanings import VALUES
 from bt_orchestrator.opcua.space import Space
 
 TOP = 'PackML'
@@ -33,6 +34,13 @@ MODES = PRODUCE + 1
 
 WITHOUT = ('Status/MachSpeed', 'Status/MachSpeed/EURange', 'Status/CurMachSpeed/EURange')
 """Mandatory variables that the cell has no value for: nobody sets its speed."""
+
+OWN: Mapping[str, ua.VariantType] = {
+    'Status/StateCurrent': ua.VariantType.Int32,
+    'LastRefusal': ua.VariantType.String,
+    'Belt': ua.VariantType.String,
+}
+"""Variables that the nodeset has no place for."""
 
 ITEM = ua.EUInformation(
     'http://www.opcfoundation.org/UA/units/un/cefact', 4_404_274, ua.LocalizedText('item'),
@@ -69,16 +77,8 @@ class Shown:
     async def build(self) -> None:
         """Write what never changes, and make what the nodeset has no place for."""
         space, kind = self._space, ua.VariantType
-        for name, meaning in (
-            ('Status/StateCurrent', 'number of the state, as in the tag Status.StateCurrent'),
-        ):
-            await space.variable(f'{TOP}/{name}', kind.Int32, meaning)
-        await space.variable(f'{TOP}/LastRefusal', kind.String, 'why the last command was refused')
-        await space.variable(
-            f'{TOP}/Belt',
-            kind.String,
-            'what stands on the belt of an aborted cell, for ClearAsShown; else empty',
-        )
+        for name, type_ in OWN.items():
+            await space.variable(f'{TOP}/{name}', type_, VALUES[name])
         await self._write('PackMLVersion', ua.Variant(VERSION, kind.String))
         await self._write('Status/UnitModeCurrent', ua.Variant(PRODUCE, kind.Int32))
         await self._write('Status/UnitSupportedModes', _node(await self._modes()))

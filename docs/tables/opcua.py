@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from bt_orchestrator.mes.packml import COMMANDS, STATE_NUMBERS, WITHOUT
 from bt_orchestrator.mes.stop_ids import STOP_IDS
 from bt_orchestrator.opcua import simple
+from bt_orchestrator.opcua.packml_meanings import VALUES
 from tables.markdown import cell, table
 
 
@@ -32,6 +33,13 @@ def states_in_numbers() -> Iterator[str]:
     by_number = sorted(STATE_NUMBERS.items(), key=lambda one: one[1])
     yield from table(
         ('number', 'state'), ((str(number), state.value) for state, number in by_number)
+    )
+
+
+def values_of_packml() -> Iterator[str]:
+    """Yield the variables below PackML."""
+    yield from table(
+        ('node', 'meaning'), ((f'`{path}`', cell(one)) for path, one in VALUES.items())
     )
 
 

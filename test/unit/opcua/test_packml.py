@@ -14,6 +14,7 @@ from web.stand_cell import StandCell
 
 from bt_orchestrator.model.events import OperatorDecided
 from bt_orchestrator.model.jobs.order import WorkOrder
+from bt_orchestrator.opcua.packml_meanings import meanings
 
 BASE = 'PackML/BaseStateMachine'
 MACHINE = f'{BASE}/MachineState'
@@ -174,6 +175,14 @@ def test_what_the_cell_does_not_have_says_so(scene: Scene) -> None:
         await reader.call('PackML/SetUnitMode', _mode(1))
         for path in (f'{EXECUTE}/ToComplete', f'{EXECUTE}/Suspend', f'{BASE}/Clear'):
             assert await code(reader, path) == 'BadNodeIdUnknown'
+
+    reading(scene.url, look)
+
+
+def test_the_nodes_say_what_they_are(scene: Scene) -> None:
+    async def look(reader: Reader) -> None:
+        for path, meaning in meanings('PackML'):
+            assert (await reader.node(path).read_description()).Text == meaning
 
     reading(scene.url, look)
 
