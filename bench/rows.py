@@ -53,6 +53,9 @@ TARGETS = {
     'idle': Target('idle CPU, ours / rclpy node with the same timer, no clients', 2, 1.3),
     'simulator': Target('simulator, tasks a second', 5_000, 20_000, at_least=True),
     'check': Target('check of 200 sections and 2,000 tasks, s', 2, 0.3),
+    'pace': Target(
+        'CPU, run of 60 items / pace in closed form, 100 sections', 10, 100, at_least=True
+    ),
     'restart': Target('restart, journal of many events / empty one', 5, 1.5),
 }
 

@@ -8,6 +8,7 @@ import statistics
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 
 from fakes.line import Line
@@ -21,6 +22,7 @@ from bt_orchestrator.model.events import TaskSucceeded
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.proof.deadlock import deadlock
+from bt_orchestrator.proof.pace import PacedLine, pace
 from bt_orchestrator.ros.types.status_messages import StatusWriter
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.runtime.recovery import stamp
@@ -44,6 +46,13 @@ def seconds(work: Callable[[], object]) -> float:
     began = time.perf_counter()
     work()
     return time.perf_counter() - began
+
+
+def cpu_s(work: Callable[[], object]) -> float:
+    """Return the CPU seconds of some work."""
+    began = time.process_time()
+    work()
+    return time.process_time() - began
 
 
 def simulator(rounds: int, items: int) -> Iterator[Row]:
@@ -84,9 +93,7 @@ def _settle_s(length: int, items: int) -> float:
         nonlocal settles
         settles += 1
 
-    began = time.process_time()
-    _finish(simulation, look)
-    used_s = time.process_time() - began
+    used_s = cpu_s(lambda: _finish(simulation, look))
     simulation.close()
     return used_s / settles
 
@@ -146,6 +153,25 @@ def check(rounds: int, length: int, tasks: int) -> Iterator[Row]:
 
     found = [seconds(admit) for _ in range(rounds)]
     yield Row('check', found, {'tasks': length * tasks, 'reading, s': min(reading)})
+
+
+def pace_row(rounds: int, length: int) -> Iterator[Row]:
+    """Compare the pace of a line with flags between its sections with a run that shows it."""
+    types = installed_types()
+    cell = parse_cell(cell_text(length), 'cell.yaml', types)
+    script = parse_script(script_text(length, 3, flags=True), 'line.yaml', cell, types)
+    line = PacedLine(script, cell)
+    ratios, first_ms, again_ms = [], [], []
+    for _ in range(rounds):
+        first_s = cpu_s(lambda: pace(script, cell))
+        again_ms.append(cpu_s(lambda: line.limit(line.durations(cell))) * 1e3)
+        simulation = Simulation(cell, types, MemoryStore())
+        simulation.submit([Job('WO-1', script, 60)])
+        ratios.append(cpu_s(partial(_finish, simulation)) / first_s)
+        simulation.close()
+        first_ms.append(first_s * 1e3)
+    notes = {'ms': min(first_ms), 'ms, with other durations': min(again_ms)}
+    yield Row('pace', ratios, notes)
 
 
 _STARTS = 5
