@@ -12,6 +12,7 @@ from bt_orchestrator.drawing.mark import CARD_HEIGHT, about_state, card_state
 from bt_orchestrator.drawing.style import FAINT, PAPER
 from bt_orchestrator.model.cell import Cell, OnFailure
 from bt_orchestrator.model.script import RunsFor, Script, SectionList, Step, Task
+from bt_orchestrator.proof.pace import Pace
 
 MOST_LINES = 3
 """Lines of one argument on a card; the tooltip has all of it."""
@@ -52,6 +53,12 @@ class Sheet:
     cell: Cell
     state: LineState | None = None
     """The line at work; None: the script alone."""
+    pace: Pace | None = None
+    """How fast the line is with the script; None: not told."""
+
+    def limits(self, task: Task) -> bool:
+        """Tell whether a task is part of what limits the line."""
+        return self.pace is not None and task.id in self.pace.limit.tasks
 
     def zone_fill(self, zone: str) -> str:
         """Return the colour of a zone; with many zones colours repeat, names do not."""
@@ -182,6 +189,8 @@ def _marks(sheet: Sheet, task: Task) -> Iterator[tuple[str, str]]:
         yield f'\u25b2 sets flag {flag.flag}', ''
     for zone in sheet.script.zones_of.get(task.id, ()):
         yield f'\u25a0 zone {zone}', sheet.zone_fill(zone)
+    if sheet.limits(task):
+        yield '\u25c6 limits the pace', ''
 
 
 def _details(sheet: Sheet, task: Task, belt: str) -> Iterator[str]:
@@ -200,6 +209,7 @@ def _details(sheet: Sheet, task: Task, belt: str) -> Iterator[str]:
         yield f'condition: {task.condition}'
     if task.fails_unless is not None:
         yield f'verdict: fails unless {task.fails_unless.words}'
+    yield f'nominal time: {component.duration_s(task.name):g} s'
     yield f'time limit: {seconds(task.timeout_s)}'
     yield _retries(task) if task.retries else 'no retries'
     yield f'if it fails: {_POLICY[task.on_failure]}'

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from bt_orchestrator.drawing.card import ITEM_FILL, OFF_BELT, ZONE_FILLS, Sheet, belt_words
-from bt_orchestrator.drawing.label import Entry, Label, Text
+from bt_orchestrator.drawing.label import Entry, Label, Text, wrapped
 from bt_orchestrator.drawing.mark import headlines, legend_rows
 from bt_orchestrator.drawing.style import BAR_FILL, FAINT, FLAG, INK, PAPER
 
@@ -15,6 +15,8 @@ SAMPLE_WIDTH = 80.0
 TITLE_WIDTH = 600.0
 LEGEND_WIDTH = 440.0
 """Points."""
+TITLE_COLUMNS = 85
+"""Letters of a line below the title."""
 
 
 def title(sheet: Sheet) -> Label:
@@ -24,6 +26,8 @@ def title(sheet: Sheet) -> Label:
         Text(script.name, 22, bold=True),
         Text(f'for cell {sheet.cell.name}, {conveyor.sections} sections', 12),
     ]
+    if sheet.pace is not None:
+        rows += [Text(line, 12) for line in wrapped(str(sheet.pace), TITLE_COLUMNS)]
     for parameter in script.params.values():
         default = 'required' if parameter.required else f'default {parameter.default}'
         text = f'parameter {parameter.name}: {parameter.type}, {default}'
@@ -63,6 +67,11 @@ def _entries(sheet: Sheet) -> Iterator[tuple[Entry, str]]:
     if script.zones:
         zone = 'tasks of one zone never run at the same time'
         yield _sample('\u25a0 zone', ZONE_FILLS[0]), zone
+    if sheet.pace is not None and sheet.pace.limit.tasks:
+        yield (
+            _plain('\u25c6 limits'),
+            'these, one after the other for each item, decide how fast the line is',
+        )
     yield _plain('grey line'), 'the belt; it moves when every section is at the end of its list'
     if any(tasks.turn_steps < len(tasks.steps) for tasks in script.sections.values()):
         yield (

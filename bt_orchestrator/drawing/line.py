@@ -34,6 +34,7 @@ from bt_orchestrator.drawing.style import (
 from bt_orchestrator.drawing.svg_canvas import SvgCanvas
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import Dependency, Script
+from bt_orchestrator.proof.pace import pace
 
 _INITIALIZATION = 'a section begins the first item of an order when its components are initialized'
 _BELT = 'moves every item by one slot, when every section has let it go'
@@ -45,7 +46,7 @@ def draw_line(script: Script, cell: Cell, state: LineState | None = None) -> Pic
 
     :param state: the line at work; None: the script alone
     """
-    sheet = Sheet(script, cell, state)
+    sheet = Sheet(script, cell, state, pace(script, cell) if state is None else None)
     page = Page(sheet, title(sheet).height, legend(sheet).height)
     size, about = Box(0, 0, page.width, page.height), f'script {script.name}'
     dot, svg = DotCanvas(script.name, size, about), SvgCanvas(size, about)

@@ -18,6 +18,7 @@ from fakes.shipped import REFERENCE_CELL, ROOT, TREES
 from hypothesis import given
 
 from bt_orchestrator.drawing.line import draw_line
+from bt_orchestrator.drawing.line_state import LineState
 from bt_orchestrator.drawing.picture import DOT, SVG, CannotDraw, Picture
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.script.cell_file import read_cell
@@ -298,3 +299,25 @@ def test_only_pictures_that_graphviz_makes_need_dot(monkeypatch: pytest.MonkeyPa
 def test_graphviz_makes_the_other_files(kind: str, begin: bytes) -> None:
     line = Line()
     assert draw_line(line.script(THREE), line.cell).content(kind).startswith(begin)
+
+
+# --- the pace -------------------------------------------------------------------------------
+
+LIMITS = '\u25c6 limits the pace'
+
+
+def test_what_limits_the_pace_is_told_and_marked() -> None:
+    line = Line(seconds={'a2': 7.0})
+    dot = DotText(draw_line(line.script(THREE), line.cell).dot)
+    assert dot.words('title')[-1] == 'an item every 9.0 s: work, the belt moves'
+    assert [LIMITS in dot.words(one) for one in ('task.work', 'task.index')] == [True, True]
+    assert LIMITS not in dot.words('task.place')
+    assert '\u25c6 limits' in dot.words('legend')
+    assert 'nominal time: 7 s' in dot.nodes['task.work']['tooltip']
+
+
+def test_a_line_at_work_shows_how_it_stands_instead() -> None:
+    line = Line(seconds={'a2': 7.0})
+    state = LineState('Execute', (), False, {})
+    dot = DotText(draw_line(line.script(THREE), line.cell, state).dot)
+    assert LIMITS not in dot.words('task.work')
