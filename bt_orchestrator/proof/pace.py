@@ -14,7 +14,7 @@ from fractions import Fraction
 from functools import cached_property
 
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.script import INDEX, Script, Task, index_task
+from bt_orchestrator.model.script import INDEX, Dependency, Script, Task, index_task
 from bt_orchestrator.proof.contested import contested
 from bt_orchestrator.proof.operations import Operations, Relation
 from bt_orchestrator.proof.precedence import Precedence
@@ -116,11 +116,16 @@ class PacedLine:
         self._move = index_task(cell)
         self._moves = script.source != script.sink
         """A belt on which nothing ever stands does not move (semantics 3.5)."""
-        operations = Operations(script)
-        self._precedence = Precedence([operations])
-        self._belt = len(operations.all)
+        self._operations = Operations(script)
+        self._precedence = Precedence([self._operations])
+        self._belt = len(self._operations.all)
         """The number of the belt behind those of the operations."""
         self._contested = contested(script, self._move)
+
+    @property
+    def flags(self) -> Mapping[str, Dependency]:
+        """The flags of the script, by name."""
+        return self._operations.flags
 
     @cached_property
     def gets_stuck(self) -> bool:
@@ -138,9 +143,15 @@ class PacedLine:
         waits = tuple(f'waits for {name}' for name in self._contested)
         return Pace(most, least, waits)
 
-    def limit(self, us: Durations) -> Limit:
-        """Return what limits a line most that does not get stuck; of equals a circle of waits."""
-        circle = slowest_circle(self._belt + 1, self._arcs(us))
+    def limit(self, us: Durations, changed: Dependency | None = None) -> Limit:
+        """Return what limits a line most that does not get stuck; of equals a circle of waits.
+
+        :param changed: other counts of one flag
+        """
+        line = self._precedence
+        if changed is not None:
+            line = Precedence([self._operations.changed(changed)])
+        circle = slowest_circle(self._belt + 1, self._arcs(line, us))
         alone = (_alone(name, tasks, us) for name, tasks in self._contested.items())
         return max([_circle(circle, us, self._belt), *alone], key=lambda one: one.per_item_us)
 
@@ -151,9 +162,9 @@ class PacedLine:
             found[task.id] = _us(task, cell) if task.runs_for.includes(rejected=False) else 0
         return found
 
-    def _arcs(self, us: Durations) -> list[Arc]:
+    def _arcs(self, line: Precedence, us: Durations) -> list[Arc]:
         """Return the relations as arcs between operations and the belt; their length is beats."""
-        line, belt = self._precedence, self._belt
+        belt = self._belt
         arcs = [_arc(one, us) for relations in line.after.values() for one in relations]
         arcs += [Arc(turn.number, belt, 0, 0) for turn in line.turns]
         arcs.append(Arc(belt, belt, us[INDEX], 1, (INDEX,)))

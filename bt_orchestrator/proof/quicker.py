@@ -1,8 +1,8 @@
-"""Which task would have to be quicker, and by how much, until something else limits the line."""
+"""What would make a line faster until something else limits it: a quicker task, a roomier flag."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil
 
 from bt_orchestrator.model.cell import Cell
@@ -51,3 +51,34 @@ def quicker(line: PacedLine, cell: Cell) -> Quicker | None:
         saved += ceil(too_long / limit.tasks.count(task))
         limit = line.limit({**us, task: us[task] - saved})
     return Quicker(task, us[task] / 1_000_000, saved / 1_000_000, then)
+
+
+FLAGS_TRIED = 4
+"""In a circle of more flags a larger capacity of one brings little."""
+
+
+@dataclass(frozen=True)
+class Roomier:
+    """What comes of a larger capacity of a flag, where it is no more than a number."""
+
+    flag: str
+    capacity: int
+    then: Limit
+    """What limits the line then."""
+
+    def __str__(self) -> str:
+        then = f'{self.then.per_item_s:.1f} s: {self.then}'
+        return f'with capacity {self.capacity} of flag {self.flag} it would be {then}'
+
+
+def roomier(line: PacedLine, cell: Cell) -> Roomier | None:
+    """Return the flag of the limit of which one count more of capacity brings most; None: none."""
+    if line.gets_stuck:
+        return None
+    us = line.durations(cell)
+    limit = line.limit(us)
+    flags = [line.flags[name] for name in limit.flags] if len(limit.flags) <= FLAGS_TRIED else []
+    larger = [replace(flag, capacity=flag.capacity + 1) for flag in flags]
+    tried = [Roomier(one.flag, one.capacity, line.limit(us, one)) for one in larger]
+    best = min(tried, key=lambda one: one.then.per_item_us, default=None)
+    return best if best is not None and best.then.per_item_us < limit.per_item_us else None

@@ -9,7 +9,7 @@ from typing import Any
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import INDEX, Script
 from bt_orchestrator.proof.pace import Limit, Pace, PacedLine
-from bt_orchestrator.proof.quicker import Quicker, quicker
+from bt_orchestrator.proof.quicker import Quicker, Roomier, quicker, roomier
 
 
 @dataclass(frozen=True)
@@ -21,18 +21,19 @@ class ScriptPace:
     """None: the line gets stuck."""
     quicker: Quicker | None
     """None: no task limits it."""
+    roomier: Roomier | None
+    """None: no flag limits it, or none alone."""
 
     def lines(self) -> Iterator[str]:
         """Yield it for a person."""
         if self.pace is not None:
             yield str(self.pace)
-        if self.quicker is not None:
-            yield str(self.quicker)
+        yield from (str(one) for one in (self.quicker, self.roomier) if one is not None)
 
     def plain(self) -> dict[str, Any]:
         """Return it as data that JSON can carry."""
         found: dict[str, Any] = {'script': self.script, 'per_item_s': None}
-        pace, saving = self.pace, self.quicker
+        pace, saving, larger = self.pace, self.quicker, self.roomier
         if pace is not None:
             found |= {
                 'per_item_s': pace.per_item_s,
@@ -48,13 +49,20 @@ class ScriptPace:
                 'per_item_s': saving.then.per_item_s,
                 'limit': _plain(saving.then),
             }
+        if larger is not None:
+            found['roomier'] = {
+                'flag': larger.flag,
+                'capacity': larger.capacity,
+                'per_item_s': larger.then.per_item_s,
+                'limit': _plain(larger.then),
+            }
         return found
 
 
 def script_pace(script: Script, cell: Cell) -> ScriptPace:
     """Return the pace of a script by the durations of a cell."""
     line = PacedLine(script, cell)
-    return ScriptPace(script.name, line.pace(cell), quicker(line, cell))
+    return ScriptPace(script.name, line.pace(cell), quicker(line, cell), roomier(line, cell))
 
 
 def _plain(limit: Limit) -> dict[str, Any]:

@@ -48,6 +48,7 @@ def test_a_script_that_fits_is_summed_up(capsys: pytest.CaptureFixture[str]) -> 
         f'inspect_and_assemble: 8 tasks in 5 sections and 1 of initialization, {FITS}',
         f'  an item every 7.5 s or longer ({WAITS}): {CIRCLE}',
         '  without inspect it would be 4.5 s: assemble, the belt moves',
+        '  with capacity 2 of flag camera_read it would be 5.0 s: inspect, the belt moves',
     ]
 
 
@@ -75,6 +76,19 @@ def test_the_pace_as_json(capsys: pytest.CaptureFixture[str]) -> None:
             'limit': {
                 'words': 'assemble, the belt moves',
                 'tasks': ['assemble'],
+                'belt_moves': True,
+                'items': 1,
+                'flags': [],
+                'only_one': '',
+            },
+        },
+        'roomier': {
+            'flag': 'camera_read',
+            'capacity': 2,
+            'per_item_s': 5.0,
+            'limit': {
+                'words': 'inspect, the belt moves',
+                'tasks': ['inspect'],
                 'belt_moves': True,
                 'items': 1,
                 'flags': [],
