@@ -24,7 +24,7 @@ class Quicker:
     """What limits the line then."""
 
     def __str__(self) -> str:
-        if not self.by_s:
+        if not round(self.by_s, 1):
             return f'a quicker {self.task} alone brings nothing: as long take {self.then}'
         by = f'without {self.task}'
         if self.by_s < self.takes_s:
