@@ -25,7 +25,7 @@ class Quicker:
 
     def __str__(self) -> str:
         if not round(self.by_s, 1):
-            return f'a quicker {self.task} alone brings nothing: as long take {self.then}'
+            return f'a quicker {self.task} alone brings nothing: {self.then} take as long'
         by = f'without {self.task}'
         if self.by_s < self.takes_s:
             by = f'with {self.task} {self.by_s:.1f} s quicker'

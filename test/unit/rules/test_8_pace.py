@@ -297,7 +297,7 @@ def quickest(line: Line, text: str) -> Quicker:
             {'a2': 7.0, 'a3': 5.5},
             'with work 1.5 s quicker it would be 7.5 s: pack, the belt moves',
         ),
-        (THREE, {}, 'a quicker place alone brings nothing: as long take work, the belt moves'),
+        (THREE, {}, 'a quicker place alone brings nothing: work, the belt moves take as long'),
         (ALONE, {'a1': 2.0}, 'without place it would be 2.0 s: pack'),
         (
             AHEAD,
