@@ -20,6 +20,7 @@ from bt_orchestrator.cli.server_log import server_log
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.opcua.access import LOOPBACK, PORT, Access, AccessRefused
 from bt_orchestrator.opcua.asyncua_version import check_version
+from bt_orchestrator.opcua.stack_log import stack_log
 from bt_orchestrator.ports import CellLink
 from bt_orchestrator.stop_signals import StopSignals
 from bt_orchestrator.users.file import default_file
@@ -137,7 +138,7 @@ def _serve(args: argparse.Namespace, pki: Path) -> None:
         nodesets=args.nodesets,
         open_records=None if journal is None else partial(open_records, journal),
     )
-    with StopSignals() as stop, server_log(ROOM):
+    with StopSignals() as stop, server_log(ROOM), stack_log():
         server = OpcUaServer(Bridge(args.node, opened, sources), access)
         with server.running():
             stop.notify(server.stop)
