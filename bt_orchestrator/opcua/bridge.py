@@ -69,6 +69,8 @@ class Bridge:
         self._must_describe = True
         """The node may have started anew, with another cell file."""
         self._caught_up = asyncio.Event()
+        self._held_back: list[Fact] | None = None
+        """What was heard while parts are built; None: none are."""
         self._parts: Sequence[Part] = ()
         self._values: Values | None = None
         self._tasks: set[asyncio.Task[None]] = set()
@@ -123,11 +125,20 @@ class Bridge:
         assert self._description is not None
         return self._description
 
-    def serve(self, parts: Sequence[Part], values: Values) -> None:
-        """Tell parts, which have been built, everything from now on."""
-        self._parts, self._values = parts, values
+    def hold_back(self) -> None:
+        """Let nothing change until `serve`.
+
+        Parts are built from one status, which takes seconds, and hear every event after it.
+        """
         self.other_cell.clear()
+        self._held_back = []
+
+    def serve(self, parts: Sequence[Part], values: Values) -> None:
+        """Tell parts, which have been built, everything since `hold_back`, and from now on."""
+        self._parts, self._values = parts, values
+        facts, self._held_back = self._held_back or [], None
         self._show()
+        self._take(facts)
 
     def leave(self) -> None:
         """Tell the parts nothing more."""
@@ -141,6 +152,9 @@ class Bridge:
             self._loop.call_soon_threadsafe(self._take, facts)
 
     def _take(self, facts: Sequence[Fact]) -> None:
+        if self._held_back is not None:
+            self._held_back += facts
+            return
         for fact in facts:
             if isinstance(fact, CellStatus):
                 self._take_status(fact)
