@@ -101,8 +101,9 @@ def changes(
     if findings:
         raise Unfit(findings)
     asked: dict[str, object] = {'job': order.id}
-    if order.work_masters and (now is None or order.work_masters[0].id != now.status.script):
-        asked['script'] = order.work_masters[0].id
+    masters = order.work_masters
+    if masters and now is not None and masters[0].id != now.status.script:
+        asked['script'] = masters[0].id
     if read.quantity is not None:
         asked['quantity'] = read.quantity
     if read.params:

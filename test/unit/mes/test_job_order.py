@@ -187,6 +187,9 @@ def test_an_update_with_the_whole_order_keeps_the_script_as_it_was_read() -> Non
 
 def test_an_update_that_says_nothing_is_a_request_all_the_same() -> None:
     assert changes(JobOrder('WO-7'), None) == {'job': 'WO-7'}
+    # Another script is for engineers: who may not ask for it is told all the same that it is none.
+    masters = (WorkMaster('another'),)
+    assert changes(JobOrder('WO-7', work_masters=masters), None) == {'job': 'WO-7'}
 
 
 def test_the_reason_may_come_with_the_order() -> None:
