@@ -16,7 +16,18 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
-from tables import event_stream, keys, opcua, page_api, programs, requests, rules, states, status
+from tables import (
+    event_stream,
+    job_control,
+    keys,
+    opcua,
+    page_api,
+    programs,
+    requests,
+    rules,
+    states,
+    status,
+)
 
 from bt_orchestrator.script.cell_keys import CELL
 from bt_orchestrator.script.json_schema import SCHEMA_FILES, json_schema
@@ -29,6 +40,7 @@ PAGES = (
     'docs/formats.md',
     'docs/script_reference.md',
     'docs/opcua.md',
+    'docs/mes.md',
     'docs/operating.md',
     'docs/page.md',
     'docs/queue.md',
@@ -60,6 +72,11 @@ PARTS: Mapping[str, Callable[[], Iterator[str]]] = {
     'values of PackML': opcua.values_of_packml,
     'commands of PackML': opcua.commands_of_packml,
     'numbers of stop reasons': opcua.stop_numbers,
+    'methods and states of ISA-95': job_control.methods_and_states_of_isa_95,
+    'what differs from ISA-95': job_control.what_differs_from_isa_95,
+    'numbers of ReturnStatus': job_control.numbers_of_return_status,
+    'parameters of a job order': job_control.parameters_of_a_job_order,
+    'own parameters of a response': job_control.own_parameters_of_a_response,
 }
 
 _PART = re.compile(r'(<!-- generated: (?P<name>[\w -]+) -->\n).*?(?=<!-- end -->)', re.DOTALL)

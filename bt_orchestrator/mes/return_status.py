@@ -10,13 +10,14 @@ class ReturnStatus(IntFlag):
     """A bit map; a call that did what was asked returns DONE alone."""
 
     DONE = 1
-    UNKNOWN_ID = 1 << 1
+    """What was asked for is done."""
+    UNKNOWN_ID = 2
     """There is no such job order."""
-    WRONG_STATE = 1 << 3
+    WRONG_STATE = 8
     """The method is not for a job order in its state."""
-    NOT_ACCEPTED = 1 << 4
+    NOT_ACCEPTED = 16
     """The order cannot be taken: refused, a duplicate, or the cell takes no more."""
-    MALFORMED = 1 << 32
+    MALFORMED = 4294967296
     """The request cannot be understood."""
 
 

@@ -138,6 +138,10 @@ class Driver:
         self.wait(look, what)
         return found[-1]
 
+    def wait_value(self, of: str, value: Any) -> None:
+        """Wait until a node that is watched has had a value."""
+        self.wait_until(lambda: value in self.values(of), f'{of}: {value}')
+
     def close(self) -> None:
         """End it, whatever it does."""
         self._process.kill()

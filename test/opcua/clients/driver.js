@@ -8,6 +8,8 @@ const ua = require('node-opcua-client');
 const { OPCUACertificateManager } = require('node-opcua-certificate-manager');
 const { plain, coerce } = require('./values');
 
+const PREFIXES = { isa95: 'http://opcfoundation.org/UA/ISA95-JOBCONTROL_V2/' };
+
 const options = JSON.parse(process.argv[2]);
 const counted = {};
 const subscriptions = [];
@@ -44,11 +46,19 @@ async function connect({ user, password, isEncrypted = true }) {
     user ? { type: ua.UserTokenType.UserName, userName: user, password } : anonymous,
   );
   names = await session.readNamespaceArray();
+  // Else the first values that have structures come in any order, while their types are asked for.
+  await session.extractNamespaceDataType();
 }
 
 // A node: a whole id, or the string id of a node of the cell.
 const node = (id) =>
   /^(ns=\d+;|[isgb]=)/.test(id) ? id : `ns=${names.indexOf(options.namespace)};s=${id}`;
+
+// The field of an event: `Time`, or of another namespace, as in `isa95:JobOrder`.
+function field(text) {
+  const [prefix, name] = text.split(':');
+  return name ? `${names.indexOf(PREFIXES[prefix])}:${name}` : text;
+}
 
 async function childOf(parent, name) {
   const { references } = await session.browse({ nodeId: node(parent), resultMask: 63 });
@@ -104,7 +114,7 @@ const verbs = {
       monitored.on('changed', (data) => tell({ news: 'value', of: id, ...valueOf(data) }));
     }
     for (const [id, fields] of Object.entries(events)) {
-      const filter = ua.constructEventFilter(fields);
+      const filter = ua.constructEventFilter(fields.map(field));
       const item = { nodeId: node(id), attributeId: ua.AttributeIds.EventNotifier };
       const monitored = await subscription.monitor(
         item,
@@ -112,7 +122,7 @@ const verbs = {
         ua.TimestampsToReturn.Both,
       );
       monitored.on('changed', (variants) => {
-        const event = Object.fromEntries(fields.map((name, at) => [name, plain(variants[at])]));
+        const event = Object.fromEntries(fields.map((name, at) => [name.split(':').pop(), plain(variants[at])]));
         tell({ news: 'event', of: id, event });
       });
     }

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from isa95_table import GONE, NONE, Cell, read_table
 from nodeset_states import Nodeset, Transition
+from tables.standard import GONE, NONE, Cell, read_table
 
 from bt_orchestrator.mes.methods import DIFFERENT, STATES, TABLE
 from bt_orchestrator.model.jobs.isa95 import JobWord

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-PATH = Path(__file__).parent / 'data' / 'isa95_methods.md'
+PATH = Path(__file__).parents[2] / 'test' / 'data' / 'isa95_methods.md'
 
 NONE = 'no such job order'
 GONE = 'gone'
