@@ -1,0 +1,73 @@
+"""What waits for people, in the alarm list of node-opcua; and who may do what."""
+
+from __future__ import annotations
+
+import pytest
+from cell_processes import small_script
+from opcua.conftest import StartLine
+from opcua.driver import Refused
+from opcua.line import ORDERS, RECEIVER, Client, job_order
+from served_process import PASSWORD
+
+
+def test_a_hold_is_an_alarm_that_is_acknowledged_and_answered(start_line: StartLine) -> None:
+    line = start_line(fail=['worker.#1=reject'])
+    line.cell.script(small_script())
+    operator = line.client('operate')
+    operator.do('subscribe', values=[ORDERS])
+    assert operator.do('alarms') == []
+    line.cell.run_small()
+    hold = line.cell.watch.until_held()
+    alarm = operator.wait(lambda one: one.get('news') == 'newAlarm', 'the alarm')['alarm']
+    fields = alarm['fields']
+    assert (fields['conditionName'], fields['sourceName']) == (f'Hold-{hold.id}', 'worker')
+    assert (fields['activeState'], fields['ackedState']) == ('Active', 'Unacknowledged')
+    assert 'WO-1/1' in fields['message']
+
+    assert operator.do('acknowledge', alarm=alarm['id'], comment='coming') == 'Good'
+    _wait_changed(operator, 'ackedState', 'Acknowledged', 'coming')
+
+    done = operator.call('Simple', 'AnswerHold', hold.id, 'retry', 'the gripper was open')
+    assert (done['status'], done['outputs'][0]) == ('Good', True), done
+    operator.wait_state('WO-1', 'Ended')
+    _wait_changed(operator, 'activeState', 'Inactive', 'retry: the gripper was open')
+    decided = line.cell.watch.until('operator.decided', hold=hold.id, answer='retry')
+    assert (decided['who'], decided['known']) == ('operate', 'opc ua user')
+    assert decided['reason'] == 'the gripper was open'
+
+
+def _wait_changed(client: Client, name: str, value: str, comment: str) -> None:
+    """Wait until a field of the alarm has changed, by this user."""
+    alarm = client.wait(
+        lambda one: one.get('news') == 'alarmChanged' and one['alarm']['fields'][name] == value,
+        f'{name}: {value}',
+    )
+    fields = alarm['alarm']['fields']
+    assert (fields['clientUserId'], fields['comment']) == ('operate', comment)
+
+
+def test_who_has_no_right_starts_nothing(start_line: StartLine) -> None:
+    line = start_line()
+    line.cell.script(small_script())
+    stranger = line.stranger('stranger')
+    with pytest.raises(Refused):  # its certificate is not trusted
+        stranger.do('connect', user='engineer', password=PASSWORD)
+    line.server.trust(stranger.thumbprint)
+    for login in ({}, {'user': 'mes', 'password': 'wrong'}, {'user': 'nobody', 'password': ''}):
+        with pytest.raises(Refused):
+            stranger.do('connect', **login)
+    with pytest.raises(Refused):
+        stranger.do('connect', isEncrypted=False, user='mes', password=PASSWORD)
+
+    viewer = line.client('view')
+    orders = {'Store': job_order('WO-1'), 'StoreAndStart': job_order('WO-1')}
+    for method, what in {**orders, 'Start': 'WO-1', 'Abort': 'WO-1'}.items():
+        done = viewer.call(RECEIVER, method, what, ['a test'])
+        assert (method, done['status']) == (method, 'BadUserAccessDenied')
+    simple = viewer.call('Simple', 'SubmitOrder', 'WO-1', 'small', 1, [])
+    assert simple['status'] == 'BadUserAccessDenied'
+
+    # An order that is allowed is the first that the node hears of.
+    assert line.client('mes').status('StoreAndStart', job_order('WO-2')) == 1
+    line.cell.watch.until_ended('WO-2')
+    assert [one['job'] for one in line.cell.watch.seen('job.queued')] == ['WO-2']
