@@ -50,6 +50,8 @@ class Holds:
         """Conditions that the last status did not have, though their end was not heard of yet."""
         self._said: dict[str, Remark] = {}
         """How holds were answered, by their number."""
+        self._last: Remark | None = None
+        """The last decision of a person; what is released at its time, is released by it."""
 
     async def build(self, space: Space) -> None:
         """Make the type, what conditions are about, and the methods."""
@@ -89,15 +91,17 @@ class Holds:
 
     def hear(self, event: Event) -> None:
         """Remember who answered, and show what was remarked."""
-        if isinstance(event, OperatorDecided) and event.hold:
+        if isinstance(event, OperatorDecided):
             who = named(event.who, event.known)
-            if event.answer in REMARKS:
+            if event.hold and event.answer in REMARKS:
                 self._remark(event.hold, event.answer, Remark(who, event.reason, event.time))
                 return
             why = f': {event.reason}' if event.reason else ''
-            self._said[event.hold] = Remark(who, f'{event.answer}{why}', event.time)
+            self._last = Remark(who, f'{event.answer}{why}', event.time)
         elif isinstance(event, HoldReleased):
             self._released[event.hold] = event.time
+            if self._last is not None and self._last.time == event.time:
+                self._said[event.hold] = self._last
             for key in self._leaving & {f'Hold-{event.hold}'}:
                 self._end(key, self._bridge.status)
 
@@ -107,6 +111,7 @@ class Holds:
             self._end(key, self._bridge.status)
         self._history = history
         self._said.clear()
+        self._last = None
         self._released.clear()
 
     # --- what clients ask for ---------------------------------------------------------------

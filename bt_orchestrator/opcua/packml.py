@@ -162,6 +162,7 @@ class PackML:
         outcome = await self._bridge.calls.ask(request, arguments, reason)
         if not outcome.accepted:
             self._tell_refusal(request, outcome.message)
+            await self._space.values.write()  # for a client that reads why at once
             raise ua.UaStatusCodeError(ua.StatusCodes.BadInvalidState)
         return []
 

@@ -79,6 +79,7 @@ class Shown:
         space, kind = self._space, ua.VariantType
         for name, type_ in OWN.items():
             await space.variable(f'{TOP}/{name}', type_, VALUES[name])
+        await self._write('LastRefusal', ua.Variant('', kind.String))
         await self._write('PackMLVersion', ua.Variant(VERSION, kind.String))
         await self._write('Status/UnitModeCurrent', ua.Variant(PRODUCE, kind.Int32))
         await self._write('Status/UnitSupportedModes', _node(await self._modes()))

@@ -63,10 +63,21 @@ def test_an_answer_is_the_last_remark_of_a_hold() -> None:
     scene.show(hold())
     assert scene.take() == [(True, False, '')]
     scene.part.hear(decided('retry'))
+    scene.part.hear(HoldReleased(hold='1', time=NOW_S))
+    scene.show()
+    assert [one.time for one in scene.told] == [NOW_S]
+    assert scene.take() == [(False, True, 'retry: because')]
+
+
+def test_who_resumes_a_pause_or_removes_an_item_has_ended_its_hold() -> None:
+    scene = Scene()
+    scene.show(hold(), hold('2'))
+    scene.take()
+    scene.part.hear(OperatorDecided(answer='resume', who='Ben', reason='tea', time=NOW_S))
+    scene.part.hear(HoldReleased(hold='2', time=NOW_S))
     scene.part.hear(HoldReleased(hold='1', time=NOW_S + 1))
     scene.show()
-    assert [one.time for one in scene.told] == [NOW_S + 1]
-    assert scene.take() == [(False, True, 'retry: because')]
+    assert scene.take() == [(False, True, ''), (False, True, 'resume: tea')]
 
 
 def test_a_status_that_comes_before_its_events_waits_for_them() -> None:

@@ -124,10 +124,12 @@ def test_commands_reach_the_node_with_who_and_why(scene: Scene) -> None:
 def test_a_refused_command_says_why_in_an_event_and_a_variable(scene: Scene) -> None:
     async def look(reader: Reader) -> None:
         heard = await Heard.of(reader, 'PackML')
+        assert await reader.value('PackML/LastRefusal') == ''
         assert await refused(reader, f'{EXECUTE}/Start', NO_PARAMETERS) == 'BadInvalidState'
+        said = await reader.value('PackML/LastRefusal')
         why = await heard.wait(lambda event: 'start refused' in event.Message.Text)
         assert 'start is for Idle' in why.Message.Text
-        said = await reader.wait('PackML/LastRefusal', bool)
+        assert said
         assert said in why.Message.Text
 
     reading(scene.url, look)
