@@ -128,6 +128,7 @@ class OpcUaServer:
         server = await make_stack(bridge.node, self._security, self.address)
         server.socket_address = self._socket.getsockname()[:2]
         loaded = await nodesets.load(server, bridge.sources.nodesets)
+        server.inside.view_service.forget()  # they have types of references of their own
         bridge.hold_back()
         space = await Space.of(server, bridge.description.cell, loaded)
         parts = [make(bridge) for make in PARTS]
