@@ -143,7 +143,8 @@ class Clock(Protocol):
     def now(self) -> float:
         """Seconds: since the epoch in a real run, from 0 in a virtual one.
 
-        For records only. It may be set forward or back, so no deadline uses it.
+        For records, and for the start of an order. It may be set forward or back, so no deadline
+        uses it.
         """
 
     def steady(self) -> float:

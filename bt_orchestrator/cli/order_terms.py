@@ -22,12 +22,12 @@ def add_term_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--priority', type=_priority, metavar='N', help='update: the higher the more urgent'
     )
-    for name, meaning in (('start', 'begin'), ('due', 'have ended')):
+    for name, meaning in (('start', 'may begin'), ('due', 'should have ended')):
         parser.add_argument(
             f'--{name}',
             type=_moment,
             metavar='TIME',
-            help=f'update: when it should {meaning}, with time zone, or {NONE}',
+            help=f'update: when it {meaning}, with time zone, or {NONE}',
         )
     parser.add_argument(
         '--details',

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import argparse
 import json
+import time
 from pathlib import Path
 
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.check import add_cell_options, as_json
 from bt_orchestrator.cli.folders import script_folders
+from bt_orchestrator.cli.moments import moment
 from bt_orchestrator.cli.numbers import seconds
 from bt_orchestrator.cli.side_by_side import change_lines, plain_change, what_if_jobs
 from bt_orchestrator.cli.virtual_run import RunOptions, lines_of, plain, run_jobs
@@ -58,6 +60,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     _add_hold_options(parser)
     parser.add_argument(
+        '--begin',
+        type=moment,
+        metavar='TIME',
+        help='time 0, for orders with a start (default: now), for instance 2026-05-17T14:30',
+    )
+    parser.add_argument(
         '--what-if',
         type=Path,
         metavar='FILE',
@@ -105,6 +113,8 @@ def simulate(args: argparse.Namespace, types: ActionTypes) -> int:
     """
     if args.what_if is not None and (args.trace is not None or args.gantt is not None):
         raise WrongUse('--what-if compares two runs; --trace and --gantt are about one')
+    if args.begin is None:
+        args.begin = time.time()
     try:
         return _compare(args, types) if args.what_if is not None else _run(args, types)
     except Refused as refused:
@@ -140,5 +150,11 @@ def _compare(args: argparse.Namespace, types: ActionTypes) -> int:
 
 def _options(args: argparse.Namespace) -> RunOptions:
     return RunOptions(
-        args.fail, args.on_hold, args.answer_after, args.trace, args.gantt, args.result
+        args.begin,
+        args.fail,
+        args.on_hold,
+        args.answer_after,
+        args.trace,
+        args.gantt,
+        args.result,
     )

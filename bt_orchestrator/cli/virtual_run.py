@@ -41,6 +41,8 @@ WHO = 'simulate --on-hold'
 class RunOptions:
     """How a run goes, whatever the cell and the orders."""
 
+    begin: float = 0.0
+    """Time 0 of the run, seconds since the epoch."""
     faults: Sequence[str] = ()
     on_hold: Sequence[str] = ()
     answer_after_s: float = 0.0
@@ -87,7 +89,7 @@ def run_jobs(
             sinks.append(stack.enter_context(TraceFile(options.trace)))
         simulation = bootstrap.build_simulation(cell, types, sinks)
         stack.callback(simulation.close)
-        bootstrap.queue(simulation, given)
+        bootstrap.queue(simulation, [_in_time_of_run(one, options.begin) for one in given])
         log = WaitLog()
         operator = StandingAnswers(
             simulation, options.on_hold, options.answer_after_s, WHO, results
@@ -99,6 +101,14 @@ def run_jobs(
             _draw(gantt.chart(cell.name, cell.conveyor.sections, waits, now_s), options.gantt)
         paces = (script_pace(one, cell) for one in {one.name: one for one in scripts}.values())
         return _result(simulation, outcome, fold.forecast(cell, waits), operator, tuple(paces))
+
+
+def _in_time_of_run(given: bootstrap.Given, begin: float) -> bootstrap.Given:
+    """Return an order whose times count from the begin of the run, as all others of it do."""
+    terms = given.job.terms
+    start, due = (None if at is None else at - begin for at in (terms.start, terms.due))
+    terms = dataclasses.replace(terms, start=start, due=due)
+    return given._replace(job=dataclasses.replace(given.job, terms=terms))
 
 
 def _looks(

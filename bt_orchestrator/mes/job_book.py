@@ -167,7 +167,7 @@ def _ordered(event: e.JobQueued) -> ListedJob:
 
 
 def _terms(event: e.JobQueued | e.JobUpdated) -> dict[str, Any]:
-    names = ('digest', 'quantity', 'priority', 'start', 'due')
+    names = ('digest', 'quantity', 'priority', 'start', 'due', 'awaits_start')
     return {name: getattr(event, name) for name in names}
 
 
@@ -182,6 +182,10 @@ def _held(entry: _Entry, _: e.JobHeld) -> None:
 
 def _released(entry: _Entry, _: e.JobReleased) -> None:
     entry.set(state=JobWord.ALLOWED_TO_START)
+
+
+def _may_start(entry: _Entry, _: e.JobMayStart) -> None:
+    entry.set(awaits_start=False)
 
 
 def _started(entry: _Entry, event: e.JobStarted) -> None:
@@ -243,6 +247,7 @@ _FOLDS: Mapping[type[e.Event], Callable[[_Entry, Any], None]] = {
     e.JobUpdated: _updated,
     e.JobHeld: _held,
     e.JobReleased: _released,
+    e.JobMayStart: _may_start,
     e.JobStarted: _started,
     e.JobPaused: _paused,
     e.JobResumed: _paused,

@@ -29,6 +29,15 @@ class OnFailure(Enum):
     ABORT_JOB = 'abort_job'
 
 
+class Start(Enum):
+    """What the `start` of a work order means (semantics 6.7)."""
+
+    BINDING = 'binding'
+    """The job does not start before it."""
+    ADVISORY = 'advisory'
+    """It only helps to find the job's place in the queue."""
+
+
 @dataclass(frozen=True)
 class StateTopic:
     """A topic on which a component says whether it may be sent a goal (semantics 2.5)."""
@@ -91,6 +100,8 @@ class Cell:
     conveyor: Conveyor
     components: Mapping[str, Component]
     """By name, the conveyor among them."""
+    start: Start = Start.BINDING
+    """What the `start` of a work order means here."""
 
     def by_action(self, action: str) -> Component | None:
         """Return the component that serves an action name."""

@@ -59,6 +59,7 @@ _FOLDS: Mapping[type[e.Event], Callable[..., None]] = {
     e.JobUpdated: jobs.job_updated,
     e.JobHeld: jobs.job_held,
     e.JobReleased: jobs.job_released,
+    e.JobMayStart: jobs.job_may_start,
     e.JobRemoved: jobs.job_removed,
     e.QueueStopRequested: jobs.queue_stop_requested,
     e.QueueStopCancelled: jobs.queue_stop_cancelled,

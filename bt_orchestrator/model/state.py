@@ -150,6 +150,10 @@ class JobState:
     ended_at: float | None = None
     held: bool = False
     """It may not start, and later jobs pass it; never set once it has started."""
+    awaits_start: bool = False
+    """The same until the start of its order (semantics 6.7)."""
+    ranked: bool = False
+    """Its place in the queue follows from its priority and start; False: it was given."""
     paused: bool = False
     """It begins no more items until it is resumed."""
     stopping: bool = False
@@ -165,6 +169,11 @@ class JobState:
     def started(self) -> bool:
         """Tell whether it has left the queue."""
         return self.started_at is not None
+
+    @property
+    def may_start(self) -> bool:
+        """Tell whether it starts when its turn comes."""
+        return not (self.held or self.awaits_start or self.ending)
 
     @property
     def cycles_left(self) -> int:

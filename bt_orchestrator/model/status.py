@@ -142,6 +142,8 @@ class JobStatus:
     """When it should begin."""
     due: float | None = None
     """When it should have ended."""
+    awaits_start: bool = False
+    """It may not start before `start` (semantics 6.7): AllowedToStart, but not ready."""
     queued_at: float = 0.0
     started_at: float | None = None
     """When it left the queue; None: it has not."""

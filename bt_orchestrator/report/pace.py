@@ -69,7 +69,7 @@ def expected_ends_s(
     for job in state.jobs.first(QUEUE_SHOWN):
         if job.paused:
             break
-        if not job.held:
+        if not (job.held or job.awaits_start):
             if job.digest not in paces_s:
                 paces_s[job.digest] = paces.item_s(job, cell)
             pace_s = paces_s[job.digest]

@@ -47,7 +47,7 @@ def answer_to(command: Command, ledger: Ledger) -> str:
         return cell_commands.carry_out(command, ledger)
     if isinstance(command, RefusedRequest):
         raise CommandRefused(command.message, command.each)
-    message, events = job_queue.carry_out(command, ledger.state)
+    message, events = job_queue.carry_out(command, ledger.state, ledger.now)
     ledger.record(events)
     return message
 

@@ -33,6 +33,7 @@ def job_status(
         priority=terms.priority,
         start=terms.start,
         due=terms.due,
+        awaits_start=job.awaits_start,
         queued_at=job.queued_at,
         started_at=job.started_at,
         ended_at=job.ended_at,

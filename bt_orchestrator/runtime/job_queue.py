@@ -19,6 +19,7 @@ from bt_orchestrator.model.jobs.job_commands import (
     StopAfter,
     UpdateJob,
 )
+from bt_orchestrator.model.jobs.job_folds import terms_of
 from bt_orchestrator.model.limits import listed
 from bt_orchestrator.model.packml import Cause, PackmlState
 from bt_orchestrator.model.requests import About, of_word
@@ -30,20 +31,22 @@ from bt_orchestrator.runtime.lifecycle import transition
 
 Events = Iterator[e.Event]
 
+_AWAITS = 'it waits for its start,'
 
-def carry_out(command: JobCommand, state: CellState) -> tuple[str, list[e.Event]]:
+
+def carry_out(command: JobCommand, state: CellState, now: float) -> tuple[str, list[e.Event]]:
     """Return the answer and the events.
 
     :raises CommandRefused: it cannot be carried out now
     """
-    message, events = _carry_out(command, state)
+    message, events = _carry_out(command, state, now)
     if isinstance(command, AddJobs):
         return message, events  # each job has its own record
     return message, [*decided(command), *events]
 
 
 @singledispatch
-def _carry_out(command: JobCommand, state: CellState) -> tuple[str, list[e.Event]]:
+def _carry_out(command: JobCommand, state: CellState, _: float) -> tuple[str, list[e.Event]]:
     raise AssertionError(f'{state.cell.name} knows no command {type(command).__name__}')
 
 
@@ -51,26 +54,33 @@ def _carry_out(command: JobCommand, state: CellState) -> tuple[str, list[e.Event
 
 
 @_carry_out.register
-def _add(command: AddJobs, state: CellState) -> tuple[str, list[e.Event]]:
+def _add(command: AddJobs, state: CellState, now: float) -> tuple[str, list[e.Event]]:
     if command.position is not None:
         _check_position(command.position, state.jobs.waiting + 1)
     queued = orders.queue(
         state,
         command.jobs,
+        now,
         position=command.position,
         held=command.held,
         by=command.by,
         sharing=command.sharing,
     )
-    how = 'is queued and held' if command.held else 'is queued'
-    return '\n'.join([*(f'{job.id} {how}' for job in command.jobs), *standing(state)]), queued
+    said = [_how(event) for event in queued if isinstance(event, e.JobQueued)]
+    return '\n'.join([*said, *standing(state)]), queued
+
+
+def _how(queued: e.JobQueued) -> str:
+    how = ' and held' if queued.held else ''
+    early = f'; {_AWAITS} {terms_of(queued).start_words}' if queued.awaits_start else ''
+    return f'{queued.job} is queued{how}{early}'
 
 
 @_carry_out.register
-def _update(command: UpdateJob, state: CellState) -> tuple[str, list[e.Event]]:
+def _update(command: UpdateJob, state: CellState, now: float) -> tuple[str, list[e.Event]]:
     new = command.job
     _allowed(state, job_control.UPDATE, new.id)
-    return f'{new.id} is updated', orders.change(state, new, command.sharing)
+    return f'{new.id} is updated', orders.change(state, new, now, command.sharing)
 
 
 def standing(state: CellState) -> Iterator[str]:
@@ -85,7 +95,7 @@ def standing(state: CellState) -> Iterator[str]:
 
 
 @_carry_out.register
-def _move(command: MoveJob, state: CellState) -> tuple[str, list[e.Event]]:
+def _move(command: MoveJob, state: CellState, _: float) -> tuple[str, list[e.Event]]:
     _check_queued(state, command.job)
     _check_position(command.position, state.jobs.waiting)
     moved = e.JobMoved(job=command.job, position=command.position)
@@ -93,12 +103,14 @@ def _move(command: MoveJob, state: CellState) -> tuple[str, list[e.Event]]:
 
 
 @_carry_out.register
-def _run_next(command: RunNext, state: CellState) -> tuple[str, list[e.Event]]:
+def _run_next(command: RunNext, state: CellState, _: float) -> tuple[str, list[e.Event]]:
     job = _check_queued(state, command.job)
     name = command.job
     events: list[e.Event] = [e.JobMoved(job=name, position=1)]
     if job.held:
         events.append(e.JobReleased(job=name))
+    if job.awaits_start:
+        events.append(e.JobMayStart(job=name))
     return '\n'.join([f'{name} is next', *standing(state)]), events
 
 
@@ -106,12 +118,12 @@ def _run_next(command: RunNext, state: CellState) -> tuple[str, list[e.Event]]:
 
 
 @_carry_out.register
-def _control(command: ControlJob, state: CellState) -> tuple[str, list[e.Event]]:
+def _control(command: ControlJob, state: CellState, _: float) -> tuple[str, list[e.Event]]:
     method, answer, act = _method(command.verb)
     job = _allowed(state, method, command.job)
     events = list(act(state, job, command.by.deciding(command.verb)))
-    stands = standing(state) if any(isinstance(event, e.JobReleased) for event in events) else ()
-    return '\n'.join([f'{command.job} {answer}', *stands]), events
+    more = _after_release(state, job) if method is job_control.START else ()
+    return '\n'.join([f'{command.job} {answer}', *more]), events
 
 
 def _method(verb: str) -> _Control:
@@ -126,7 +138,16 @@ def _hold(_: CellState, job: JobState, __: str) -> Events:
 
 
 def _release(_: CellState, job: JobState, __: str) -> Events:
-    yield e.JobReleased(job=job.job.id)
+    """Take the hold away; of a job that is not held, the wait for its start (semantics 6.7)."""
+    kind = e.JobReleased if job.held else e.JobMayStart
+    yield kind(job=job.job.id)
+
+
+def _after_release(state: CellState, job: JobState) -> Iterator[str]:
+    """Say what a job that was held until now still waits for."""
+    if job.held and job.awaits_start:
+        yield f'{_AWAITS} {job.job.terms.start_words}; release it again to let it start at once'
+    yield from standing(state)
 
 
 def _remove(_: CellState, job: JobState, __: str) -> Events:
@@ -179,7 +200,7 @@ CONTROLS: Mapping[str, _Control] = {
 
 
 @_carry_out.register
-def _stop_after(command: StopAfter, state: CellState) -> tuple[str, list[e.Event]]:
+def _stop_after(command: StopAfter, state: CellState, _: float) -> tuple[str, list[e.Event]]:
     if command.after == NEVER:
         if state.stop_after is None:
             raise CommandRefused('there is nothing to take back: no stop was asked for')
@@ -213,7 +234,9 @@ def _allowed(state: CellState, method: job_control.Method, name: str) -> JobStat
     """Return a job whose state allows a method now."""
     job = listed_jobs.find(state, name)
     ending = job.ending if job.ended_at is None else ''
-    refused = job_control.refusal(method, name, job_word(state, job), ending)
+    refused = job_control.refusal(
+        method, name, job_word(state, job), ending, awaits_start=job.awaits_start
+    )
     if refused is not None:
         raise CommandRefused(refused)
     return job

@@ -33,6 +33,7 @@ from bt_orchestrator.runtime.inbox import Inbox
 from bt_orchestrator.runtime.ledger import Ledger
 from bt_orchestrator.runtime.recovery import restore, take_over
 from bt_orchestrator.runtime.requested import not_allowed
+from bt_orchestrator.runtime.starts import Starts
 from bt_orchestrator.runtime.starvation import Starvation
 from bt_orchestrator.runtime.writers import AtOnce
 from bt_orchestrator.tree.blackboard import BlackboardProjection
@@ -86,6 +87,7 @@ class Orchestrator:
         self._wake = wake
         self._ledger = Ledger(self.state, clock, self._follow, new_goal_id, gateway, self._on_time)
         self._inbox = Inbox(self._ledger)
+        self._starts = Starts(self._ledger)
         self._starvation = Starvation(self._ledger)
         self.flights = Flights(self._ledger, gateway, clock, wake)
         self.gateway = gateway
@@ -174,6 +176,7 @@ class Orchestrator:
             self._ledger.look_at_clock()
             self.flights.land()
             self._inbox.land()
+            self._starts.land()
             if self.tree.is_due or self._ledger.has_pending:
                 self._tick_until_still()
             return self._commit() or went_on

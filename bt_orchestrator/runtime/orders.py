@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -12,9 +13,10 @@ from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.jobs.job_commands import Sharing
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.script import Script
-from bt_orchestrator.model.state import CellState
+from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.proof.sharing import contradiction
 from bt_orchestrator.runtime.command_record import decided_to_add
+from bt_orchestrator.runtime.starts import awaits_start
 
 FITS = 'fits, but was not queued because of the others'
 """The message for a valid order that was refused together with others."""
@@ -23,6 +25,7 @@ FITS = 'fits, but was not queued because of the others'
 def queue(
     state: CellState,
     jobs: Sequence[Job],
+    now: float,
     *,
     position: int | None = None,
     held: bool = False,
@@ -31,37 +34,82 @@ def queue(
 ) -> list[e.Event]:
     """Queue jobs, all or none.
 
-    :param position: place of the first, from 1; None: the end
+    :param now: time on the wall clock
+    :param position: place of the first, from 1; None: each gets its place by its urgency
     :param sharing: known result of the check of their scripts against the live ones
     :raises CommandRefused: an id was used, or flags contradict those of a live job
     """
     _refuse_unless_all_fit(state, jobs, sharing)
     events: list[e.Event] = []
     loaded = set(state.scripts)
+    ranks = _Ranks(state)
     for number, job in enumerate(jobs):
         events += decided_to_add(job.id, by)
         events += _loaded(job.script, loaded)
-        events.append(_queued(job, None if position is None else position + number, held=held))
+        queued = e.JobQueued(
+            **_ordered(job),
+            position=ranks.place(job) if position is None else position + number,
+            held=held,
+            ranked=position is None,
+            awaits_start=awaits_start(state.cell, job.terms, now),
+        )
+        events.append(queued)
     return events
 
 
-def change(state: CellState, job: Job, sharing: Sharing | None = None) -> list[e.Event]:
+def change(
+    state: CellState, job: Job, now: float, sharing: Sharing | None = None
+) -> list[e.Event]:
     """Replace the order of a queued job.
 
+    :param now: time on the wall clock
     :raises CommandRefused: its flags contradict those of another live job
     """
-    own = state.jobs[job.id].digest
-    is_shared = state.jobs.users(own) > 1
-    others = {name: one for name, one in state.scripts.items() if name != own or is_shared}
+    live = state.jobs[job.id]
+    is_shared = state.jobs.users(live.digest) > 1
+    others = {n: one for n, one in state.scripts.items() if n != live.digest or is_shared}
     why = contradiction(job.script, others, sharing)
     if why is not None:
         raise CommandRefused(why)
-    updated = e.JobUpdated(**_ordered(job))
+    updated = e.JobUpdated(
+        **_ordered(job),
+        position=_new_place(state, live, job),
+        awaits_start=_waits(state, live, job, now),
+    )
     return [*_loaded(job.script, set(state.scripts)), updated]
 
 
-def _queued(job: Job, position: int | None, *, held: bool) -> e.JobQueued:
-    return e.JobQueued(**_ordered(job), position=position, held=held)
+class _Ranks:
+    """The places of orders that are queued together, in their order (semantics 6.7)."""
+
+    def __init__(self, state: CellState) -> None:
+        self._jobs = state.jobs
+        self._given: list[tuple[int, tuple[int, float]]] = []
+        """Of those before, sorted: the place without the others, and the urgency."""
+
+    def place(self, job: Job) -> int | None:
+        """Return the place of the next one; None: the end of the queue."""
+        urgency = job.terms.urgency
+        without = self._jobs.place_for(urgency)
+        before = bisect_right(self._given, (without, urgency))
+        self._given.insert(before, (without, urgency))
+        place = without + before
+        return None if place == self._jobs.waiting + len(self._given) else place
+
+
+def _new_place(state: CellState, live: JobState, job: Job) -> int | None:
+    """Return the new place of a ranked job whose urgency changes; None: it keeps its place."""
+    urgency = job.terms.urgency
+    if not live.ranked or urgency == live.job.terms.urgency:
+        return None
+    return state.jobs.place_for(urgency, but=job.id)
+
+
+def _waits(state: CellState, live: JobState, job: Job, now: float) -> bool:
+    """Tell whether a changed job waits for its start: one that was released keeps that."""
+    if job.terms.start == live.job.terms.start:
+        return live.awaits_start
+    return awaits_start(state.cell, job.terms, now)
 
 
 def _ordered(job: Job) -> dict[str, Any]:

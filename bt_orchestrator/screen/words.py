@@ -106,7 +106,8 @@ def job_terms(job: JobStatus) -> str:
     told = [f', priority {job.priority}'] if job.priority else []
     for name, seconds in (('start', job.start), ('due', job.due)):
         if seconds is not None:
-            told.append(f', {name} {datetime.fromtimestamp(seconds):%Y-%m-%d %H:%M}')
+            waits = 'waits for its ' if name == 'start' and job.awaits_start else ''
+            told.append(f', {waits}{name} {datetime.fromtimestamp(seconds):%Y-%m-%d %H:%M}')
     return ''.join(told)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from bt_orchestrator.errors import Refused
-from bt_orchestrator.model.cell import CONVEYOR, Cell, Component, Conveyor, OnFailure
+from bt_orchestrator.model.cell import CONVEYOR, Cell, Component, Conveyor, OnFailure, Start
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.cell_keys import CELL, COMPONENT
 from bt_orchestrator.script.component_reader import ComponentReader
@@ -58,7 +58,8 @@ class _CellReader:
         components = self._components(sections)
         if name is None or conveyor is None:
             return None
-        return Cell(name, conveyor, {CONVEYOR: conveyor.component, **components})
+        start = Start(self._fields.choice('start'))
+        return Cell(name, conveyor, {CONVEYOR: conveyor.component, **components}, start)
 
     def _conveyor(self, fields: Fields) -> Conveyor:
         reader = ComponentReader(fields, CONVEYOR, self._report, self._types)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bt_orchestrator.model.cell import DEFAULT_DURATION_S, DEFAULT_TIMEOUT_S, OnFailure
+from bt_orchestrator.model.cell import DEFAULT_DURATION_S, DEFAULT_TIMEOUT_S, OnFailure, Start
 from bt_orchestrator.model.goal import RESULT_TIMEOUT_S
 from bt_orchestrator.script.keys import (
     LONGEST_SECONDS,
@@ -235,6 +235,15 @@ CELL = Table(
             fewest=1,
             name_form=NAME_WITHOUT_DOTS,
             rule='1',
+        ),
+        Key(
+            'start',
+            Kind.CHOICE,
+            'what the `start` of a work order means: its job does not start before it, or may',
+            'advisory',
+            default=Start.BINDING.value,
+            choices=words(Start),
+            rule='6.7',
         ),
     ),
 )

@@ -178,8 +178,8 @@ SCRIPT = Table(
 )
 
 
-def _instant(name: str, meaning: str, example: str) -> Key:
-    return Key(name, Kind.INSTANT, meaning, example, form=INSTANT_FORM, rule='6.6')
+def _instant(name: str, meaning: str, example: str, rule: str) -> Key:
+    return Key(name, Kind.INSTANT, meaning, example, form=INSTANT_FORM, rule=rule)
 
 
 ORDER = Table(
@@ -211,10 +211,12 @@ ORDER = Table(
             default=0,
             minimum=-(2**15),
             maximum=2**15 - 1,
-            rule='6.6',
+            rule='6.7',
         ),
-        _instant('start', 'when it should begin', '2026-05-18T06:00:00+02:00'),
-        _instant('due', 'when it should have ended, not before `start`', '2026-05-18T12:00:00Z'),
+        _instant('start', 'its job does not begin before it', '2026-05-18T06:00:00+02:00', '6.7'),
+        _instant(
+            'due', 'when it should have ended, not before `start`', '2026-05-18T12:00:00Z', '6.6'
+        ),
         Key(
             'details',
             Kind.MAPPING,

@@ -16,6 +16,7 @@ _CELL = """\
 # What exists: the belt, and one component for each device controller.
 # Mistakes are named with their places by: bt-orchestrator check {script} --cell {file}
 cell: {name}
+# start: advisory  # without it no job begins before the `start` of its order
 conveyor:
   sections: {sections}  # positions of the belt, counted in the direction of travel
 """

@@ -255,7 +255,7 @@ class CellTree:
 
 _AT_WORK = (
     *(e.JobQueued, e.JobMoved, e.JobUpdated, e.JobHeld, e.JobReleased, e.JobRemoved),
-    *(e.JobStarted, e.JobAborting, e.JobCompleted, e.JobAborted),
+    *(e.JobMayStart, e.JobStarted, e.JobAborting, e.JobCompleted, e.JobAborted),
 )
 """Events after which other jobs may be at work."""
 

@@ -69,6 +69,7 @@ def job_offers(job: JobStatus, status: CellStatus) -> Sequence[Offer]:
         job.id,
         job.state,
         job.ending,
+        awaits_start=job.awaits_start,
         is_next=job.position == 1,
         is_alone=status.queued <= 1,
         is_cell_stopped=status.stop_reason is StopReason.OPERATOR,
@@ -77,11 +78,23 @@ def job_offers(job: JobStatus, status: CellStatus) -> Sequence[Offer]:
 
 @lru_cache(maxsize=1024)
 def _job_offers(
-    job: str, state: JobWord, ending: str, *, is_next: bool, is_alone: bool, is_cell_stopped: bool
+    job: str,
+    state: JobWord,
+    ending: str,
+    *,
+    awaits_start: bool,
+    is_next: bool,
+    is_alone: bool,
+    is_cell_stopped: bool,
 ) -> Sequence[Offer]:
     """Return the offers of a job; cached for long queues, of which each status tells 100 jobs."""
     wanted = worthwhile_for_job(
-        state, ending, is_next=is_next, is_alone=is_alone, is_cell_stopped=is_cell_stopped
+        state,
+        ending,
+        awaits_start=awaits_start,
+        is_next=is_next,
+        is_alone=is_alone,
+        is_cell_stopped=is_cell_stopped,
     )
     return [_offer(request, job) for request in wanted]
 

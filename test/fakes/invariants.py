@@ -62,7 +62,7 @@ class Invariants:
         """Goals that were sent and have not ended."""
         self._zones: dict[str, e.TaskKey] = {}
         self._moving = False
-        self._queue = QueueInvariants()
+        self._queue = QueueInvariants(cell)
         self._initialization = InitializationInvariants(cell, self._jobs)
         self._ended: set[tuple[str | None, str]] = set()
         """Items with the tasks that ended for them, one way or the other."""

@@ -32,7 +32,7 @@ class NaiveCell(NaiveState):
         seen = -1
         while seen != len(self.records):
             seen = len(self.records)
-            for task in [task for job in self.jobs for task in job.first.values()]:
+            for task in [task for job in self.able() for task in job.first.values()]:
                 self.prepare(task)
             for number in reversed(self.sections):
                 self.section(number)
@@ -43,20 +43,41 @@ class NaiveCell(NaiveState):
 
     # --- jobs and items (6) -----------------------------------------------------------------
 
-    def submit(self, id_: str, script: str, quantity: int) -> None:
+    def submit(
+        self, id_: str, script: str, quantity: int, priority: int = 0, start: float | None = None
+    ) -> None:
+        known = [link['flag'] for one in self.jobs for link in one.plan.flags]
         job = self.new_job(id_, script, quantity)
-        known = [link['flag'] for one in self.jobs[:-1] for link in one.plan.flags]
+        job.rank = (-priority, inf if start is None else start)
+        job.early = start is not None and start > self.now
         self.flags |= {f['flag']: f['initial'] for f in job.plan.flags if f['flag'] not in known}
-        self.say('job.queued', {'job': job}, script=script, quantity=quantity)
-        self.had_work = True
+        queue = [one for one in self.jobs if not self.said('job.started', {'job': one})]
+        behind = next((one for one in queue if one.rank > job.rank), None)  # (6.7)
+        at = self.jobs.index(behind) if behind else len(self.jobs)
+        self.jobs.insert(at, job)
+        place = queue.index(behind) + 1 if behind else None
+        terms = {'priority': priority or None, 'start': start, 'awaits_start': job.early or None}
+        what = {'script': script, 'quantity': quantity, 'position': place, **terms}
+        self.say('job.queued', {'job': job}, **what, ranked=True)
+        if job.early:
+            self.at(job.rank[1] - self.now, job, 'start', CANCELED_FIRST)
+        self.had_work |= not job.early
         self.settle()
+
+    def begin_job(self, job: Job) -> None:
+        """Let a job leave the queue, behind those that have started (6.1)."""
+        if not self.said('job.started', {'job': job}):
+            started = [one for one in self.jobs if self.said('job.started', {'job': one})]
+            self.jobs.remove(job)
+            self.jobs.insert(len(started), job)
+            self.say('job.started', {'job': job})
 
     def is_due(self, number: int, item: Item) -> bool:
         """Tell whether a section has a list for an item and has not begun with it."""
         return number in item.job.plan.lists and not self.said('cycle.started', item.at(number))
 
     def before(self, job: Job) -> list[Job]:
-        return self.jobs[: self.jobs.index(job)]
+        return [one for one in self.jobs[: self.jobs.index(job)] if not one.early]
 
     def done_with(self, number: int, job: Job) -> bool:
         """Tell whether a section is done with a job (6.1)."""
@@ -74,8 +95,8 @@ class NaiveCell(NaiveState):
         cycles = any(cycle.item.job is job for cycle in self.cycles.values())
         tasks = any(task.state != 'done' for task in job.first.values())
         if not (job.left or items or cycles or tasks):
+            self.begin_job(job)
             self.jobs.remove(job)
-            self.say_once('job.started', {'job': job})
             self.say('job.aborted' if job.aborting else 'job.completed', {'job': job})
 
     def abort_jobs(self, jobs: Collection[Job]) -> None:
@@ -116,7 +137,7 @@ class NaiveCell(NaiveState):
         if task.state == 'new' and not begins:
             return
         if done and task.state in ('new', 'waiting') and not self.stopped(None):
-            self.say_once('job.started', {'job': job})
+            self.begin_job(job)
             self.carry_out(task, 'skip')
         self.visit(task)
 
@@ -173,7 +194,7 @@ class NaiveCell(NaiveState):
             item = self.new_item(job)
         self.cycles[number] = self.new_cycle(number, item, beat)
         self.last_beat[number] = beat
-        self.say_once('job.started', {'job': job})
+        self.begin_job(job)
         self.say('cycle.started', item.at(number), beat=beat)
 
     def next_cycle(self, number: int) -> tuple[Job | None, Item | None, int]:
@@ -192,7 +213,7 @@ class NaiveCell(NaiveState):
 
     def source_job(self) -> Job | None:
         """Return the job that the source may work on (5.2, 6.1)."""
-        job = next((job for job in self.jobs if job.left), None)
+        job = next((job for job in self.able() if job.left), None)
         source = job.plan.source if job else 0
         ready = job and self.done_with_earlier(source, job) and self.prepared(source, job)
         return job if ready else None
@@ -270,7 +291,7 @@ class NaiveCell(NaiveState):
 
     def start(self, task: Task) -> None:
         if task.job:
-            self.say_once('job.started', {'job': task.job})
+            self.begin_job(task.job)
         task.state, task.cancelled, task.busy = 'running', '', True
         others = [one for one in self.started if one.state != 'done' and one is not task]
         self.started = [*others, task]

@@ -6,7 +6,7 @@ import itertools
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from math import isnan
+from math import inf, isnan
 from types import SimpleNamespace
 from typing import Any
 
@@ -23,6 +23,10 @@ class Job:
     first: dict[str, Task] = field(default_factory=dict)
     items: list[Item] = field(default_factory=list)
     aborting: bool = False
+    rank: tuple[int, float] = (0, inf)
+    """The smaller the more urgent (6.7)."""
+    early: bool = False
+    """It waits for its start (6.7)."""
 
 
 @dataclass(eq=False)
@@ -129,7 +133,7 @@ class NaiveRun(ABC):
         self.holds: list[Any] = []
         self.records: list[Row] = []
         self._facts: set[tuple[Any, ...]] = set()
-        self._agenda: list[tuple[float, float, int, Task, int, str]] = []
+        self._agenda: list[tuple[float, float, int, Any, int, str]] = []
         self._numbers, self._hold_ids = itertools.count(), itertools.count(1)
 
     def say(self, event: str, where: Row, **fields: Any) -> None:
@@ -157,7 +161,6 @@ class NaiveRun(ABC):
         job.first = {given['id']: self.new_task(given, job) for given in job.plan.first}
         for link in job.plan.order:
             job.first[link['downstream']].after.append(job.first[link['upstream']])
-        self.jobs.append(job)
         return job
 
     def new_item(self, job: Job) -> Item:
@@ -190,14 +193,20 @@ class NaiveRun(ABC):
             facts |= {'attempt': task.attempt, 'attempts': task.given.get('retries', 0) + 1}
         self.say('hold.raised', where, hold=hold, **facts, reason=reason, answers=answers)
 
-    def at(self, after: float, task: Task, end: str, certain: float) -> None:
-        """Note how an attempt ends after a while; of one time what was certain earlier is first.
+    def able(self) -> list[Job]:
+        """Return the jobs that do not wait for their start."""
+        return [job for job in self.jobs if not job.early]
+
+    def at(self, after: float, task: Any, end: str, certain: float) -> None:
+        """Note how an attempt ends after a while, or the wait of a job.
+
+        Of one time what was certain earlier is first.
 
         :param certain: seconds from now after which nothing but a stop or a cancel can change it
         """
         time = round(self.now + after, 6)
         self._agenda.append(
-            (time, self.now + certain, next(self._numbers), task, task.attempt, end)
+            (time, self.now + certain, next(self._numbers), task, getattr(task, 'attempt', 0), end)
         )
 
     def advance(self, until: float) -> None:
@@ -208,7 +217,10 @@ class NaiveRun(ABC):
             due = sorted(note for note in self._agenda if note[0] == self.now)
             self._agenda = [note for note in self._agenda if note[0] > self.now]
             for _, _, _, task, attempt, end in due:
-                if task.state == 'running' and task.attempt == attempt:
+                if isinstance(task, Job) and task.early:
+                    task.early, self.had_work = False, True
+                    self.say('job.may_start', {'job': task})
+                elif isinstance(task, Task) and (task.state, task.attempt) == ('running', attempt):
                     self.end(task, end)
             self.settle()
         self.now = round(max(self.now, until), 6) if self.jobs else self.now

@@ -58,7 +58,7 @@ class NaiveState(NaiveRun):
         previous, self.state = self.state, state
         self.say('cell.state_changed', {}, state=state, previous=previous)
         if state == 'Starting':
-            self.had_work = bool(self.jobs)
+            self.had_work = bool(self.able())
         if state in ('Stopped', 'Aborted'):
             self.done.clear()
             for task in [t for j in self.jobs if not j.items for t in j.first.values()]:
@@ -70,9 +70,9 @@ class NaiveState(NaiveRun):
         working = 'Holding' if self.holds else 'Execute'
         due = {'Starting': working, 'Unholding': working}
         due |= {'Resetting': 'Idle', 'Completing': 'Complete', 'Clearing': 'Stopped'}
-        if self.jobs and not self.stopped_by_hand:
+        if self.able() and not self.stopped_by_hand:
             due |= {'Stopped': 'Resetting', 'Complete': 'Resetting', 'Idle': 'Starting'}
-        if self.had_work and not self.jobs:
+        if self.had_work and not self.able():
             due['Execute'] = 'Completing'
         running = any(task.state == 'running' for task in self.started)
         later = any(t.state == 'waiting' and t.not_before > self.now for t in self.started)

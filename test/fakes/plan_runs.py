@@ -18,6 +18,8 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.cell_commands import Abort, Clear, Reset, Start, Stop
 from bt_orchestrator.model.events import INDEX_KEY
 from bt_orchestrator.model.goal import GoalRequest
+from bt_orchestrator.model.jobs.job_commands import AddJobs
+from bt_orchestrator.model.jobs.order import Job, Terms
 from bt_orchestrator.model.packml import VERBS, possible_in
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.proof.deadlock import deadlock
@@ -232,13 +234,14 @@ class ProductBench:
     def order(self) -> bool:
         order = next(self._orders, None)
         if order:
-            id_, script, quantity = order
-            answer = self.run.submit(id_, self.scripts[script], quantity)
+            script, terms = self.scripts[order.script], Terms(order.priority, order.start)
+            job = Job(order.id, script, order.quantity, terms=terms)
+            answer = self.run.ask(AddJobs((job,)))
             if answer.accepted:
-                self.accepted[id_] = script
+                self.accepted[order.id] = order.script
             else:
                 assert 'the line can get stuck' in answer.message, answer
-                self.refused.add(id_)
+                self.refused.add(order.id)
         return order is not None
 
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from math import inf
 from typing import ClassVar
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.cell import Cell, Start
 
 PROGRESS = (e.TaskStarted, e.CycleStarted)
 
@@ -13,7 +15,16 @@ PROGRESS = (e.TaskStarted, e.CycleStarted)
 class QueueInvariants:
     """Follows the events of one cell and raises AssertionError at the first that cannot be."""
 
-    def __init__(self) -> None:
+    def __init__(self, cell: Cell) -> None:
+        self._waits_count = cell.start is Start.BINDING
+        self._terms: dict[str, tuple[int, float]] = {}
+        """The smaller the more urgent."""
+        self._by_hand: set[str] = set()
+        """Jobs whose place a person chose."""
+        self._early: dict[str, float] = {}
+        """Jobs that wait for their start."""
+        self._wished: str | None = ''
+        """The job that the last command lets start."""
         self._ids: set[str] = set()
         self._queue: list[str] = []
         self._held: set[str] = set()
@@ -39,21 +50,60 @@ class QueueInvariants:
     def _queued(self, event: e.JobQueued) -> None:
         assert event.job not in self._ids, event
         self._ids.add(event.job)
-        self._queue.insert(len(self._queue) if event.position is None else event.position - 1, '')
-        self._queue[self._queue.index('')] = event.job
+        at = len(self._queue) if event.position is None else event.position - 1
+        self._note(event)
+        if event.ranked:
+            assert at == self._place(event.job), (event, self._queue)
+        else:
+            self._by_hand.add(event.job)
+        self._queue.insert(at, event.job)
         if event.held:
             self._held.add(event.job)
         self._quantity[event.job] = event.quantity
         self._items[event.job] = []
 
+    def _note(self, event: e.JobQueued | e.JobUpdated) -> None:
+        """Note how urgent a job is, and whether it waits for its start (6.7)."""
+        same = event.job in self._terms and self._terms[event.job][1] == (event.start or inf)
+        comes = self._waits_count and (event.start or 0.0) > event.time
+        assert event.awaits_start == (event.job in self._early if same else comes), event
+        self._early.pop(event.job, None)
+        if event.awaits_start:
+            assert event.start is not None
+            self._early[event.job] = event.start
+        self._terms[event.job] = -event.priority, event.start or inf
+
+    def _place(self, job: str) -> int:
+        """Return the place, from 0: before the first that is less urgent and not put by hand."""
+        for at, other in enumerate(self._queue):
+            if other not in self._by_hand and self._terms[other] > self._terms[job]:
+                return at
+        return len(self._queue)
+
+    def _commanded(self, event: e.OperatorDecided) -> None:
+        self._wished = event.job if event.answer in ('release', 'next') else None
+
+    def _may_start(self, event: e.JobMayStart) -> None:
+        start = self._early.pop(event.job)
+        assert start <= event.time or event.job == self._wished, event
+
     def _moved(self, event: e.JobMoved) -> None:
+        self._by_hand.add(event.job)
         self._queue.remove(event.job)
         self._queue.insert(event.position - 1, event.job)
         assert self._queue[event.position - 1] == event.job, event
 
     def _updated(self, event: e.JobUpdated) -> None:
-        assert event.job in self._queue, event
+        at, before = self._queue.index(event.job), self._terms[event.job]
         self._quantity[event.job] = event.quantity
+        self._note(event)
+        if event.job not in self._by_hand and self._terms[event.job] != before:
+            self._queue.remove(event.job)
+            at = self._place(event.job)
+            self._queue.insert(at, event.job)
+            assert event.position == at + 1, (event, self._queue)
+        else:
+            assert event.position is None, event
 
     def _hold(self, event: e.JobHeld) -> None:
         assert event.job in set(self._queue) - self._held, event
@@ -65,6 +115,7 @@ class QueueInvariants:
     def _removed(self, event: e.JobRemoved) -> None:
         self._queue.remove(event.job)
         self._held.discard(event.job)
+        self._early.pop(event.job, None)
         self._ended[event.job] = {}
 
     def _stop_requested(self, event: e.QueueStopRequested) -> None:
@@ -79,7 +130,7 @@ class QueueInvariants:
 
     def _started(self, event: e.JobStarted) -> None:
         # A job that was aborted in the queue may still have to skip its initialization.
-        passed = self._held | self._begins_nothing
+        passed = self._held | self._begins_nothing | self._early.keys()
         first = next(job for job in self._queue if job not in passed)
         assert event.job == first, (event, self._queue)
         assert not self._stop_after, event
@@ -103,6 +154,8 @@ class QueueInvariants:
 
     def _ending(self, event: e.JobPaused | e.JobStopping | e.JobAborting) -> None:
         self._begins_nothing.add(event.job)
+        if isinstance(event, e.JobAborting):
+            self._early.pop(event.job, None)
 
     def _resumed(self, event: e.JobResumed) -> None:
         self._begins_nothing.remove(event.job)
@@ -122,6 +175,8 @@ class QueueInvariants:
         e.JobQueued: _queued,
         e.JobMoved: _moved,
         e.JobUpdated: _updated,
+        e.OperatorDecided: _commanded,
+        e.JobMayStart: _may_start,
         e.JobHeld: _hold,
         e.JobReleased: _release,
         e.JobRemoved: _removed,

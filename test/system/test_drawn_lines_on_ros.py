@@ -80,9 +80,10 @@ def sample(count: int) -> list[Plan]:
     )
     @given(lines(SPACED))
     def draw(plan: Plan) -> None:
-        orders = (*plan.orders, *plan.later)
+        # A start is a time of the calendar, and the time of the virtual run begins with 0.
+        orders = tuple(one._replace(priority=0, start=None) for one in (*plan.orders, *plan.later))
         alone = replace(plan, orders=orders, later=(), moments=(), rebuilds=frozenset())
-        size = sum(quantity for _, _, quantity in orders) * plan.cell['conveyor']['sections']
+        size = sum(order.quantity for order in orders) * plan.cell['conveyor']['sections']
         if size >= LEAST and expected(alone) is not None:
             found.append(alone)
         if len(found) == count:
@@ -100,9 +101,9 @@ def test_the_order_per_section_is_that_of_virtual_time(start_cell: StartCell) ->
         cell.connect()
         for script in plan.scripts:
             cell.script(text_of(script), script['script'])
-        for order, script_name, quantity in plan.orders:
-            cell.watch.submit(script_name, quantity=quantity, order=order)
-        for order, _, _ in plan.orders:
-            cell.watch.until_ended(order, within_s=4 * LONGEST_S)
+        for order in plan.orders:
+            cell.watch.submit(order.script, quantity=order.quantity, order=order.id)
+        for order in plan.orders:
+            cell.watch.until_ended(order.id, within_s=4 * LONGEST_S)
         assert order_of(cell.watch.events) == expected(plan), text_of(plan.cell)
         cell.stop()

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+import time
+from datetime import datetime, timezone
+from pathlib import Path
 from typing import Any
 
 from action_msgs.msg import GoalStatus
@@ -75,6 +78,34 @@ def test_the_queue_is_changed_while_a_job_runs(small_cell: CellProcesses) -> Non
     assert small_cell.verb('queue', 'release', 'a', *WHY)[0] == 0
     assert watch.until_ended('a').packed == 1
     small_cell.stop()
+
+
+def test_6_7_a_job_waits_for_its_start_also_across_a_restart(
+    start_cell: StartCell, tmp_path: Path
+) -> None:
+    journal = tmp_path / 'cell' / 'journal.sqlite3'
+    cell = start_cell(run_options=['--journal', str(journal), '--auto-resume'])
+    cell.connect()
+    cell.script(small_script())
+    order = cell.folder / 'late.order.yaml'
+    order.write_text(f'{{order: late, script: small, quantity: 1, start: {in_seconds(3600.0)}}}')
+    status, _, errors = cell.verb('submit', str(order))
+    assert status == 0, errors
+    assert 'waits for its start' in cell.verb('queue')[1]
+    cell.kill_and_restart_node()
+    (job,) = cell.watch.call(srv.ListJobs, 'list_jobs', srv.ListJobs.Request()).jobs
+    assert (job.job.state, job.job.awaits_start) == ('AllowedToStart', True)
+    status, _, errors = cell.verb('queue', 'update', 'late', '--start', in_seconds(2.0), *WHY)
+    assert status == 0, errors
+    start = cell.watch.until('job.updated', job='late')['start']
+    assert cell.watch.until('job.started', job='late')['time'] >= start
+    assert cell.watch.until_ended('late').packed == 1
+    cell.stop()
+
+
+def in_seconds(seconds: float) -> str:
+    """Return a time from now as an order has it."""
+    return datetime.fromtimestamp(time.time() + seconds, timezone.utc).isoformat()
 
 
 def run_job(cell: CellProcesses, feedback: list[Any], **fields: Any) -> Any:

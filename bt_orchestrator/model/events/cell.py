@@ -156,7 +156,7 @@ class OrchestratorStopping(Event):
 
 @dataclass(frozen=True, kw_only=True)
 class ClockStepped(Event):
-    """The wall clock, which stamps events, was set; no deadline uses it (2.4).
+    """The wall clock, which stamps events, was set; no wait uses it but that for a start (2.4).
 
     This event and those after it have the new time.
     """

@@ -42,11 +42,16 @@ class JobQueued(Event):
     """When it should have ended, seconds since the epoch; None: not said."""
     details: Mapping[str, object] = field(default_factory=dict)
     """The customer's JSON, as given."""
+    ranked: bool = False
+    """Its place follows from its priority and start (6.7); false: it was given, or is of an older
+    program."""
+    awaits_start: bool = False
+    """It may not start before `start`."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class JobMoved(Event):
-    """A queued job has another place in the queue."""
+    """A queued job was put at another place in the queue, where it stays."""
 
     event: ClassVar[str] = 'job.moved'
     job: str
@@ -72,6 +77,10 @@ class JobUpdated(Event):
     """When it should have ended, seconds since the epoch; None: not said."""
     details: Mapping[str, object] = field(default_factory=dict)
     """The customer's JSON, as given."""
+    position: int | None = None
+    """New place in the queue, from 1, by its new priority or start (6.7); None: as before."""
+    awaits_start: bool = False
+    """It may not start before `start`."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,6 +96,14 @@ class JobReleased(Event):
     """A queued job may start when its turn comes."""
 
     event: ClassVar[str] = 'job.released'
+    job: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class JobMayStart(Event):
+    """A queued job waits for its start no more: the time has come, or somebody wished so."""
+
+    event: ClassVar[str] = 'job.may_start'
     job: str
 
 

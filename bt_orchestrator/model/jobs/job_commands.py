@@ -30,7 +30,7 @@ class AddJobs:
     by: By | None = None
     """None: from the plan of a virtual run."""
     position: int | None = None
-    """Of the first, from 1; None: the end."""
+    """Of the first, from 1; None: by priority and start (semantics 6.7)."""
     held: bool = False
     sharing: Sharing | None = None
     """None: not checked yet."""

@@ -99,11 +99,20 @@ LEFT_WHILE_ENDING: Mapping[str, tuple[Method, ...]] = {'stopping': (ABORT,), 'ab
 """What may still be asked of a job that ends when its last item has left."""
 
 
-def refusal(method: Method, job: str, word: JobWord, ending: str = '') -> str | None:
+MORE_WHILE_AWAITING: tuple[Method, ...] = (START,)
+"""What may also be asked of a job that is AllowedToStart and waits for its start."""
+
+
+def refusal(
+    method: Method, job: str, word: JobWord, ending: str = '', *, awaits_start: bool = False
+) -> str | None:
     """Say why something cannot be asked of a job now; None: it can.
 
     :param ending: `stopping` or `aborting` if the job already ends
+    :param awaits_start: the job waits for the start of its order (semantics 6.7)
     """
+    if word is ALLOWED and awaits_start and method in MORE_WHILE_AWAITING:
+        return None
     if word not in method.changes:
         fitting = ' or '.join(before.value for before in method.changes if before is not None)
         return f'{job} is {word.value}; {method.title} is for jobs that are {fitting}'

@@ -29,15 +29,21 @@ def job_queued(event: e.JobQueued, state: CellState) -> None:
     script = state.scripts[event.digest]
     job = _job_of(event, script)
     _begin_flags(state, script)
-    queued = JobState(job, event.digest, queued_at=event.time, held=event.held)
+    queued = JobState(
+        job,
+        event.digest,
+        queued_at=event.time,
+        held=event.held,
+        awaits_start=event.awaits_start,
+        ranked=event.ranked,
+    )
     state.jobs.add(queued, event.position)
     state.order_ids.add(event.job)
-    if not event.held:
-        state.had_work = True
+    _note_work(state, queued)
 
 
 def job_moved(event: e.JobMoved, state: CellState) -> None:
-    """Put a queued job at another place."""
+    """Put a queued job at another place, where no other one overtakes it (semantics 6.7)."""
     state.jobs.move(event.job, event.position)
 
 
@@ -50,7 +56,11 @@ def job_updated(event: e.JobUpdated, state: CellState) -> None:
         _begin_flags(state, script)
         changed.job = _job_of(event, script)
         changed.digest = event.digest
+        changed.awaits_start = event.awaits_start
+    if event.position is not None:
+        state.jobs.move(event.job, event.position, ranked=True)
     _forget_unused(state, before)
+    _note_work(state, state.jobs.queued(event.job))
 
 
 def job_held(event: e.JobHeld, state: CellState) -> None:
@@ -61,7 +71,13 @@ def job_held(event: e.JobHeld, state: CellState) -> None:
 def job_released(event: e.JobReleased, state: CellState) -> None:
     """Let it start in its turn; for the cell this is like a new order."""
     state.jobs.hold(event.job, held=False)
-    state.had_work = True
+    _note_work(state, state.jobs.queued(event.job))
+
+
+def job_may_start(event: e.JobMayStart, state: CellState) -> None:
+    """Let it start in its turn, unless it is held."""
+    state.jobs.allow_start(event.job)
+    _note_work(state, state.jobs.queued(event.job))
 
 
 def job_removed(event: e.JobRemoved, state: CellState) -> None:
@@ -135,6 +151,11 @@ def job_ended(event: e.JobCompleted | e.JobAborted, state: CellState) -> None:
 def job_cleared(event: e.JobCleared, state: CellState) -> None:
     """List the ended job no more; its id stays used."""
     del state.ended[event.job]
+
+
+def _note_work(state: CellState, job: JobState) -> None:
+    if job.may_start:
+        state.had_work = True
 
 
 def terms_of(event: e.JobQueued | e.JobUpdated) -> Terms:

@@ -7,7 +7,7 @@ still uses a script or a flag.
 
 from __future__ import annotations
 
-from bisect import bisect_left
+from bisect import bisect_left, bisect_right
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -37,6 +37,11 @@ class LiveJobs(Mapping[str, 'JobState']):
         """The queue."""
         self._allowed: list[str] = []
         """Those in the queue that may start when it is their turn, in its order."""
+        self._ranked: list[str] = []
+        """Those in the queue whose places follow from their urgency, in its order: the most urgent
+        first (semantics 6.7)."""
+        self._awaiting: list[tuple[float, str]] = []
+        """Those in the queue that wait for their start, with the time of it, by that time."""
         self._ending: set[str] = set()
         """Jobs in the queue that are being aborted: they skip their initialization, and end."""
         self._scripts: Counter[str] = Counter()
@@ -89,9 +94,26 @@ class LiveJobs(Mapping[str, 'JobState']):
         """Return the place of a job in the queue, from 1; 0: it is not there."""
         return self._at(self._order, name) + 1 if name in self._queued else 0
 
+    def place_for(self, urgency: tuple[int, float], but: str = '') -> int:
+        """Return the place of a new job, from 1: before the first ranked one that is less urgent.
+
+        :param but: a job in the queue that is treated as if it were not there
+        """
+        at = bisect_right(
+            self._ranked, urgency, key=lambda name: self._queued[name].job.terms.urgency
+        )
+        behind = next((name for name in self._ranked[at : at + 2] if name != but), None)
+        place = self.place(behind) if behind is not None else len(self._order) + 1
+        return place - 1 if 0 < self.place(but) < place else place
+
+    @property
+    def first_awaiting(self) -> JobState | None:
+        """The job in the queue whose start comes first, of those that wait for it."""
+        return self._queued[self._awaiting[0][1]] if self._awaiting else None
+
     @property
     def next(self) -> JobState | None:
-        """The first job in the queue that may start: neither held nor being aborted."""
+        """The first job in the queue that may start."""
         return self._queued[self._allowed[0]] if self._allowed else None
 
     def first(self, most: int) -> list[JobState]:
@@ -102,7 +124,7 @@ class LiveJobs(Mapping[str, 'JobState']):
 
     @property
     def any_allowed(self) -> bool:
-        """Tell whether any job is not held."""
+        """Tell whether any job is neither held nor waits for its start."""
         return bool(self.line or self._ending or self._allowed)
 
     def at_work(self) -> list[JobState]:
@@ -149,10 +171,13 @@ class LiveJobs(Mapping[str, 'JobState']):
         self._queued[name] = job
         self._put(name, place)
 
-    def move(self, name: str, place: int) -> None:
-        """Give a job in the queue another place, from 1."""
+    def move(self, name: str, place: int, *, ranked: bool = False) -> None:
+        """Give a job in the queue another place, from 1.
+
+        :param ranked: it is the one that follows from its urgency
+        """
         job = self._take(name)
-        self._queued[name] = job
+        self._queued[name] = changed(job, ranked=ranked)
         self._put(name, place)
 
     def start(self, name: str, time: float) -> None:
@@ -166,8 +191,10 @@ class LiveJobs(Mapping[str, 'JobState']):
     def changing(self, name: str) -> Iterator[JobState]:
         """Replace a job in the queue; meanwhile it uses no script and no flag."""
         self._count(self.queued(name), -1)
+        self._await(name, waits=False)
         job = self._queued[name] = changed(self.queued(name))
         yield job
+        self._judge(name)
         self._count(job, 1)
 
     def hold(self, name: str, *, held: bool) -> None:
@@ -175,11 +202,18 @@ class LiveJobs(Mapping[str, 'JobState']):
         self._queued[name] = changed(self.queued(name), held=held)
         self._judge(name)
 
+    def allow_start(self, name: str) -> None:
+        """Let a job in the queue wait for its start no more."""
+        self._await(name, waits=False)
+        self._queued[name] = changed(self.queued(name), awaits_start=False)
+        self._judge(name)
+
     def abort(self, name: str, reason: str) -> None:
         """Let a job end."""
         queued = self._queued.get(name)
         if queued is not None:
-            self._queued[name] = changed(queued)
+            self._await(name, waits=False)
+            self._queued[name] = changed(queued, awaits_start=False)
         job = self[name]
         job.aborting, job.paused, job.held, job.end_reason = True, False, False, reason
         if queued is not None:
@@ -221,25 +255,41 @@ class LiveJobs(Mapping[str, 'JobState']):
 
     def _take(self, name: str) -> JobState:
         job = self.queued(name)
-        self._allow(name, may_start=False)
+        for names in (self._allowed, self._ranked):
+            self._list(names, name, is_one=False)
+        self._await(name, waits=False)
         self._ending.discard(name)
         del self._order[self._at(self._order, name)], self._queued[name], self._keys[name]
         return job
 
     def _judge(self, name: str) -> None:
-        """Update whether a job in the queue may start, or is ending."""
+        """Update the lists that a job in the queue is in."""
         job = self._queued[name]
         if job.aborting:
             self._ending.add(name)
-        self._allow(name, may_start=not job.held and not job.ending)
+        self._list(self._allowed, name, is_one=job.may_start)
+        self._list(self._ranked, name, is_one=job.ranked)
+        self._await(name, waits=job.awaits_start)
 
-    def _allow(self, name: str, *, may_start: bool) -> None:
-        at = self._at(self._allowed, name)
-        is_there = self._allowed[at : at + 1] == [name]
-        if may_start and not is_there:
-            self._allowed.insert(at, name)
-        elif is_there and not may_start:
-            del self._allowed[at]
+    def _list(self, names: list[str], name: str, *, is_one: bool) -> None:
+        at = self._at(names, name)
+        is_there = names[at : at + 1] == [name]
+        if is_one and not is_there:
+            names.insert(at, name)
+        elif is_there and not is_one:
+            del names[at]
+
+    def _await(self, name: str, *, waits: bool) -> None:
+        """Note whether a job in the queue waits for its start, which does not change meanwhile."""
+        start = self._queued[name].job.terms.start
+        if start is None:
+            return
+        at = bisect_left(self._awaiting, (start, name))
+        is_there = self._awaiting[at : at + 1] == [(start, name)]
+        if waits and not is_there:
+            self._awaiting.insert(at, (start, name))
+        elif is_there and not waits:
+            del self._awaiting[at]
 
     def _at(self, names: list[str], name: str) -> int:
         return bisect_left(names, self._keys[name], key=self._keys.__getitem__)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from datetime import datetime, timezone
 from typing import Any
 
 from bt_orchestrator.model.script import Script
@@ -11,7 +13,7 @@ from bt_orchestrator.model.script import Script
 
 @dataclass(frozen=True)
 class Terms:
-    """Scheduling data of an order. It is stored and shown; no rule reads it.
+    """Scheduling data of an order. Priority and start decide its place (semantics 6.7).
 
     Priority, start and due are Priority, StartTime and EndTime of ISA-95 Job Control (OPC 10031-4
     v2.00, table 64).
@@ -25,6 +27,19 @@ class Terms:
     """When it should have ended, seconds since the epoch; None: not said."""
     details: Mapping[str, object] = field(default_factory=dict)
     """JSON of the customer's own, never interpreted."""
+
+    @property
+    def urgency(self) -> tuple[int, float]:
+        """What orders are compared by: the smaller comes first."""
+        return -self.priority, math.inf if self.start is None else self.start
+
+    @property
+    def start_words(self) -> str:
+        """The start, in UTC; empty: not said."""
+        if self.start is None:
+            return ''
+        moment = datetime.fromtimestamp(self.start, timezone.utc)
+        return f'{moment:%Y-%m-%d %H:%M:%S} UTC'
 
 
 NO_TERMS = Terms()

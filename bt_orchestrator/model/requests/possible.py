@@ -24,15 +24,18 @@ def of_cell(state: PackmlState) -> tuple[Request, ...]:
     return (*(CELL[cause] for cause in possible_in(state)), *STOP_AFTERS.values())
 
 
-def of_job(word: JobWord, ending: str = '') -> tuple[Request, ...]:
+def of_job(word: JobWord, ending: str = '', *, awaits_start: bool = False) -> tuple[Request, ...]:
     """Return the requests to a job that a state allows.
 
     :param ending: `stopping` or `aborting` if the job already ends
+    :param awaits_start: the job waits for the start of its order (semantics 6.7)
     """
     is_queued = word in (JobWord.NOT_ALLOWED_TO_START, JobWord.ALLOWED_TO_START)
     places = (MOVE, NEXT) if is_queued else ()
     fitting = (
-        request for method, request in JOB if job_control.refusal(method, '', word, ending) is None
+        request
+        for method, request in JOB
+        if job_control.refusal(method, '', word, ending, awaits_start=awaits_start) is None
     )
     return (*places, *fitting)
 

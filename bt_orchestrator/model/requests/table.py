@@ -108,7 +108,7 @@ STOP_AFTERS: Mapping[str, Request] = {
 ADD = _request(
     About.QUEUE, 'add', 'queues work orders in this order, all or none', _BOTH,
     Parameter('orders', Kind.ORDERS, 'work orders', is_required=True),
-    Parameter('position', Kind.WHOLE, 'place of the first, from 1; the end unless it is said'),
+    Parameter('position', Kind.WHOLE, 'place of the first, from 1; else by priority and start'),
     Parameter('held', Kind.YES_NO, 'keep them from starting'),
     why=Why.NEVER,
 )  # fmt: skip

@@ -56,17 +56,25 @@ def _changes_stop(after: str, status: CellStatus) -> bool:
 
 
 def worthwhile_for_job(
-    word: JobWord, ending: str, *, is_next: bool, is_alone: bool, is_cell_stopped: bool
+    word: JobWord,
+    ending: str,
+    *,
+    awaits_start: bool,
+    is_next: bool,
+    is_alone: bool,
+    is_cell_stopped: bool,
 ) -> tuple[Request, ...]:
     """Return the requests to a job that its state allows and that would change it.
 
+    :param awaits_start: it waits for the start of its order
     :param is_next: it is the first one in the queue
     :param is_alone: no other job is in the queue
     :param is_cell_stopped: a person has stopped it; then every job on it has the word of a pause
     """
     nothing_new = {
         MOVE.word: is_alone,
-        NEXT.word: is_next and word is not JobWord.NOT_ALLOWED_TO_START,
+        NEXT.word: is_next and word is not JobWord.NOT_ALLOWED_TO_START and not awaits_start,
         job_control.RESUME.verb: is_cell_stopped,
     }
-    return tuple(one for one in of_job(word, ending) if not nothing_new.get(one.word, False))
+    possible = of_job(word, ending, awaits_start=awaits_start)
+    return tuple(one for one in possible if not nothing_new.get(one.word, False))

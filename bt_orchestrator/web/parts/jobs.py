@@ -43,6 +43,7 @@ def job_part(
         'on_line': job.on_line,
         'priority': job.priority,
         'start': job.start,
+        'awaits_start': job.awaits_start,
         'due': job.due,
         'ends': _ends(job, status),
         'initialization': list(job.initialization),

@@ -9,12 +9,25 @@ from __future__ import annotations
 import copy
 
 from fakes.drawn.cells import SECONDS, draw_cell, lasting
-from fakes.drawn.plan import MOST_SECTIONS, Draw, Moment, Plan, Row, Traits, chance, tasks_of
+from fakes.drawn.plan import (
+    MOST_SECTIONS,
+    Draw,
+    Moment,
+    Order,
+    Plan,
+    Row,
+    Traits,
+    chance,
+    tasks_of,
+)
 from fakes.drawn.scripts import DrawnScript
 from hypothesis import strategies as st
 
 ANY = Traits()
 MOMENTS = (0.13, 3.71, 17.93, 61.57)
+PRIORITIES = (0, 0, 3, 5, -1)
+STARTS = st.sampled_from((None, None, 0.0371, 9.0373, 45.0379))
+"""At no moment at which anything else happens: what comes first then is open."""
 
 
 @st.composite
@@ -29,7 +42,7 @@ def lines(draw: Draw, traits: Traits = ANY) -> Plan:
         scripts.append(_variant(draw, scripts[0]))
     count = draw(st.integers(1, 4))
     chosen = [scripts[draw(st.integers(0, len(scripts) - 1))]['script'] for _ in range(count)]
-    orders = tuple((f'J{n}', name, draw(st.integers(1, 4))) for n, name in enumerate(chosen))
+    orders = tuple(_order(draw, f'J{n}', name) for n, name in enumerate(chosen))
     first = count if draw(st.booleans()) else 1
     moment = st.builds(Moment, st.sampled_from(MOMENTS), st.integers(0, 13))
     moments = draw(st.lists(moment, max_size=10))
@@ -44,6 +57,13 @@ def lines(draw: Draw, traits: Traits = ANY) -> Plan:
         seconds=tuple(lasting(cell, drawn)),
         rebuilds=rebuilds,
     )
+
+
+def _order(draw: Draw, name: str, script: str) -> Order:
+    quantity = draw(st.integers(1, 4))
+    if not chance(draw, 40):
+        return Order(name, script, quantity)
+    return Order(name, script, quantity, draw(st.sampled_from(PRIORITIES)), draw(STARTS))
 
 
 def _variant(draw: Draw, script: Row) -> Row:

@@ -6,7 +6,7 @@ import copy
 from collections.abc import Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from hypothesis import strategies as st
 
@@ -24,15 +24,25 @@ class Moment:
     choice: int
 
 
+class Order(NamedTuple):
+    """A work order."""
+
+    id: str
+    script: str
+    quantity: int
+    priority: int = 0
+    start: float | None = None
+    """Seconds from the begin of the run."""
+
+
 @dataclass(frozen=True)
 class Plan:
     """A cell with its work and its bad luck."""
 
     cell: Row
     scripts: tuple[Row, ...]
-    orders: tuple[tuple[str, str, int], ...]
-    """Order id, script, quantity."""
-    later: tuple[tuple[str, str, int], ...]
+    orders: tuple[Order, ...]
+    later: tuple[Order, ...]
     """Orders that an operator gives in the course of things."""
     moments: tuple[Moment, ...]
     seconds: tuple[float, ...]

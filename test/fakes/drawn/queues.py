@@ -11,7 +11,7 @@ from bt_orchestrator.model.belt_statement import believed, parse_slots
 from bt_orchestrator.model.cell_commands import Abort, Clear, Reset, Resume, Start, Stop
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.jobs.job_commands import AddJobs, MoveJob, RunNext, StopAfter, UpdateJob
-from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.jobs.order import Job, Terms
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.runtime.job_queue import CONTROLS
@@ -105,4 +105,7 @@ class QueueOperator:
         return AddJobs(jobs, BY, position, held=self._chance.random() < 0.3)
 
     def _job(self, name: str) -> Job:
-        return Job(name, self._chance.choice(self._scripts), self._chance.randint(1, 2), {})
+        chance = self._chance
+        start = chance.choice((None, None, 20.0, 60.0))
+        terms = Terms(chance.choice((0, 0, 0, 2, -1)), start)
+        return Job(name, chance.choice(self._scripts), chance.randint(1, 2), {}, terms)

@@ -330,3 +330,13 @@ def test_a_result_that_no_task_has_is_wrong_use(tmp_path: Path, result: str, sai
     with pytest.raises(WrongUse) as wrong:
         simulated(asked, '--on-hold', 'mark_done', '--result', result)
     assert said in str(wrong.value)
+
+
+def test_a_start_is_waited_for_from_the_begin_of_the_run(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    start = {'start': '2026-05-18T06:00:00Z', 'due': '2026-05-18T07:00:00Z'}
+    early = order(tmp_path, 'early', script='reference_process', quantity=3, **start)
+    for begin, late_s in (('2026-05-18T05:50:00+00:00', 600.0), ('2026-05-18T06:10+00:00', 0.0)):
+        assert simulated(early, '--json', '--begin', begin) == 0
+        assert json.loads(capsys.readouterr().out)['time_s'] == pytest.approx(39.0 + late_s)

@@ -109,6 +109,8 @@ SAMPLES: dict[str, Any] = {
     'previous': 'Starting',
     'position': 2,
     'held': True,
+    'ranked': True,
+    'awaits_start': True,
     'exit_status': 'stopped',
     'counts': {'started': 3, 'packed': 2},
     'after': 'item',

@@ -75,7 +75,7 @@ def test_priority_times_and_details_stay_with_a_job() -> None:
     terms = Terms(7, 1779084000.0, None, {'customer': {'$': ['ACME']}})
     run.ask(AddJobs((Job('K', script, 1, terms=terms), Job('L', script, 1)), BY))
     run.ask(UpdateJob(Job('L', script, 1, terms=replace(terms, due=1779090000.0)), BY))
-    run.go()
+    run.go(until=2e9)
     jobs = jobs_of(run.records)
     assert [jobs[name].terms for name in 'JKL'] == [
         Terms(),

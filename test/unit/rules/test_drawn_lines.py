@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import pytest
 from fakes.drawn.lines import lines
-from fakes.drawn.plan import Plan
+from fakes.drawn.plan import Order, Plan
 from fakes.event_format import mistake_in
 from fakes.plan_runs import (
     NaiveBench,
@@ -35,7 +35,7 @@ None is so long that a task times out: `abort_job` would free a line that is stu
 
 def verdicts(kind: type[NaiveBench | ProductBench], plan: Plan, script: str) -> list[bool]:
     """Tell for each draw whether a job of one script alone gets stuck, where nothing fails."""
-    orders = (('J', script, 3 * plan.cell['conveyor']['sections']),)
+    orders = (Order('J', script, 3 * plan.cell['conveyor']['sections']),)
     alone = replace(plan, orders=orders, later=(), moments=()).without_faults()
     return [not operate(kind(replace(alone, seconds=seconds)), ()) for seconds in DRAWS]
 
@@ -73,6 +73,8 @@ def test_9_1_every_line_goes_as_the_second_opinion_says() -> None:
         seen['faults'] += plan.has_faults
         seen['result_refused'] += 'result_refused' in product.run.reasons()
         seen['let pass'] += bool(product.run.all('item.nonconforming'))
+        seen['waited'] += bool(product.run.all('job.may_start'))
+        seen['placed'] += any('position' in one for one in product.run.all('job.queued'))
 
     holds()
     assert seen['all'] >= 200, seen
@@ -83,3 +85,5 @@ def test_9_1_every_line_goes_as_the_second_opinion_says() -> None:
     assert seen['result_refused'] >= 0.1 * seen['all'], seen
     assert seen['let pass'] >= 0.05 * seen['all'], seen
     assert seen['faults'] >= 0.3 * seen['all'], seen
+    assert seen['waited'] >= 0.05 * seen['all'], seen
+    assert seen['placed'] >= 0.02 * seen['all'], seen

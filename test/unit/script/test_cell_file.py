@@ -10,7 +10,7 @@ from fakes.mistake_tables import table
 from fakes.script_texts import CELL, cell, mistakes
 
 from bt_orchestrator.errors import Refused
-from bt_orchestrator.model.cell import CONVEYOR, Cell, OnFailure, StateTopic
+from bt_orchestrator.model.cell import CONVEYOR, Cell, OnFailure, Start, StateTopic
 from bt_orchestrator.script.cell_file import parse_cell, read_cell
 
 ROOT = Path(__file__).parents[3]
@@ -61,3 +61,11 @@ def test_sections_are_ascending() -> None:
 def test_a_missing_file_is_refused(tmp_path: Path) -> None:
     with pytest.raises(Refused, match='the file does not exist'):
         read_cell(tmp_path / 'cell.yaml', FakeActionTypes())
+
+
+def test_a_start_is_binding_unless_the_cell_says_that_it_is_advice() -> None:
+    assert cell().start is Start.BINDING
+    assert parsed(f'{CELL}\nstart: advisory\n').start is Start.ADVISORY
+    said = mistakes(lambda: parsed(f'{CELL}\nstart: maybe\n'))
+    assert len(said) == 1
+    assert 'binding' in said[0]

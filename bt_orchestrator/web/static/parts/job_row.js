@@ -48,6 +48,9 @@ export function jobRow() {
 
 /** Say the state of a job, and whether it is being ended. */
 export function jobStateWords(job) {
+  if (job.awaits_start && job.state === 'AllowedToStart') {
+    return t('job_state.early', { time: about(job.start) });
+  }
   const key = job.substate ? `${job.state}/${job.substate}` : job.state;
   const word = tOr(`job_state.${key}`, key);
   return job.ending ? `${word}, ${t(`job_state.${job.ending}`)}` : word;

@@ -157,7 +157,7 @@ export function orderForm(changed, left) {
     },
 
     setQueued(queued) {
-      position.input.placeholder = t('order.at_end', { place: queued + 1 });
+      position.input.placeholder = t('order.by_urgency', { place: queued + 1 });
     },
 
     /** Be ready for another order like this one. */

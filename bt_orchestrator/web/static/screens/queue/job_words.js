@@ -4,8 +4,9 @@ import { clock } from '../../core/store.js';
 import { about, duration, number, t, tOr } from '../../core/text.js';
 
 /** Say its state; one that ends says how. */
-export function stateWords({ state, substate, ending }) {
+export function stateWords({ state, substate, ending, awaits_start: isEarly, start }) {
   if (ending) return t(`job_state.${ending}`);
+  if (isEarly && state === 'AllowedToStart') return t('job_state.early', { time: about(start) });
   const whole = [state, substate].filter(Boolean).join('/');
   return tOr(`job_state.${whole}`, whole);
 }
