@@ -16,12 +16,12 @@ from bt_orchestrator.model.stop_reason import WORDS, Interruption, StopReason
 
 @dataclass(frozen=True)
 class News:
-    """A job has another state, at a record."""
+    """A job has another state, at a record, or its order was changed, which the standard tells."""
 
     job: ListedJob
     """As it is then."""
     before: JobWord | None
-    """Its state before; None: it is new."""
+    """Its state before; None: it is new; the same as now: its order was changed."""
     seq: int
     time: float
     interrupted: str = ''
@@ -139,7 +139,7 @@ class JobBook:
     ) -> Iterator[News]:
         for entry, before in changed:
             entry.set(state=self._word(entry))
-            if entry.job.status.state is not before:
+            if entry.job.status.state is not before or isinstance(event, e.JobUpdated):
                 yield News(entry.job, before, event.seq, event.time, self.interrupted)
 
     def _word(self, entry: _Entry) -> JobWord:

@@ -62,7 +62,6 @@ class StatusEvents:
         structures, status = self._structures, news.job.status
         response = response_of(news.job, news.interrupted)
         kind = ua.VariantType.ExtensionObject
-        was = '' if news.before is None else f', was {news.before.value}'
         self._space.notices.tell(
             Told(
                 type_id=self._changed,
@@ -70,7 +69,7 @@ class StatusEvents:
                 source=self._results,
                 source_name='JobOrderResults',
                 time=news.time,
-                message=f'{status.id} is {status.state.value}{was}',
+                message=f'{status.id} {_what(news)}',
                 severity=_NOTABLE if status.state in _NOTABLE_STATES else _ORDINARY,
                 fields={
                     'JobOrder': ua.Variant(structures.order(job_order(news.job)), kind),
@@ -106,6 +105,13 @@ class StatusEvents:
             ),
             self._receiver,
         )
+
+
+def _what(news: News) -> str:
+    state = news.job.status.state
+    if state is news.before:
+        return 'was changed'
+    return f'is {state.value}' + ('' if news.before is None else f', was {news.before.value}')
 
 
 _NOTABLE_STATES = (JobWord.HELD, JobWord.ABORTED)

@@ -12,12 +12,14 @@ from fakes.drawn.plan import Plan
 from fakes.line import THREE, TYPES, Line, with_section
 from fakes.plan_runs import ProductBench, operate
 from fakes.profiles import examples
-from fakes.virtual_run import VirtualRun
+from fakes.virtual_run import BY, VirtualRun
 from hypothesis import given
 
 from bt_orchestrator.mes.job_book import JobBook, News
 from bt_orchestrator.model.jobs.isa95 import JobWord, job_word
+from bt_orchestrator.model.jobs.job_commands import UpdateJob
 from bt_orchestrator.model.jobs.job_record import Counts
+from bt_orchestrator.model.jobs.order import Job
 
 RUN, HELD, SUSPENDED, ENDED = (
     JobWord.RUNNING,
@@ -81,6 +83,17 @@ def test_queued_jobs_are_held_released_changed_and_removed() -> None:
         run.control(verb, 'K')
     assert run.told('K') == [NOT_ALLOWED, QUEUED, NOT_ALLOWED]
     assert run.book.get('K') is None
+    run.go()
+
+
+def test_a_change_of_an_order_is_told_though_its_state_stays() -> None:
+    line = Line()
+    run = begin(line)
+    script = line.script(THREE)
+    run.add(('K', script), held=True)
+    assert run.ask(UpdateJob(Job('K', script, 7), BY)).accepted
+    assert run.told('K') == [NOT_ALLOWED, NOT_ALLOWED]
+    assert run.news[-1].job.status.quantity == 7
     run.go()
 
 

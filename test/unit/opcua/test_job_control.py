@@ -298,11 +298,12 @@ def test_an_order_is_changed_and_told_as_it_is(script: str, url: str) -> None:
         }
         told.JobOrderParameters[0].Value = ua.Variant(6, ua.VariantType.UInt32)
         told.Priority = 9
+        await mes.listen(mes.node('JobOrderResults'))
         assert await mes.method('Update', told) == DONE
-        deadline = time.monotonic() + PATIENCE_S
-        while (await mes.listed())['UP-1'].JobOrder != told:
-            assert time.monotonic() < deadline
-            await asyncio.sleep(0.05)
+        (changed,) = await mes.heard_of(lambda one: one.Message.Text == 'UP-1 was changed')
+        assert changed.JobOrder == told
+        assert changed.JobState[0].StateText.Text == 'NotAllowedToStart'
+        assert (await mes.listed())['UP-1'].JobOrder == told
         assert await mes.method('Cancel', 'UP-1') == DONE
 
     with_mes(url, look)
