@@ -7,7 +7,15 @@ from typing import NamedTuple
 
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.jobs.order import WorkOrder, order_id_fault
-from bt_orchestrator.model.requests import TABLE, About, Request, of_hold, of_word
+from bt_orchestrator.model.requests import (
+    ACKNOWLEDGE,
+    COMMENT,
+    TABLE,
+    About,
+    Request,
+    of_hold,
+    of_word,
+)
 from bt_orchestrator.model.state import Hold
 
 
@@ -93,7 +101,7 @@ def verbs(about: About) -> tuple[Request, ...]:
 
 
 def answer_of(hold: str, answer: str, holds: Sequence[Hold]) -> Wanted:
-    """Return the request that an answer to a hold stands for.
+    """Return the request that an answer to a hold, or a remark about it, stands for.
 
     :param holds: those there are
     :raises Unclear: says what is expected
@@ -103,7 +111,8 @@ def answer_of(hold: str, answer: str, holds: Sequence[Hold]) -> Wanted:
         waiting = ', '.join(one.id for one in holds) or 'none'
         raise Unclear([f'Hold: expected one that waits ({waiting}); found {hold!r}'])
     word = answer.strip().lower()
-    request = next((one for one in of_hold(found.answers) if one.word == word), None)
+    requests = (*of_hold(found.answers), ACKNOWLEDGE, COMMENT)
+    request = next((one for one in requests if one.word == word), None)
     if request is None:
         possible = ', '.join(found.answers) or 'none'
         raise Unclear(

@@ -49,7 +49,7 @@ COMMAND = (
 )
 ANSWER_HOLD = (
     Argument('Hold', TEXT, 'id of the hold, as in OldestHold/ID'),
-    Argument('Answer', TEXT, 'one of those in OldestHold/Answers'),
+    Argument('Answer', TEXT, 'one of OldestHold/Answers, or acknowledge or comment'),
     REASON,
 )
 

@@ -75,6 +75,11 @@ def test_an_answer_is_one_that_is_possible_now() -> None:
         answer_of('5', 'retry', holds)
 
 
+def test_every_hold_takes_remarks() -> None:
+    found = answer_of('7', 'acknowledge', [hold('7', 'resume')])
+    assert (found.request.name, found.arguments) == ('hold.acknowledge', {'hold': '7'})
+
+
 def test_a_pause_is_released_by_its_id() -> None:
     found = answer_of('7', 'resume', [hold('7', 'resume')])
     assert (found.request.name, found.arguments) == ('cell.resume', {'hold': '7'})
