@@ -16,16 +16,18 @@ from bt_orchestrator.model.stop_reason import WORDS, Interruption, StopReason
 
 @dataclass(frozen=True)
 class News:
-    """A job has another state, at a record, or its order was changed, which the standard tells."""
+    """A job has another state or substate, at a record, or its order was changed."""
 
     job: ListedJob
     """As it is then."""
     before: JobWord | None
-    """Its state before; None: it is new; the same as now: its order was changed."""
+    """Its state before; None: it is new."""
     seq: int
     time: float
     interrupted: str = ''
     """Why the line stands still, in words; empty: it does not."""
+    remark: str = ''
+    """What happened to the job, where its state stays."""
 
 
 @dataclass
@@ -139,8 +141,9 @@ class JobBook:
     ) -> Iterator[News]:
         for entry, before in changed:
             entry.set(state=self._word(entry))
-            if entry.job.status.state is not before or isinstance(event, e.JobUpdated):
-                yield News(entry.job, before, event.seq, event.time, self.interrupted)
+            remark = _REMARKS.get(type(event), '')
+            if entry.job.status.state is not before or remark:
+                yield News(entry.job, before, event.seq, event.time, self.interrupted, remark)
 
     def _word(self, entry: _Entry) -> JobWord:
         """Derive the state of a job on the line; that of another is as the events said."""
@@ -240,6 +243,11 @@ def _continued(entry: _Entry, event: e.TaskContinued) -> None:
         entry.nonconforming.add(event.item or '')
         entry.count('nonconforming')
 
+
+_REMARKS: Mapping[type[e.Event], str] = {
+    e.JobUpdated: 'was changed',
+    e.JobMayStart: 'waits for its start no more',
+}
 
 _COUNTED = ('started', 'placed', 'packed', 'rejected', 'nonconforming', 'missing')
 

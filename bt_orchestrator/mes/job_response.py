@@ -101,7 +101,7 @@ def _response(status: JobStatus, details: Mapping[str, object], reason: str) -> 
     return JobResponse(
         status.id,
         status.id,
-        states_of(status.state),
+        states_of(status.state, awaits_start=status.awaits_start),
         next(iter(texts_from_plain(details.get(DESCRIPTION))), None),
         status.started_at,
         status.ended_at,

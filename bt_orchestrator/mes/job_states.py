@@ -28,37 +28,51 @@ NUMBERS: Mapping[str, int] = {
 }
 """StateNumber of the states of ISA95JobOrderReceiverSubStatesType."""
 
-SUBSTATES: Mapping[str, Mapping[str, int]] = {'Interrupted': {'Held': 1, 'Suspended': 2}}
+SUBSTATES: Mapping[str, Mapping[str, int]] = {
+    'Interrupted': {'Held': 1, 'Suspended': 2},
+    'AllowedToStart': {'Waiting': 1},
+}
 """StateNumber of the substates that a cell tells, by their state."""
+
+WAITING = 'Waiting'
+"""The substate of a job that is AllowedToStart and waits for its StartTime."""
 
 _MACHINE = 'Substates'
 """A sub-state machine is named after its state."""
 
+MACHINES = tuple(state + _MACHINE for state in SUBSTATES)
+"""Names of the sub-state machines."""
 
-def states_of(word: JobWord) -> tuple[State, ...]:
+
+def states_of(word: JobWord, *, awaits_start: bool = False) -> tuple[State, ...]:
     """Return the state of a job and, behind it, its substate if it has one."""
     top = State(word.state, NUMBERS[word.state])
-    if not word.substate:
+    is_waiting = awaits_start and word is JobWord.ALLOWED_TO_START
+    substate = WAITING if is_waiting else word.substate
+    if not substate:
         return (top,)
-    number = SUBSTATES[word.state][word.substate]
-    return (top, State(word.substate, number, word.state + _MACHINE))
+    number = SUBSTATES[word.state][substate]
+    return (top, State(substate, number, word.state + _MACHINE))
 
 
-def words_in(states: Sequence[State]) -> frozenset[JobWord]:
-    """Return the words of a job that have all of these states; empty: nothing is known by them.
+def has_all(states: Sequence[State], wanted: Sequence[State]) -> bool:
+    """Tell whether a job with some states has all that are asked for.
 
     A state is known by its number, or by its text where that is 0.
     """
-    if not states:
-        return frozenset()
-    return frozenset(
-        word for word in JobWord if all(_has(states_of(word), wanted) for wanted in states)
-    )
+    return all(any(_is(one, other) for one in states) for other in wanted)
 
 
-def _has(states: Sequence[State], wanted: State) -> bool:
+def are_known(wanted: Sequence[State]) -> bool:
+    """Tell whether a job can have all of these states."""
     return any(
-        bool(one.machine) == bool(wanted.machine)
-        and (one.number == wanted.number if wanted.number else one.text == wanted.text)
-        for one in states
+        has_all(states_of(word, awaits_start=awaits), wanted)
+        for word in JobWord
+        for awaits in (False, True)
     )
+
+
+def _is(one: State, wanted: State) -> bool:
+    if bool(one.machine) != bool(wanted.machine):
+        return False
+    return one.number == wanted.number if wanted.number else one.text == wanted.text

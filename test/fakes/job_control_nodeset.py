@@ -10,8 +10,9 @@ from importlib.resources import files
 
 _NS = {'u': 'http://opcfoundation.org/UA/2011/03/UANodeSet.xsd'}
 
-RECEIVER, INTERRUPTED = 'ns=1;i=1008', 'ns=1;i=1007'
-"""ISA95JobOrderReceiverSubStatesType, and the type of its machine InterruptedSubstates."""
+RECEIVER, INTERRUPTED, PREPARE = 'ns=1;i=1008', 'ns=1;i=1007', 'ns=1;i=1001'
+"""ISA95JobOrderReceiverSubStatesType, and the types of its machines InterruptedSubstates and
+AllowedToStartSubstates."""
 
 
 @lru_cache

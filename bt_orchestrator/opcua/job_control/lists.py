@@ -57,6 +57,7 @@ class JobLists:
         status = job.status
         facts = (
             status.state,
+            status.awaits_start,
             status.script,
             status.quantity,
             status.priority,
@@ -67,7 +68,7 @@ class JobLists:
         )
         if made is not None and made.facts == facts:
             return made
-        states = states_of(status.state)
+        states = states_of(status.state, awaits_start=status.awaits_start)
         return _Made(facts, self._structures.order_and_state(job_order(job), states))
 
     def _response(self, job: ListedJob, interrupted: str, made: _Made | None) -> _Made:

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from asyncua import ua
 
 from bt_orchestrator.mes.job_book import News
+from bt_orchestrator.mes.job_states import MACHINES
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.job_control import METHODS
 from bt_orchestrator.model.status import CellStatus, ListedJob
@@ -30,10 +31,9 @@ _RECEIVER_TYPE, _METHODS_TYPE, _RESULTS_TYPE = 1008, 1002, 1003
 """ISA95JobOrderReceiverSubStatesType, its supertype that has the methods, and
 ISA95JobResponseProviderObjectType."""
 
-_SUBSTATES = 'InterruptedSubstates'
 _STATES = tuple(
     f'{machine}/CurrentState{id_}'
-    for machine in (RECEIVER, f'{RECEIVER}/{_SUBSTATES}')
+    for machine in (RECEIVER, *(f'{RECEIVER}/{one}' for one in MACHINES))
     for id_ in ('', '/Id')
 )
 """Of the receiver there is no state, only of each of its orders."""
@@ -87,7 +87,7 @@ class JobControl:
     async def _make_instances(self, space: Space) -> None:
         methods = [method.name for method in METHODS]
         for path, type_, optionals in (
-            (RECEIVER, _RECEIVER_TYPE, (*methods, _SUBSTATES)),
+            (RECEIVER, _RECEIVER_TYPE, (*methods, *MACHINES)),
             (RESULTS, _RESULTS_TYPE, ('JobOrderResponseList',)),
         ):
             node = await space.instance(

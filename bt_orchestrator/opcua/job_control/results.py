@@ -8,7 +8,7 @@ from asyncua import ua
 
 from bt_orchestrator.errors import NodeUnreachable
 from bt_orchestrator.mes.job_response import response_of
-from bt_orchestrator.mes.job_states import words_in
+from bt_orchestrator.mes.job_states import are_known, has_all
 from bt_orchestrator.mes.return_status import ReturnStatus
 from bt_orchestrator.model.status import ListedJob
 from bt_orchestrator.opcua.job_control.answers import answer, check_number, one
@@ -64,11 +64,12 @@ class Results:
         wanted = given[0] if isinstance(given[0], (list, tuple)) else ()
         if not wanted or not all(is_of(STATE, state) for state in wanted):
             return answer(ReturnStatus.MALFORMED, listed([]))
-        words = words_in(states_from(wanted))
-        if not words:
+        states = states_from(wanted)
+        if not are_known(states):
             return answer(ReturnStatus.WRONG_STATE, listed([]))
-        found = [self._response(job) for job in self._shown() if job.status.state in words]
-        return answer(ReturnStatus.DONE, listed(found))
+        responses = (response_of(job, self._jobs.book.interrupted) for job in self._shown())
+        found = [one for one in responses if has_all(one.states, states)]
+        return answer(ReturnStatus.DONE, listed(list(map(self._structures.response, found))))
 
     def _response(self, job: ListedJob) -> object:
         return self._structures.response(response_of(job, self._jobs.book.interrupted))

@@ -11,7 +11,6 @@ from asyncua import ua
 from bt_orchestrator.mes.job_book import News
 from bt_orchestrator.mes.job_order import job_order
 from bt_orchestrator.mes.job_response import response_of
-from bt_orchestrator.mes.job_states import states_of
 from bt_orchestrator.mes.return_status import ReturnStatus
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.opcua.job_control.structures import Structures
@@ -73,7 +72,7 @@ class StatusEvents:
                 severity=_NOTABLE if status.state in _NOTABLE_STATES else _ORDINARY,
                 fields={
                     'JobOrder': ua.Variant(structures.order(job_order(news.job)), kind),
-                    'JobState': ua.Variant(structures.states(states_of(status.state)), kind),
+                    'JobState': ua.Variant(structures.states(response.states), kind),
                     'JobResponse': ua.Variant(structures.response(response), kind),
                 },
             ),
@@ -109,8 +108,8 @@ class StatusEvents:
 
 def _what(news: News) -> str:
     state = news.job.status.state
-    if state is news.before:
-        return 'was changed'
+    if news.remark:
+        return news.remark
     return f'is {state.value}' + ('' if news.before is None else f', was {news.before.value}')
 
 

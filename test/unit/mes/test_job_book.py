@@ -52,6 +52,8 @@ class BookedRun(VirtualRun):
             assert status.ending == (job.ending if job.ended_at is None else '')
             assert (status.started_at, status.ended_at) == (job.started_at, job.ended_at)
             assert booked.reason == job.end_reason
+            if not job.started:
+                assert status.awaits_start is job.awaits_start
             found = {name: getattr(status, name) for name in COUNTED}
             assert found == {name: getattr(job.progress, name) for name in COUNTED}
 

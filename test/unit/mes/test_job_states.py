@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 import pytest
-from fakes.job_control_nodeset import INTERRUPTED, RECEIVER, name_of, nodes, state_numbers
+from fakes.job_control_nodeset import INTERRUPTED, PREPARE, RECEIVER, name_of, nodes, state_numbers
 
-from bt_orchestrator.mes.job_states import NUMBERS, SUBSTATES, State, states_of, words_in
+from bt_orchestrator.mes.job_states import (
+    NUMBERS,
+    SUBSTATES,
+    State,
+    are_known,
+    has_all,
+    states_of,
+)
 from bt_orchestrator.model.jobs.isa95 import JobWord
 
 
 def test_numbers_are_those_of_the_nodeset() -> None:
     assert state_numbers(RECEIVER) == NUMBERS
     assert state_numbers(INTERRUPTED) == SUBSTATES['Interrupted']
+    assert SUBSTATES['AllowedToStart'].items() <= state_numbers(PREPARE).items()
 
 
 def test_every_state_of_a_job_has_its_number() -> None:
@@ -28,6 +36,12 @@ def test_a_substate_follows_its_state_and_names_its_machine() -> None:
     assert sub.machine in names
 
 
+def test_a_job_that_waits_for_its_start_says_so() -> None:
+    _, sub = states_of(JobWord.ALLOWED_TO_START, awaits_start=True)
+    assert sub == State('Waiting', 1, 'AllowedToStartSubstates')
+    assert len(states_of(JobWord.NOT_ALLOWED_TO_START, awaits_start=True)) == 1
+
+
 @pytest.mark.parametrize(
     ('asked', 'words'),
     [
@@ -36,10 +50,21 @@ def test_a_substate_follows_its_state_and_names_its_machine() -> None:
         ([State('', 4), State('', 1, 'InterruptedSubstates')], {JobWord.HELD}),
         ([State('', 5)], {JobWord.ENDED}),
         ([State('', 1)], {JobWord.NOT_ALLOWED_TO_START}),
-        ([State('nonsense', 0)], set()),
-        ([State('', 7)], set()),
-        ([], set()),
     ],
 )
 def test_jobs_are_found_by_number_or_by_text(asked: list[State], words: set[JobWord]) -> None:
-    assert words_in(asked) == words
+    assert {word for word in JobWord if has_all(states_of(word), asked)} == words
+    assert are_known(asked)
+
+
+@pytest.mark.parametrize(
+    ('asked', 'is_known'),
+    [
+        ([State('', 2), State('', 1, 'AllowedToStartSubstates')], True),
+        ([State('nonsense', 0)], False),
+        ([State('', 7)], False),
+        ([State('', 3), State('', 1, 'InterruptedSubstates')], False),
+    ],
+)
+def test_a_state_that_no_job_can_have_is_not_known(asked: list[State], is_known: bool) -> None:
+    assert are_known(asked) is is_known

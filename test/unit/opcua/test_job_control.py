@@ -6,6 +6,7 @@ import asyncio
 import json
 import time
 from collections.abc import Awaitable, Callable, Iterator
+from datetime import datetime, timedelta, timezone
 from pathlib import Path
 from typing import Any
 
@@ -334,6 +335,21 @@ def test_a_job_on_the_line_is_paused_resumed_and_stopped(script: str, url: str) 
         endings = [data(one.JobResponse).get('Ending') for one in mes.heard]
         assert None in endings
         assert await mes.method('Clear', 'ST-1') == DONE
+
+    with_mes(url, look)
+
+
+def test_a_job_waits_for_its_start(script: str, url: str) -> None:
+    async def look(mes: Mes) -> None:
+        later = datetime.now(timezone.utc) + timedelta(days=365)
+        given = order('LA-1', script, StartTime=later)
+        await mes.listen(mes.node('JobOrderResults'))
+        assert await mes.method('StoreAndStart', given) == DONE
+        told = await mes.wait_for('LA-1', 'AllowedToStart', 'Waiting')
+        assert told.JobOrder.StartTime == later
+        assert await mes.method('Start', 'LA-1') == DONE
+        await mes.heard_of(lambda one: 'waits for its start no more' in one.Message.Text)
+        await mes.wait_for('LA-1', 'Ended')
 
     with_mes(url, look)
 
