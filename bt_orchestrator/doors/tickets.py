@@ -65,6 +65,19 @@ class Outcome:
     recorded: tuple[Recorded, ...] = ()
     """As the journal has it; empty: not found there, or counted with other refusals."""
 
+    def note(self, program: str) -> str:
+        """Say that the node does not count the role that a program asserts; empty: it does.
+
+        :param program: its name
+        """
+        recorded = self.recorded[0] if self.recorded else None
+        if recorded is None or not recorded.claims:
+            return ''
+        return (
+            f'the node counts the role {recorded.role}, and records {recorded.claims} as a claim: '
+            f'it does not trust this {program} (parameter trust_local_doors)'
+        )
+
 
 @dataclass(frozen=True)
 class Search:

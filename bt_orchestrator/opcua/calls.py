@@ -59,6 +59,9 @@ class Calls:
             raise ua.UaStatusCodeError(bad) from error
         except TicketTaken as error:
             raise ua.UaStatusCodeError(ua.StatusCodes.BadInvalidArgument) from error
+        note = outcome.note('OPC UA server')
+        if note:
+            log.warning('%s: %s: %s', by.who, name, note)
         done = 'done' if outcome.accepted else 'refused'
         log.info('%s: %s: %s: %s', by.who, name, done, outcome.message)
         return outcome

@@ -21,6 +21,8 @@ from cryptography.hazmat.primitives.serialization import Encoding
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
 from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.model.allowance import Allowance
+from bt_orchestrator.model.limits import Share
 from bt_orchestrator.opcua.pki import Pki, application_uri, parsed
 from bt_orchestrator.spare_log import SpareLog
 
@@ -30,6 +32,9 @@ spare = SpareLog(logging.getLogger(__name__))
 
 MOST_REJECTED = 50
 """Refused certificates that are kept; anybody who reaches the port can send another one."""
+
+REJECTED = Share(30, 0.5)
+"""How many are kept at once, and a second: whoever sends many pushes out no others in a moment."""
 
 MOST_BYTES = 20_000
 """Longest certificate, or chain of them, that is looked at."""
@@ -100,6 +105,7 @@ class Trust:
         self._pki = pki
         self._clock = clock
         self._version: object = None
+        self._kept = Allowance(REJECTED)
         self._store = _Store((), (), ())
 
     @property
@@ -216,7 +222,11 @@ class Trust:
         return is_known
 
     def _reject(self, certificate: x509.Certificate) -> None:
-        """Keep a certificate, so that somebody can trust it."""
+        """Keep a certificate, so that somebody can trust it; of very many only some."""
+        now = time.monotonic()
+        if self._kept.left(now) < 1:
+            return
+        self._kept.use(1, now)
         try:
             self._pki.make_folders()
             _write(self._pki.rejected, certificate)

@@ -191,12 +191,6 @@ def _told(ticket: str, outcome: Outcome) -> dict[str, object]:
             'claims': recorded.claims,
         }
     )
-    note = ''
-    if recorded is not None and recorded.claims:
-        note = (
-            f'the node counts the role {recorded.role}, and records {recorded.claims} as a claim: '
-            'it does not trust this page (parameter trust_local_doors)'
-        )
     return {
         'accepted': outcome.accepted,
         'message': outcome.message,
@@ -205,5 +199,5 @@ def _told(ticket: str, outcome: Outcome) -> dict[str, object]:
         'seq': said.get('seq'),
         'who': said.get('who', ''),
         'recorded': said or None,
-        'note': note,
+        'note': outcome.note(PROGRAM),
     }

@@ -115,28 +115,37 @@ class Processor(UaProcessor):
             self._has_greeted = True
         elif not self._has_greeted:
             raise Closing(ua.StatusCodes.BadTcpMessageTypeInvalid, 'it did not greet')
+        elif header.MessageType == ua.MessageType.SecureOpen:
+            self._check_opening(header, body)
         is_pending = self.session is None or not self.session.is_activated()
         if is_pending and len(self._connection._incoming_parts) >= limits.PENDING_CHUNKS:
             raise Closing(ua.StatusCodes.BadTcpMessageTooLarge, 'too long without a login')
 
-    def open_secure_channel(self, algohdr: Any, seqhdr: Any, body: Buffer) -> None:
-        """Open the channel, or renew its keys.
+    def _check_opening(self, header: Any, body: Buffer) -> None:
+        """Ask whether a client is trusted before anything is decrypted, which costs more.
 
         asyncua looks at a certificate when a session is made, and then at the one that the client
         names there, which need not be the one that it proves to have.
         """
-        request = struct_from_binary(ua.OpenSecureChannelRequest, body)
-        wanted, connection = request.Parameters, self._connection
-        sent = bytes(algohdr.SenderCertificate or b'')
-        if connection.is_open():
-            is_other = algohdr.SecurityPolicyURI != connection.security_policy.URI
+        if header.ChunkType != ua.ChunkType.Single:
+            raise Closing(ua.StatusCodes.BadTcpMessageTypeInvalid, 'it opens a channel in parts')
+        security = struct_from_binary(ua.AsymmetricAlgorithmHeader, body.copy(header.body_size))
+        sent = bytes(security.SenderCertificate or b'')
+        if self._connection.is_open():
+            is_other = security.SecurityPolicyURI != self._connection.security_policy.URI
             if is_other or (self._is_encrypted and first_of(sent) != self._certificate):
                 code = ua.StatusCodes.BadSecurityChecksFailed
                 raise Closing(code, 'it changed its certificate or policy')
-        else:
-            connection.select_policy(algohdr.SecurityPolicyURI, sent, wanted.SecurityMode)
-            if connection.security_policy.URI != SecurityPolicyNone.URI:
-                self._certificate = self._trusted(sent)
+        elif security.SecurityPolicyURI != SecurityPolicyNone.URI:
+            self._certificate = self._trusted(sent)
+
+    def open_secure_channel(self, algohdr: Any, seqhdr: Any, body: Buffer) -> None:
+        """Open the channel, or renew its keys, for as long as it may be."""
+        request = struct_from_binary(ua.OpenSecureChannelRequest, body)
+        wanted, connection = request.Parameters, self._connection
+        if not connection.is_open():
+            certificate = algohdr.SenderCertificate
+            connection.select_policy(algohdr.SecurityPolicyURI, certificate, wanted.SecurityMode)
         needed = connection.security_policy.secure_channel_nonce_length
         if len(wanted.ClientNonce or b'') < needed:
             raise Closing(ua.StatusCodes.BadNonceInvalid, 'its nonce is too short')

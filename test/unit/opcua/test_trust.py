@@ -134,6 +134,14 @@ def test_whoever_sends_many_fills_no_disk(trust: Trust, monkeypatch: pytest.Monk
     assert len(trust.rejected()) == 3
 
 
+def test_a_flood_of_certificates_does_not_push_out_the_one_of_before(trust: Trust) -> None:
+    honest = certificate('the MES')
+    refusal(trust, honest)
+    for number in range(2 * module.MOST_REJECTED):
+        refusal(trust, certificate(f'client {number}'))
+    assert trust.trust(thumbprint(honest)).certificate == honest
+
+
 def test_a_thumbprint_has_to_be_of_one(trust: Trust) -> None:
     with pytest.raises(NoSuchCertificate, match='there are: none'):
         trust.trust('ab')
