@@ -104,11 +104,22 @@ def job_name(job: JobStatus) -> str:
 def job_terms(job: JobStatus) -> str:
     """Say how urgent a job is and when it is wanted, in the reader's time zone, if that is set."""
     told = [f', priority {job.priority}'] if job.priority else []
-    for name, seconds in (('start', job.start), ('due', job.due)):
-        if seconds is not None:
-            waits = 'waits for its ' if name == 'start' and job.awaits_start else ''
-            told.append(f', {waits}{name} {datetime.fromtimestamp(seconds):%Y-%m-%d %H:%M}')
+    if job.start is not None:
+        told.append(start_wait(job) or f', start {_moment(job.start)}')
+    if job.due is not None:
+        told.append(f', due {_moment(job.due)}')
     return ''.join(told)
+
+
+def start_wait(job: JobStatus) -> str:
+    """Say until when a job waits for its start (semantics 6.7); nothing if it does not."""
+    if not job.awaits_start or job.start is None:
+        return ''
+    return f', waits for its start {_moment(job.start)}'
+
+
+def _moment(seconds: float) -> str:
+    return f'{datetime.fromtimestamp(seconds):%Y-%m-%d %H:%M}'
 
 
 def expected_finish(job: JobStatus, status: CellStatus) -> str:

@@ -113,7 +113,9 @@ def test_a_job_tells_its_priority_and_times_and_the_queue_its_details() -> None:
     assert (b.priority, b.start, b.due) == (0, None, None)
     assert 'ACME' not in str(status)
     times = [datetime.fromtimestamp(time) for time in (terms.start, terms.due) if time]
-    told = ', priority 7, start {:%Y-%m-%d %H:%M}, due {:%Y-%m-%d %H:%M}'.format(*times)
+    told = ', priority 7, waits for its start {:%Y-%m-%d %H:%M}, due {:%Y-%m-%d %H:%M}'.format(
+        *times
+    )
     assert [words.job_terms(job) for job in (a, b)] == [told, '']
     assert any(told in text for text in words.status_lines(status, Shell()))
 

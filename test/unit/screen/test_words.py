@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from datetime import datetime
 from typing import Any
 
 import pytest
 from fakes import statuses
 
+from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.packml import VERBS, PackmlState, possible_in
 from bt_orchestrator.model.status import CellStatus, ComponentStatus
 from bt_orchestrator.model.status_words import job_count_words
@@ -15,6 +17,7 @@ from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.model.wish import Wish
 from bt_orchestrator.screen import words
 from bt_orchestrator.screen.advice import Shell, hold_advice, next_choices
+from bt_orchestrator.screen.view import cell_view
 
 NODE = Shell()
 
@@ -217,3 +220,15 @@ def test_what_a_controller_says_cannot_steer_the_terminal() -> None:
 )
 def test_durations(seconds: float, said: str) -> None:
     assert words.duration(seconds) == said
+
+
+def test_a_job_that_waits_for_its_start_says_so_everywhere() -> None:
+    start = datetime(2036, 5, 18, 6).timestamp()
+    job = statuses.job(state=JobWord.ALLOWED_TO_START, start=start, awaits_start=True, priority=2)
+    status = statuses.status(jobs=[job])
+    said = 'waits for its start 2036-05-18 06:00'
+    assert words.job_terms(job) == f', priority 2, {said}'
+    assert any(said in line for line in words.status_lines(status, NODE))
+    assert cell_view(status, NODE).jobs[0].counts == f'0 of 10 packed, {said}'
+    may_start = replace(job, awaits_start=False)
+    assert words.job_terms(may_start) == ', priority 2, start 2036-05-18 06:00'
