@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import logging
 import threading
 from collections.abc import Awaitable, Callable, Iterator, Sequence
 
@@ -22,6 +23,8 @@ from bt_orchestrator.opcua.part import Part
 from bt_orchestrator.opcua.simple import Simple
 from bt_orchestrator.opcua.space import Space
 from bt_orchestrator.opcua.stack import make_stack
+
+log = logging.getLogger(__name__)
 
 PARTS: Sequence[Callable[[Bridge], Part]] = (Simple, JobControl, PackML, Holds)
 """Each is made anew for each cell."""
@@ -140,7 +143,8 @@ class OpcUaServer:
         try:
             await self._listen(server)
             self._opened.set()
-            await self._before_end(bridge.other_cell.wait())
+            if await self._before_end(bridge.other_cell.wait()):
+                log.info('the node has another cell file; clients have to connect again')
         finally:
             bridge.leave()
             space.values.close()
