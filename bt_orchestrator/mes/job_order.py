@@ -205,7 +205,7 @@ class _Reading:
             elif value is None:
                 expected = 'expected a boolean, a number or a text'
                 yield Finding(place, f'{expected}, found {one.value!r}', _MALFORMED)
-            elif self.params.get(one.id, value) != value:
+            elif one.id in self.params and self.params[one.id] != value:
                 yield Finding(place, f'is given twice: {self.params[one.id]!r}, {value!r}')
             else:
                 self.params[one.id] = value
@@ -238,7 +238,9 @@ def job_order(job: ListedJob) -> JobOrder:
     """
     status, details = job.status, job.details
     params = tuple(Parameter(name, value) for name, value in job.params.items())
-    others = {key: value for key, value in details.items() if key not in _STANDARD}
+    named = tuple(named_parameters(details))
+    told = {*_STANDARD, *(one.id for one in named)}
+    others = {key: value for key, value in details.items() if key not in told}
     return JobOrder(
         status.id,
         texts_from_plain(details.get(DESCRIPTION)),
@@ -248,14 +250,14 @@ def job_order(job: ListedJob) -> JobOrder:
         status.priority,
         (
             Parameter(RUNS_PLANNED, status.quantity),
-            *named_parameters(details),
+            *named,
             *([Parameter(OTHER, json_of(others))] if others else []),
         ),
         **{field_: _resources(details.get(name)) for name, field_ in RESOURCES.items()},
     )
 
 
-_STANDARD = {DESCRIPTION, *RESOURCES, *KINDS}
+_STANDARD = {DESCRIPTION, *RESOURCES}
 
 
 def _resources(plain: object) -> tuple[Resource, ...]:

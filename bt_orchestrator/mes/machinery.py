@@ -6,6 +6,7 @@ the cell reads them but RunsPlanned, the quantity, and ReasonForStateChange, a c
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Iterator, Mapping
 from enum import Enum
 
@@ -21,7 +22,9 @@ class Kind(Enum):
     TEXTS = 'localized texts'
     NAMES = 'texts'
     NUMBER = 'a number'
+    """A finite one."""
     WHOLE = 'a whole number'
+    """Of 32 bits."""
     YES_NO = 'a boolean'
 
 
@@ -72,10 +75,15 @@ def named_to_plain(parameter: Parameter) -> object:
 def named_parameters(
     details: Mapping[str, object], names: Iterable[str] = KINDS
 ) -> Iterator[Parameter]:
-    """Yield the named parameters that details have, in the order of the standard."""
+    """Yield the named parameters that details have, in the order of the standard.
+
+    What another door put under such a name, and is no value of its type, is left out.
+    """
     for name in names:
         if name in details:
-            yield named_from_plain(name, details[name])
+            parameter = named_from_plain(name, details[name])
+            if wrong_value(parameter) is None:
+                yield parameter
 
 
 def named_from_plain(name: str, plain: object) -> Parameter:
@@ -102,11 +110,21 @@ def _fits(kind: Kind, value: object) -> bool:
         case Kind.NAMES:
             return all(isinstance(one, str) for one in several)
         case Kind.NUMBER:
-            return isinstance(value, (int, float)) and not isinstance(value, bool)
+            return _is_finite(value)
         case Kind.WHOLE:
-            return isinstance(value, int) and not isinstance(value, bool)
+            return isinstance(value, int) and _is_finite(value) and abs(value) < 2**31
         case Kind.YES_NO:
             return isinstance(value, bool)
+
+
+def _is_finite(value: object) -> bool:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return False
+    return abs(value) <= _LARGEST
+
+
+_LARGEST = sys.float_info.max
+"""Beyond it an integer is no Double."""
 
 
 def _value_to_plain(kind: Kind | None, value: object) -> object:
@@ -125,7 +143,7 @@ def _value_from_plain(kind: Kind | None, plain: object) -> object:
         return texts_from_plain(plain)
     if kind is Kind.NAMES:
         several = plain if isinstance(plain, (list, tuple)) else [plain]
-        return tuple(str(one) for one in several)
+        return tuple(several)
     if kind is Kind.NUMBER and isinstance(plain, int):
         return float(plain)  # JSON does not tell 4.0 from 4
     if isinstance(plain, (list, tuple)):

@@ -19,6 +19,7 @@ from bt_orchestrator.mes.parts import (
     text_to_plain,
     texts_from_plain,
 )
+from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.opcua.values import moment
 
 ORDER, RESPONSE = 'ISA95JobOrderDataType', 'ISA95JobResponseDataType'
@@ -249,7 +250,7 @@ def _parameters(parameters: Sequence[Parameter]) -> list[Any] | None:
     return [
         _made(
             PARAMETER,
-            ID=one.id,
+            ID=_clean(one.id),
             Value=_variant(one.id, one.value),
             Description=_texts(one.description),
             EngineeringUnits=_unit(one.unit) if one.unit else None,
@@ -260,26 +261,44 @@ def _parameters(parameters: Sequence[Parameter]) -> list[Any] | None:
 
 
 def _variant(name: str, value: object) -> ua.Variant:
-    if isinstance(value, tuple):
-        texts = [_text(one) if isinstance(one, Text) else one for one in value]
-        type_ = _type(name, value[0]) if value else ua.VariantType.String
-        return ua.Variant(texts, type_, is_array=True)
+    """Return a value as it can be sent; what has no type of its own is sent as JSON."""
     if value is None:
         return ua.Variant()
-    return ua.Variant(_text(value) if isinstance(value, Text) else value, _type(name, value))
+    if not isinstance(value, tuple):
+        type_ = _type(name, value)
+        return ua.Variant(_sent(value, type_), type_)
+    types = {_type(name, one) for one in value}
+    type_ = types.pop() if len(types) == 1 else ua.VariantType.String
+    return ua.Variant([_sent(one, type_) for one in value], type_, is_array=True)
 
 
 def _type(name: str, value: object) -> ua.VariantType:
-    if name in _COUNTS:
-        return ua.VariantType.UInt32
-    if name in _ENUMERATIONS:
-        return ua.VariantType.Int32
+    if isinstance(value, int) and not isinstance(value, bool):
+        if name in _COUNTS and 0 <= value < 2**32:
+            return ua.VariantType.UInt32
+        if name in _ENUMERATIONS and abs(value) < 2**31:
+            return ua.VariantType.Int32
+        return ua.VariantType.Int64 if abs(value) < 2**63 else ua.VariantType.String
     return _TYPES.get(type(value), ua.VariantType.String)
+
+
+def _sent(value: object, type_: ua.VariantType) -> object:
+    if isinstance(value, Text) and type_ is ua.VariantType.LocalizedText:
+        return _text(value)
+    if type_ is not ua.VariantType.String:
+        return value
+    if isinstance(value, Text):
+        return _clean(value.text)
+    return _clean(value if isinstance(value, str) else json_of(value))
+
+
+def _clean(text: str) -> str:
+    """Return a text that has UTF-8: half of a surrogate pair has none."""
+    return text if text.isascii() else text.encode(errors='replace').decode()
 
 
 _TYPES: Mapping[type, ua.VariantType] = {
     bool: ua.VariantType.Boolean,
-    int: ua.VariantType.Int64,
     float: ua.VariantType.Double,
     Text: ua.VariantType.LocalizedText,
 }
@@ -298,20 +317,21 @@ def _resource_field(name: str, plain: object) -> Any:
         return _unit(str(plain))
     if name in ('Properties', 'Subproperties'):
         several = plain if isinstance(plain, (list, tuple)) else []
-        return [_resource('ISA95PropertyDataType', one) for one in several]
+        properties = (one for one in several if isinstance(one, Mapping))
+        return [_resource('ISA95PropertyDataType', one) for one in properties]
     if name == 'Value':
         return _variant('', tuple(plain) if isinstance(plain, list) else plain)
-    return str(plain)
+    return _clean(str(plain))
 
 
 def _unit(text: str) -> ua.EUInformation:
     unit = ua.EUInformation()
-    unit.DisplayName = ua.LocalizedText(text)
+    unit.DisplayName = ua.LocalizedText(_clean(text))
     return unit
 
 
 def _text(text: Text) -> ua.LocalizedText:
-    return ua.LocalizedText(text.text, text.locale or None)
+    return ua.LocalizedText(_clean(text.text), _clean(text.locale) or None)
 
 
 def _texts(texts: Sequence[Text]) -> list[ua.LocalizedText] | None:

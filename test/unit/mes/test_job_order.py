@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import math
 from typing import Any
 
 import pytest
@@ -110,6 +111,13 @@ def test_other_details_are_told_as_one_parameter_and_taken_back() -> None:
     assert work_order(told).terms.details['mine'] == [1, 2]
 
 
+def test_what_another_door_put_under_a_name_of_the_standard_is_told_as_other_details() -> None:
+    job = dataclasses.replace(listed(WHOLE), details={'PlannedSetupTime': 'long', 'Customers': []})
+    told = {one.id: one.value for one in job_order(job).parameters}
+    assert told['Details'] == '{"PlannedSetupTime": "long"}'
+    assert 'PlannedSetupTime' not in told
+
+
 def test_other_parameters_are_of_the_script() -> None:
     made = work_order(with_parameters(Parameter('colour', Text('red'))))
     assert made.params == {'lot': 'A7', 'speed': 2.5, 'colour': 'red'}
@@ -136,6 +144,13 @@ def test_an_order_names_exactly_one_work_master(masters: tuple[WorkMaster, ...])
         (Parameter('RunsPlanned', 0), 'JobOrderParameters.RunsPlanned', NOT_ACCEPTED),
         (Parameter('Customers', (1,)), 'JobOrderParameters.Customers', MALFORMED),
         (Parameter('JobExecutionMode', 1.5), 'JobOrderParameters.JobExecutionMode', MALFORMED),
+        (Parameter('JobExecutionMode', 2**31), 'JobOrderParameters.JobExecutionMode', MALFORMED),
+        (
+            Parameter('PlannedSetupTime', math.nan),
+            'JobOrderParameters.PlannedSetupTime',
+            MALFORMED,
+        ),
+        (Parameter('lot', math.nan), 'JobOrderParameters.lot', NOT_ACCEPTED),
         (Parameter('Details', 'x'), 'JobOrderParameters.Details', MALFORMED),
         (Parameter('lot', None), 'JobOrderParameters.lot', MALFORMED),
         (Parameter('lot', (1, 2)), 'JobOrderParameters.lot', MALFORMED),
