@@ -14,15 +14,22 @@ from pathlib import Path
 from typing import TypeVar
 
 from cryptography import x509
-from cryptography.exceptions import InvalidSignature
-from cryptography.hazmat.primitives import hashes
-from cryptography.hazmat.primitives.asymmetric import rsa
 from cryptography.hazmat.primitives.serialization import Encoding
-from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
+from cryptography.x509.oid import NameOID
 
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.allowance import Allowance
 from bt_orchestrator.model.limits import Share
+from bt_orchestrator.opcua.client_certificates import (
+    Untrusted,
+    check_form,
+    check_revoked,
+    check_time,
+    first_of,
+    issuer_of,
+    named,
+    thumbprint,
+)
 from bt_orchestrator.opcua.pki import Pki, application_uri, parsed
 from bt_orchestrator.spare_log import SpareLog
 
@@ -42,13 +49,7 @@ MOST_BYTES = 20_000
 MOST_ISSUERS = 5
 """Most authorities between a client and a trusted one."""
 
-KEY_BITS = range(2048, 4096 + 1)
-_HASHES = (hashes.SHA256, hashes.SHA384, hashes.SHA512)
 _SUFFIXES = ('.der', '.crt', '.cer', '.pem')
-
-
-class Untrusted(OrchestratorError):
-    """A certificate is refused; says why, and what to do."""
 
 
 class NoSuchCertificate(OrchestratorError):
@@ -78,11 +79,6 @@ class Listed:
     def uri(self) -> str:
         """The application URI."""
         return application_uri(self.certificate)
-
-
-def thumbprint(certificate: x509.Certificate) -> str:
-    """Return the SHA-1 of a certificate in small letters."""
-    return certificate.fingerprint(hashes.SHA1()).hex()
 
 
 @dataclass(frozen=True)
@@ -123,7 +119,7 @@ class Trust:
             raise Untrusted(f'a certificate of {len(content)} bytes; {MOST_BYTES} is the most')
         try:
             certificate = x509.load_der_x509_certificate(first_of(content))
-            self._check_form(certificate)
+            check_form(certificate, self._clock())
             is_trusted = self._is_trusted(certificate)
         except Untrusted:
             raise
@@ -133,7 +129,7 @@ class Trust:
         if not is_trusted:
             self._reject(certificate)
             raise Untrusted(
-                f'{_named(certificate)} is not trusted; if its thumbprint is what that client '
+                f'{named(certificate)} is not trusted; if its thumbprint is what that client '
                 f'shows, trust it with: {self._command} {thumbprint(certificate)[:8]}'
             )
         return certificate
@@ -179,30 +175,6 @@ class Trust:
 
     # --- whether --------------------------------------------------------------------------------
 
-    def _check_form(self, certificate: x509.Certificate) -> None:
-        """Refuse what would not be accepted from anybody."""
-        named = _named(certificate)
-        key = certificate.public_key()
-        if not isinstance(key, rsa.RSAPublicKey) or key.key_size not in KEY_BITS:
-            raise Untrusted(f'{named} has no RSA key of {KEY_BITS[0]} to {KEY_BITS[-1]} bits')
-        if not isinstance(certificate.signature_hash_algorithm, _HASHES):
-            raise Untrusted(f'{named} is not signed with SHA-256 or better')
-        self._check_time(certificate)
-        if not application_uri(certificate):
-            raise Untrusted(f'{named} has no application URI (a URI in subjectAltName)')
-        if not _may_be_a_client(certificate):
-            raise Untrusted(f'{named} is not meant for clients (key usage)')
-
-    def _check_time(self, certificate: x509.Certificate) -> None:
-        now = datetime.datetime.fromtimestamp(self._clock(), datetime.timezone.utc)
-        first, last = certificate.not_valid_before_utc, certificate.not_valid_after_utc
-        if not first <= now <= last:
-            raise Untrusted(
-                f'{_named(certificate)} is valid from {first:%Y-%m-%d %H:%M} to '
-                f'{last:%Y-%m-%d %H:%M} UTC, and it is {now:%Y-%m-%d %H:%M}; it needs a new '
-                'certificate, or a clock is wrong'
-            )
-
     def _is_trusted(self, certificate: x509.Certificate) -> bool:
         """Tell whether it is trusted itself, or an authority that is trusted stands behind it.
 
@@ -213,11 +185,11 @@ class Trust:
         for _ in range(MOST_ISSUERS):
             if one.issuer == one.subject:
                 break
-            issuer = _issuer_of(one, (*store.trusted, *store.issuers))
+            issuer = issuer_of(one, (*store.trusted, *store.issuers))
             if issuer is None:
                 break
-            self._check_time(issuer)
-            _check_revoked(one, issuer, store.revocations)
+            check_time(issuer, self._clock())
+            check_revoked(one, issuer, store.revocations)
             is_known, one = is_known or issuer in store.trusted, issuer
         return is_known
 
@@ -253,67 +225,6 @@ class Trust:
                 list(revocations),
             )
         return self._store
-
-
-def first_of(content: bytes) -> bytes:
-    """Return the first certificate of a chain in DER, by its own length."""
-    if len(content) >= 4 and content[0] == 0x30 and content[1] == 0x82:
-        return content[: 4 + int.from_bytes(content[2:4], 'big')]
-    return content
-
-
-def _may_be_a_client(certificate: x509.Certificate) -> bool:
-    extensions = certificate.extensions
-    with suppress(x509.ExtensionNotFound):
-        usage = extensions.get_extension_for_class(x509.KeyUsage).value
-        if not usage.digital_signature:
-            return False
-    with suppress(x509.ExtensionNotFound):
-        purposes = extensions.get_extension_for_class(x509.ExtendedKeyUsage).value
-        return ExtendedKeyUsageOID.CLIENT_AUTH in purposes
-    return True
-
-
-def _issuer_of(
-    certificate: x509.Certificate, others: Iterable[x509.Certificate]
-) -> x509.Certificate | None:
-    """Return the authority that has signed a certificate; None: it is not known."""
-    for one in others:
-        with suppress(ValueError, TypeError, InvalidSignature, x509.ExtensionNotFound):
-            certificate.verify_directly_issued_by(one)
-            if one.extensions.get_extension_for_class(x509.BasicConstraints).value.ca:
-                return one
-    return None
-
-
-def _check_revoked(
-    certificate: x509.Certificate,
-    issuer: x509.Certificate,
-    revocations: Iterable[x509.CertificateRevocationList],
-) -> None:
-    key = issuer.public_key()
-    lists = [
-        one
-        for one in revocations
-        if one.issuer == issuer.subject and one.is_signature_valid(key)  # type: ignore[arg-type]
-    ]
-    if not lists:
-        raise Untrusted(
-            f'whether {_named(certificate)} was taken back is not known: its authority '
-            f'{issuer.subject.rfc4514_string()} has no revocation list in trusted/crl or '
-            'issuers/crl; put one there, it may be empty'
-        )
-    if any(
-        one.get_revoked_certificate_by_serial_number(certificate.serial_number) for one in lists
-    ):
-        raise Untrusted(f'{_named(certificate)} was taken back by its authority')
-
-
-def _named(certificate: x509.Certificate) -> str:
-    uri = application_uri(certificate)
-    subject = certificate.subject.rfc4514_string()
-    shown_uri = f' ({uri!r:.200})' if uri else ''
-    return f'the certificate {thumbprint(certificate)} of {subject!r:.200}{shown_uri}'
 
 
 # --- files --------------------------------------------------------------------------------------

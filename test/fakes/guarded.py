@@ -19,8 +19,9 @@ from fakes.opcua_access import URI, access_in, certificate, write_client
 from fakes.quick_users import PASSWORD
 
 from bt_orchestrator.opcua.callers import CALLER, Caller
+from bt_orchestrator.opcua.client_certificates import Untrusted, thumbprint
 from bt_orchestrator.opcua.overrides import GuardedServer, Security
-from bt_orchestrator.opcua.trust import Trust, Untrusted, thumbprint
+from bt_orchestrator.opcua.trust import Trust
 from bt_orchestrator.users.attempts import Attempts
 
 T = TypeVar('T')

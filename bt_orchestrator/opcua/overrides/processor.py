@@ -14,12 +14,12 @@ from asyncua.ua.ua_binary import struct_from_binary, uatcp_to_binary
 from cryptography.exceptions import InvalidSignature as InvalidSignatureInside
 
 from bt_orchestrator.opcua.callers import Caller, calling, client_of
+from bt_orchestrator.opcua.client_certificates import Untrusted, first_of
 from bt_orchestrator.opcua.overrides import limits, services
 from bt_orchestrator.opcua.overrides.passwords import BadToken, password_of
 from bt_orchestrator.opcua.overrides.session import Session
 from bt_orchestrator.opcua.people import Person
 from bt_orchestrator.opcua.pki import application_uri, parsed
-from bt_orchestrator.opcua.trust import Untrusted, first_of
 from bt_orchestrator.spare_log import SpareLog
 from bt_orchestrator.users.file import UsersUnusable
 from bt_orchestrator.users.logins import LoginRefused, MustWait

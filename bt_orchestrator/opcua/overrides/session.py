@@ -14,6 +14,7 @@ from asyncua.common.utils import ServiceError
 from asyncua.crypto.permission_rules import User, UserRole
 from asyncua.server.internal_session import SessionState
 
+from bt_orchestrator.opcua.client_certificates import Untrusted
 from bt_orchestrator.opcua.overrides import limits
 from bt_orchestrator.opcua.overrides.own_subscriptions import (
     OwnSubscriptions,
@@ -21,7 +22,6 @@ from bt_orchestrator.opcua.overrides.own_subscriptions import (
     check_same,
 )
 from bt_orchestrator.opcua.people import Person
-from bt_orchestrator.opcua.trust import Untrusted
 
 if TYPE_CHECKING:
     from bt_orchestrator.opcua.overrides.processor import Processor

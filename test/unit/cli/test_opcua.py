@@ -13,8 +13,9 @@ from fakes.quick_users import write_users
 from bt_orchestrator.cli.main import main
 from bt_orchestrator.cli.opcua import verb
 from bt_orchestrator.model.roles import Role
+from bt_orchestrator.opcua.client_certificates import Untrusted, thumbprint
 from bt_orchestrator.opcua.pki import Pki
-from bt_orchestrator.opcua.trust import Trust, Untrusted, thumbprint
+from bt_orchestrator.opcua.trust import Trust
 
 
 @pytest.fixture(autouse=True)

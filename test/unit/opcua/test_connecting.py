@@ -15,7 +15,7 @@ from fakes.opcua_access import ROLES, URI, certificate
 from fakes.quick_users import write_users
 
 from bt_orchestrator.model.roles import Role
-from bt_orchestrator.opcua.trust import thumbprint
+from bt_orchestrator.opcua.client_certificates import thumbprint
 
 CODES = ua.StatusCodes
 

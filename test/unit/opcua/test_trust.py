@@ -15,8 +15,9 @@ from cryptography.x509.oid import NameOID
 from fakes.opcua_access import certificate, client_key
 
 from bt_orchestrator.opcua import trust as module
+from bt_orchestrator.opcua.client_certificates import Untrusted, thumbprint
 from bt_orchestrator.opcua.pki import Pki
-from bt_orchestrator.opcua.trust import NoSuchCertificate, Trust, Untrusted, thumbprint
+from bt_orchestrator.opcua.trust import NoSuchCertificate, Trust
 
 _AUTHORITY_KEY = rsa.generate_private_key(public_exponent=65537, key_size=2048)
 
