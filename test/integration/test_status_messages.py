@@ -31,7 +31,10 @@ DRAWN = {str: TEXTS, int: WHOLE, float: SECONDS, bool: st.booleans()}
 NAMED: dict[Any, dict[str, st.SearchStrategy[Any]]] = {
     ItemStatus: {'id': NAMES},
     Wish: {'command': NAMES},
-    JobStatus: {'start': st.none() | LATER, 'due': st.none() | LATER, 'priority': INT16},
+    JobStatus: {
+        'priority': INT16,
+        **dict.fromkeys(('start', 'due', 'started_at', 'ended_at'), st.none() | LATER),
+    },
     Hold: {
         'job': st.none() | NAMES,
         'item': st.none() | NAMES,
