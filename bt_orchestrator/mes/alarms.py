@@ -13,9 +13,18 @@ from dataclasses import dataclass
 
 from bt_orchestrator.mes.stop_ids import CONTEST, EMERGENCY, JOURNAL, StopId, id_of_hold
 from bt_orchestrator.model.hold_words import hold_words
+from bt_orchestrator.model.packml import VERBS, Cause
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.model.stop_reason import StopReason
+
+EMERGENCY_KEY = 'Emergency'
+"""Of the condition from `abort` to `clear`."""
+
+
+def hold_key(hold: str) -> str:
+    """Return the key of a hold's condition."""
+    return f'Hold-{hold}'
 
 
 @dataclass(frozen=True)
@@ -57,10 +66,11 @@ def _alarms(status: CellStatus) -> Iterator[Alarm]:
     if status.journal_failure:
         yield Alarm('Journal', JOURNAL, status.journal_failure, '', status.state_since)
     if status.stop_reason is StopReason.EMERGENCY:
-        yield Alarm('Emergency', EMERGENCY, _emergency(status), '', None)
+        words, since = _emergency(status), _aborted_at(status)
+        yield Alarm(EMERGENCY_KEY, EMERGENCY, words, '', since)
     for hold in status.holds:
         yield Alarm(
-            f'Hold-{hold.id}',
+            hold_key(hold.id),
             id_of_hold(hold),
             hold_words(hold),
             _place(hold),
@@ -78,6 +88,15 @@ def _alarms(status: CellStatus) -> Iterator[Alarm]:
 def _emergency(status: CellStatus) -> str:
     said = f'the cell was aborted ({status.stop_message})' if status.stop_message else 'aborted'
     return f'{said}; say what stands on the belt with clear'
+
+
+def _aborted_at(status: CellStatus) -> float | None:
+    wish = status.wish
+    return (
+        wish.time
+        if wish is not None and wish.command == VERBS[Cause.ABORT] and wish.time
+        else None
+    )
 
 
 def _place(hold: Hold) -> str:

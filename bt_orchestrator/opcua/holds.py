@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterator
+from typing import NamedTuple
 
 from asyncua import ua
 
 from bt_orchestrator.errors import NodeUnreachable
-from bt_orchestrator.mes.alarms import Alarm, alarms_of, event_id
+from bt_orchestrator.mes.alarms import EMERGENCY_KEY, Alarm, alarms_of, event_id, hold_key
 from bt_orchestrator.model.by import named
-from bt_orchestrator.model.events import Event, HoldReleased, OperatorDecided
+from bt_orchestrator.model.events import Event, HoldReleased, OperatorDecided, StopReasonChanged
 from bt_orchestrator.model.requests import REMARKS
 from bt_orchestrator.model.status import CellStatus
+from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.opcua.bridge import Bridge
 from bt_orchestrator.opcua.condition_methods import ConditionMethods
 from bt_orchestrator.opcua.conditions import Place, Remark, Standing, told
@@ -33,6 +35,12 @@ FIELDS = (
 )
 
 
+class _End(NamedTuple):
+    time: float
+    by: Remark | None
+    """What a person did, that ended it."""
+
+
 class Holds:
     """Implements `part.Part`.
 
@@ -44,14 +52,12 @@ class Holds:
         self._bridge = bridge
         self._history = bridge.history
         self._standing: dict[str, Standing] = {}
-        self._released: dict[str, float] = {}
-        """When holds were released, by their number, until a status tells so."""
+        self._ends: dict[str, _End] = {}
+        """Ends that were heard of, by condition, until a status tells so."""
         self._leaving: set[str] = set()
         """Conditions that the last status did not have, though their end was not heard of yet."""
-        self._said: dict[str, Remark] = {}
-        """How holds were answered, by their number."""
         self._last: Remark | None = None
-        """The last decision of a person; what is released at its time, is released by it."""
+        """The last decision of a person; what ends at its time, is ended by it."""
 
     async def build(self, space: Space) -> None:
         """Make the type, what conditions are about, and the methods."""
@@ -69,9 +75,9 @@ class Holds:
         """Tell what has changed."""
         found = alarms_of(status)
         for key in [key for key in self._standing if key not in found]:
-            hold = self._standing[key].alarm.hold
-            if hold and hold not in self._released and key not in self._leaving:
-                self._leaving.add(key)  # who released it will be heard in a moment
+            is_told = bool(self._standing[key].alarm.hold) or key == EMERGENCY_KEY
+            if is_told and key not in self._ends and key not in self._leaving:
+                self._leaving.add(key)  # who ended it will be heard in a moment
             else:
                 self._end(key, status)
         for key, alarm in found.items():
@@ -80,14 +86,13 @@ class Holds:
                 alarm.hold,
                 alarm.since,
             ):
+                self._ends.pop(key, None)  # of another one
                 since = status.stamp if alarm.since is None else alarm.since
                 self.put(Standing(alarm, since, since))
             elif before.alarm != alarm:
                 self.put(_as_now(before, alarm, status.stamp))
-        there = {standing.alarm.hold for standing in self._standing.values()}
-        for known in (self._released, self._said):
-            for hold in known.keys() - there:
-                del known[hold]
+        for key in self._ends.keys() - self._standing.keys():
+            del self._ends[key]
 
     def hear(self, event: Event) -> None:
         """Remember who answered, and show what was remarked."""
@@ -99,20 +104,26 @@ class Holds:
             why = f': {event.reason}' if event.reason else ''
             self._last = Remark(who, f'{event.answer}{why}', event.time)
         elif isinstance(event, HoldReleased):
-            self._released[event.hold] = event.time
-            if self._last is not None and self._last.time == event.time:
-                self._said[event.hold] = self._last
-            for key in self._leaving & {f'Hold-{event.hold}'}:
-                self._end(key, self._bridge.status)
+            self._hear_end(hold_key(event.hold), event.time)
+        elif (
+            isinstance(event, StopReasonChanged)
+            and event.stop_reason != StopReason.EMERGENCY.value
+        ):
+            self._hear_end(EMERGENCY_KEY, event.time)
+
+    def _hear_end(self, key: str, time: float) -> None:
+        is_by_last = self._last is not None and self._last.time == time
+        self._ends[key] = _End(time, self._last if is_by_last else None)
+        if key in self._leaving:
+            self._end(key, self._bridge.status)
 
     def begin(self, history: str) -> None:
         """End all: the cell has another journal."""
         for key in list(self._standing):
             self._end(key, self._bridge.status)
         self._history = history
-        self._said.clear()
         self._last = None
-        self._released.clear()
+        self._ends.clear()
 
     # --- what clients ask for ---------------------------------------------------------------
 
@@ -137,7 +148,7 @@ class Holds:
     # --- remarks ----------------------------------------------------------------------------
 
     def _remark(self, hold: str, word: str, remark: Remark) -> None:
-        standing = self._standing.get(f'Hold-{hold}')
+        standing = self._standing.get(hold_key(hold))
         if standing is not None:
             self.put(standing.with_remark(word, remark))
 
@@ -163,9 +174,8 @@ class Holds:
     def _end(self, key: str, status: CellStatus) -> None:
         standing = self._standing.pop(key)
         self._leaving.discard(key)
-        hold = standing.alarm.hold
-        time = self._released.pop(hold, status.stamp)
-        self._tell(standing.over(time, self._said.pop(hold, None)))
+        time, by = self._ends.pop(key, _End(status.stamp, None))
+        self._tell(standing.over(time, by))
 
     def _tell(self, standing: Standing) -> None:
         source, _ = self._place.source(standing.alarm)

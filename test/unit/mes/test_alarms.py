@@ -9,6 +9,7 @@ from fakes.statuses import component, hold, status
 
 from bt_orchestrator.mes.alarms import alarms_of, event_id
 from bt_orchestrator.model.stop_reason import StopReason
+from bt_orchestrator.model.wish import Wish
 
 HOLD = hold('3', reason='timeout', message='too slow', since=950.0)
 
@@ -44,6 +45,12 @@ def test_an_aborted_cell_a_broken_journal_and_a_contest_are_conditions() -> None
     assert keys(
         stop_reason=StopReason.EMERGENCY, journal_failure='the disk is full', components=[rival]
     ) == ['Journal', 'Emergency', 'Contest-worker']
+
+
+def test_an_emergency_began_when_somebody_aborted() -> None:
+    by = Wish('abort', 'Ann', 'smoke', 990.0, 'page login')
+    alarm = alarms_of(status(stop_reason=StopReason.EMERGENCY, wish=by))['Emergency']
+    assert alarm.since == 990.0
 
 
 def test_an_event_id_is_the_same_in_every_process_and_another_for_other_facts() -> None:

@@ -8,9 +8,10 @@ from typing import Any
 from asyncua import ua
 from fakes.statuses import NOW_S, hold, status
 
-from bt_orchestrator.model.events import HoldReleased, OperatorDecided
+from bt_orchestrator.model.events import HoldReleased, OperatorDecided, StopReasonChanged
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import CellStatus
+from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.opcua.conditions import Place
 from bt_orchestrator.opcua.holds import Holds
 from bt_orchestrator.opcua.notices import Told
@@ -78,6 +79,18 @@ def test_who_resumes_a_pause_or_removes_an_item_has_ended_its_hold() -> None:
     scene.part.hear(HoldReleased(hold='1', time=NOW_S + 1))
     scene.show()
     assert scene.take() == [(False, True, ''), (False, True, 'resume: tea')]
+
+
+def test_who_clears_has_ended_the_emergency() -> None:
+    scene = Scene()
+    scene.part.hear(StopReasonChanged(stop_reason='', time=NOW_S - 9))  # of before
+    scene.part.show(status(stop_reason=StopReason.EMERGENCY))
+    assert scene.take() == [(True, False, '')]
+    scene.part.hear(OperatorDecided(answer='clear', who='Ben', reason='looked', time=NOW_S))
+    scene.part.hear(StopReasonChanged(stop_reason='', time=NOW_S))
+    scene.show()
+    assert [one.time for one in scene.told] == [NOW_S]
+    assert scene.take() == [(False, True, 'clear: looked')]
 
 
 def test_a_status_that_comes_before_its_events_waits_for_them() -> None:
