@@ -23,7 +23,7 @@ async function main() {
     securityMode: ua.MessageSecurityMode.SignAndEncrypt,
     securityPolicy: ua.SecurityPolicy.Basic256Sha256,
     endpointMustExist: false,
-    connectionStrategy: { maxRetry: 0 },
+    connectionStrategy: { maxRetry: 1 }, // with 0 it would never connect again
   });
   await client.connect(endpoint);
   try {

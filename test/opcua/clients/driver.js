@@ -31,8 +31,8 @@ async function connect({ user, password, isEncrypted = true }) {
     endpointMustExist: false,
     keepSessionAlive: true,
     requestedSessionTimeout: 60000,
-    // A first refusal is told at once; a lost connection is tried again for ever.
-    connectionStrategy: { initialDelay: 200, maxDelay: 1000, maxRetry: 0 },
+    // For the first connection; one that is lost is then tried again for ever. Not so with 0.
+    connectionStrategy: { initialDelay: 200, maxDelay: 1000, maxRetry: 1 },
   });
   client.on('send_request', (request) => {
     const name = request.constructor.name;
