@@ -1,4 +1,4 @@
-"""A connection is cut in the middle of a job: subscribers of two makes go on hearing of it."""
+"""A connection is cut, or the server killed, in a job: subscribers of two makes hear on."""
 
 from __future__ import annotations
 
@@ -114,4 +114,13 @@ def test_a_connection_that_was_cut_goes_on_without_a_storm(watched: Watched, tel
     watched.wire.mend()
     first, second = watched.until_both_hear()
     tell(f'after the cut: node-opcua {first:.1f} s, asyncua {second:.1f} s')
+    watched.assert_sound()
+
+
+def test_a_server_that_was_killed_in_a_job_goes_on_with_its_subscribers(
+    watched: Watched, tell: Tell
+) -> None:
+    watched.line.server.kill_and_restart()
+    first, second = watched.until_both_hear()
+    tell(f'after the return: node-opcua {first:.1f} s, asyncua {second:.1f} s')
     watched.assert_sound()
