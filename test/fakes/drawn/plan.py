@@ -59,7 +59,12 @@ class Plan:
         cell = copy.deepcopy(self.cell)
         for device in devices(cell):
             device['faults'] = []
-        return replace(self, cell=cell)
+        scripts = copy.deepcopy(self.scripts)
+        for script in scripts:
+            for listed in script['sections'].values():
+                for task in tasks_of(listed['tasks'] if isinstance(listed, dict) else listed):
+                    task.pop('fails_unless', None)
+        return replace(self, cell=cell, scripts=scripts)
 
     def without_flags(self, scripts: AbstractSet[str]) -> Plan:
         """Return the same line, in which these scripts have no flags."""
