@@ -11,7 +11,7 @@ import traceback
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from bench import page_rows, report, ros_rows, virtual_rows
+from bench import opcua_rows, page_rows, report, ros_rows, virtual_rows
 from bench.plot import draw
 from bench.rows import TARGETS, Row, merged
 
@@ -36,6 +36,7 @@ def benches(args: argparse.Namespace) -> dict[tuple[str, ...], Bench]:
         ('page_cpu', 'page_node', 'page_reader', 'page_readers'): lambda: page_rows.page(
             rounds, 3.0 if quick else 15.0
         ),
+        ('opcua_order', 'opcua_node'): lambda: opcua_rows.opcua(rounds, 2 if quick else 20),
         ('setup_time', 'setup_memory'): lambda: ros_rows.setup(rounds),
         ('idle',): lambda: ros_rows.idle(rounds, 2.0 if quick else 8.0),
         ('drift_cpu', 'drift_memory'): lambda: ros_rows.drift(tasks),

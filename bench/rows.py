@@ -44,6 +44,8 @@ TARGETS = {
     'page_node': Target('CPU of the node, with a page that is read / with watch', 1.1, 1.0),
     'page_reader': Target('CPU of the page, with one reader / without'),
     'page_readers': Target('event to reader p95, 20 readers beside 30 stuck / one alone', 2, 1.2),
+    'opcua_order': Target('CPU of an order in the OPC UA server, 100 stored / none', 2, 1.2),
+    'opcua_node': Target('CPU of an order over OPC UA in the node, 100 stored / none', 2, 1.2),
     'setup_time': Target('set-up time, 300 leaves / 10 leaves on 10 actions', 2, 1.2),
     'setup_memory': Target('memory added, 300 leaves / 10 leaves on 10 actions', 2, 1.2),
     'sections': Target('tick time, 200 sections / 5 sections, 5 working', 3, 1.5),
