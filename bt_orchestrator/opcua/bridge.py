@@ -9,26 +9,21 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from bt_orchestrator.doors.asking_door import AskingDoor
-from bt_orchestrator.doors.doors import Doors
+from bt_orchestrator.doors.cell_client import CellClient
 from bt_orchestrator.doors.facts import Began, Fact, Happened
-from bt_orchestrator.doors.following_door import FollowingDoor
 from bt_orchestrator.doors.known import Known, told_by
 from bt_orchestrator.doors.open_door import OpenDoor
-from bt_orchestrator.doors.tickets import Tickets
 from bt_orchestrator.errors import NodeUnreachable
 from bt_orchestrator.model.status import CellDescription, CellStatus
 from bt_orchestrator.opcua.calls import Calls
 from bt_orchestrator.opcua.part import Part
 from bt_orchestrator.opcua.values import Values
-from bt_orchestrator.ports import CellLink, Records
+from bt_orchestrator.ports import Records
 
 log = logging.getLogger(__name__)
 
 LOOK_S = 0.5
 """Between two looks at whether the node is silent."""
-
-PROGRAM = 'opcua'
 
 
 @dataclass(frozen=True)
@@ -43,7 +38,7 @@ class Sources:
     """Opens the journal, to be read in the thread that calls it; None: the door tells the past."""
 
 
-class Bridge:
+class Bridge(CellClient):
     """States: made, started, ended. All but the constructor is called in the server's loop."""
 
     def __init__(self, node: str, open_door: OpenDoor, sources: Sources | None = None) -> None:
@@ -51,7 +46,7 @@ class Bridge:
 
         :param node: full name of the node
         """
-        self.node = node
+        super().__init__('opcua', node, open_door)
         self.sources = sources or Sources()
         self.known = Known()
         self.history = ''
@@ -60,8 +55,6 @@ class Bridge:
         """The last event that was heard of."""
         self.other_cell = asyncio.Event()
         """What exists in the cell is not what the parts were built for."""
-        self._open_door = open_door
-        self._following = FollowingDoor(PROGRAM, open_door, self._hand_over)
         self._status: CellStatus | None = None
         self._description: CellDescription | None = None
         self._begins_at = 0
@@ -73,41 +66,13 @@ class Bridge:
         """What was heard while parts are built; None: none are."""
         self._parts: Sequence[Part] = ()
         self._values: Values | None = None
-        self._tasks: set[asyncio.Task[None]] = set()
 
-    def start(self, on_error: Callable[[], object]) -> None:
-        """Begin to follow the cell, in the running loop.
+    def _newest(self) -> int:
+        return self.newest
 
-        :param on_error: called in another thread if it cannot go on (`error`)
-        """
-        self._loop = asyncio.get_running_loop()
-        self._asking = AskingDoor(PROGRAM, self._open_door, self._loop)
-        self.doors = Doors(self.node, self._following, self._asking)
-        self.tickets = Tickets(self.doors, lambda: self.newest)
+    def _prepare(self) -> None:
         self.calls = Calls(self.tickets)
-        self._following.on_error = on_error
-        self._following.on_deaf = lambda _: self._asking.renew()
-        self._following.start()
-        self._asking.start()
-        self._spawn(self._open_early())
         self._spawn(self._look())
-
-    def end(self) -> None:
-        """Refuse further questions; the threads end a moment later."""
-        self._following.end()
-        self._asking.end()
-        for task in self._tasks:
-            task.cancel()
-
-    def join(self) -> None:
-        """Wait for the end of the threads; the loop may have ended."""
-        self._following.join()
-        self._asking.join()
-
-    @property
-    def error(self) -> BaseException | None:
-        """Why it cannot go on."""
-        return self._following.error
 
     async def caught_up(self) -> None:
         """Wait until it is known how the cell stands."""
@@ -145,11 +110,6 @@ class Bridge:
         self._parts, self._values = (), None
 
     # --- what is heard ----------------------------------------------------------------------
-
-    def _hand_over(self, facts: Sequence[Fact]) -> None:
-        """Hand facts to the loop; called in the thread that follows."""
-        with contextlib.suppress(RuntimeError):  # the loop has ended
-            self._loop.call_soon_threadsafe(self._take, facts)
 
     def _take(self, facts: Sequence[Fact]) -> None:
         if self._held_back is not None:
@@ -208,11 +168,6 @@ class Bridge:
         else:
             self._must_describe = True
 
-    async def _open_early(self) -> None:
-        """Open the door for questions: an abort must not wait until ROS is loaded."""
-        with contextlib.suppress(Exception):  # whoever asks something is told
-            await self._asking.call(_nothing)
-
     async def _look(self) -> None:
         while True:
             await asyncio.sleep(LOOK_S)
@@ -221,11 +176,6 @@ class Bridge:
                 if self._values is not None:
                     self._values.doubt()
 
-    def _spawn(self, work: object) -> None:
-        task = asyncio.ensure_future(work)  # type: ignore[call-overload]
-        self._tasks.add(task)
-        task.add_done_callback(self._tasks.discard)
-
 
 def _guarded(tell: Callable[..., object], fact: object) -> None:
     """Tell a part something; a mistake in one part must not silence the others."""
@@ -233,7 +183,3 @@ def _guarded(tell: Callable[..., object], fact: object) -> None:
         tell(fact)
     except Exception:
         log.exception('defect: a part of the server could not take %s', type(fact).__name__)
-
-
-def _nothing(_: CellLink) -> None:
-    """Ask nothing."""

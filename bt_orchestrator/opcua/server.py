@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import logging
 import threading
-from collections.abc import Awaitable, Callable, Iterator, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 
 from asyncua import Server
 
 from bt_orchestrator.doors.listening import bound, cannot_listen, url_host
+from bt_orchestrator.doors.server_thread import ServerThread
 from bt_orchestrator.opcua import nodesets
 from bt_orchestrator.opcua.access import Access
 from bt_orchestrator.opcua.bridge import Bridge
@@ -30,7 +30,7 @@ PARTS: Sequence[Callable[[Bridge], Part]] = (Simple, JobControl, PackML, Holds)
 """Each is made anew for each cell."""
 
 
-class OpcUaServer:
+class OpcUaServer(ServerThread):
     """States: bound, running, open, ended.
 
     The port is opened when it is known how the cell stands: before, clients would see that all
@@ -47,42 +47,19 @@ class OpcUaServer:
         self._access = access
         self._security = Security.of(bridge.node, access)
         # Keeps the port for the whole life; the stack listens at it with a socket of its own.
-        self._socket = bound(access.host, access.port, lambda _: None, listens=False)
-        self._stopped = threading.Event()
+        taken = bound(access.host, access.port, lambda _: None, listens=False)
         self._opened = threading.Event()
-        self._loop: asyncio.AbstractEventLoop | None = None
-        self._error: BaseException | None = None
-        self._thread = threading.Thread(target=self._run, name='opcua: server', daemon=True)
-
-    @property
-    def port(self) -> int:
-        """The port that it has."""
-        return int(self._socket.getsockname()[1])
+        super().__init__('opcua', bridge, taken)
 
     @property
     def address(self) -> str:
         """What a client is given."""
         return f'opc.tcp://{url_host(self._access.host)}:{self.port}'
 
-    @contextlib.contextmanager
-    def running(self) -> Iterator[None]:
-        """Serve as long as the context is open."""
-        self._thread.start()
-        try:
-            yield
-        finally:
-            self.stop()
-            self._thread.join()
-            self._bridge.join()
-
     def stop(self) -> None:
         """End it; from any thread."""
-        self._stopped.set()
+        super().stop()
         self._opened.set()
-        loop = self._loop
-        if loop is not None:
-            with contextlib.suppress(RuntimeError):  # it has ended
-                loop.call_soon_threadsafe(self._end.set)
 
     def wait_until_open(self, within_s: float | None = None) -> bool:
         """Wait until clients can connect, or it was stopped; tells whether it is so."""
@@ -93,29 +70,15 @@ class OpcUaServer:
         """Tell whether it was stopped, or cannot go on."""
         return self._stopped.is_set()
 
-    def wait(self) -> None:
-        """Wait until it was stopped, or cannot go on; raises why it cannot."""
-        self._stopped.wait()
-        error = self._error or self._bridge.error
-        if error is not None:
-            raise error
-
     # --- the thread -------------------------------------------------------------------------
 
     def _run(self) -> None:
-        try:
-            asyncio.run(self._serve())
-        except BaseException as error:  # noqa: BLE001 - `wait` raises it
-            self._error = error
-        finally:
-            self._stopped.set()
-            self._opened.set()
+        super()._run()
+        self._opened.set()
 
     async def _serve(self) -> None:
-        self._end = asyncio.Event()
-        self._loop = asyncio.get_running_loop()
-        if self._stopped.is_set():  # before there was a loop to tell
-            self._end.set()
+        self._ends = asyncio.Event()
+        self._can_end()
         self._bridge.start(self.stop)
         try:
             while await self._before_end(self._bridge.caught_up()):
@@ -124,6 +87,9 @@ class OpcUaServer:
             self._bridge.end()
             self._security.people.close()
             self._socket.close()
+
+    def _end(self) -> None:
+        self._ends.set()
 
     async def _serve_cell(self) -> None:
         """Serve until the end, or until something else exists in the cell."""
@@ -158,10 +124,10 @@ class OpcUaServer:
 
     async def _before_end(self, work: Awaitable[object]) -> bool:
         """Wait for something; tells whether it came before the end."""
-        end, task = asyncio.ensure_future(self._end.wait()), asyncio.ensure_future(work)
+        end, task = asyncio.ensure_future(self._ends.wait()), asyncio.ensure_future(work)
         try:
             await asyncio.wait((end, task), return_when=asyncio.FIRST_COMPLETED)
         finally:
             end.cancel()
             task.cancel()
-        return not self._end.is_set()
+        return not self._ends.is_set()

@@ -5,15 +5,12 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
-from bt_orchestrator.doors.asking_door import AskingDoor
-from bt_orchestrator.doors.doors import Doors
+from bt_orchestrator.doors.cell_client import CellClient
 from bt_orchestrator.doors.facts import Began, Fact, Happened
-from bt_orchestrator.doors.following_door import FollowingDoor
 from bt_orchestrator.doors.known import Known, told_by
 from bt_orchestrator.doors.open_door import OpenDoor
-from bt_orchestrator.doors.tickets import Tickets
 from bt_orchestrator.errors import NodeUnreachable
 from bt_orchestrator.model.status import CellDescription, CellStatus
 from bt_orchestrator.ports import CellLink
@@ -36,7 +33,7 @@ REFRESH_S = 0.05
 """Shortest time between two computations of the parts."""
 
 
-class Page:
+class Page(CellClient):
     """States: made, started, ended. All but the constructor is called in the server's loop."""
 
     def __init__(
@@ -46,6 +43,7 @@ class Page:
 
         :param node: full name of the node
         """
+        super().__init__('page', node, open_door)
         self.sources = sources or Sources()
         self.access = access
         self.people = People(access)
@@ -54,9 +52,6 @@ class Page:
         self.book = Book()
         self.description: CellDescription | None = None
         """What exists in the cell; None: not known yet."""
-        self._open_door = open_door
-        self._following = FollowingDoor('page', open_door, self._hand_over)
-        self._node = node
         self._described: tuple[str, int, int] | None = None
         """The cell that a description was asked for: name, sections, components."""
         self._must_describe = True
@@ -66,18 +61,12 @@ class Page:
         self._refreshed_at = 0.0
         """On the monotonic clock; 0: never."""
         self._later: asyncio.TimerHandle | None = None
-        self._tasks: set[asyncio.Task[None]] = set()
 
-    def start(self, on_error: Callable[[], object]) -> None:
-        """Begin to follow the cell, in the running loop.
+    def _newest(self) -> int:
+        return self.book.newest
 
-        :param on_error: called in another thread if the page cannot go on (`error`)
-        """
-        self._loop = asyncio.get_running_loop()
-        self._asking = AskingDoor('page', self._open_door, self._loop)
-        self.doors = Doors(self._node, self._following, self._asking)
+    def _prepare(self) -> None:
         self.streams = Streams(self.book, self.doors, self._refresh)
-        self.tickets = Tickets(self.doors, lambda: self.book.newest)
         self.questions = Questions(self.sources.planning, self.doors.moment)
         self.archive = Archive(
             Heard(self.book, self.doors), self.sources.open_records, lambda: self.book.history
@@ -85,52 +74,29 @@ class Page:
         self.tree = TreeWatch(self._following.do)
         trees = self.sources.trees
         self.shelf = Shelf(self.known, self.archive, trees, self._ask_moment)
-        self._following.on_error = on_error
-        self._following.on_deaf = self._leave
-        self._following.start()
-        self._asking.start()
-        self._spawn(self._open_early())
         self._spawn(self._beat())
 
     def _leave(self, door: CellLink) -> None:
         """Keep nothing of a door that will be closed; called in its thread."""
+        super()._leave(door)
         self.tree.leave(door)
-        self._asking.renew()
         with contextlib.suppress(RuntimeError):  # the loop has ended
             self._loop.call_soon_threadsafe(self.tree.close)
 
     def end(self) -> None:
         """End all streams and refuse further questions; the threads end a moment later."""
         self.streams.end()
-        self._following.end()
-        self._asking.end()
+        super().end()
         self.people.close()
         self.archive.close()
         self.questions.close()
-        for task in self._tasks:
-            task.cancel()
-
-    def join(self) -> None:
-        """Wait for the end of the threads; the loop may have ended."""
-        self._following.join()
-        self._asking.join()
 
     @property
     def status(self) -> CellStatus | None:
         """The newest one; None: nothing was heard."""
         return self.book.status
 
-    @property
-    def error(self) -> BaseException | None:
-        """Why it cannot go on."""
-        return self._following.error
-
     # --- what is heard ----------------------------------------------------------------------
-
-    def _hand_over(self, facts: Sequence[Fact]) -> None:
-        """Hand facts to the loop; called in the thread that follows."""
-        with contextlib.suppress(RuntimeError):  # the loop has ended
-            self._loop.call_soon_threadsafe(self._take, facts)
 
     def _take(self, facts: Sequence[Fact]) -> None:
         for fact in facts:
@@ -158,11 +124,6 @@ class Page:
         if self._must_describe or size != self._described:
             self._must_describe, self._described = False, size
             self._spawn(self._describe())
-
-    async def _open_early(self) -> None:
-        """Open the door for questions: an abort must not wait until ROS is loaded."""
-        with contextlib.suppress(Exception):  # whoever asks something is told
-            await self._asking.call(lambda _: None)
 
     async def _describe(self) -> None:
         try:
@@ -212,7 +173,7 @@ class Page:
         if status is None:
             return
         self._is_stale = False
-        self.book.put(self.show.parts(status, self.description, self._node))
+        self.book.put(self.show.parts(status, self.description, self.node))
         self._refreshed_at = time.monotonic()
         if self.show.wants_moment:
             self.show.wants_moment = False
@@ -225,8 +186,3 @@ class Page:
             await asyncio.sleep(BEAT_S)
             self._must_describe |= self.doors.is_silent
             self.streams.beat()
-
-    def _spawn(self, work: object) -> None:
-        task = asyncio.ensure_future(work)  # type: ignore[call-overload]
-        self._tasks.add(task)
-        task.add_done_callback(self._tasks.discard)

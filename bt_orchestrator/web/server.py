@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import socket
-import threading
-from collections.abc import Iterator
 from typing import Any
 
 import uvicorn
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from bt_orchestrator.doors.listening import bound, url_host
+from bt_orchestrator.doors.server_thread import ServerThread
 from bt_orchestrator.web.app import make_app
 from bt_orchestrator.web.page import Page
 from bt_orchestrator.web.stream import PIECE, SEND_LIMIT_S
@@ -27,7 +25,7 @@ FAREWELL_S = 1
 """Longest wait for requests that are carried out while the page ends."""
 
 
-class PageServer:
+class PageServer(ServerThread):
     """States: bound, running, ended."""
 
     def __init__(self, page: Page) -> None:
@@ -36,16 +34,8 @@ class PageServer:
         :raises CannotListen: the address is in use, or none of this computer's
         """
         self._page = page
-        self._socket = bound(page.access.host, page.access.port, _prepare)
-        self._stopped = threading.Event()
-        self._loop: asyncio.AbstractEventLoop | None = None
-        self._error: BaseException | None = None
-        self._thread = threading.Thread(target=self._run, name='page: server', daemon=True)
-
-    @property
-    def port(self) -> int:
-        """The port that it has."""
-        return int(self._socket.getsockname()[1])
+        taken = bound(page.access.host, page.access.port, _prepare)
+        super().__init__('page', page, taken)
 
     @property
     def address(self) -> str:
@@ -53,42 +43,6 @@ class PageServer:
         host, has_tls = self._page.access.host, self._page.access.has_tls
         scheme = 'https' if has_tls else 'http'
         return f'{scheme}://{url_host(host)}:{self.port}/'
-
-    @contextlib.contextmanager
-    def running(self) -> Iterator[None]:
-        """Serve as long as the context is open."""
-        self._thread.start()
-        try:
-            yield
-        finally:
-            self.stop()
-            self._thread.join()
-            self._page.join()
-
-    def stop(self) -> None:
-        """End it; from any thread."""
-        self._stopped.set()
-        loop = self._loop
-        if loop is not None:
-            with contextlib.suppress(RuntimeError):  # it has ended
-                loop.call_soon_threadsafe(self._end)
-
-    def wait(self) -> None:
-        """Wait until it was stopped, or cannot go on; raises why it cannot."""
-        self._stopped.wait()
-        error = self._error or self._page.error
-        if error is not None:
-            raise error
-
-    # --- the thread -------------------------------------------------------------------------
-
-    def _run(self) -> None:
-        try:
-            asyncio.run(self._serve())
-        except BaseException as error:  # noqa: BLE001 - `wait` raises it
-            self._error = error
-        finally:
-            self._stopped.set()
 
     async def _serve(self) -> None:
         page = self._page
@@ -109,9 +63,7 @@ class PageServer:
             timeout_graceful_shutdown=FAREWELL_S,
         )
         self._uvicorn = uvicorn.Server(config)
-        self._loop = asyncio.get_running_loop()
-        if self._stopped.is_set():  # before there was a loop to tell
-            self._end()
+        self._can_end()
         try:
             await self._uvicorn.serve(sockets=[self._socket])
         finally:
