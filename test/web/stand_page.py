@@ -44,5 +44,6 @@ def stand_page(folder: Path, args: argparse.Namespace) -> tuple[StandCell, PageS
 
 def _order(stand: StandCell, number: int, quantity: int) -> WorkOrder:
     due = time.time() + 600.0 * (number + 1)
-    terms = Terms(priority=number % 3, due=due if number % 2 else None)
+    # The first ones are the most urgent, so the jobs stay in their order.
+    terms = Terms(priority=max(2 - number // 2, 0), due=due if number % 2 else None)
     return WorkOrder(stand.script, f'WO-{1001 + number}', quantity + number, {}, terms)
