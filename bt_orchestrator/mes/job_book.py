@@ -8,10 +8,10 @@ from typing import Any
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import OnFailure
-from bt_orchestrator.model.jobs.isa95 import OVER, JobWord
+from bt_orchestrator.model.jobs.isa95 import OVER, JobWord, word_at_work
 from bt_orchestrator.model.jobs.job_record import BY_HAND, MISSING
 from bt_orchestrator.model.status import CellStatus, JobStatus, ListedJob
-from bt_orchestrator.model.stop_reason import WORDS, Interruption, StopReason
+from bt_orchestrator.model.stop_reason import StopReason
 
 
 @dataclass(frozen=True)
@@ -149,12 +149,7 @@ class JobBook:
         """Derive the state of a job on the line; that of another is as the events said."""
         if not entry.is_at_work:
             return entry.job.status.state
-        if entry.is_paused:
-            return JobWord.SUSPENDED
-        if self._stop_reason is None:
-            return JobWord.RUNNING
-        is_held = WORDS[self._stop_reason].job is Interruption.HELD
-        return JobWord.HELD if is_held else JobWord.SUSPENDED
+        return word_at_work(self._stop_reason, is_paused=entry.is_paused)
 
 
 def _ordered(event: e.JobQueued) -> ListedJob:
@@ -238,9 +233,14 @@ def _removed(entry: _Entry, event: e.ItemRemoved) -> None:
 
 
 def _continued(entry: _Entry, event: e.TaskContinued) -> None:
-    is_new = event.item is not None and event.item not in entry.nonconforming
-    if is_new and event.policy == OnFailure.CONTINUE.value:
-        entry.nonconforming.add(event.item or '')
+    if event.item is not None and event.policy == OnFailure.CONTINUE.value:
+        _nonconforming(entry, event)
+
+
+def _nonconforming(entry: _Entry, event: e.ItemNonconforming | e.TaskContinued) -> None:
+    assert event.item is not None
+    if event.item not in entry.nonconforming:
+        entry.nonconforming.add(event.item)
         entry.count('nonconforming')
 
 
@@ -267,5 +267,6 @@ _FOLDS: Mapping[type[e.Event], Callable[[_Entry, Any], None]] = {
     e.ItemPlaced: _placed,
     e.ItemMissing: _missing,
     e.ItemRemoved: _removed,
+    e.ItemNonconforming: _nonconforming,
     e.TaskContinued: _continued,
 }

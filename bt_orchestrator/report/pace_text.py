@@ -46,15 +46,13 @@ class ScriptPace:
             found['quicker'] = {
                 'task': saving.task,
                 'by_s': saving.by_s,
-                'per_item_s': saving.then.per_item_s,
-                'limit': _plain(saving.then),
+                **_then(saving.then),
             }
         if larger is not None:
             found['roomier'] = {
                 'flag': larger.flag,
                 'capacity': larger.capacity,
-                'per_item_s': larger.then.per_item_s,
-                'limit': _plain(larger.then),
+                **_then(larger.then),
             }
         return found
 
@@ -63,6 +61,10 @@ def script_pace(script: Script, cell: Cell) -> ScriptPace:
     """Return the pace of a script by the durations of a cell."""
     line = PacedLine(script, cell)
     return ScriptPace(script.name, line.pace(cell), quicker(line, cell), roomier(line, cell))
+
+
+def _then(limit: Limit) -> dict[str, Any]:
+    return {'per_item_s': limit.per_item_s, 'limit': _plain(limit)}
 
 
 def _plain(limit: Limit) -> dict[str, Any]:

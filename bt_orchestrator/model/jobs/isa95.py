@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import Enum
 
 from bt_orchestrator.model.state import CellState, JobState
-from bt_orchestrator.model.stop_reason import WORDS, Interruption
+from bt_orchestrator.model.stop_reason import WORDS, Interruption, StopReason
 
 
 class JobWord(Enum):
@@ -49,8 +49,16 @@ def job_word(state: CellState, job: JobState) -> JobWord:
         return JobWord.ABORTED if job.aborting else JobWord.ENDED
     if not job.started:
         return JobWord.NOT_ALLOWED_TO_START if job.held else JobWord.ALLOWED_TO_START
-    if job.paused:
+    return word_at_work(state.stop_reason, is_paused=job.paused)
+
+
+def word_at_work(stop_reason: StopReason | None, *, is_paused: bool) -> JobWord:
+    """Derive the state of a job on the line.
+
+    :param stop_reason: why the line stands still; None: it does not
+    """
+    if is_paused:
         return JobWord.SUSPENDED
-    if state.stop_reason is None:
+    if stop_reason is None:
         return JobWord.RUNNING
-    return _OF_INTERRUPTION[WORDS[state.stop_reason].job]
+    return _OF_INTERRUPTION[WORDS[stop_reason].job]

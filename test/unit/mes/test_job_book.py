@@ -16,10 +16,12 @@ from fakes.virtual_run import BY, VirtualRun
 from hypothesis import given
 
 from bt_orchestrator.mes.job_book import JobBook, News
+from bt_orchestrator.model.events import ItemNonconforming
 from bt_orchestrator.model.jobs.isa95 import JobWord, job_word
 from bt_orchestrator.model.jobs.job_commands import UpdateJob
 from bt_orchestrator.model.jobs.job_record import Counts
 from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.status import JobStatus, ListedJob
 
 RUN, HELD, SUSPENDED, ENDED = (
     JobWord.RUNNING,
@@ -154,6 +156,18 @@ def test_items_that_fail_are_counted() -> None:
     run.answer('skip')
     run.go()
     job = run.book.get('J')
+    assert job is not None
+    assert job.status.nonconforming == 1
+
+
+def test_an_item_that_passes_without_its_verdict_is_counted_once() -> None:
+    book = JobBook()
+    book.begin(listed=[ListedJob(JobStatus('J', 'small', JobWord.RUNNING, started_at=1.0))])
+    for seq, task in enumerate(('weigh', 'look'), start=1):
+        book.follow(
+            ItemNonconforming(seq=seq, job='J', item='J/1', task=task, reason='by eye it is good')
+        )
+    job = book.get('J')
     assert job is not None
     assert job.status.nonconforming == 1
 
