@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import secrets
 from collections.abc import Callable
 from typing import Any
 
@@ -14,12 +15,19 @@ from asyncua.server.subscription_service import SubscriptionService
 from bt_orchestrator.opcua.callers import CALLER
 from bt_orchestrator.opcua.overrides import limits
 
+_FIRST_IDS = 2**31
+"""The id before the first one is below this number: half of all ids are left to give."""
+
 
 class Subscriptions(SubscriptionService):
     """asyncua lets every session use those of all others."""
 
     def __init__(self, *args: Any, **options: Any) -> None:
         super().__init__(*args, **options)
+        # asyncua begins with the same number at every start. A client that comes back after a
+        # restart would then take over what another one has just been given (OPC 10000-4,
+        # CreateSubscription: the ids start from a random one).
+        self._sub_id_counter = secrets.randbelow(_FIRST_IDS)
         self._owners: dict[int, str] = {}
 
     async def create_subscription(

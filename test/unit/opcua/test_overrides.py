@@ -152,6 +152,25 @@ def test_a_subscription_is_taken_over_by_its_own_user_alone(insecure: Served) ->
     insecure(work)
 
 
+def test_a_server_that_was_started_anew_gives_other_ids_than_before(insecure: Served) -> None:
+    # A client that comes back asks for the subscription that it had, and would get another's.
+    async def work(bench: Bench) -> None:
+        async def told(*_: object) -> None:
+            """Nobody listens."""
+
+        inside = bench.server.inside
+        given = set()
+        for _ in range(3):  # starts of a server
+            service = type(inside.subscription_service)(inside.aspace)
+            params = ua.CreateSubscriptionParameters()
+            made = await service.create_subscription(params, told, ua.NodeId(1))
+            given.add(made.SubscriptionId)
+            await service.delete_subscriptions([made.SubscriptionId])
+        assert len(given) == 3
+
+    insecure(work)
+
+
 def test_news_and_acknowledgements_are_of_the_session(insecure: Served) -> None:
     async def work(bench: Bench) -> None:
         async with two(bench) as (_, _, own), bench.plain('eve') as third:
