@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any
 
+from bt_orchestrator.model.capability import Capability, Preparation
 from bt_orchestrator.model.fault import Fault
 from bt_orchestrator.model.goal import RESULT_TIMEOUT_S
 
@@ -73,6 +74,12 @@ class Component:
     """Simulated result fields of each task."""
     faults: tuple[Fault, ...] = ()
     """Faults of the simulated controller."""
+    capabilities: Mapping[str, Capability] = field(default_factory=dict)
+    """What recipes may ask of it, by name."""
+    workspaces: tuple[str, ...] = ()
+    """Spaces in which it works; empty: that of its section, shared with all others there."""
+    prepare: Preparation | None = None
+    """Its initialization in generated scripts."""
 
     def duration_s(self, task_name: str) -> float:
         """Nominal seconds of a task."""
