@@ -1,0 +1,1 @@
+"""Scripts as text: the way back from the model to a file."""

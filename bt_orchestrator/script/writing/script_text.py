@@ -1,0 +1,162 @@
+"""A script as the text of a file: what its reader makes the same script of."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import count
+from typing import Any
+
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.script import (
+    Dependency,
+    Parameter,
+    Release,
+    Script,
+    SectionList,
+    Step,
+    Task,
+)
+from bt_orchestrator.script.writing.task_rows import Row, task_row
+from bt_orchestrator.script.writing.yaml_text import STEP, dashed, entry, item
+
+COMMENT_WIDTH = 100
+
+
+@dataclass(frozen=True)
+class Comments:
+    """What stands above the lines of a script."""
+
+    head: Sequence[str] = ()
+    """Paragraphs at the beginning of the file."""
+    sections: Mapping[int, str] = field(default_factory=dict)
+    tasks: Mapping[str, str] = field(default_factory=dict)
+    """By the id of the task; initialization too."""
+    flags: Mapping[str, str] = field(default_factory=dict)
+    zones: Mapping[str, str] = field(default_factory=dict)
+
+
+NO_COMMENTS = Comments()
+
+
+def write_script(script: Script, cell: Cell, comments: Comments = NO_COMMENTS) -> str:
+    """Return the text of a script, one line a task where it fits; equal scripts, equal texts.
+
+    :param cell: the cell that it was read for
+    """
+    return ''.join(f'{line}\n' for line in _ScriptWriter(script, cell, comments).lines())
+
+
+class _ScriptWriter:
+    """Writes one script, its keys in the order of the reference."""
+
+    def __init__(self, script: Script, cell: Cell, comments: Comments) -> None:
+        self._script, self._cell, self._comments = script, cell, comments
+
+    def lines(self) -> Iterator[str]:
+        """Yield the lines of the file."""
+        script, comments = self._script, self._comments
+        for paragraph in comments.head:
+            yield from _comment(paragraph, '')
+        yield from entry('script', script.name, '')
+        if script.quantity is not None:
+            yield from entry('quantity', script.quantity, '')
+        params = {one.name: _parameter_row(one) for one in script.params.values()}
+        yield from _named('params', params, {})
+        yield from self._initialization()
+        yield 'sections:'
+        for number in sorted(script.sections):
+            yield from self._section(script.sections[number])
+        yield from self._flags()
+        yield from _named('zones', {z.name: z.tasks for z in script.zones}, comments.zones)
+
+    def _initialization(self) -> Iterator[str]:
+        ids = (f'init.{number}' for number in count(1))
+        if self._script.initialization:
+            yield 'initialization:'
+        for task in self._script.initialization:
+            yield from self._task(task, next(ids), STEP)
+        if self._script.initialization_dependencies:
+            yield 'initialization_dependencies:'
+        for one in self._script.initialization_dependencies:
+            yield from item({'upstream': one.upstream, 'downstream': one.downstream}, STEP)
+
+    def _section(self, section: SectionList) -> Iterator[str]:
+        yield from _comment(self._comments.sections.get(section.section), STEP)
+        yield f'{STEP}{section.section}:'
+        indent = STEP * 2
+        if section.release is not Release.END_OF_CYCLE:
+            yield from entry('release_conveyor', section.release.value, indent)
+            yield f'{indent}tasks:'
+            indent += STEP
+        ids = (f'{section.section}.{number}' for number in count(1))
+        for step in section.steps:
+            yield from self._step(step, ids, indent)
+
+    def _step(self, step: Step, ids: Iterator[str], indent: str) -> Iterator[str]:
+        if not step.is_group:
+            yield from self._task(step.tracks[0][0], next(ids), indent)
+            return
+        yield f'{indent}- parallel:'
+        for track in step.tracks:
+            yield from self._track(track, ids, indent + STEP)
+
+    def _track(self, track: Sequence[Task], ids: Iterator[str], indent: str) -> Iterator[str]:
+        if len(track) == 1:
+            yield from self._task(track[0], next(ids), indent)
+            return
+        first, *others = track
+        yield from self._above(first, indent)
+        yield from dashed(self._plain_task(first, next(ids), indent + STEP), indent)
+        for task in others:
+            yield from self._task(task, next(ids), indent + STEP)
+
+    def _task(self, task: Task, default_id: str, indent: str) -> Iterator[str]:
+        yield from self._above(task, indent)
+        yield from self._plain_task(task, default_id, indent)
+
+    def _above(self, task: Task, indent: str) -> Iterator[str]:
+        return _comment(self._comments.tasks.get(task.id), indent)
+
+    def _plain_task(self, task: Task, default_id: str, indent: str) -> Iterator[str]:
+        return item(task_row(task, self._cell, default_id), indent)
+
+    def _flags(self) -> Iterator[str]:
+        if self._script.dependencies:
+            yield 'lateral_dependencies:'
+        for flag in self._script.dependencies:
+            yield from _comment(self._comments.flags.get(flag.flag), STEP)
+            yield from item(_flag_row(flag), STEP)
+
+
+def _named(key: str, rows: Mapping[str, Any], comments: Mapping[str, str]) -> Iterator[str]:
+    """Yield a mapping of names, one line each."""
+    if rows:
+        yield f'{key}:'
+    for name, row in rows.items():
+        yield from _comment(comments.get(name), STEP)
+        yield from entry(name, row, STEP)
+
+
+def _parameter_row(parameter: Parameter) -> Row:
+    default = {} if parameter.required else {'default': parameter.default}
+    return {'type': parameter.type, **default}
+
+
+def _flag_row(flag: Dependency) -> Row:
+    row: Row = {'flag': flag.flag, 'upstream': flag.upstream, 'downstream': flag.downstream}
+    if flag.capacity != 1:
+        row['capacity'] = flag.capacity
+    if flag.initial:
+        row['initial'] = flag.initial
+    return row
+
+
+def _comment(text: str | None, indent: str) -> Iterator[str]:
+    """Yield the lines of a comment; none, if there is nothing to say."""
+    lines: Iterable[str] = text.splitlines() if text else ()
+    for line in lines:
+        printable = ''.join(char if char.isprintable() else ' ' for char in line)
+        for part in textwrap.wrap(printable, COMMENT_WIDTH - len(indent)) or ('',):
+            yield f'{indent}# {part}'.rstrip()
