@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, overload
 
 from bt_orchestrator.asking.orders import size_of
 from bt_orchestrator.deadlines import NS_PER_S
@@ -10,6 +11,29 @@ from bt_orchestrator.errors import NotRead
 from bt_orchestrator.model.limits import REQUEST_BYTES
 from bt_orchestrator.script.orders.desk import AskedOrder, WrittenOrder
 from bt_orchestrator.script.orders.terms import AskedTerms
+
+
+class AskedOrders(Sequence[AskedOrder]):
+    """Orders of a request, each made when it is asked for: too many are refused unread."""
+
+    def __init__(self, messages: Sequence[Any]) -> None:
+        """Show them.
+
+        :param messages: bt_orchestrator_interfaces/msg/WorkOrder
+        """
+        self._messages = messages
+
+    def __len__(self) -> int:
+        return len(self._messages)
+
+    @overload
+    def __getitem__(self, at: int) -> AskedOrder: ...
+    @overload
+    def __getitem__(self, at: slice) -> Sequence[AskedOrder]: ...
+    def __getitem__(self, at: int | slice) -> AskedOrder | Sequence[AskedOrder]:
+        if isinstance(at, slice):
+            return AskedOrders(self._messages[at])
+        return asked_order(self._messages[at])
 
 
 def asked_order(order: Any) -> AskedOrder:

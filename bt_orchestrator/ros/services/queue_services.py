@@ -24,7 +24,7 @@ from bt_orchestrator.model.limits import QUEUE_PAGE, fitting
 from bt_orchestrator.model.requests import MOVE, About
 from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.model.wish import STOP_AFTER
-from bt_orchestrator.ros.services.order_requests import asked_change, asked_order
+from bt_orchestrator.ros.services.order_requests import AskedOrders, asked_change, asked_order
 from bt_orchestrator.ros.services.senders import Senders
 from bt_orchestrator.ros.services.serving import serve, tell
 from bt_orchestrator.ros.types.job_messages import job_message, listed_message
@@ -65,8 +65,7 @@ class QueueServices:
             response.job, response.findings = of_order.job, of_order.findings
 
     async def _add(self, request: Any, response: Any) -> None:
-        orders = [asked_order(order) for order in request.orders]
-        position = request.position or None
+        orders, position = AskedOrders(request.orders), request.position or None
         answer = await self._handler.add(
             orders, self._senders.by(request), position, held=request.held
         )
