@@ -29,6 +29,7 @@ from bt_orchestrator.ros.actions.gateway import RosGateway
 from bt_orchestrator.ros.clock import RosClock
 from bt_orchestrator.ros.executor.executors import make_executor, soon, spin_once
 from bt_orchestrator.ros.executor.heart import Heart
+from bt_orchestrator.ros.garbage import collect_rarely
 from bt_orchestrator.ros.identity import Presence
 from bt_orchestrator.ros.inspection.start import start_inspection
 from bt_orchestrator.ros.inspection.tick_statistics import TickStatistics
@@ -306,6 +307,7 @@ def run_node(
         cell = _build(namespace, defaults, parts)
         # A task makes a waiting executor return; its own wake() would not.
         stop.notify(lambda: cell.executor.create_task(_nothing))
+        collect_rarely()
         on_ready(cell.ready_line)
         try:
             cell.serve(stop)
