@@ -1,0 +1,114 @@
+"""What comes of planning: a script with its facts, or why there is none."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import Protocol
+
+from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.proof.pace import Pace
+
+
+class Judge(Protocol):
+    """Runs a script, to see how fast it really is where sections share something."""
+
+    def pace_s(self, script: Script) -> float | None:
+        """Return the seconds from one item to the next; None: the line does not get so far."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """How much is tried. Counts, never times: equal inputs give equal scripts."""
+
+    kicks: int = 40
+    """Times that the search is begun again from near the best plan."""
+    nodes: int = 40_000
+    """Choices that the proof of the fastest binding may look at."""
+    finalists: int = 16
+    """Plans that are run by the engine where sections share something."""
+
+
+LIMITS = Limits()
+
+
+class Why(Enum):
+    """Why a component does an operation, or why there; the first that holds."""
+
+    OVERRIDE = 'bound by override'
+    ONLY = 'the only one that can'
+    KEPT = 'as before'
+    PACE = 'any other makes the line slower'
+    SPREAD = 'spreads the load best'
+    DECLARED = 'as good as others, and declared first'
+
+
+@dataclass(frozen=True)
+class Made:
+    """Where a task came from."""
+
+    operation: str
+    """Its id in the recipe; of initialization the id of the preparation."""
+    capability: str
+    """Empty: it prepares its component."""
+    component: str
+    section: int
+    """0: initialization."""
+    why: Why
+    alternatives: tuple[str, ...] = ()
+    """Other components that could do it."""
+
+
+@dataclass(frozen=True)
+class Claim:
+    """How fast the script is, and how sure it is that no other one is faster."""
+
+    pace: Pace
+    """In closed form."""
+    judged_s: float | None = None
+    """Seconds for each item by the engine, where sections share something."""
+    is_fastest: bool = False
+    """It is proven that no other binding is faster."""
+    moved: tuple[str, ...] = ()
+    """Operations that are done elsewhere than in the script that was to be kept."""
+
+    @property
+    def per_item_s(self) -> float:
+        """Seconds from one item to the next."""
+        return self.pace.per_item_s if self.judged_s is None else self.judged_s
+
+    def __str__(self) -> str:
+        sure = 'no faster binding exists' if self.is_fastest else 'not proven to be the fastest'
+        return f'{self.per_item_s:.1f} s for each item, {sure}'
+
+
+@dataclass(frozen=True)
+class Generated:
+    """A script, and what is known of it."""
+
+    script: Script
+    made: Mapping[str, Made]
+    """By task id, initialization included."""
+    claim: Claim
+
+
+class NotMade(OrchestratorError):
+    """There is no script for a recipe and a cell; each reason says why, in words."""
+
+    def __init__(self, reasons: Sequence[str]) -> None:
+        self.reasons = tuple(reasons)
+        super().__init__('; '.join(self.reasons))
+
+    def __reduce__(self) -> tuple[type[NotMade], tuple[Sequence[str]]]:
+        """Make it picklable: by default an exception is rebuilt from its text alone."""
+        return type(self), (self.reasons,)
+
+
+class Impossible(NotMade):
+    """It is proven that this cell cannot make the recipe."""
+
+
+class NotFound(NotMade):
+    """No script was found within the limits; that there is none is not proven."""

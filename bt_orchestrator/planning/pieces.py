@@ -1,0 +1,151 @@
+"""What is placed as a whole: an operation, or those of a `repeat`, which stay together."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
+
+from bt_orchestrator.model.recipe import Recipe
+from bt_orchestrator.planning.candidates import Candidate
+from bt_orchestrator.planning.order import Order
+
+MOST_CHOICES = 500
+"""Of one repeat, whose members may have several candidates each."""
+
+
+@dataclass(frozen=True, eq=False)
+class Choice:
+    """One way to do a piece: a candidate of each of its operations, all in one section."""
+
+    members: tuple[Candidate, ...]
+
+    @cached_property
+    def section(self) -> int:
+        """Where it is done."""
+        return self.members[0].section
+
+    @cached_property
+    def us(self) -> int:
+        """Microseconds of all its members."""
+        return sum(one.us for one in self.members)
+
+    @cached_property
+    def belt_us(self) -> int:
+        """Microseconds for which the belt rests."""
+        return self.us if self.needs_belt else 0
+
+    @cached_property
+    def needs_belt(self) -> bool:
+        """Tell whether the belt has to rest."""
+        return any(one.needs_belt for one in self.members)
+
+    @cached_property
+    def may_reject(self) -> bool:
+        """Tell whether the item may be rejected by it."""
+        return any(one.may_reject for one in self.members)
+
+    @cached_property
+    def is_alone(self) -> bool:
+        """Tell whether nothing may run beside it in its section."""
+        return len(self.members) > 1 or any(
+            one.qty_change or not one.component.workspaces for one in self.members
+        )
+
+    @cached_property
+    def spaces(self) -> frozenset[str]:
+        """What nothing else may use at the same time."""
+        return frozenset().union(*(one.spaces for one in self.members))
+
+
+class Pieces:
+    """The pieces of a recipe, in an order in which they can be done; each has a number."""
+
+    def __init__(
+        self, recipe: Recipe, order: Order, candidates: Mapping[str, Sequence[Candidate]]
+    ) -> None:
+        self.members, self.circle = _sorted(_grouped(recipe), order)
+        """Ids of the operations of each piece."""
+        self.number_of = {
+            name: number for number, names in enumerate(self.members) for name in names
+        }
+        count = len(self.members)
+        self.before: list[list[int]] = [[] for _ in range(count)]
+        """Numbers of the pieces directly before each one."""
+        self.behind: list[list[int]] = [[] for _ in range(count)]
+        for number, names in enumerate(self.members):
+            found = {self.number_of[one] for name in names for one in order.before[name]}
+            self.before[number] = sorted(found - {number})
+            for other in self.before[number]:
+                self.behind[other].append(number)
+        self.choices = [_choices([candidates[name] for name in names]) for names in self.members]
+
+    def __len__(self) -> int:
+        return len(self.members)
+
+    @cached_property
+    def all_before(self) -> list[int]:
+        """By piece: a bit for each one that comes before, directly or not."""
+        return _closed(self.before, range(len(self)))
+
+    @cached_property
+    def all_behind(self) -> list[int]:
+        """By piece: a bit for each one that comes later, directly or not."""
+        return _closed(self.behind, range(len(self) - 1, -1, -1))
+
+
+def _closed(next_to: Sequence[Sequence[int]], numbers: range) -> list[int]:
+    found = [0] * len(next_to)
+    for number in numbers:
+        for other in next_to[number]:
+            found[number] |= found[other] | 1 << other
+    return found
+
+
+def _grouped(recipe: Recipe) -> list[tuple[str, ...]]:
+    """Return the ids of each piece, in the order written."""
+    together = {name: one.operations for one in recipe.reworks for name in one.operations}
+    return list(dict.fromkeys(together.get(one.id, (one.id,)) for one in recipe.operations))
+
+
+def _sorted(
+    pieces: Sequence[tuple[str, ...]], order: Order
+) -> tuple[list[tuple[str, ...]], tuple[str, ...]]:
+    """Return pieces so that none comes before one it waits for; or a circle of waits."""
+    of = {name: piece for piece in pieces for name in piece}
+    waits = {
+        piece: {of[one] for name in piece for one in order.before[name]} - {piece}
+        for piece in pieces
+    }
+    left, found = list(pieces), []
+    while left:
+        ready = next((one for one in left if waits[one].isdisjoint(left)), None)
+        if ready is None:
+            return [], _circle(left, waits)
+        found.append(ready)
+        left.remove(ready)
+    return found, ()
+
+
+def _circle(
+    left: Sequence[tuple[str, ...]], waits: Mapping[tuple[str, ...], set[tuple[str, ...]]]
+) -> tuple[str, ...]:
+    way = [left[0]]
+    while True:
+        before = next(one for one in left if one in waits[way[-1]])
+        if before in way:
+            circle = way[way.index(before) :]
+            return tuple(one[0] for one in (before, *circle[::-1]))
+        way.append(before)
+
+
+def _choices(candidates: Sequence[Sequence[Candidate]]) -> list[Choice]:
+    if len(candidates) == 1:
+        return [Choice((one,)) for one in candidates[0]]
+    sections = {one.section for one in candidates[0]}
+    found: list[Choice] = []
+    for section in sorted(sections):
+        here = [[one for one in ways if one.section == section] for ways in candidates]
+        found += [Choice(members) for members in product(*here)][:MOST_CHOICES]
+    return found

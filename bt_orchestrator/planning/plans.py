@@ -1,0 +1,177 @@
+"""A plan: a choice for every piece, and what it costs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from typing import NamedTuple
+
+from bt_orchestrator.model.cell import CONVEYOR
+from bt_orchestrator.planning.pieces import Choice, Pieces
+from bt_orchestrator.planning.reach import Reach
+from bt_orchestrator.planning.section_lists import NOTHING, Entry, Listed, listed
+
+Plan = tuple[int, ...]
+"""By piece: the number of its choice."""
+
+
+class Cost(NamedTuple):
+    """What a plan costs; the first that differs decides."""
+
+    moved: int
+    """Operations that are elsewhere than in the script that is kept."""
+    us: Fraction
+    """Microseconds for each item."""
+    spread: int
+    """Sum of the squares of the times of the sections."""
+    order: int
+    """How far it is from what was declared first."""
+
+
+class Plans:
+    """All plans of a recipe for a cell."""
+
+    def __init__(
+        self,
+        reach: Reach,
+        move_us: int,
+        *,
+        is_kept: Callable[[Choice], int] = lambda _: 0,
+        closed_us: Callable[[Plan], Fraction | None] | None = None,
+    ) -> None:
+        """Take the choices that are within reach.
+
+        :param is_kept: how many operations of a choice are elsewhere than before
+        :param closed_us: the closed form for a plan with flags, which sections alone do not tell;
+            None: it gets stuck
+        """
+        self.pieces: Pieces = reach.pieces
+        self.reach = reach
+        self.move_us = move_us
+        self._closed_us = closed_us
+        self.choices = [
+            [one for one in ways if one.section in within]
+            for ways, within in zip(self.pieces.choices, reach.sections, strict=True)
+        ]
+        self.moved = [[is_kept(one) for one in ways] for ways in self.choices]
+        self._lists: dict[tuple[tuple[int, int], ...], Listed] = {}
+        self._costs: dict[Plan, Cost | None] = {}
+        self._before: list[list[int]] = [[] for _ in self.choices]
+        self._behind: list[list[int]] = [[] for _ in self.choices]
+        for first, second in reach.links:
+            self._before[second].append(first)
+            self._behind[first].append(second)
+        self._shared = self._find_shared()
+
+    def _find_shared(self) -> list[list[tuple[tuple[str, int], ...]]]:
+        """Return, by piece and choice, what else may want its spaces, and for how long it does."""
+        where: dict[str, set[int]] = {CONVEYOR: {0}}
+        for choice in (one for ways in self.choices for one in ways):
+            for name in choice.spaces:
+                where.setdefault(name, set()).add(choice.section)
+        shared = {name for name, sections in where.items() if len(sections) > 1}
+        self.shares = bool(shared)
+        """Whether sections may share something; the closed form is a bound then."""
+        return [[_uses(one, shared) for one in ways] for ways in self.choices]
+
+    # --- what a plan is ---------------------------------------------------------------------
+
+    def of(self, plan: Plan) -> list[Choice]:
+        """Return the choices of a plan, by piece."""
+        return [ways[number] for ways, number in zip(self.choices, plan, strict=True)]
+
+    def lists(self, plan: Plan) -> dict[int, Listed]:
+        """Return the lists of a plan, by section, along the belt."""
+        found: dict[int, list[tuple[int, int]]] = {}
+        for piece, number in enumerate(plan):
+            found.setdefault(self.choices[piece][number].section, []).append((piece, number))
+        return {section: self._list(tuple(found[section])) for section in sorted(found)}
+
+    def _list(self, key: tuple[tuple[int, int], ...]) -> Listed:
+        known = self._lists.get(key)
+        if known is None:
+            entries = [Entry(piece, self.choices[piece][number]) for piece, number in key]
+            known = self._lists[key] = listed(self.pieces, entries) if entries else NOTHING
+        return known
+
+    def cost(self, plan: Plan) -> Cost | None:
+        """Return what a plan costs; None: it gets stuck."""
+        if plan not in self._costs:
+            self._costs[plan] = self._cost(plan)
+        return self._costs[plan]
+
+    def _cost(self, plan: Plan) -> Cost | None:
+        lists = self.lists(plan)
+        times = [one.us(self.move_us) for one in lists.values()]
+        us: Fraction | None = Fraction(max([self.move_us, *times, *self._alone(plan)]))
+        if self._closed_us is not None:
+            us = self._closed_us(plan)
+        if us is None:
+            return None
+        moved = sum(ways[number] for ways, number in zip(self.moved, plan, strict=True))
+        return Cost(moved, us, sum(one * one for one in times), sum(plan))
+
+    def _alone(self, plan: Plan) -> list[int]:
+        """Return how long all tasks take that share something, never two at once."""
+        if not self.shares:
+            return []
+        took: dict[str, int] = {}
+        for piece, number in enumerate(plan):
+            for name, us in self._shared[piece][number]:
+                took[name] = took.get(name, 0) + us
+        if CONVEYOR in took:
+            took[CONVEYOR] += self.move_us
+        return list(took.values())
+
+    # --- from one plan to another -----------------------------------------------------------
+
+    def with_choice(self, plan: Plan, piece: int, number: int) -> Plan:
+        """Return a plan with another choice; neighbours that stand in its way go along."""
+        changed = list(plan)
+        changed[piece] = number
+        section = self.choices[piece][number].section
+        self._push(changed, piece, section, self._behind, up=True)
+        self._push(changed, piece, section, self._before, up=False)
+        return tuple(changed)
+
+    def _push(
+        self, plan: list[int], piece: int, section: int, to: Sequence[Sequence[int]], *, up: bool
+    ) -> None:
+        waiting = [(piece, section)]
+        while waiting:
+            piece, section = waiting.pop()
+            for other in to[piece]:
+                at = self.choices[other][plan[other]].section
+                if (at < section) if up else (at > section):
+                    within = self.reach.sections[other]
+                    fit = [one for one in within if (one >= section if up else one <= section)]
+                    at = fit[0] if up else fit[-1]
+                    plan[other] = self._best_in(other, at, plan[other])
+                    waiting.append((other, at))
+
+    def _best_in(self, piece: int, section: int, before: int) -> int:
+        """Return a choice in a section: of the same component, or else the quickest."""
+        ways = self.choices[piece]
+        same = ways[before].members[0].component
+        here = [number for number, one in enumerate(ways) if one.section == section]
+        return min(
+            here,
+            key=lambda n: (
+                self.moved[piece][n],
+                ways[n].members[0].component is not same,
+                ways[n].us,
+                n,
+            ),
+        )
+
+    def first(self) -> Plan:
+        """Return the plan in which everything is done as early as can be."""
+        return tuple(
+            self._best_in(piece, within[0], 0) for piece, within in enumerate(self.reach.sections)
+        )
+
+
+def _uses(choice: Choice, shared: set[str]) -> tuple[tuple[str, int], ...]:
+    return tuple(
+        (name, member.us) for member in choice.members for name in sorted(shared & member.spaces)
+    )

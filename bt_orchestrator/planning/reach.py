@@ -1,0 +1,160 @@
+"""The sections that each piece can be in, because the belt moves one way; or why there are none.
+
+Every condition here says that one section is not behind another one, or at most so many behind.
+For such conditions it is enough to take away what nothing else fits to, again and again: if every
+piece has a section left, the first ones of all fit together, and if one has none, nothing does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from bt_orchestrator.planning.candidates import Candidate
+from bt_orchestrator.planning.order import Ends
+from bt_orchestrator.planning.pieces import Pieces
+
+
+@dataclass(frozen=True)
+class Held:
+    """Data that a device keeps itself, from one operation to the last one that needs it."""
+
+    name: str
+    giver: str
+    takers: tuple[str, ...]
+    """In the order of the recipe."""
+
+
+@dataclass(frozen=True)
+class _Link:
+    """One piece is not done in a section before that of another one."""
+
+    first: int
+    second: int
+    because: str = ''
+    """Why, if not by the recipe."""
+
+
+@dataclass
+class Reach:
+    """The sections of each piece, ascending, and the first reason why there may be none."""
+
+    pieces: Pieces
+    line: Ends
+    held: tuple[Held, ...] = ()
+    sections: list[list[int]] = field(init=False)
+    reason: str = field(default='', init=False)
+
+    def __post_init__(self) -> None:
+        choices = self.pieces.choices
+        self.sections = [sorted({one.section for one in ways}) for ways in choices]
+        self._at_most: list[tuple[int, int, Held]] = [
+            (self.pieces.number_of[one.giver], self.pieces.number_of[taker], one)
+            for one in self.held
+            for taker in one.takers
+        ]
+        for names, ways in zip(self.pieces.members, choices, strict=True):
+            if not ways:
+                self.reason = f'no section has components for all of {_list(names)}, which repeat'
+        while not self.reason and self._narrow():
+            pass
+
+    @property
+    def links(self) -> Iterator[tuple[int, int]]:
+        """Yield which piece is not done behind which other one."""
+        return ((one.first, one.second) for one in self._links)
+
+    @property
+    def _links(self) -> list[_Link]:
+        pieces = self.pieces
+        found = [_Link(one, other) for other, ways in enumerate(pieces.before) for one in ways]
+        places = pieces.number_of[self.line.places]
+        lasts = [pieces.number_of[one] for one in self.line.takes]
+        for number in range(len(pieces)):
+            if number != places:
+                found.append(_Link(places, number, 'places'))
+            if len(lasts) == 1 and number != lasts[0]:
+                found.append(_Link(number, lasts[0], 'takes'))
+        return found
+
+    def _narrow(self) -> bool:
+        """Take away what does not fit; tell whether there was something."""
+        changed = False
+        for link in self._links:
+            first, second = self.sections[link.first], self.sections[link.second]
+            fit = [one for one in first if one <= second[-1]]
+            later = [one for one in second if one >= first[0]]
+            if not fit or not later:
+                self.reason = self._backwards(link)
+                return False
+            changed |= len(fit) < len(first) or len(later) < len(second)
+            self.sections[link.first], self.sections[link.second] = fit, later
+        for giver, taker, held in self._at_most:
+            changed |= self._keep_near(giver, taker, held)
+            if self.reason:
+                return False
+        return changed
+
+    def _keep_near(self, giver: int, taker: int, held: Held) -> bool:
+        first, second = self.sections[giver], self.sections[taker]
+        reach = {one: one + self.capacity(giver, one, held.name) for one in first}
+        fit = [one for one in first if reach[one] >= second[0]]
+        near = [one for one in second if any(here <= one <= reach[here] for here in first)]
+        if not fit or not near:
+            here = first[-1]
+            who = self._who(giver, here)
+            count, away = reach[here] - here, second[0] - here
+            self.reason = (
+                f'{who} holds {count} `{held.name}`, but `{held.takers[-1]}` is {away} sections '
+                'on; bind nearer, or the device must keep more'
+            )
+            return False
+        self.sections[giver], self.sections[taker] = fit, near
+        return len(fit) < len(first) or len(near) < len(second)
+
+    def capacity(self, giver: int, section: int, name: str) -> int:
+        """Return how many a device of a section keeps; without limit where the results travel."""
+        found = [
+            _kept(member, name)
+            for choice in self.pieces.choices[giver]
+            if choice.section == section
+            for member in choice.members
+            if name in member.capability.holds or name in member.capability.gives
+        ]
+        return max(found)
+
+    def _backwards(self, link: _Link) -> str:
+        first, second = self.pieces.members[link.first][0], self.pieces.members[link.second][0]
+        early, late = self.sections[link.first][0], self.sections[link.second][-1]
+        only = f'`{second}` only at {self._who(link.second, late)} in section {late}'
+        if link.because == 'places':
+            return f'items are placed by `{first}` in section {early} at the earliest, and {only}'
+        if link.because == 'takes':
+            who = self._who(link.first, early)
+            return (
+                f'`{first}` is done by {who} in section {early} at the earliest, and `{second}` '
+                f'takes the item out in section {late}'
+            )
+        return (
+            f'`{second}` cannot come behind `{first}`: that is done in section {early} at the '
+            f'earliest and {only}; items move down the belt only'
+        )
+
+    def _who(self, piece: int, section: int) -> str:
+        names = dict.fromkeys(
+            choice.members[0].component.name
+            for choice in self.pieces.choices[piece]
+            if choice.section == section
+        )
+        return ' or '.join(names)
+
+
+def _kept(candidate: Candidate, name: str) -> int:
+    """Return for how many items something is kept; what travels with the item has no limit."""
+    if name in candidate.capability.gives:
+        return 1_000_000
+    return candidate.capability.holds[name]
+
+
+def _list(names: tuple[str, ...]) -> str:
+    return ', '.join(f'`{name}`' for name in names)

@@ -1,0 +1,168 @@
+"""From a plan to a script: tasks, flags, zones and initialization."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from bt_orchestrator.model.cell import CONVEYOR, Cell
+from bt_orchestrator.model.recipe import Recipe
+from bt_orchestrator.model.script import (
+    Dependency,
+    InitializationDependency,
+    Release,
+    RunsFor,
+    Script,
+    SectionList,
+    Step,
+    Task,
+    Zone,
+)
+from bt_orchestrator.planning.candidates import Candidate
+from bt_orchestrator.planning.plans import Plan, Plans
+from bt_orchestrator.planning.reach import Held
+from bt_orchestrator.planning.section_lists import Group, Listed
+from bt_orchestrator.planning.values import Values
+
+
+def script_of(
+    plan: Plan, plans: Plans, cell: Cell, recipe: Recipe, without: frozenset[str]
+) -> Script:
+    """Write a plan down as a script."""
+    return _Writer(plan, plans, cell, recipe, without).script()
+
+
+class _Writer:
+    def __init__(
+        self, plan: Plan, plans: Plans, cell: Cell, recipe: Recipe, without: frozenset[str]
+    ) -> None:
+        self._plans, self._cell, self._recipe, self._without = plans, cell, recipe, without
+        self._chosen = chosen(plan, plans)
+        self._values = Values(self._chosen)
+        self._lists = plans.lists(plan)
+
+    def script(self) -> Script:
+        initialization, order = self._initialization()
+        return Script(
+            name=self._recipe.script,
+            sections={number: self._section(number, one) for number, one in self._lists.items()},
+            initialization=initialization,
+            initialization_dependencies=order,
+            dependencies=tuple(self._flags()),
+            zones=tuple(self._zones()),
+            params=self._recipe.params,
+        )
+
+    # --- lists ------------------------------------------------------------------------------
+
+    def _section(self, number: int, one: Listed) -> SectionList:
+        release = Release.AFTER_LAST_CONVEYOR_TASK if one.releases_early else Release.END_OF_CYCLE
+        return SectionList(number, tuple(self._step(group) for group in one.groups), release)
+
+    def _step(self, group: Group) -> Step:
+        return Step(
+            tuple(
+                tuple(self._task(member) for entry in track for member in entry.choice.members)
+                for track in group
+            )
+        )
+
+    def _task(self, one: Candidate) -> Task:
+        options: dict[str, Any] = self._values.options(one)
+        if one.operation.id == self._plans.reach.line.all_leave_by:
+            options['runs_for'] = RunsFor.ALL
+        return Task(
+            id=one.operation.id,
+            name=one.capability.task,
+            action=one.component.action,
+            component=one.component.name,
+            args=self._values.args(one),
+            **{'timeout_s': one.component.timeout_s, **options},
+        )
+
+    # --- what sections share ----------------------------------------------------------------
+
+    def _flags(self) -> Iterator[Dependency]:
+        """Yield a flag for all that a device keeps: data that travels with an item needs none."""
+        kept = [one for one in self._plans.reach.held if self._is_kept(one)]
+        devices = [self._chosen[one.giver].component.name for one in kept]
+        rank = {
+            member.operation.id: rank
+            for rank, member in enumerate(
+                member
+                for listed in self._lists.values()
+                for group in listed.groups
+                for track in group
+                for entry in track
+                for member in entry.choice.members
+            )
+        }
+        for one, device in zip(kept, devices, strict=True):
+            flag = device if devices.count(device) == 1 else f'{device}_{one.name}'
+            last = max(one.takers, key=lambda taker: rank[taker])
+            capacity = self._holds(one.giver)[one.name]
+            yield Dependency(flag.replace('.', '_'), one.giver, last, capacity)
+
+    def _holds(self, giver: str) -> Mapping[str, int]:
+        return self._chosen[giver].capability.holds
+
+    def _is_kept(self, one: Held) -> bool:
+        capability = self._chosen[one.giver].capability
+        return one.name in capability.holds and one.name not in capability.gives
+
+    def _zones(self) -> Iterator[Zone]:
+        """Yield the workspaces that several sections use."""
+        users: dict[str, list[Candidate]] = {}
+        for one in self._chosen.values():
+            for name in one.component.workspaces:
+                users.setdefault(name, []).append(one)
+        for name, found in users.items():
+            if len({one.section for one in found}) > 1:
+                yield Zone(name, tuple(one.operation.id for one in found))
+
+    # --- initialization ---------------------------------------------------------------------
+
+    def _initialization(
+        self,
+    ) -> tuple[tuple[Task, ...], tuple[InitializationDependency, ...]]:
+        """Prepare the belt, the components that are used, and what has to be prepared before."""
+        used = {CONVEYOR, *(one.component.name for one in self._chosen.values())}
+        components = self._cell.components
+        waiting = sorted(used)
+        while waiting:
+            prepare = components[waiting.pop()].prepare
+            more = [] if prepare is None else [one for one in prepare.after if one not in used]
+            used.update(more)
+            waiting += more
+        tasks, order = [], []
+        for name, component in components.items():
+            prepare = component.prepare
+            if prepare is None or name not in used or name in self._without:
+                continue
+            tasks.append(
+                Task(
+                    id=prepare.id,
+                    name=prepare.task,
+                    action=component.action,
+                    component=name,
+                    args=prepare.args,
+                    **{'timeout_s': component.timeout_s, **prepare.options},
+                )
+            )
+            order += [
+                InitializationDependency(first.id, prepare.id)
+                for first in (components[one].prepare for one in prepare.after)
+                if first is not None
+            ]
+        known = {task.id for task in tasks}
+        return tuple(tasks), tuple(one for one in order if one.upstream in known)
+
+
+def chosen(plan: Plan, plans: Plans) -> dict[str, Candidate]:
+    """Return the candidate of each operation, in the order of the recipe."""
+    found = {member.operation.id: member for choice in plans.of(plan) for member in choice.members}
+    return {name: found[name] for name in _ids(plans, found)}
+
+
+def _ids(plans: Plans, found: Mapping[str, Candidate]) -> Sequence[str]:
+    return [name for names in plans.pieces.members for name in names if name in found]
