@@ -6,19 +6,28 @@ import argparse
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 from bt_orchestrator.cli.journal_file import open_records, say_damage
 from bt_orchestrator.cli.moments import add_period_options
+from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.mes.job_response import b2mml, response_of_record
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.jobs.job_record import JobRecord, job_to_plain
+from bt_orchestrator.model.script import Script
 from bt_orchestrator.report.job_text import job_text
 from bt_orchestrator.report.reading import Reading
+from bt_orchestrator.script.writing.script_text import Comments, write_script
 
 DESCRIPTION = """\
 Print the jobs of a journal, oldest first: when they ran, how they ended, how many items became
 what, and why attempts failed. The journal is only read; its node may run or not."""
+
+
+class NoScript(OrchestratorError):
+    """A journal does not have the script of a job any more."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -28,6 +37,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--job', metavar='JOB', help='this job only')
     parser.add_argument('--items', action='store_true', help='also every item, with its results')
     as_json = parser.add_mutually_exclusive_group()
+    as_json.add_argument(
+        '--script',
+        action='store_true',
+        help='with --job: the script that it ran, as a file, in place of the table',
+    )
     as_json.add_argument('--json', action='store_true', help='one JSON object a job and line')
     as_json.add_argument(
         '--b2mml',
@@ -40,16 +54,40 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns 1 if a job is not there, or a record is damaged."""
+    if args.script and args.job is None:
+        raise WrongUse('--script prints what one job ran; say which: --job JOB')
     with closing(open_records(args.journal)) as records:
         reading = Reading(records, say_damage)
         fold = reading.jobs(args.job)
-    jobs = [job for job in fold.jobs.values() if _is_wanted(job, args)]
-    if args.job is not None and not jobs:
-        print(f'the journal {args.journal} knows no job {args.job}', file=sys.stderr)
-        return 1
-    for line in _lines(jobs, args):
-        print(line)
+        jobs = [job for job in fold.jobs.values() if _is_wanted(job, args)]
+        if args.job is not None and not jobs:
+            print(f'the journal {args.journal} knows no job {args.job}', file=sys.stderr)
+            return 1
+        lines = _script(jobs[0], reading, args.journal) if args.script else _lines(jobs, args)
+        for line in lines:
+            print(line)
     return 1 if reading.lost else 0
+
+
+def _script(job: JobRecord, reading: Reading, journal: Path) -> Iterator[str]:
+    """Yield the text of the script that a job ran.
+
+    :raises NoScript: the journal has it no more
+    """
+    script = reading.script(job.digest) if job.digest else None
+    if script is None:
+        raise NoScript(f'the journal {journal} has the script of {job.job} no more')
+    if _origin(script) != (job.recipe, job.recipe_version):
+        script = replace(script, made_from=None)  # an equal one, of another version of the recipe
+    head = [f'What job {job.job} ran, by the journal; time limits of components are written out.']
+    if job.params:
+        head.append(f'Its parameters: {json_of(job.params)}')
+    yield write_script(script, None, Comments(head)).rstrip()
+
+
+def _origin(script: Script) -> tuple[str, int | None]:
+    made_from = script.made_from
+    return (made_from.recipe, made_from.version) if made_from else ('', None)
 
 
 def _is_wanted(job: JobRecord, args: argparse.Namespace) -> bool:

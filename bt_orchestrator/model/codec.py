@@ -135,12 +135,19 @@ def text_of(script: Script) -> str:
 
 
 def digest(definition: Script | Cell) -> str:
-    """Return a digest of a script or a cell by content: equal ones have equal digests."""
+    """Return a digest of a script or a cell by what it says, wherever it comes from."""
     known = vars(definition)
     if _DIGEST not in known:  # as a cached property: its cost grows with the size
-        text = json.dumps(to_plain(definition), sort_keys=True)
-        known[_DIGEST] = hashlib.sha256(text.encode()).hexdigest()[:12]
+        plain = to_plain(definition)
+        plain.pop('made_from', None)
+        known[_DIGEST] = digest_of(plain)
     return str(known[_DIGEST])
+
+
+def digest_of(plain: Any) -> str:
+    """Return a digest of plain data."""
+    text = json.dumps(plain, sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:12]
 
 
 def to_plain(value: Any, *, whole: bool = False) -> Any:

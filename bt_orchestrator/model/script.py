@@ -192,6 +192,22 @@ class Parameter:
 
 
 @dataclass(frozen=True)
+class MadeFrom:
+    """What a script was generated from; written by hand, it has none."""
+
+    recipe: str
+    version: int
+    recipe_digest: str = ''
+    cell_digest: str = ''
+    overrides_digest: str = ''
+    """Empty: there were none."""
+    script_digest: str = ''
+    """Of the script as it was generated: another one was changed by hand since."""
+    generator: str = ''
+    """Version of the program."""
+
+
+@dataclass(frozen=True)
 class Script:
     """How one product is made, bound to a cell: every action names an existing component."""
 
@@ -205,6 +221,8 @@ class Script:
     params: Mapping[str, Parameter] = field(default_factory=dict)
     quantity: int | None = None
     """Default for orders that name none."""
+    made_from: MadeFrom | None = None
+    """Where it comes from; changes nothing of what it does, nor its digest."""
 
     @cached_property
     def source(self) -> int:

@@ -145,6 +145,9 @@ class JobState:
 
     job: Job
     digest: str
+    recipe: str = ''
+    """What its script was generated from; of equal scripts the state keeps one."""
+    recipe_version: int | None = None
     queued_at: float = 0.0
     started_at: float | None = None
     ended_at: float | None = None

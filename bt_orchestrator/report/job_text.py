@@ -25,8 +25,16 @@ def _row(job: JobRecord) -> tuple[str, ...]:
     counts = job.counts
     numbers = (counts.packed, counts.rejected, counts.missing, counts.nonconforming)
     failed = str(len(job.failures)) if job.complete else '?'
-    named = (job.job, job.script, job.status, _when(job.started), _when(job.ended))
+    named = (job.job, _made(job), job.status, _when(job.started), _when(job.ended))
     return (*named, str(job.quantity), *map(str, numbers), failed)
+
+
+def _made(job: JobRecord) -> str:
+    """Name what a job ran."""
+    if not job.recipe:
+        return job.script
+    version = '' if job.recipe_version is None else f' version {job.recipe_version}'
+    return f'{job.script} ({job.recipe}{version})'
 
 
 def _failures(job: JobRecord, begin: str) -> Iterator[str]:

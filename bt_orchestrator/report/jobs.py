@@ -52,6 +52,9 @@ class JobFold:
             script=event.script,
             quantity=event.quantity,
             queued=event.time,
+            digest=event.digest,
+            recipe=event.recipe,
+            recipe_version=event.recipe_version,
             params=event.params,
             terms=terms_of(event),
         )
@@ -67,6 +70,7 @@ def _started(job: JobRecord, event: e.JobStarted) -> None:
 
 def _updated(job: JobRecord, event: e.JobUpdated) -> None:
     job.script, job.quantity, job.params = event.script, event.quantity, event.params
+    job.digest, job.recipe, job.recipe_version = event.digest, event.recipe, event.recipe_version
     job.terms = terms_of(event)
 
 

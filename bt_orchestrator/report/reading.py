@@ -9,8 +9,10 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 
 from bt_orchestrator.model.codec import known_event
+from bt_orchestrator.model.events import ScriptLoaded
 from bt_orchestrator.model.jobs.job_record import JobRecord
 from bt_orchestrator.model.records import Damage, Page, Record, Wanted
+from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import Records
 from bt_orchestrator.report.jobs import FOLLOWED, JobFold
 
@@ -95,6 +97,14 @@ class Reading:
             if event is not None:
                 fold.follow(event)
         return fold
+
+    def script(self, digest: str) -> Script | None:
+        """Return a script by its digest; None: its event is not there, or not to be read."""
+        for record in self.each(Wanted(events=(ScriptLoaded.event,))):
+            event = known_event(json.loads(record.text))
+            if isinstance(event, ScriptLoaded) and event.digest == digest:
+                return event.definition
+        return None
 
     def _tell_new(self, damage: Iterable[Damage]) -> None:
         for one in damage:

@@ -52,6 +52,8 @@ _TRANSITIONS: Mapping[str, str] = {
 }
 """The transition of each task event in the standard life cycle."""
 
+_OF_JOB = ('script', 'recipe', 'recipe_version')
+
 _KEPT = ('section', 'attempt', 'action', 'reason', 'message')
 """Fields that become attributes of the event."""
 
@@ -63,7 +65,8 @@ class XesExport:
         self._file = file
         self._traces: dict[str, list[str]] = {}
         self._attributes: dict[str, dict[str, Any]] = {}
-        self._scripts: dict[str, str] = {}
+        self._jobs: dict[str, dict[str, Any]] = {}
+        """What is told of the job of an item."""
         self._spans = TaskSpans()
 
     def write(self, text: str) -> None:
@@ -71,7 +74,7 @@ class XesExport:
         record = json.loads(text)
         name = record['event']
         if name in ('job.queued', 'job.updated'):
-            self._scripts[record['job']] = record['script']
+            self._jobs[record['job']] = {k: record[k] for k in _OF_JOB if k in record}
         if 'item' not in record or 'job' not in record:
             return
         if name == 'item.removed':
@@ -96,8 +99,8 @@ class XesExport:
     def _attributes_of(self, record: Mapping[str, Any]) -> dict[str, Any]:
         item, job = record['item'], record['job']
         if item not in self._attributes:
-            script = self._scripts.get(job, '')
-            self._attributes[item] = {'concept:name': item, 'job': job, 'script': script}
+            about = self._jobs.get(job, {'script': ''})
+            self._attributes[item] = {'concept:name': item, 'job': job, **about}
         return self._attributes[item]
 
     def _event(self, record: Mapping[str, Any]) -> str:

@@ -114,12 +114,15 @@ def _waits(state: CellState, live: JobState, job: Job, now: float) -> bool:
 
 def _ordered(job: Job) -> dict[str, Any]:
     """Return the fields of an order in an event."""
+    made_from = job.script.made_from
     return {
         'job': job.id,
         'script': job.script.name,
         'digest': digest(job.script),
         'quantity': job.quantity,
         'params': job.params,
+        'recipe': made_from.recipe if made_from else '',
+        'recipe_version': made_from.version if made_from else None,
         **vars(job.terms),
     }
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from bt_orchestrator.model.limits import DETAILS_BYTES, INITIALIZATION
 from bt_orchestrator.model.script import Release
 from bt_orchestrator.script.instants import INSTANT_FORM
-from bt_orchestrator.script.keys import Key, Kind, Table, whole, words
+from bt_orchestrator.script.keys import LARGEST_WHOLE, Key, Kind, Table, whole, words
 from bt_orchestrator.script.names import ID_FORM, NAME_WITHOUT_DOTS
 from bt_orchestrator.script.task_keys import INITIALIZATION_TASK, TASK
 
@@ -108,6 +108,41 @@ LATERAL_DEPENDENCY = Table(
     ),
 )
 
+
+def _digest(name: str, meaning: str) -> Key:
+    return Key(name, Kind.TEXT, f'{meaning}, by what it says', '"1c2d3e4f5a6b"', rule='8.1')
+
+
+MADE_FROM = Table(
+    'what a script was made from',
+    (
+        Key(
+            'recipe',
+            Kind.TEXT,
+            'name of the recipe',
+            'WM-100',
+            required=True,
+            form=ID_FORM,
+            rule='8.1',
+        ),
+        Key(
+            'version',
+            Kind.WHOLE,
+            'its version',
+            '1',
+            required=True,
+            minimum=1,
+            maximum=LARGEST_WHOLE,
+            rule='8.1',
+        ),
+        _digest('recipe_digest', 'name of the recipe'),
+        _digest('cell_digest', 'name of the cell'),
+        _digest('overrides_digest', 'name of the overrides, if there were any'),
+        _digest('script_digest', 'name of the script as it was generated'),
+        Key('generator', Kind.TEXT, 'version of the program that wrote it', '"1.0.0"', rule='8.1'),
+    ),
+)
+
 SCRIPT = Table(
     'a script',
     (
@@ -119,6 +154,14 @@ SCRIPT = Table(
             required=True,
             form=ID_FORM,
             rule='1',
+        ),
+        Key(
+            'made_from',
+            Kind.TABLE,
+            'where a generated script comes from; changes nothing of what it does',
+            '{recipe: WM-100, version: 1}',
+            of=(MADE_FROM,),
+            rule='8.1',
         ),
         whole('quantity', 'items of an order that names no quantity', '12', 1, rule='6.2'),
         Key(

@@ -47,6 +47,11 @@ class JobQueued(Event):
     program."""
     awaits_start: bool = False
     """It may not start before `start`."""
+    recipe: str = ''
+    """Name of the recipe that the script was generated from; empty: it was written by hand, or the
+    record is of an older program."""
+    recipe_version: int | None = None
+    """Version of the recipe; absent: it has none, or is not known."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,6 +86,11 @@ class JobUpdated(Event):
     """New place in the queue, from 1, by its new priority or start (6.7); None: as before."""
     awaits_start: bool = False
     """It may not start before `start`."""
+    recipe: str = ''
+    """Name of the recipe that the script was generated from; empty: it was written by hand, or the
+    record is of an older program."""
+    recipe_version: int | None = None
+    """Version of the recipe; absent: it has none, or is not known."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -32,6 +32,8 @@ def job_queued(event: e.JobQueued, state: CellState) -> None:
     queued = JobState(
         job,
         event.digest,
+        recipe=event.recipe,
+        recipe_version=event.recipe_version,
         queued_at=event.time,
         held=event.held,
         awaits_start=event.awaits_start,
@@ -56,6 +58,7 @@ def job_updated(event: e.JobUpdated, state: CellState) -> None:
         _begin_flags(state, script)
         changed.job = _job_of(event, script)
         changed.digest = event.digest
+        changed.recipe, changed.recipe_version = event.recipe, event.recipe_version
         changed.awaits_start = event.awaits_start
     if event.position is not None:
         state.jobs.move(event.job, event.position, ranked=True)

@@ -73,6 +73,11 @@ class JobRecord:
     script: str
     quantity: int
     queued: float
+    digest: str = ''
+    """Name of the script by what it says; empty: it is not known any more."""
+    recipe: str = ''
+    """Name of the recipe that the script was generated from; empty: none."""
+    recipe_version: int | None = None
     params: Mapping[str, Any] = field(default_factory=dict)
     terms: Terms = NO_TERMS
     started: float | None = None
@@ -96,6 +101,9 @@ def record_of(job: JobState) -> JobRecord:
         script=job.job.script.name,
         quantity=job.job.quantity,
         queued=job.queued_at,
+        digest=job.digest,
+        recipe=job.recipe,
+        recipe_version=job.recipe_version,
         params=job.job.params,
         terms=job.job.terms,
         started=job.started_at,

@@ -11,6 +11,7 @@ from typing import Any
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import (
     Dependency,
+    MadeFrom,
     Parameter,
     Release,
     Script,
@@ -40,10 +41,10 @@ class Comments:
 NO_COMMENTS = Comments()
 
 
-def write_script(script: Script, cell: Cell, comments: Comments = NO_COMMENTS) -> str:
+def write_script(script: Script, cell: Cell | None, comments: Comments = NO_COMMENTS) -> str:
     """Return the text of a script, one line a task where it fits; equal scripts, equal texts.
 
-    :param cell: the cell that it was read for
+    :param cell: the cell that it was read for; None: not known, so every time limit is written
     """
     return ''.join(f'{line}\n' for line in _ScriptWriter(script, cell, comments).lines())
 
@@ -51,7 +52,7 @@ def write_script(script: Script, cell: Cell, comments: Comments = NO_COMMENTS) -
 class _ScriptWriter:
     """Writes one script, its keys in the order of the reference."""
 
-    def __init__(self, script: Script, cell: Cell, comments: Comments) -> None:
+    def __init__(self, script: Script, cell: Cell | None, comments: Comments) -> None:
         self._script, self._cell, self._comments = script, cell, comments
 
     def lines(self) -> Iterator[str]:
@@ -60,6 +61,8 @@ class _ScriptWriter:
         for paragraph in comments.head:
             yield from _comment(paragraph, '')
         yield from entry('script', script.name, '')
+        if script.made_from is not None:
+            yield from entry('made_from', _given(script.made_from), '')
         if script.quantity is not None:
             yield from entry('quantity', script.quantity, '')
         params = {one.name: _parameter_row(one) for one in script.params.values()}
@@ -137,6 +140,10 @@ def _named(key: str, rows: Mapping[str, Any], comments: Mapping[str, str]) -> It
     for name, row in rows.items():
         yield from _comment(comments.get(name), STEP)
         yield from entry(name, row, STEP)
+
+
+def _given(made_from: MadeFrom) -> Row:
+    return {name: value for name, value in vars(made_from).items() if value != ''}
 
 
 def _parameter_row(parameter: Parameter) -> Row:

@@ -12,7 +12,7 @@ from bt_orchestrator.model.script import RunsFor, Task
 Row = dict[str, Any]
 
 
-def task_row(task: Task, cell: Cell, default_id: str) -> Row:
+def task_row(task: Task, cell: Cell | None, default_id: str) -> Row:
     """Return a task as a script says it, its keys in the order of the reference.
 
     :param default_id: the id that it has where it stands, if none is written
@@ -20,7 +20,7 @@ def task_row(task: Task, cell: Cell, default_id: str) -> Row:
     return dict(_task_keys(task, cell, default_id))
 
 
-def _task_keys(task: Task, cell: Cell, default_id: str) -> Iterator[tuple[str, Any]]:
+def _task_keys(task: Task, cell: Cell | None, default_id: str) -> Iterator[tuple[str, Any]]:
     if task.id != default_id:
         yield 'id', task.id
     yield 'task', task.name
@@ -37,7 +37,7 @@ def _task_keys(task: Task, cell: Cell, default_id: str) -> Iterator[tuple[str, A
         yield 'retries', task.retries
     if task.retry_delay_s:
         yield 'retry_delay', task.retry_delay_s
-    if task.timeout_s != cell.components[task.component].timeout_s:
+    if cell is None or task.timeout_s != cell.components[task.component].timeout_s:
         yield 'timeout', 'none' if task.timeout_s is None else task.timeout_s
     if task.repeatable:
         yield 'repeatable', True

@@ -62,6 +62,14 @@ def test_history_for_programs(journal: str, capsys: pytest.CaptureFixture[str]) 
     assert list(only['items']) == ['J2/1', 'J2/2']
 
 
+def test_history_of_a_script_in_an_old_journal(
+    journal: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = said(capsys, 'history', '--journal', journal, '--job', 'J1', '--script')
+    assert text.splitlines()[1] == 'script: test'
+    assert '    - {id: work, task: ' in text
+
+
 def test_history_as_job_responses(journal: str, capsys: pytest.CaptureFixture[str]) -> None:
     words = ('history', '--journal', journal, '--b2mml', '--job', 'J1')
     (line,) = said(capsys, *words).splitlines()

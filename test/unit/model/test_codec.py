@@ -108,6 +108,8 @@ SAMPLES: dict[str, Any] = {
     'state': 'Execute',
     'previous': 'Starting',
     'position': 2,
+    'recipe': 'WM-100',
+    'recipe_version': 3,
     'held': True,
     'ranked': True,
     'awaits_start': True,

@@ -102,7 +102,7 @@ def test_a_summary_comes_back_and_stands_for_a_job_without_its_beginning() -> No
     fold.follow(e.ItemPlaced(job='J', item='J/2', section=1, time=1.0))
     assert fold.jobs['J'] == kept
     fold.follow(e.JobQueued(job='J', script='s', digest='0', quantity=1, time=9.0))
-    assert fold.jobs['J'] == JobRecord('J', 's', 1, 9.0)
+    assert fold.jobs['J'] == JobRecord('J', 's', 1, 9.0, '0')
 
 
 def test_a_job_that_was_stopped_is_kept_as_stopped_and_why() -> None:

@@ -83,6 +83,7 @@ def test_a_shipped_script_is_written_as_it_stands_in_its_file(path: Path) -> Non
 
 EVERYTHING = """\
 script: test
+made_from: {recipe: WM-100, version: 2, recipe_digest: "1234e5678901", generator: "0.9"}
 quantity: 7
 params:
   lot: {type: str, default: "7"}
