@@ -22,7 +22,7 @@ from bt_orchestrator.script.ros_names import (
     check_topic_name,
     check_type_name,
 )
-from bt_orchestrator.script.task_names import check_task_name, default_task_name
+from bt_orchestrator.script.task_names import check_task_name, read_task_name
 from bt_orchestrator.script.yaml_nodes import ListNode, MapNode, Node, Scalar, found
 
 
@@ -47,19 +47,12 @@ class ComponentReader:
         return replace(self._shared(), default_duration_s=self._fields.seconds('duration'))
 
     def index_task(self) -> str:
-        """Return the task of one index move.
-
-        A type without a task field needs none; the label is then the type's own name.
-        """
-        name = self._fields.text('task')
+        """Return the task of one index move."""
         if self._type is None:
-            return name or ''
-        if name is not None:
-            check_task_name(name, self._type, self._fields.place('task'), self._report)
-        elif self._type.has_task_field and self._fields.is_sure('task'):
-            what = f'the conveyor needs the key `task`: {self._type.name} has several tasks'
-            self._report.add(self._fields.node.place, what, 'name the constant of one index move')
-        return name or default_task_name(self._type)
+            return self._fields.text('task') or ''
+        missing = f'the conveyor needs the key `task`: {self._type.name} has several tasks'
+        hint = 'name the constant of one index move'
+        return read_task_name(self._fields, self._type, missing, hint)
 
     def _shared(self) -> Component:
         action = self._fields.text('action')

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from bt_orchestrator.errors import UnknownActionType
 from bt_orchestrator.model.action_type import ActionType
-from bt_orchestrator.model.cell import CONVEYOR, DEFAULT_TIMEOUT_S, Cell, Component, OnFailure
-from bt_orchestrator.model.script import INDEX, RunsFor, Task
+from bt_orchestrator.model.cell import CONVEYOR, DEFAULT_TIMEOUT_S, Cell, Component
+from bt_orchestrator.model.script import INDEX, Task
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.drafts import Position, TaskDraft
 from bt_orchestrator.script.fields import Fields
 from bt_orchestrator.script.names import check_id
 from bt_orchestrator.script.report import Report, did_you_mean, listing
-from bt_orchestrator.script.task_names import check_task_name, default_task_name
+from bt_orchestrator.script.task_names import read_task_name
+from bt_orchestrator.script.task_options import written_options
 from bt_orchestrator.script.yaml_nodes import quoted
 
 
@@ -29,11 +30,7 @@ class TaskReader:
         """Read a task of a section's list."""
         draft = self._draft(fields, default_id, position)
         self._check_section(draft, position.section)
-        if draft.task.qty_change and not draft.task.requires_conveyor:
-            what = (
-                'a task that changes the quantity works on the belt, so it requires the conveyor'
-            )
-            self._report.add(draft.place('requires_conveyor'), what, 'remove this key')
+        check_works_on_belt(fields)
         if fields.has('when') and fields.has('unless'):
             what = 'a task has either `when` or `unless`, not both'
             self._report.add(fields.key_place('unless'), what, 'keep one of them')
@@ -46,34 +43,15 @@ class TaskReader:
     def _draft(self, fields: Fields, default_id: str, position: Position | None) -> TaskDraft:
         component = self._component(fields)
         type_ = self._type(component, fields) if component else None
+        timeout_s = component.timeout_s if component else DEFAULT_TIMEOUT_S
         task = Task(
-            id=self._id(fields) or default_id,
+            id=read_id(fields) or default_id,
             name=self._name(fields, component, type_),
             action=component.action if component else '',
             component=component.name if component else '',
-            on_failure=self._on_failure(fields),
-            retries=fields.whole('retries'),
-            retry_delay_s=fields.seconds('retry_delay'),
-            timeout_s=fields.timeout(
-                'timeout', component.timeout_s if component else DEFAULT_TIMEOUT_S
-            ),
-            repeatable=fields.switch('repeatable'),
-            once=position is None and fields.switch('once'),
-            requires_conveyor=position is None or fields.switch('requires_conveyor'),
-            qty_change=fields.whole('qty_change') if position else 0,
-            runs_for=RunsFor(fields.choice('runs_for') if position else RunsFor.GOOD),
+            **{'timeout_s': timeout_s, **written_options(fields)},
         )
         return TaskDraft(task, fields, position, component, type_)
-
-    def _id(self, fields: Fields) -> str | None:
-        """Return the id as written; a bad one too, so that what names it is no second mistake."""
-        text = fields.text('id')
-        if text is not None:
-            check_id(text, 'task id', fields.place('id'), self._report)
-        if text == INDEX:
-            what = f'the id `{INDEX}` is reserved for the move of the belt'
-            self._report.add(fields.place('id'), what, 'choose another id')
-        return text
 
     def _component(self, fields: Fields) -> Component | None:
         action = fields.text('action')
@@ -97,16 +75,9 @@ class TaskReader:
         return self._known_types[component.type]
 
     def _name(self, fields: Fields, component: Component | None, type_: ActionType | None) -> str:
-        name = fields.text('task')
         if component is None or type_ is None:
-            return name or ''
-        if name is not None:
-            check_task_name(name, type_, fields.place('task'), self._report)
-        elif type_.has_task_field and fields.is_sure('task'):
-            hint = f'name one of {listing(type_.constants)}'
-            what = f'a task of `{component.name}` needs the key `task`'
-            self._report.add(fields.node.place, what, hint)
-        name = name or default_task_name(type_)
+            return fields.text('task') or ''
+        name = read_task_name(fields, type_, f'a task of `{component.name}` needs the key `task`')
         self._check_index(name, component, type_, fields)
         return name
 
@@ -124,17 +95,6 @@ class TaskReader:
             what = 'a task cannot move the belt: it indexes by itself when every section is done'
             self._report.add(place, what, 'remove the task')
 
-    def _on_failure(self, fields: Fields) -> OnFailure:
-        word = fields.choice('on_failure')
-        if not fields.has('continue_if_fail'):
-            return OnFailure(word) if word else OnFailure.HOLD
-        if fields.has('on_failure'):
-            what = '`continue_if_fail` and `on_failure` say the same thing twice'
-            self._report.add(fields.key_place('continue_if_fail'), what, 'keep `on_failure`')
-            fields.doubt('on_failure')
-            return OnFailure(word) if word else OnFailure.HOLD
-        return OnFailure.CONTINUE if fields.switch('continue_if_fail') else OnFailure.HOLD
-
     def _check_section(self, draft: TaskDraft, section: int) -> None:
         """A component of no section may be used anywhere (formats: cell file)."""
         component = draft.component
@@ -148,3 +108,21 @@ class TaskReader:
         plural = 's' if len(component.sections) > 1 else ''
         what = f'`{component.name}` belongs to section{plural} {numbers}, not to section {section}'
         self._report.add(draft.place('action'), what, hint)
+
+
+def read_id(fields: Fields) -> str | None:
+    """Return the id as written; a bad one too, so that what names it is no second mistake."""
+    text = fields.text('id')
+    if text is not None:
+        check_id(text, 'task id', fields.place('id'), fields.report)
+    if text == INDEX:
+        what = f'the id `{INDEX}` is reserved for the move of the belt'
+        fields.report.add(fields.place('id'), what, 'choose another id')
+    return text
+
+
+def check_works_on_belt(fields: Fields) -> None:
+    """Report a task that moves the item while the belt may move (semantics 3.2)."""
+    if fields.whole('qty_change') and not fields.switch('requires_conveyor'):
+        what = 'a task that changes the quantity works on the belt, so it requires the conveyor'
+        fields.report.add(fields.place('requires_conveyor'), what, 'remove this key')
