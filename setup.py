@@ -53,6 +53,7 @@ setuptools.setup(
         (SHARE, ['package.xml']),
         *share_files('config'),
         *share_files('launch'),
+        *share_files('recipes'),
         *share_files('schemas'),
         *share_files('trees'),
     ],

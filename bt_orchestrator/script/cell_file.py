@@ -7,6 +7,7 @@ from pathlib import Path
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.cell import CONVEYOR, Cell, Component, Conveyor, OnFailure, Start
 from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.script.capabilities.preparations import Prepared, check_preparations
 from bt_orchestrator.script.cell_keys import CELL, COMPONENT
 from bt_orchestrator.script.component_reader import ComponentReader
 from bt_orchestrator.script.fields import Fields, fields_of, file_fields
@@ -46,6 +47,9 @@ class _CellReader:
         self._report = report
         self._types = types
         self._lines: dict[str, tuple[str, int]] = {}
+        self._known = {CONVEYOR}
+        """Names of components, also of those that could not be read."""
+        self._preparations: list[Prepared] = []
 
     def cell(self) -> Cell | None:
         """Return the cell; None if its conveyor could not be read."""
@@ -56,6 +60,7 @@ class _CellReader:
         conveyor = self._conveyor(belt) if belt else None
         sections = belt.whole('sections') if belt and belt.is_sure('sections') else None
         components = self._components(sections)
+        check_preparations(self._preparations, self._known, self._report)
         if name is None or conveyor is None:
             return None
         start = Start(self._fields.choice('start'))
@@ -64,7 +69,7 @@ class _CellReader:
     def _conveyor(self, fields: Fields) -> Conveyor:
         reader = ComponentReader(fields, CONVEYOR, self._report, self._types)
         component = reader.conveyor()
-        self._check_action(component, fields)
+        self._note(component, fields)
         return Conveyor(
             sections=fields.whole('sections'),
             component=component,
@@ -93,12 +98,19 @@ class _CellReader:
         if name == CONVEYOR:
             what = f'a component cannot be named `{CONVEYOR}`: that is the belt itself'
             self._report.add(entry.key.place, what, 'choose another name')
+        self._known.add(name)
         fields = fields_of(entry.value, COMPONENT, self._report)
         if fields is None:
             return None
         component = ComponentReader(fields, name, self._report, self._types).component(sections)
-        self._check_action(component, fields)
+        self._note(component, fields)
         return component
+
+    def _note(self, component: Component, fields: Fields) -> None:
+        self._check_action(component, fields)
+        prepare = fields.table('prepare')
+        if prepare is not None and component.prepare is not None:
+            self._preparations.append(Prepared(component.name, component.prepare, prepare))
 
     def _check_action(self, component: Component, fields: Fields) -> None:
         """Report a second component of one action name: a goal names only the action."""

@@ -4,6 +4,11 @@ from __future__ import annotations
 
 from bt_orchestrator.model.cell import DEFAULT_DURATION_S, DEFAULT_TIMEOUT_S, OnFailure, Start
 from bt_orchestrator.model.goal import RESULT_TIMEOUT_S
+from bt_orchestrator.script.capabilities.capability_keys import (
+    CAPABILITIES,
+    PREPARE,
+    WORKSPACES,
+)
 from bt_orchestrator.script.keys import (
     LONGEST_SECONDS,
     Key,
@@ -135,6 +140,9 @@ COMPONENT = Table(
         ),
         _RESULTS,
         _FAULTS,
+        CAPABILITIES,
+        WORKSPACES,
+        PREPARE,
     ),
     misplaced={
         'duration': (
@@ -193,8 +201,14 @@ CONVEYOR = Table(
         ),
         _RESULTS,
         _FAULTS,
+        PREPARE,
     ),
     misplaced={
+        'capabilities': (
+            'the conveyor does nothing for an item but move it',
+            'give the capabilities to a component',
+        ),
+        'workspaces': ('the conveyor has no workspace of its own', 'remove `workspaces`'),
         'durations': (
             'the conveyor has one nominal duration for all its tasks',
             'write for instance `duration: 2.0`',

@@ -11,6 +11,7 @@ from bt_orchestrator.model.action_type import ActionType, FieldType, MessageType
 from bt_orchestrator.model.cell import DEFAULT_TIMEOUT_S, Component, StateTopic
 from bt_orchestrator.model.fault import Fault, parse_fault
 from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.script.capabilities.capability_reader import CapabilityReader
 from bt_orchestrator.script.checks.arguments import MessageReader
 from bt_orchestrator.script.checks.faults import unseen
 from bt_orchestrator.script.field_types import misfit, simple_type
@@ -38,8 +39,14 @@ class ComponentReader:
 
     def component(self, sections: int | None) -> Component:
         """Return a component; `sections` is the length of the belt, if known."""
+        own = self._sections(sections)
+        reader = CapabilityReader(self._fields, self._name, self._type)
         return replace(
-            self._shared(), sections=self._sections(sections), durations_s=self._durations()
+            self._shared(),
+            sections=own,
+            durations_s=self._durations(),
+            capabilities={one.name: one for one in reader.capabilities()},
+            workspaces=reader.workspaces(own),
         )
 
     def conveyor(self) -> Component:
@@ -69,6 +76,7 @@ class ComponentReader:
             result_timeout_s=self._fields.seconds('result_timeout'),
             results=self._results(),
             faults=tuple(self._faults()),
+            prepare=CapabilityReader(self._fields, self._name, self._type).preparation(),
         )
 
     def _action_type(self) -> ActionType | None:

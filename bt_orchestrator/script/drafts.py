@@ -142,6 +142,9 @@ class ScriptDraft:
     """A script as far as it could be read."""
 
     fields: Fields
+    kind: str = 'script'
+    a_step: str = 'a task'
+    """What messages call one of its tasks."""
     params: dict[str, Parameter] = field(default_factory=dict)
     unread_params: set[str] = field(default_factory=set)
     """Words in what might be parameters and could not be read."""
@@ -156,6 +159,11 @@ class ScriptDraft:
     by_id: dict[str, TaskDraft] = field(default_factory=dict)
     """The first task of every id."""
     _unread: set[str] = field(default_factory=set)
+
+    @property
+    def step(self) -> str:
+        """What messages call its tasks, without the article."""
+        return self.a_step.partition(' ')[2]
 
     def note_unread(self, node: Node) -> None:
         """Note that there may be tasks in something that could not be read."""

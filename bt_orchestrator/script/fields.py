@@ -149,6 +149,18 @@ class Fields:
             self._wrong_kind(key, node)
         return ()
 
+    def names(self, key: str) -> tuple[Scalar, ...]:
+        """Return the texts of a list, or the one that stands for it; none if it is absent."""
+        node = self.value(key)
+        if node is None:
+            return ()
+        items = node.items if isinstance(node, ListNode) else (node,)
+        texts = tuple(item for item in items if isinstance(item, Scalar) and item.text)
+        for item in items:
+            if item not in texts:
+                self._wrong_kind(key, item)
+        return texts
+
     def mapping(self, key: str) -> MapNode | None:
         """Return a mapping."""
         node = self.value(key)
@@ -265,9 +277,7 @@ def fields_of(node: Node, table: Table, report: Report) -> Fields | None:
     """Return a cursor over a mapping; None if it is something else (reported)."""
     if isinstance(node, MapNode):
         return Fields(node, table, report)
-    needed = [key.name for key in table.keys if key.required]
-    hint = f'write a mapping with the key{"s" if len(needed) > 1 else ""} {listing(needed)}'
-    report.add(node.place, f'{table.name} must be a mapping, not {found(node)}', hint)
+    report.add(node.place, f'{table.name} must be a mapping, not {found(node)}', table.hint)
     return None
 
 
@@ -289,7 +299,7 @@ def file_fields(text: str, table: Table, report: Report) -> Fields:
 
 def _is_plausible(kind: Kind, node: Node) -> bool:
     """Tell whether a value of this form can have been meant for a key of this kind."""
-    if kind in (Kind.CONDITION, Kind.VALUE, Kind.SECTIONS):
+    if kind in (Kind.CONDITION, Kind.VALUE, Kind.SECTIONS, Kind.NAMES):
         return True
     if kind in (Kind.TABLE, Kind.MAPPING):
         return isinstance(node, MapNode)

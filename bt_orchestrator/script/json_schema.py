@@ -15,6 +15,7 @@ from bt_orchestrator.script.composing import compose
 from bt_orchestrator.script.conditions.condition_keys import CONDITION
 from bt_orchestrator.script.keys import Key, Kind, Table
 from bt_orchestrator.script.names import NAME_WITHOUT_DOTS
+from bt_orchestrator.script.recipes.recipe_keys import OVERRIDES, RECIPE
 from bt_orchestrator.script.references import OPEN
 from bt_orchestrator.script.report import Report
 from bt_orchestrator.script.script_keys import ORDER, SCRIPT
@@ -28,6 +29,8 @@ SCHEMA_FILES: Mapping[str, Table] = {
     'cell.schema.json': CELL,
     'script.schema.json': SCRIPT,
     'work_order.schema.json': ORDER,
+    'recipe.schema.json': RECIPE,
+    'overrides.schema.json': OVERRIDES,
 }
 """What `schemas/` holds."""
 
@@ -111,6 +114,11 @@ def _sections(key: Key) -> Schema:
     return {'anyOf': [_whole(key), many]}
 
 
+def _names(key: Key) -> Schema:
+    name = {'type': _TEXTS, 'minLength': 1}
+    return {'anyOf': [name, {'type': 'array', 'items': name, **_fewest('minItems', key)}]}
+
+
 def _condition(key: Key) -> Schema:
     return {'anyOf': [_reference(key), _ref(CONDITION)]}
 
@@ -184,6 +192,7 @@ _VALUES: Mapping[Kind, Callable[[Key], Schema]] = {
     Kind.SWITCH: lambda _: {'type': 'boolean'},
     Kind.CHOICE: lambda key: {'enum': list(key.choices)},
     Kind.SECTIONS: _sections,
+    Kind.NAMES: _names,
     Kind.VALUE: lambda _: {'type': _SCALARS},
     Kind.INSTANT: _text,
     Kind.REFERENCE: _reference,
@@ -198,6 +207,7 @@ _MEMBERS: Mapping[Kind | None, Callable[[Key], Schema]] = {
     None: lambda _: _ANYTHING,
     Kind.TEXT: lambda _: {'type': _TEXTS, 'minLength': 1},
     Kind.VALUE: lambda _: {'type': _SCALARS},
+    Kind.WHOLE: _whole,
     Kind.SECONDS: _seconds,
     Kind.BOUND: _bound,
     Kind.CONDITION: _condition,

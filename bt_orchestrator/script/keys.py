@@ -33,6 +33,7 @@ class Kind(Enum):
     SWITCH = 'true or false'
     CHOICE = 'one of a few words'
     SECTIONS = 'a section number or a list of them'
+    NAMES = 'a name or a list of names'
     VALUE = 'a value'
     """One plain value, of a type that something else declares."""
     INSTANT = 'a date and time with its time zone'
@@ -111,6 +112,13 @@ class Table:
     def by_name(self) -> Mapping[str, Key]:
         """Keys by name."""
         return {key.name: key for key in self.keys}
+
+    @property
+    def hint(self) -> str:
+        """How to write such a mapping: with the keys that it needs, else with those there are."""
+        needed = [key.name for key in self.keys if key.required]
+        names = [f'`{name}`' for name in needed or list(self.by_name)[:3]]
+        return f'write a mapping with the key{"s" if len(names) > 1 else ""} {", ".join(names)}'
 
     def tree(self) -> Iterator[Table]:
         """Yield this table and all that its keys lead to, each as often as it is met."""

@@ -12,11 +12,12 @@ from collections.abc import Iterable, Iterator, Sequence
 from bt_orchestrator.errors import Finding, Refused
 from bt_orchestrator.script.cell_keys import CELL
 from bt_orchestrator.script.keys import Table
-from bt_orchestrator.script.report import START, Report, listing, nearest
+from bt_orchestrator.script.recipes.recipe_keys import OVERRIDES, RECIPE
+from bt_orchestrator.script.report import START, Report, nearest
 from bt_orchestrator.script.script_keys import ORDER, SCRIPT
 from bt_orchestrator.script.yaml_nodes import ListNode, MapNode, Node
 
-KINDS = (CELL, SCRIPT, ORDER)
+KINDS = (CELL, SCRIPT, ORDER, RECIPE, OVERRIDES)
 
 _MISSPELT = 0.8
 """How alike a word and a key are at least, if the key is meant."""
@@ -48,10 +49,8 @@ def refuse_strangers(
     kind = _stranger(text, root, tables)
     if kind is None:
         return
-    needed = [key.name for key in table.keys if key.required]
-    hint = f'write a mapping with the key{"s" if len(needed) > 1 else ""} {listing(needed)}'
     words = f'this is not {what or table.name}, but {kind}'
-    raise Refused([Finding(found.file, START.line, START.column, words, hint)])
+    raise Refused([Finding(found.file, START.line, START.column, words, table.hint)])
 
 
 def _other_kind(root: Node | None, tables: tuple[Table, ...]) -> Table | None:

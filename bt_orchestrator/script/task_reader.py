@@ -31,9 +31,6 @@ class TaskReader:
         draft = self._draft(fields, default_id, position)
         self._check_section(draft, position.section)
         check_works_on_belt(fields)
-        if fields.has('when') and fields.has('unless'):
-            what = 'a task has either `when` or `unless`, not both'
-            self._report.add(fields.key_place('unless'), what, 'keep one of them')
         return draft
 
     def initialization(self, fields: Fields, default_id: str) -> TaskDraft:

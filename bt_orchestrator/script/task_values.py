@@ -11,6 +11,7 @@ from bt_orchestrator.script.checks.arguments import MessageReader
 from bt_orchestrator.script.checks.references import ReferenceReader
 from bt_orchestrator.script.conditions.reader import ConditionReader
 from bt_orchestrator.script.drafts import ScriptDraft, TaskDraft
+from bt_orchestrator.script.fields import Fields
 from bt_orchestrator.script.references import has_reference
 from bt_orchestrator.script.report import Report
 from bt_orchestrator.script.yaml_nodes import ListNode, MapNode, Node, Scalar
@@ -19,7 +20,7 @@ from bt_orchestrator.script.yaml_nodes import ListNode, MapNode, Node, Scalar
 def complete_task(script: ScriptDraft, draft: TaskDraft, report: Report) -> Task:
     """Return a task with arguments and condition, checked against everything else."""
     references = ReferenceReader(script, draft, report)
-    args = _args(draft, references, report)
+    args = goal_arguments(draft.fields, draft.type, references, report)
     if draft.position is None:
         return replace(draft.task, args=args)
     condition = ConditionReader(draft, references, report).read()
@@ -28,29 +29,32 @@ def complete_task(script: ScriptDraft, draft: TaskDraft, report: Report) -> Task
     return replace(draft.task, args=args, condition=condition, fails_unless=verdict)
 
 
-def _args(draft: TaskDraft, references: ReferenceReader, report: Report) -> dict[str, Any]:
-    node = draft.fields.mapping('args')
+def goal_arguments(
+    fields: Fields, type_: ActionType | None, references: ReferenceReader, report: Report
+) -> dict[str, Any]:
+    """Return the goal fields that `args` sets; None for the type: it is not known."""
+    node = fields.mapping('args')
     if node is None:
         return {}
-    if draft.type is None:
-        _check_references(node, references)
+    if type_ is None:
+        check_references(node, references)
         return {}
-    if draft.type.has_task_field:
+    if type_.has_task_field:
         node = _without_task_field(node, report)
-    return MessageReader(report, references).read(node, _settable(draft.type))
+    return MessageReader(report, references).read(node, _settable(type_))
 
 
-def _check_references(node: Node, references: ReferenceReader) -> None:
-    """Check the references in arguments whose types are not known."""
+def check_references(node: Node, references: ReferenceReader) -> None:
+    """Report what is wrong in the references in arguments whose types are not known."""
     if isinstance(node, Scalar):
         if has_reference(node):
             references.template(node)
     elif isinstance(node, ListNode):
         for item in node.items:
-            _check_references(item, references)
+            check_references(item, references)
     else:
         for entry in node.entries:
-            _check_references(entry.value, references)
+            check_references(entry.value, references)
 
 
 def _without_task_field(node: MapNode, report: Report) -> MapNode:

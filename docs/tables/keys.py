@@ -33,6 +33,9 @@ def keys_in(mapping: Table) -> Iterator[str]:
 
 
 def _rule(key: Key) -> str:
+    """Return a link to the rule; keys that only generated scripts need have none."""
+    if not key.rule:
+        return ''
     return f'[{key.rule}](semantics.md#{_chapters()[key.rule.partition(".")[0]]})'
 
 

@@ -23,7 +23,7 @@ from sources import copy_tree, digest, find_sources
 PACKAGE = 'bt_orchestrator'
 # All that setup.py packs, and itself.
 PACKED = (
-    *(PACKAGE, 'config', 'launch', 'resource', 'schemas', 'trees'),
+    *(PACKAGE, 'config', 'launch', 'recipes', 'resource', 'schemas', 'trees'),
     *('package.xml', 'pyproject.toml', 'setup.cfg', 'setup.py'),
 )
 KEPT_WHEELS = 12

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from textwrap import indent
 from typing import NamedTuple
 
+from fakes.recipe_texts import RECIPE
 from fakes.script_texts import LINE
 
 CELL_FILE, SCRIPT_FILE, ORDER_FILE = (
     f'{kind}.schema.json' for kind in ('cell', 'script', 'work_order')
 )
+RECIPE_FILE, OVERRIDES_FILE = 'recipe.schema.json', 'overrides.schema.json'
 
 COMPONENT = """\
 cell: c
@@ -66,6 +69,7 @@ AROUND: Mapping[str, Around] = {
     'arguments': Around(SCRIPT_FILE, lambda text: LINE + ARGUMENTS.format(text)),
     'balance': Around(SCRIPT_FILE, str),
     'bindings': Around(ORDER_FILE, lambda text: f'script: test\n{text}'),
+    'capabilities': Around(CELL_FILE, lambda text: COMPONENT.format(NAMED + text)),
     'cells': Around(CELL_FILE, str),
     'component_names': Around(CELL_FILE, COMPONENT.format),
     'component_options': Around(CELL_FILE, lambda text: COMPONENT.format(NAMED + text)),
@@ -75,8 +79,11 @@ AROUND: Mapping[str, Around] = {
     'groups': Around(SCRIPT_FILE, _in_line),
     'ids': Around(SCRIPT_FILE, _in_line),
     'initialization_options': Around(SCRIPT_FILE, lambda text: LINE + INITIALIZATION.format(text)),
+    'operations': Around(RECIPE_FILE, lambda text: RECIPE.format(indent(text, '  '))),
     'orders': Around(ORDER_FILE, str),
+    'overrides': Around(OVERRIDES_FILE, str),
     'parameters': Around(SCRIPT_FILE, _in_line),
+    'recipes': Around(RECIPE_FILE, str),
     'reference_order': Around(SCRIPT_FILE, _in_line),
     'references': Around(SCRIPT_FILE, lambda text: LINE + REFERENCE.format(text)),
     'scripts': Around(SCRIPT_FILE, str),

@@ -10,9 +10,13 @@ from fakes.schemas import SCHEMAS, refusals
 from fakes.shipped import ROOT
 
 CELLS = [path for path in (ROOT / 'config').glob('*.yaml') if path.name != 'tree_node.yaml']
+OVERRIDES = list((ROOT / 'recipes').glob('*.overrides.yaml'))
+RECIPES = [path for path in (ROOT / 'recipes').glob('*.yaml') if path not in OVERRIDES]
 FILES = {
     'cell.schema.json': CELLS,
     'script.schema.json': list((ROOT / 'trees').glob('*.yaml')),
+    'recipe.schema.json': RECIPES,
+    'overrides.schema.json': OVERRIDES,
     'work_order.schema.json': list((ROOT / 'config' / 'orders').glob('*.yaml')),
 }
 

@@ -28,9 +28,9 @@ def check_balance(script: ScriptDraft, report: Report) -> None:
     placing = [task for task in changing if task.task.qty_change > 0]
     taking = [task for task in changing if task.task.qty_change < 0]
     for task in placing:
-        _check_placing(task, report)
+        check_placing(task, report)
     for task in taking:
-        _check_taking(task, report)
+        check_taking(task, report)
     for task in placing[1:]:
         what = f'items are placed twice, by `{placing[0].id}` and by `{task.id}`'
         report.add(task.place('qty_change'), what, 'keep one `qty_change: 1`')
@@ -171,7 +171,8 @@ def _check_presence(
     return len(placing) == 1 and bool(taking)
 
 
-def _check_placing(task: TaskDraft, report: Report) -> None:
+def check_placing(task: TaskDraft, report: Report) -> None:
+    """Report what a task that places the item cannot have."""
     for key in _conditions(task):
         what = f'a task that places the item cannot have `{key}`'
         report.add(task.fields.key_place(key), what, f'remove `{key}`')
@@ -181,7 +182,8 @@ def _check_placing(task: TaskDraft, report: Report) -> None:
         report.add(task.place('runs_for'), what, 'remove `runs_for` from this task')
 
 
-def _check_taking(task: TaskDraft, report: Report) -> None:
+def check_taking(task: TaskDraft, report: Report) -> None:
+    """Report what a task that takes the item out cannot have."""
     for key in _conditions(task):
         what = f'a task that takes the item out cannot have `{key}`: the item would stay'
         report.add(task.fields.key_place(key), what, f'remove `{key}`, or use `runs_for`')

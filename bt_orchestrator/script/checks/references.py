@@ -129,7 +129,8 @@ class ReferenceReader:
         known = listing(params)
         otherwise = f'the parameters are {known}' if known else f'declare it: {_declared(written)}'
         hint = did_you_mean(written.rest, params, otherwise)
-        raise ReferenceFault(f'the script has no parameter {quoted(written.rest)}', hint)
+        what = f'the {self._script.kind} has no parameter {quoted(written.rest)}'
+        raise ReferenceFault(what, hint)
 
     # --- results --------------------------------------------------------------------------
 
@@ -143,22 +144,26 @@ class ReferenceReader:
                 return self._field(giver, tuple(words[length:]), written)
         if any(self._script.may_have('.'.join(words[:n])) for n in range(1, len(words) + 1)):
             raise _UnknownReference
+        kind, step = self._script.kind, self._script.step
         hint = did_you_mean(
-            '.'.join(words[:-1]) or words[0], self._script.by_id, 'name a task of this script'
+            '.'.join(words[:-1]) or words[0],
+            self._script.by_id,
+            f'name {self._script.a_step} of this {kind}',
         )
-        raise ReferenceFault(f'{quoted(str(written))} names no task of the script', hint)
+        raise ReferenceFault(f'{quoted(str(written))} names no {step} of the {kind}', hint)
 
     def _check_order(self, giver: TaskDraft, written: Path) -> None:
         fault = self._order_fault(giver)
         if fault is not None:
             what = f'{quoted(str(written))} has no value here: {fault}'
-            raise ReferenceFault(what, 'refer to a task that has ended before this one starts')
+            step = self._script.a_step
+            raise ReferenceFault(what, f'refer to {step} that has ended before this one starts')
 
     def _order_fault(self, giver: TaskDraft) -> str | None:
         """Say why a task cannot have given a result before this one starts."""
         task = self._task
         if giver is task:
-            return None if self._of_verdict else 'it is this task itself'
+            return None if self._of_verdict else f'it is this {self._script.step} itself'
         if giver.section is None:
             return f'`{giver.id}` is an initialization task and has no item'
         if giver.is_beside(task):

@@ -35,6 +35,10 @@ class ConditionReader:
 
     def read(self) -> Condition | None:
         """Return the condition; None if there is none or it is wrong."""
+        fields = self._task.fields
+        if fields.has('when') and fields.has('unless'):
+            what = 'a task has either `when` or `unless`, not both'
+            self._report.add(fields.key_place('unless'), what, 'keep one of them')
         when, unless = self._read('when'), self._read('unless')
         return when or (unless and replace(unless, negated=True))
 

@@ -5,15 +5,14 @@ from __future__ import annotations
 import pytest
 from fakes.script_texts import mistakes
 
-from bt_orchestrator.script.cell_keys import CELL
 from bt_orchestrator.script.composing import compose
 from bt_orchestrator.script.fields import Fields
+from bt_orchestrator.script.json_schema import SCHEMA_FILES
 from bt_orchestrator.script.keys import Key, Kind, Table
 from bt_orchestrator.script.report import Report
-from bt_orchestrator.script.script_keys import ORDER, SCRIPT
 from bt_orchestrator.script.yaml_nodes import MapNode
 
-TABLES = {table.name: table for root in (CELL, SCRIPT, ORDER) for table in root.tree()}
+TABLES = {table.name: table for root in SCHEMA_FILES.values() for table in root.tree()}
 KEYS = [
     pytest.param(table, key, id=f'{name}: {key.name}')
     for name, table in TABLES.items()
@@ -31,6 +30,7 @@ READERS = {
     Kind.TABLE: Fields.mapping,
     Kind.INSTANT: Fields.text,
     Kind.SECTIONS: Fields.value,
+    Kind.NAMES: Fields.names,
     Kind.VALUE: Fields.value,
     Kind.REFERENCE: Fields.value,
     Kind.BOUND: Fields.value,
@@ -54,7 +54,7 @@ def read(table: Table, key: Key, value: str) -> object:
 
 
 def test_there_are_all_tables() -> None:
-    assert len(TABLES) == 15
+    assert len(TABLES) == 22
 
 
 @pytest.mark.parametrize(('table', 'key'), KEYS)

@@ -1,0 +1,1 @@
+"""What components of a cell file can do: capabilities, workspaces, preparations."""
