@@ -79,10 +79,10 @@ class Order:
         self._leave_last()
 
     def _leave_last(self) -> None:
-        """Put what is not written to come later before the end of the item."""
+        """Put what needs the item, and is not written to come later, before its end."""
         line = self._line
         behind = {name for name in self.before if line.takes_good in self.all_before(name)}
-        others = {*self.before} - behind - {*line.takes}
+        others = {*filter(self._needs_item, self.before)} - behind - {*line.takes}
         self.before[line.takes_good] |= others
         for taker in line.takes:
             if line.places not in self.all_before(taker):
@@ -104,6 +104,9 @@ class Order:
                 yield f'an item that `{name}` rejects is never taken out'
             if len(behind) > 1:
                 yield f'an item that `{name}` rejects is taken out twice, by {_list(behind)}'
+
+    def _needs_item(self, name: str) -> bool:
+        return any(one.needs_belt or one.may_reject for one in self._candidates[name])
 
     @property
     def _rejecting(self) -> list[str]:

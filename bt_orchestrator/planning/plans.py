@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import heapq
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import NamedTuple
@@ -36,32 +37,37 @@ class Plans:
         reach: Reach,
         move_us: int,
         *,
-        is_kept: Callable[[Choice], int] = lambda _: 0,
+        moved: Callable[[Choice], int] = lambda _: 0,
         closed_us: Callable[[Plan], Fraction | None] | None = None,
     ) -> None:
         """Take the choices that are within reach.
 
-        :param is_kept: how many operations of a choice are elsewhere than before
+        :param moved: how many operations of a choice are elsewhere than before
         :param closed_us: the closed form for a plan with flags, which sections alone do not tell;
             None: it gets stuck
         """
         self.pieces: Pieces = reach.pieces
         self.reach = reach
         self.move_us = move_us
+        self.least_move_us = 0 if set.intersection(*map(set, reach.sections)) else move_us
+        """Nothing moves if all is done in one section."""
         self._closed_us = closed_us
         self.choices = [
             [one for one in ways if one.section in within]
             for ways, within in zip(self.pieces.choices, reach.sections, strict=True)
         ]
-        self.moved = [[is_kept(one) for one in ways] for ways in self.choices]
+        self.moved = [[moved(one) for one in ways] for ways in self.choices]
         self._lists: dict[tuple[tuple[int, int], ...], Listed] = {}
         self._costs: dict[Plan, Cost | None] = {}
-        self._before: list[list[int]] = [[] for _ in self.choices]
-        self._behind: list[list[int]] = [[] for _ in self.choices]
+        self.before: list[list[int]] = [[] for _ in self.choices]
+        """By piece: those that are done in no section behind it."""
+        self.behind: list[list[int]] = [[] for _ in self.choices]
+        """By piece: those that are done in no section before it."""
         for first, second in reach.links:
-            self._before[second].append(first)
-            self._behind[first].append(second)
-        self._shared = self._find_shared()
+            self.before[second].append(first)
+            self.behind[first].append(second)
+        self.shared = self._find_shared()
+        self._held = [(one, self.pieces.number_of[one.giver]) for one in reach.held]
 
     def _find_shared(self) -> list[list[tuple[tuple[str, int], ...]]]:
         """Return, by piece and choice, what else may want its spaces, and for how long it does."""
@@ -101,9 +107,12 @@ class Plans:
         return self._costs[plan]
 
     def _cost(self, plan: Plan) -> Cost | None:
+        if self._keeps_twice(plan):
+            return None
         lists = self.lists(plan)
-        times = [one.us(self.move_us) for one in lists.values()]
-        us: Fraction | None = Fraction(max([self.move_us, *times, *self._alone(plan)]))
+        move_us = self.move_us if len(lists) > 1 else 0  # a belt of one section does not move
+        times = [one.us(move_us) for one in lists.values()]
+        us: Fraction | None = Fraction(max([move_us, *times, *self._alone(plan)]))
         if self._closed_us is not None:
             us = self._closed_us(plan)
         if us is None:
@@ -111,17 +120,42 @@ class Plans:
         moved = sum(ways[number] for ways, number in zip(self.moved, plan, strict=True))
         return Cost(moved, us, sum(one * one for one in times), sum(plan))
 
+    def _keeps_twice(self, plan: Plan) -> bool:
+        """Tell whether a device keeps the same thing for two operations: there is one flag."""
+        kept = [
+            (member.component.name, one.name)
+            for one, piece in self._held
+            for member in self.choices[piece][plan[piece]].members
+            if one.is_kept_by(member)
+        ]
+        return len(kept) > len({*kept})
+
     def _alone(self, plan: Plan) -> list[int]:
         """Return how long all tasks take that share something, never two at once."""
         if not self.shares:
             return []
         took: dict[str, int] = {}
         for piece, number in enumerate(plan):
-            for name, us in self._shared[piece][number]:
+            for name, us in self.shared[piece][number]:
                 took[name] = took.get(name, 0) + us
         if CONVEYOR in took:
             took[CONVEYOR] += self.move_us
         return list(took.values())
+
+    def slowest(self, plan: Plan) -> set[int]:
+        """Return the pieces of the sections that take longest."""
+        times = {number: one.us(self.move_us) for number, one in self.lists(plan).items()}
+        most = max(times.values())
+        return {piece for piece, one in enumerate(self.of(plan)) if times[one.section] == most}
+
+    def is_plain(self, plan: Plan) -> bool:
+        """Tell whether no other order of the lists could be faster."""
+        return self._closed_us is None and all(one.is_plain for one in self.lists(plan).values())
+
+    def best(self, count: int) -> list[tuple[Cost, Plan]]:
+        """Return the best plans of those whose cost was asked for."""
+        known = ((cost, plan) for plan, cost in self._costs.items() if cost is not None)
+        return heapq.nsmallest(count, known)
 
     # --- from one plan to another -----------------------------------------------------------
 
@@ -129,15 +163,13 @@ class Plans:
         """Return a plan with another choice; neighbours that stand in its way go along."""
         changed = list(plan)
         changed[piece] = number
-        section = self.choices[piece][number].section
-        self._push(changed, piece, section, self._behind, up=True)
-        self._push(changed, piece, section, self._before, up=False)
+        # What goes along may take the piece itself along, if both have to be in one section.
+        self._push(changed, piece, self.before, up=False)
+        self._push(changed, piece, self.behind, up=True)
         return tuple(changed)
 
-    def _push(
-        self, plan: list[int], piece: int, section: int, to: Sequence[Sequence[int]], *, up: bool
-    ) -> None:
-        waiting = [(piece, section)]
+    def _push(self, plan: list[int], piece: int, to: Sequence[Sequence[int]], *, up: bool) -> None:
+        waiting = [(piece, self.choices[piece][plan[piece]].section)]
         while waiting:
             piece, section = waiting.pop()
             for other in to[piece]:
@@ -146,16 +178,21 @@ class Plans:
                     within = self.reach.sections[other]
                     fit = [one for one in within if (one >= section if up else one <= section)]
                     at = fit[0] if up else fit[-1]
-                    plan[other] = self._best_in(other, at, plan[other])
+                    plan[other] = self._in(other, at, plan[other])
                     waiting.append((other, at))
 
-    def _best_in(self, piece: int, section: int, before: int) -> int:
-        """Return a choice in a section: of the same component, or else the quickest."""
+    def best_in(self, piece: int, section: int, before: int) -> int | None:
+        """Return a choice in a section; None: there is none."""
+        if section not in self.reach.sections[piece]:
+            return None
+        return self._in(piece, section, before)
+
+    def _in(self, piece: int, section: int, before: int) -> int:
+        """Return a choice in a section: as before, of the same component, or else the quickest."""
         ways = self.choices[piece]
         same = ways[before].members[0].component
-        here = [number for number, one in enumerate(ways) if one.section == section]
         return min(
-            here,
+            (number for number, one in enumerate(ways) if one.section == section),
             key=lambda n: (
                 self.moved[piece][n],
                 ways[n].members[0].component is not same,
@@ -167,7 +204,13 @@ class Plans:
     def first(self) -> Plan:
         """Return the plan in which everything is done as early as can be."""
         return tuple(
-            self._best_in(piece, within[0], 0) for piece, within in enumerate(self.reach.sections)
+            self._in(piece, within[0], 0) for piece, within in enumerate(self.reach.sections)
+        )
+
+    def last(self) -> Plan:
+        """Return the plan in which everything is done as late as can be."""
+        return tuple(
+            self._in(piece, within[-1], 0) for piece, within in enumerate(self.reach.sections)
         )
 
 

@@ -24,6 +24,11 @@ class Held:
     takers: tuple[str, ...]
     """In the order of the recipe."""
 
+    def is_kept_by(self, one: Candidate) -> bool:
+        """Tell whether the device keeps it; else it travels with the item, in the results."""
+        can = one.capability
+        return one.operation.id == self.giver and self.name in {*can.holds} - {*can.gives}
+
 
 @dataclass(frozen=True)
 class _Link:
@@ -53,11 +58,32 @@ class Reach:
             for one in self.held
             for taker in one.takers
         ]
+        self.reason = self._twice()
         for names, ways in zip(self.pieces.members, choices, strict=True):
             if not ways:
                 self.reason = f'no section has components for all of {_list(names)}, which repeat'
         while not self.reason and self._narrow():
             pass
+
+    def _twice(self) -> str:
+        """Say which device would have to keep the same thing for two operations."""
+        kept: dict[tuple[str, str], str] = {}
+        for one in self.held:
+            ways = self.pieces.choices[self.pieces.number_of[one.giver]]
+            members = [member for way in ways for member in way.members]
+            mine = [member for member in members if member.operation.id == one.giver]
+            names = {member.component.name for member in mine}
+            if len(names) != 1 or not all(map(one.is_kept_by, mine)):
+                continue
+            (name,) = names
+            key = name, one.name
+            if key in kept:
+                return (
+                    f'only {name} can do `{kept[key]}` and `{one.giver}`, and it cannot keep '
+                    f'`{one.name}` of both; a second component, or a name for each'
+                )
+            kept[key] = one.giver
+        return ''
 
     @property
     def links(self) -> Iterator[tuple[int, int]]:

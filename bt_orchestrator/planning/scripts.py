@@ -20,7 +20,6 @@ from bt_orchestrator.model.script import (
 )
 from bt_orchestrator.planning.candidates import Candidate
 from bt_orchestrator.planning.plans import Plan, Plans
-from bt_orchestrator.planning.reach import Held
 from bt_orchestrator.planning.section_lists import Group, Listed
 from bt_orchestrator.planning.values import Values
 
@@ -84,7 +83,8 @@ class _Writer:
 
     def _flags(self) -> Iterator[Dependency]:
         """Yield a flag for all that a device keeps: data that travels with an item needs none."""
-        kept = [one for one in self._plans.reach.held if self._is_kept(one)]
+        held = self._plans.reach.held
+        kept = [one for one in held if one.is_kept_by(self._chosen[one.giver])]
         devices = [self._chosen[one.giver].component.name for one in kept]
         rank = {
             member.operation.id: rank
@@ -105,10 +105,6 @@ class _Writer:
 
     def _holds(self, giver: str) -> Mapping[str, int]:
         return self._chosen[giver].capability.holds
-
-    def _is_kept(self, one: Held) -> bool:
-        capability = self._chosen[one.giver].capability
-        return one.name in capability.holds and one.name not in capability.gives
 
     def _zones(self) -> Iterator[Zone]:
         """Yield the workspaces that several sections use."""

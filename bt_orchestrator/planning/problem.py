@@ -1,0 +1,108 @@
+"""The problem: a recipe, a cell, and what an engineer has decided; all plans for it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cached_property
+
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.recipe import Overrides, Recipe
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.planning.candidates import Candidate, candidates
+from bt_orchestrator.planning.order import Order, ends
+from bt_orchestrator.planning.outcome import Impossible, NotFound
+from bt_orchestrator.planning.pieces import Pieces
+from bt_orchestrator.planning.plans import Plan, Plans
+from bt_orchestrator.planning.reach import Held, Reach
+from bt_orchestrator.planning.scripts import script_of
+from bt_orchestrator.proof.pace import PacedLine
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What is to be made, with what."""
+
+    cell: Cell
+    recipe: Recipe
+    overrides: Overrides = field(default_factory=Overrides)
+    without: frozenset[str] = frozenset()
+    """Components that are out of service."""
+    keep: Script | None = None
+    """As little as possible is done elsewhere than in it."""
+
+    @cached_property
+    def plans(self) -> Plans:
+        """All plans that are within reach.
+
+        :raises Impossible: there are none
+        """
+        reach = self._reach()
+        may_hold = any(
+            one.is_kept_by(member)
+            for one in reach.held
+            for way in reach.pieces.choices[reach.pieces.number_of[one.giver]]
+            for member in way.members
+        )
+        belt = self.cell.conveyor
+        return Plans(
+            reach,
+            round(belt.component.duration_s(belt.task) * 1_000_000),
+            moved=lambda choice: sum(map(self.is_moved, choice.members)),
+            closed_us=self._closed_us if may_hold else None,
+        )
+
+    def script(self, plan: Plan) -> Script:
+        """Write a plan down."""
+        return script_of(plan, self.plans, self.cell, self.recipe, self.without)
+
+    def is_moved(self, one: Candidate) -> bool:
+        """Tell whether an operation would be done elsewhere than in the script that is kept."""
+        if self.keep is None:
+            return False
+        before = self.keep.tasks.get(one.operation.id)
+        return (
+            before is None
+            or before.component != one.component.name
+            or self.keep.section_of(before.id) != one.section
+        )
+
+    def _closed_us(self, plan: Plan) -> Fraction | None:
+        line = PacedLine(self.script(plan), self.cell)
+        return None if line.gets_stuck else line.limit(line.durations(self.cell)).per_item_us
+
+    def _reach(self) -> Reach:
+        able = candidates(self.cell, self.recipe, self.overrides, self.without)
+        reasons = able.reasons
+        if self.cell.conveyor.component.name in self.without:
+            reasons = ['the conveyor is out of service, and nothing moves without it', *reasons]
+        _need_none(reasons)
+        line, faults = ends(able.of)
+        if line is None:
+            raise Impossible(faults)
+        if self.recipe.reworks:
+            raise NotFound(['operations that repeat are not generated yet'])
+        order = Order(self.recipe, self.overrides, able.of, line)
+        pieces = Pieces(self.recipe, order, able.of)
+        if pieces.circle:
+            raise Impossible([f'operations wait for each other: {", ".join(pieces.circle)}'])
+        _need_none([*order.faults])
+        reach = Reach(pieces, line, tuple(_held(self.recipe)))
+        _need_none([reach.reason] if reach.reason else [])
+        return reach
+
+
+def _need_none(reasons: list[str]) -> None:
+    if reasons:
+        raise Impossible(reasons)
+
+
+def _held(recipe: Recipe) -> Iterator[Held]:
+    """Yield what operations need of others."""
+    needed: dict[tuple[str, str], list[str]] = {}
+    for operation in recipe.operations:
+        for name, giver in operation.needs.items():
+            needed.setdefault((name, giver), []).append(operation.id)
+    for (name, giver), takers in needed.items():
+        yield Held(name, giver, tuple(takers))

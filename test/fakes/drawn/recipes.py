@@ -1,0 +1,183 @@
+"""Recipes and cells that nobody wrote by hand, as facts; about a third cannot be made."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cache
+from random import Random
+from typing import Any
+
+from fakes.line import Line
+
+from bt_orchestrator.model.capability import Capability, Preparation
+from bt_orchestrator.model.cell import Cell, Component, OnFailure
+from bt_orchestrator.model.condition import Condition
+from bt_orchestrator.model.recipe import Operation, Overrides, Recipe
+from bt_orchestrator.model.reference import Reference, Template
+from bt_orchestrator.model.script import RunsFor
+
+line_of = cache(Line)
+"""A cell with so many sections."""
+
+TASKS = ('TASK_A', 'TASK_B', 'TASK_C')
+SECONDS = (0.5, 1.0, 1.5, 2.5, 3.25, 4.0, 7.0)
+SPACES = ('left', 'right', 'top')
+
+
+class DrawnRecipe:
+    """One recipe, and a cell that may be able to make it."""
+
+    def __init__(
+        self,
+        seed: int,
+        *,
+        most_sections: int = 5,
+        most_operations: int = 9,
+        shares: bool | None = None,
+        holds: bool = True,
+    ) -> None:
+        """Draw both.
+
+        :param shares: whether sections share components or workspaces; None: perhaps
+        :param holds: devices may keep data themselves
+        """
+        self._random = random = Random(seed)
+        self.size = random.randint(2, most_sections)
+        self._shares = random.random() < 0.4 if shares is None else shares
+        self._holds = holds
+        self._count = random.randint(1, most_operations)
+        self._skills = [f'skill{number}' for number in range(random.randint(1, 6))]
+        self._needing = self._skills[-1] if len(self._skills) > 2 else ''
+        """What has to be told `size`."""
+        self._free = {one for one in self._skills if random.random() < 0.3}
+        """What needs no belt, whoever does it."""
+        self._given = {one for one in self._skills if random.random() < 0.3}
+        """What tells `size`."""
+        self._held = {
+            one for one in self._skills if holds and one not in self._given and self._chance(0.15)
+        }
+        """What makes a device keep `pose`."""
+        self.cell: Cell = self._cell()
+        self.recipe: Recipe = self._recipe()
+        self.overrides = self._overrides()
+
+    def _chance(self, of_one: float) -> bool:
+        return self._random.random() < of_one
+
+    # --- the cell ---------------------------------------------------------------------------
+
+    def _cell(self) -> Cell:
+        cell = line_of(self.size).cell
+        belt_s = {'MOVE_ONE_INDEX': self._random.choice((0.5, 2.0))}
+        components = {}
+        for name, one in cell.components.items():
+            if name == 'conveyor':
+                prepare = Preparation('home', 'HOME', options={'once': True})
+                components[name] = replace(one, durations_s=belt_s, prepare=prepare)
+            else:
+                components[name] = self._component(one)
+        conveyor = replace(cell.conveyor, component=components['conveyor'])
+        return replace(cell, components=components, conveyor=conveyor)
+
+    def _component(self, one: Component) -> Component:
+        is_shared = len(one.sections) != 1
+        skills = self._random.sample(
+            self._skills, min(len(self._skills), self._random.randint(0, 3))
+        )
+        if is_shared and not self._shares:
+            skills = []
+        can = {name: self._capability(name) for name in skills}
+        if one.name in {'a1', 'b2'} and (one.name == 'a1' or self._chance(0.2)):
+            can['put'] = Capability('put', 'TASK_A', options={'qty_change': 1})
+        if one.name == f'a{self.size}' or (one.name == f'b{self.size}' and self._chance(0.3)):
+            can['take'] = Capability('take', 'TASK_B', options={'qty_change': -1})
+        return replace(
+            one,
+            durations_s={task: self._random.choice(SECONDS) for task in TASKS},
+            capabilities=can,
+            workspaces=self._spaces(one) if is_shared or self._chance(0.4) else (),
+            prepare=self._preparation(one.name) if self._chance(0.3) else None,
+        )
+
+    def _spaces(self, one: Component) -> tuple[str, ...]:
+        """Draw workspaces; those of one section have names of their own unless they are shared."""
+        names = self._random.sample(SPACES, self._random.randint(1, 2))
+        if self._shares and self._chance(0.5):
+            return tuple(names)
+        return tuple(f'{name}_{"_".join(map(str, one.sections))}' for name in names)
+
+    def _preparation(self, name: str) -> Preparation:
+        after = ('conveyor',) if self._chance(0.5) else ()
+        return Preparation(f'prepare_{name}', 'PREPARE', after)
+
+    def _capability(self, name: str) -> Capability:
+        options: dict[str, Any] = {'requires_conveyor': False} if name in self._free else {}
+        return Capability(
+            name,
+            self._random.choice(TASKS),
+            parameters={'text': 'special_argument_1'},
+            gives={'size': 'measurement', 'ok': 'item_present'} if name in self._given else {},
+            needs={'size': 'special_argument_2'} if name == self._needing else {},
+            holds={'pose': self._random.randint(1, 2)} if name in self._held else {},
+            options=options,
+        )
+
+    # --- the recipe -------------------------------------------------------------------------
+
+    def _recipe(self) -> Recipe:
+        names = [f'o{number}' for number in range(self._count)]
+        names.insert(self._random.choice((0, 0, 1, 2)) if len(names) > 1 else 0, 'put')
+        names.append('take')
+        written: list[Operation] = []
+        for name in names:
+            written.append(self._operation(name, written))
+        return Recipe('drawn', 1, 'drawn', tuple(written))
+
+    def _operation(self, name: str, written: list[Operation]) -> Operation:
+        earlier = [one.id for one in written]
+        after = tuple(earlier[-1:])
+        if earlier and self._chance(0.4) and name != 'take':
+            after = tuple(self._random.sample(earlier, min(len(earlier), 2)))
+        if name in {'put', 'take'}:
+            return Operation(name, (name,), after)
+        many = min(len(self._skills), 2 if self._chance(0.2) else 1)
+        do = tuple(self._random.sample(self._skills, many))
+        givers = [
+            one.id
+            for one in written
+            if {*one.do} <= self._given and 'put' not in one.do and not one.options
+        ]
+        needs: dict[str, str] = {}
+        if self._needing in do and not givers:
+            do = (self._skills[0],)
+        elif self._needing in do:
+            needs['size'] = self._random.choice(givers)
+        keepers = [one.id for one in written if {*one.do} <= self._held]
+        if keepers and self._chance(0.5):
+            needs['pose'] = self._random.choice(keepers)
+        return Operation(name, do, after, needs=needs, options=self._options(givers))
+
+    def _options(self, givers: list[str]) -> Mapping[str, Any]:
+        draw = self._random.random()
+        if draw < 0.1:
+            return {'on_failure': OnFailure.REJECT}
+        if draw < 0.2:
+            return {'on_failure': OnFailure.CONTINUE}
+        if draw < 0.3 and givers:
+            value = Template((Reference('results', self._random.choice(givers), ('ok',)),))
+            return {'condition': Condition(value)}
+        if draw < 0.33:
+            return {'runs_for': RunsFor.REJECTED}
+        return {}
+
+    def _overrides(self) -> Overrides:
+        if not self._chance(0.15):
+            return Overrides()
+        operation = self._random.choice(self.recipe.operations)
+        able = [
+            name
+            for name, one in self.cell.components.items()
+            if not {*operation.do}.isdisjoint(one.capabilities)
+        ]
+        return Overrides(bind={operation.id: self._random.choice(able)} if able else {})

@@ -1,0 +1,162 @@
+"""A second opinion on generated scripts: what the recipe and the cell say, and what became of it.
+
+Written from docs/recipes.md and the rules, not from the planner.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import combinations, pairwise
+
+from bt_orchestrator.model.cell import Cell, OnFailure
+from bt_orchestrator.model.recipe import Operation, Overrides, Recipe
+from bt_orchestrator.model.script import RunsFor, Script, SectionList, Task
+
+
+def mistakes(script: Script, recipe: Recipe, overrides: Overrides, cell: Cell) -> list[str]:
+    """Return what is wrong with a script."""
+    places = _places(script)
+    return [
+        *_not_once(script, recipe),
+        *_not_able(script, recipe, overrides, cell),
+        *_out_of_order(script, recipe, overrides, places),
+        *_trailing(script, recipe),
+        *_at_once(script, cell),
+        *_unguarded(script, cell),
+        *_not_taken_out(script, places),
+        *_not_prepared(script, cell),
+    ]
+
+
+_Place = tuple[int, int, int, int]
+"""Section, step, track, place in the track."""
+
+
+def _places(script: Script) -> dict[str, _Place]:
+    return {
+        task.id: (number, step, track, place)
+        for number, section in script.sections.items()
+        for step, one in enumerate(section.steps)
+        for track, members in enumerate(one.tracks)
+        for place, task in enumerate(members)
+    }
+
+
+def _is_before(one: _Place, other: _Place) -> bool:
+    if one[:2] != other[:2]:
+        return one[:2] < other[:2]
+    return one[2] == other[2] and one[3] < other[3]
+
+
+def _not_once(script: Script, recipe: Recipe) -> Iterator[str]:
+    listed = [task.id for section in script.sections.values() for task in section.tasks]
+    if sorted(listed) != sorted(one.id for one in recipe.operations):
+        yield f'operations {sorted(listed)}'
+
+
+def _not_able(script: Script, recipe: Recipe, overrides: Overrides, cell: Cell) -> Iterator[str]:
+    for one in recipe.operations:
+        task, section = script.tasks[one.id], script.section_of(one.id)
+        component = cell.components[task.component]
+        if component.sections and section not in component.sections:
+            yield f'{one.id}: {component.name} is not in section {section}'
+        if task.name not in {can.task for n, can in component.capabilities.items() if n in one.do}:
+            yield f'{one.id}: {component.name} cannot'
+        if overrides.bind.get(one.id, component.name) != component.name:
+            yield f'{one.id} is not where it is bound'
+
+
+def _befores(one: Operation, script: Script) -> set[str]:
+    named = {r.name for r in script.tasks[one.id].references if r.source == 'results'}
+    return {*one.after, *one.needs.values(), *named}
+
+
+def _out_of_order(
+    script: Script, recipe: Recipe, overrides: Overrides, places: dict[str, _Place]
+) -> Iterator[str]:
+    for one in recipe.operations:
+        for before in _befores(one, script):
+            if not _is_before(places[before], places[one.id]):
+                yield f'{one.id} does not come behind {before}'
+    for listed in overrides.order:
+        for before, after in pairwise(listed):
+            if not _is_before(places[before], places[after]):
+                yield f'{after} does not come behind {before}'
+
+
+def _trail(section: SectionList) -> list[Task]:
+    return [task for step in section.steps[section.turn_steps :] for task in step.tasks]
+
+
+def _trailing(script: Script, recipe: Recipe) -> Iterator[str]:
+    """The belt moves on while these run: nothing elsewhere may build on them."""
+    for number, section in script.sections.items():
+        if not any(step.requires_conveyor for step in section.steps) and section.turn_steps < len(
+            section.steps
+        ):
+            yield f'section {number} never releases the belt'
+        for task in _trail(section):
+            if task.on_failure is OnFailure.REJECT:
+                yield f'{task.id} may reject, and trails'
+            for one in recipe.operations:
+                if task.id in _befores(one, script) and script.section_of(one.id) != number:
+                    yield f'{one.id} builds on {task.id}, which trails'
+
+
+def _at_once(script: Script, cell: Cell) -> Iterator[str]:
+    """Side by side run only components that say where, and in different places."""
+    steps = (step for section in script.sections.values() for step in section.steps)
+    for step in steps:
+        for one, other in combinations(step.tracks, 2):
+            for a, b in ((a, b) for a in one for b in other):
+                spaces = [{*cell.components[task.component].workspaces} for task in (a, b)]
+                if not all(spaces) or spaces[0] & spaces[1] or a.component == b.component:
+                    yield f'{a.id} and {b.id} run at the same time'
+
+
+def _unguarded(script: Script, cell: Cell) -> Iterator[str]:
+    listed = [task for section in script.sections.values() for task in section.tasks]
+    for a, b in combinations(listed, 2):
+        spaces = [{*cell.components[task.component].workspaces} for task in (a, b)]
+        apart = script.section_of(a.id) != script.section_of(b.id)
+        for name in spaces[0] & spaces[1]:
+            zones = [one for one in script.zones if one.name == name]
+            if apart and not any({a.id, b.id} <= {*zone.tasks} for zone in zones):
+                yield f'{a.id} and {b.id} may meet in {name}'
+
+
+def _not_taken_out(script: Script, places: dict[str, _Place]) -> Iterator[str]:
+    listed = [task for section in script.sections.values() for task in section.tasks]
+    (put,) = (task for task in listed if task.qty_change == 1)
+    takes = [task for task in listed if task.qty_change == -1]
+    if sum(one.runs_for.includes(rejected=False) for one in takes) != 1:
+        yield 'good items are not taken out once'
+    for task in listed:
+        if task.on_failure is OnFailure.REJECT and _is_before(places[put.id], places[task.id]):
+            takers = [
+                one
+                for one in takes
+                if one.runs_for is not RunsFor.GOOD and _is_before(places[task.id], places[one.id])
+            ]
+            if len(takers) != 1:
+                yield f'an item that {task.id} rejects is taken out {len(takers)} times'
+        if task.qty_change == 0 and not script.source <= places[task.id][0] <= script.sink:
+            yield f'{task.id} is outside the line'
+
+
+def _not_prepared(script: Script, cell: Cell) -> Iterator[str]:
+    used = {task.component for task in script.tasks.values()} | {'conveyor'}
+    prepared = {task.component: task.id for task in script.initialization}
+    for name in used:
+        prepare = cell.components[name].prepare
+        if prepare is None:
+            continue
+        if prepared.get(name) != prepare.id:
+            yield f'{name} is not prepared'
+        for other in prepare.after:
+            first = cell.components[other].prepare
+            if first is not None and not any(
+                (one.upstream, one.downstream) == (first.id, prepare.id)
+                for one in script.initialization_dependencies
+            ):
+                yield f'{name} is prepared before {other}'

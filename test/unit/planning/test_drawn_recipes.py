@@ -1,0 +1,144 @@
+"""What holds for every recipe and every cell, over some that nobody wrote by hand."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from fractions import Fraction
+from itertools import product
+
+import pytest
+from fakes.action_types import FakeActionTypes
+from fakes.drawn.recipes import DrawnRecipe
+from fakes.naive_order import mistakes
+from fakes.profiles import examples
+from fakes.steady import steady
+from hypothesis import given
+from hypothesis import strategies as st
+
+from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.planning.generate import generate
+from bt_orchestrator.planning.outcome import Generated, Limits, NotMade
+from bt_orchestrator.planning.plans import Plans
+from bt_orchestrator.planning.problem import Problem
+from bt_orchestrator.proof.deadlock import deadlock
+from bt_orchestrator.sim.pace_judge import PaceJudge
+from bt_orchestrator.sim.simulation import Outcome, Simulation
+from bt_orchestrator.store.memory import MemoryStore
+
+pytestmark = pytest.mark.timeout(24 * 3600)
+
+TYPES = FakeActionTypes()
+SEEDS = st.integers(0, 2**32)
+FEW = Limits(kicks=2, nodes=200, finalists=2)
+MOST_PLANS = 3000
+
+
+def generated(drawn: DrawnRecipe, limits: Limits = FEW) -> Generated | NotMade:
+    judge = PaceJudge(drawn.cell, TYPES, MemoryStore)
+    try:
+        return generate(drawn.cell, drawn.recipe, drawn.overrides, judge=judge, limits=limits)
+    except NotMade as why:
+        return why
+
+
+def outcome(drawn: DrawnRecipe, script: Script) -> Outcome:
+    simulation = Simulation(drawn.cell, TYPES, MemoryStore())
+    simulation.submit([Job('J', script, 3, {})])
+    found = simulation.run()
+    packed = simulation.state.ended['J'].progress.packed if found is Outcome.FINISHED else 0
+    simulation.close()
+    assert found is not Outcome.FINISHED or packed == 3
+    return found
+
+
+def test_a_generated_script_runs_to_its_end_or_there_is_a_reason() -> None:
+    """It does what recipe and cell say, and nothing gets stuck."""
+    seen: Counter[str] = Counter()
+
+    @examples(200, 2000)
+    @given(SEEDS)
+    def holds(seed: int) -> None:
+        drawn = DrawnRecipe(seed)
+        found = generated(drawn)
+        seen[type(found).__name__] += 1
+        if not isinstance(found, Generated):
+            assert found.reasons
+            return
+        script = found.script
+        assert mistakes(script, drawn.recipe, drawn.overrides, drawn.cell) == []
+        assert deadlock(script) is None
+        assert outcome(drawn, script) is Outcome.FINISHED
+        steps = [(one, step) for one in script.sections.values() for step in one.steps]
+        seen['flags'] += bool(script.dependencies)
+        seen['zones'] += bool(script.zones)
+        seen['groups'] += any(step.is_group for _, step in steps)
+        seen['early'] += any(one.turn_steps < len(one.steps) for one, _ in steps)
+
+    holds()
+    assert seen['Generated'] > 100, seen
+    assert min(seen[one] for one in ('Impossible', 'flags', 'zones', 'groups', 'early')) > 0, seen
+
+
+def test_the_engine_is_as_fast_as_the_circle_says_unless_sections_share_something() -> None:
+    seen: Counter[str] = Counter()
+
+    @examples(25, 1000)
+    @given(SEEDS)
+    def holds(seed: int) -> None:
+        drawn = DrawnRecipe(seed)
+        found = generated(drawn)
+        if not isinstance(found, Generated):
+            return
+        real = steady(drawn.cell, found.script, 40, at_most=200)
+        assert real is not None
+        told_s = found.claim.pace.per_item_s
+        if found.claim.pace.is_exact and real.repeats:
+            assert math.isclose(real.per_item_s, told_s, abs_tol=1e-6)
+            seen['equal'] += 1
+        elif found.claim.pace.not_counted:
+            assert real.per_item_s >= found.claim.pace.least.per_item_s - 1e-6
+            seen['shares'] += 1
+
+    holds()
+    assert seen['equal'] > 5, seen
+
+
+def fastest(plans: Plans) -> Fraction | None:
+    """Try every plan there is."""
+    found = []
+    for plan in product(*(range(len(ways)) for ways in plans.choices)):
+        sections = [ways[n].section for ways, n in zip(plans.choices, plan, strict=True)]
+        if all(sections[first] <= sections[second] for first, second in plans.reach.links):
+            cost = plans.cost(plan)
+            if cost is not None:
+                found.append(cost.us)
+    return min(found, default=None)
+
+
+def test_no_binding_is_faster_than_the_one_that_is_found() -> None:
+    """Tried against every binding there is; what is called the fastest is so without exception."""
+    seen: Counter[str] = Counter()
+
+    @examples(60, 2000)
+    @given(SEEDS)
+    def holds(seed: int) -> None:
+        drawn = DrawnRecipe(seed, shares=False, holds=False, most_operations=12)
+        found = generated(drawn, Limits())
+        if not isinstance(found, Generated):
+            return
+        plans = Problem(drawn.cell, drawn.recipe, drawn.overrides).plans
+        if not 1 < math.prod(len(ways) for ways in plans.choices) <= MOST_PLANS:
+            return
+        best = fastest(plans)
+        us = found.claim.pace.limit.per_item_us
+        assert best is not None
+        assert us >= best
+        seen['tried'] += 1
+        seen['equal'] += us == best
+        assert us == best or not found.claim.is_fastest
+
+    holds()
+    assert seen['tried'] > 10, seen
+    assert seen['equal'] >= 0.99 * seen['tried'], seen
