@@ -19,9 +19,11 @@ from bt_orchestrator.script.ros_names import check_token
 from bt_orchestrator.script.starter_files import (
     CELL_FILE,
     ORDER_FILE,
+    RECIPE_FILE,
     SCRIPT,
     SCRIPT_FILE,
     starter_files,
+    starter_recipe_files,
 )
 from bt_orchestrator.script.starter_plan import FoundServer, Plan, plan_cell
 
@@ -41,6 +43,7 @@ SCHEMAS = {
     CELL_FILE: 'cell.schema.json',
     SCRIPT_FILE: 'script.schema.json',
     ORDER_FILE: 'work_order.schema.json',
+    RECIPE_FILE: 'recipe.schema.json',
 }
 
 SCHEMA_FOLDER = 'schemas'
@@ -62,6 +65,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         '-o', '--output', type=Path, metavar='FOLDER', help='where to write (default: NAME)'
+    )
+    parser.add_argument(
+        '--recipe',
+        action='store_true',
+        help='also write what each device can do, and a recipe from which the script is generated',
     )
     parser.add_argument(
         '--from-graph', action='store_true', help='fill in the action servers that run now'
@@ -92,13 +100,34 @@ def new_cell(args: argparse.Namespace, found: Iterable[FoundServer], types: Acti
     plan = plan_cell(args.sections, found, types)
     schemas = _schemas()
     places = {file: _from(file, name) for file, name in SCHEMAS.items() if name in schemas}
-    texts = starter_files(args.name, plan, places)
+    texts = (
+        _with_recipe(args.name, plan, places, types)
+        if args.recipe
+        else (starter_files(args.name, plan, places))
+    )
     _write({folder / name: text for name, text in texts.items()})
-    kept = {folder / SCHEMA_FOLDER / name: text for name, text in schemas.items()}
+    used = {SCHEMAS[file] for file in texts} & schemas.keys()
+    kept = {folder / SCHEMA_FOLDER / name: schemas[name] for name in sorted(used)}
     _write({path: text for path, text in kept.items() if not path.exists()})
-    for line in _summary(plan, folder, from_graph=args.from_graph):
+    for line in _summary(plan, folder, texts, from_graph=args.from_graph):
         print(line)
     return 0
+
+
+def _with_recipe(
+    name: str, plan: Plan, schemas: Mapping[str, str], types: ActionTypes
+) -> dict[str, str]:
+    # Imported here, because it takes the tree and the engine, to try what it generates.
+    from bt_orchestrator.cli.generating.inputs import inputs_of
+    from bt_orchestrator.cli.generating.making import make
+
+    texts = starter_recipe_files(name, plan, schemas)
+    inputs = inputs_of(texts[RECIPE_FILE], texts[CELL_FILE], types)
+    cell, recipe, *others = texts
+    return {one: texts[one] for one in (cell, recipe)} | {
+        SCRIPT_FILE: make(inputs).text,
+        **{one: texts[one] for one in others},
+    }
 
 
 def _from(file: str, schema: str) -> str:
@@ -151,8 +180,8 @@ def _write(texts: Mapping[Path, str]) -> None:
             raise NothingWritten(f'cannot write {path}: {error.strerror}') from error
 
 
-def _summary(plan: Plan, folder: Path, *, from_graph: bool) -> Iterable[str]:
-    for name in (CELL_FILE, SCRIPT_FILE, ORDER_FILE):
+def _summary(plan: Plan, folder: Path, files: Iterable[str], *, from_graph: bool) -> Iterable[str]:
+    for name in files:
         yield f'{folder / name} written'
     devices = [plan.conveyor, *plan.components]
     found = sum(1 for device in devices if device.found)

@@ -201,8 +201,8 @@ class MadeFrom:
     cell_digest: str = ''
     overrides_digest: str = ''
     """Empty: there were none."""
-    script_digest: str = ''
-    """Of the script as it was generated: another one was changed by hand since."""
+    text_digest: str = ''
+    """Of the file without this key, as it was generated; it tells what was edited since."""
     generator: str = ''
     """Version of the program."""
 

@@ -9,7 +9,6 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import (
     Dependency,
     InitializationDependency,
-    MadeFrom,
     Script,
     SectionList,
     Step,
@@ -21,11 +20,11 @@ from bt_orchestrator.script.checks.dependencies import DependencyReader
 from bt_orchestrator.script.checks.sections import check_sections
 from bt_orchestrator.script.drafts import ScriptDraft, SectionDraft
 from bt_orchestrator.script.fields import Fields, file_fields
-from bt_orchestrator.script.keys import Kind
 from bt_orchestrator.script.names import check_id
+from bt_orchestrator.script.origin import read_origin
 from bt_orchestrator.script.parameters import read_parameters
 from bt_orchestrator.script.report import Report
-from bt_orchestrator.script.script_keys import MADE_FROM, SCRIPT
+from bt_orchestrator.script.script_keys import SCRIPT
 from bt_orchestrator.script.section_reader import SectionReader
 from bt_orchestrator.script.source_text import read_text
 from bt_orchestrator.script.task_reader import TaskReader
@@ -101,16 +100,8 @@ class _ScriptReader:
             zones=relations.zones,
             params=draft.params,
             quantity=quantity,
-            made_from=self._made_from(),
+            made_from=read_origin(self._fields),
         )
-
-    def _made_from(self) -> MadeFrom | None:
-        fields = self._fields.table('made_from')
-        if fields is None:
-            return None
-        names = (one.name for one in MADE_FROM.keys if one.kind is Kind.TEXT)
-        texts = {name: fields.text(name) or '' for name in names}
-        return MadeFrom(version=fields.whole('version'), **texts)
 
     def _section(self, section: SectionDraft) -> SectionList:
         steps = tuple(

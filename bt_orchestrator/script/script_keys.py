@@ -138,7 +138,10 @@ MADE_FROM = Table(
         _digest('recipe_digest', 'name of the recipe'),
         _digest('cell_digest', 'name of the cell'),
         _digest('overrides_digest', 'name of the overrides, if there were any'),
-        _digest('script_digest', 'name of the script as it was generated'),
+        _digest(
+            'text_digest',
+            'name of this file as it was generated, without this key',
+        ),
         Key('generator', Kind.TEXT, 'version of the program that wrote it', '"1.0.0"', rule='8.1'),
     ),
 )

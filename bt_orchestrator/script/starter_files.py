@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from bt_orchestrator.script.names import LONGEST_NAME
+from bt_orchestrator.script.recipes.starter import able, recipe_text
 from bt_orchestrator.script.starter_plan import Device, FoundServer, Plan
 
 SCRIPT = 'first_product'
 QUANTITY = 3
 CELL_FILE, SCRIPT_FILE, ORDER_FILE = 'cell.yaml', f'trees/{SCRIPT}.yaml', 'order.yaml'
+RECIPE_FILE = f'recipes/{SCRIPT}.yaml'
 
 _DURATION_S = 1.0
 _CELL = """\
@@ -48,9 +50,27 @@ def starter_files(name: str, plan: Plan, schemas: Mapping[str, str]) -> dict[str
     texts = {
         CELL_FILE: ''.join(_cell(name, plan)),
         SCRIPT_FILE: ''.join(_script(plan)),
-        ORDER_FILE: _ORDER.format(file=ORDER_FILE, script=SCRIPT, quantity=QUANTITY),
+        ORDER_FILE: _order(),
     }
+    return _with_schemas(texts, schemas)
+
+
+def starter_recipe_files(name: str, plan: Plan, schemas: Mapping[str, str]) -> dict[str, str]:
+    """Return the texts of a starter cell with a recipe, from which the script is generated."""
+    texts = {
+        CELL_FILE: ''.join(_cell(name, plan, with_capabilities=True)),
+        RECIPE_FILE: recipe_text(plan, SCRIPT, RECIPE_FILE, CELL_FILE, SCRIPT_FILE),
+        ORDER_FILE: _order(),
+    }
+    return _with_schemas(texts, schemas)
+
+
+def _with_schemas(texts: Mapping[str, str], schemas: Mapping[str, str]) -> dict[str, str]:
     return {file: _modeline(schemas.get(file)) + text for file, text in texts.items()}
+
+
+def _order() -> str:
+    return _ORDER.format(file=ORDER_FILE, script=SCRIPT, quantity=QUANTITY)
 
 
 def _modeline(schema: str | None) -> str:
@@ -60,13 +80,15 @@ def _modeline(schema: str | None) -> str:
 # --- cell file ------------------------------------------------------------------------------
 
 
-def _cell(name: str, plan: Plan) -> Iterator[str]:
+def _cell(name: str, plan: Plan, *, with_capabilities: bool = False) -> Iterator[str]:
     yield _CELL.format(script=SCRIPT, file=CELL_FILE, name=name, sections=plan.sections)
     yield from _served(plan.conveyor, '  ')
     if plan.index_task:
         yield f'  task: {plan.index_task}  # moves the belt by one position\n'
     yield '  timeout: 30.0  # seconds a move may take\n'
     yield '  duration: 2.0  # nominal seconds, for the simulation\n'
+    if with_capabilities:
+        yield from able(plan.conveyor, plan, '  ')
     yield 'components:  # durations are nominal seconds of each task, for the simulation\n'
     for device in plan.components:
         yield f'  {device.name}:\n'
@@ -77,6 +99,8 @@ def _cell(name: str, plan: Plan) -> Iterator[str]:
         durations = ', '.join(f'{task}: {_DURATION_S}' for task in device.type.constants)
         if durations:
             yield f'    durations: {{{durations}}}\n'
+        if with_capabilities:
+            yield from able(device, plan, '    ')
     yield from _left_out(plan.unusable)
 
 

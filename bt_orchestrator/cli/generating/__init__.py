@@ -1,0 +1,1 @@
+"""The verb `generate`: the script of a recipe for a cell."""

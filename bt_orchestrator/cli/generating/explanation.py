@@ -1,0 +1,92 @@
+"""Why a generated script is as it is, for a person and for programs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from bt_orchestrator.cli.check import summary
+from bt_orchestrator.cli.generating.comments import reason
+from bt_orchestrator.cli.generating.inputs import Inputs
+from bt_orchestrator.cli.generating.making import Made
+from bt_orchestrator.errors import counted
+from bt_orchestrator.planning.outcome import Claim, Generated, NotFound, NotMade
+from bt_orchestrator.planning.outcome import Made as Fact
+from bt_orchestrator.report.pace_text import script_pace
+from bt_orchestrator.report.tables import table
+
+
+@dataclass(frozen=True)
+class Kept:
+    """An old script of which much was kept, and what would be without regard to it."""
+
+    old: str
+    moved: Sequence[str]
+    """Operations that are done elsewhere than in it."""
+    freely: Generated
+    moved_freely: Sequence[str]
+
+
+def summary_lines(made: Made, inputs: Inputs, kept: Kept | None) -> Iterator[str]:
+    """Yield what was generated, and how fast it is."""
+    yield from summary(made.generated.script, inputs.cell)
+    yield f'  {sureness(made.generated.claim)}'
+    if kept is not None:
+        here, freely = made.generated.claim, kept.freely.claim
+        moved = counted(len(kept.moved), 'operation')
+        yield f'  {moved} elsewhere than in {kept.old}, {here.per_item_s:.1f} s for each item'
+        moved = counted(len(kept.moved_freely), 'operation')
+        yield f'  without --keep: {moved} elsewhere, {freely.per_item_s:.1f} s for each item'
+
+
+def sureness(claim: Claim) -> str:
+    """Say whether another binding may be faster."""
+    judged = '' if claim.judged_s is None else f'; by the engine {claim.judged_s:.1f} s'
+    sure = 'no faster binding exists' if claim.is_fastest else 'not proven to be the fastest'
+    return f'{sure}{judged}'
+
+
+def explanation(made: Made) -> Iterator[str]:
+    """Yield a table of the tasks: where each is done, as what, and why there."""
+    headers = ('operation', 'section', 'component', 'capability', 'why')
+    facts = [one for one in made.generated.made.values() if one.capability]
+    rows = [
+        (one.operation, str(one.section), one.component, one.capability, reason(one))
+        for one in facts
+    ]
+    yield from table(headers, rows)
+
+
+def plain(made: Made, inputs: Inputs, kept: Kept | None, file: str | None) -> Mapping[str, Any]:
+    """Return it as data that JSON can carry."""
+    script, claim = made.generated.script, made.generated.claim
+    found: dict[str, Any] = {
+        'ok': True,
+        'script': script.name,
+        'made_from': vars(made.made_from),
+        'file': file,
+        'text': made.text,
+        'per_item_s': claim.per_item_s,
+        'is_fastest': claim.is_fastest,
+        'pace': script_pace(script, inputs.cell).plain(),
+        'tasks': [_task(task, one) for task, one in made.generated.made.items()],
+    }
+    if kept is not None:
+        freely = kept.freely.claim.per_item_s
+        found['moved'] = list(kept.moved)
+        found['without_keep'] = {'per_item_s': freely, 'moved': list(kept.moved_freely)}
+    return found
+
+
+def plain_reasons(fault: NotMade) -> Mapping[str, Any]:
+    """Return why there is no script, as data that JSON can carry."""
+    reasons = list(fault.reasons)
+    return {'ok': False, 'reasons': reasons, 'proven': not isinstance(fault, NotFound)}
+
+
+def _task(task: str, one: Fact) -> Mapping[str, Any]:
+    names = ('operation', 'capability', 'component', 'section')
+    facts = {name: getattr(one, name) for name in names}
+    others = list(one.alternatives)
+    return {'task': task, **facts, 'why': one.why.value, 'alternatives': others}

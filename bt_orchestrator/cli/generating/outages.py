@@ -1,0 +1,103 @@
+"""What the line makes, and how fast, while one component is out of service: for planners."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from bt_orchestrator.cli.generating.inputs import Inputs
+from bt_orchestrator.cli.generating.making import judge_of, plan
+from bt_orchestrator.errors import counted
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.planning.outcome import Generated, NotFound, NotMade
+
+
+@dataclass(frozen=True)
+class Outage:
+    """The line without one component."""
+
+    component: str
+    per_item_s: float | None = None
+    """None: the product cannot be made, or it is not known how."""
+    slower: float = 0.0
+    """As a part of the time with all components."""
+    elsewhere: tuple[str, ...] = ()
+    """Operations that another component does."""
+    reasons: tuple[str, ...] = ()
+    """Why not."""
+    is_proven: bool = True
+    """That it cannot be made."""
+
+    @property
+    def words(self) -> str:
+        """What comes of it."""
+        if self.per_item_s is None:
+            verdict = 'not to be made' if self.is_proven else 'not known'
+            return f'{verdict}: {"; ".join(self.reasons)}'
+        slower = f' ({self.slower:+.0%})' if round(self.slower, 2) else ''
+        slower = slower.replace('%', ' %')
+        return f'{self.per_item_s:.1f} s per item{slower}'
+
+
+def outages(
+    inputs: Inputs, whole: Generated, without: frozenset[str], keep: Script | None
+) -> Iterator[Outage]:
+    """Yield what comes of each component's outage, in the order of the cell file.
+
+    :param whole: the script with all that are in service
+    :param without: components that are out of service in any case
+    """
+    judge = judge_of(inputs)
+    for name, component in inputs.cell.components.items():
+        if not component.capabilities or name in without:
+            continue
+        try:
+            found = plan(inputs, without | {name}, keep, judge)
+        except NotMade as fault:
+            is_proven = not isinstance(fault, NotFound)
+            yield Outage(name, reasons=fault.reasons, is_proven=is_proven)
+        else:
+            seconds, before = found.claim.per_item_s, whole.claim.per_item_s
+            slower = seconds / before - 1 if before else 0.0
+            yield Outage(name, seconds, slower, elsewhere(whole, found))
+
+
+def elsewhere(before: Generated, now: Generated) -> tuple[str, ...]:
+    """Return the operations that another component does."""
+    return tuple(
+        task
+        for task, one in now.made.items()
+        if one.capability and task in before.made and before.made[task].component != one.component
+    )
+
+
+def moved(old: Script, now: Generated) -> tuple[str, ...]:
+    """Return the operations that are done elsewhere than in a script."""
+    return tuple(
+        task
+        for task, one in now.made.items()
+        if one.capability
+        and (
+            task not in old.tasks
+            or old.tasks[task].component != one.component
+            or old.section_of(task) != one.section
+        )
+    )
+
+
+def outage_lines(whole: Generated, found: Sequence[Outage]) -> Iterator[str]:
+    """Yield a table."""
+    rows = [('none', f'{whole.claim.per_item_s:.1f} s per item', '')]
+    for one in found:
+        moved = f'{counted(len(one.elsewhere), "operation")} elsewhere' if one.elsewhere else ''
+        rows.append((one.component, one.words, moved))
+    width = max(len(out) for out, _, _ in rows)
+    for out, words, moved in rows:
+        yield f'{out.ljust(width)}  {words}{", " if moved else ""}{moved}'
+
+
+def plain_outages(whole: Generated, found: Sequence[Outage]) -> Mapping[str, Any]:
+    """Return them as data that JSON can carry."""
+    each = [{**vars(one), 'words': one.words} for one in found]
+    return {'ok': True, 'per_item_s': whole.claim.per_item_s, 'without': each}

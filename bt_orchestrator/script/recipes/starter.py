@@ -1,0 +1,65 @@
+"""What a starter cell says of recipes: what each device can do, and a first recipe for it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+
+from bt_orchestrator.model.cell import CONVEYOR
+from bt_orchestrator.script.starter_plan import Device, Plan
+
+_RECIPE = """\
+# How one product is made, whatever line makes it. A script for this cell comes of it by:
+# bt-orchestrator generate {file} --cell {cell} -o {script_file}
+recipe: {script}
+version: 1
+script: {script}  # name of what is generated
+operations:  # each comes after the one above it, unless `after` says otherwise
+"""
+
+
+def recipe_text(plan: Plan, script: str, file: str, cell: str, script_file: str) -> str:
+    """Return a recipe that uses every device once."""
+    head = _RECIPE.format(file=file, cell=cell, script=script, script_file=script_file)
+    names = (name for device in plan.components for name, *_ in _capabilities(device, plan))
+    return head + ''.join(f'  - {{id: {name}, do: {name}}}\n' for name in names)
+
+
+def able(device: Device, plan: Plan, indent: str) -> Iterator[str]:
+    """Yield the lines of the cell file that say what a device can do."""
+    preparing = [task for task in device.preparations if task != plan.index_task]
+    if preparing:
+        once = ', once: true' if device.name == CONVEYOR else ''
+        task = f'{{id: prepare_{device.name}, task: {preparing[0]}{once}}}'
+        yield f'{indent}prepare: {task}  # before the first item\n'
+    if device.name == CONVEYOR:
+        return
+    yield f'{indent}capabilities:  # what recipes may ask for: tasks, with the keys of a task\n'
+    for name, task, options in _capabilities(device, plan):
+        constant = f'task: {task}' if task else f'task: {name}'
+        yield f'{indent}  {name}: {{{constant}{options}}}\n'
+
+
+def _capabilities(device: Device, plan: Plan) -> Iterator[tuple[str, str | None, str]]:
+    """Yield name, task and further keys of each."""
+    for task, options in _works(device, plan):
+        yield _name(device, task, plan), task, options
+
+
+def _works(device: Device, plan: Plan) -> Iterator[tuple[str | None, str]]:
+    if device is plan.source:
+        *ahead, placing = plan.placing
+        yield from ((task, ', requires_conveyor: false') for task in ahead)
+        yield placing, ', qty_change: 1'
+    elif device is plan.sink:
+        yield plan.taking, ', qty_change: -1, runs_for: all'
+    else:
+        yield device.works[0], ''
+
+
+def _name(device: Device, task: str | None, plan: Plan) -> str:
+    """Return a name that no other device has."""
+    if task is None:
+        return device.name
+    every = Counter(one for other in plan.components for one, _ in _works(other, plan))
+    return task.lower() if every[task] == 1 else f'{device.name}_{task.lower()}'
