@@ -10,6 +10,7 @@ import pytest
 from fakes.action_types import FakeActionTypes
 
 from bt_orchestrator.cli import check, new_cell, render, simulate
+from bt_orchestrator.cli.generating import verb as generate
 from bt_orchestrator.cli.new_cell import NothingWritten
 from bt_orchestrator.cli.wrong_use import WrongUse
 
@@ -47,8 +48,26 @@ def test_the_files_work_as_they_are(
     assert '3       3         0' in capsys.readouterr().out
 
 
+@pytest.mark.parametrize('sections', ['1', '4'])
+def test_the_files_with_a_recipe_work_as_they_are(
+    sections: str, here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert write('mine', '--sections', sections, '--recipe') == 0
+    monkeypatch.chdir(here / 'mine')
+    cell, file = ('--cell', 'cell.yaml'), 'trees/first_product.yaml'
+    words = options(generate, 'recipes/first_product.yaml', *cell, '--check', file)
+    assert generate.generate(words, TYPES) == 0
+    assert check.check(options(check, 'first_product', *cell, '--strict'), TYPES) == 0
+    assert simulate.simulate(options(simulate, 'order.yaml', *cell), TYPES) == 0
+    assert '3       3         0' in capsys.readouterr().out
+    recipe = Path('recipes/first_product.yaml').read_text()
+    schema = Path('recipes') / recipe.partition('\n')[0].partition('$schema=')[2]
+    assert json.loads(schema.read_text())['title']
+
+
 def test_the_files_name_schemas_that_are_moved_with_them(here: Path) -> None:
     write('mine', '--sections', '2')
+    assert len([*(here / 'mine' / 'schemas').iterdir()]) == 3
     moved = here / 'mine'
     moved = moved.rename(here / 'elsewhere')
     files = list(moved.rglob('*.yaml'))
