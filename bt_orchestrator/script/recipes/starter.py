@@ -30,14 +30,13 @@ def able(device: Device, plan: Plan, indent: str) -> Iterator[str]:
     preparing = [task for task in device.preparations if task != plan.index_task]
     if preparing:
         once = ', once: true' if device.name == CONVEYOR else ''
-        task = f'{{id: prepare_{device.name}, task: {preparing[0]}{once}}}'
-        yield f'{indent}prepare: {task}  # before the first item\n'
+        prepare = f'{{id: prepare_{device.name}, task: {preparing[0]}{once}}}'
+        yield f'{indent}prepare: {prepare}  # before the first item\n'
     if device.name == CONVEYOR:
         return
     yield f'{indent}capabilities:  # what recipes may ask for: tasks, with the keys of a task\n'
     for name, task, options in _capabilities(device, plan):
-        constant = f'task: {task}' if task else f'task: {name}'
-        yield f'{indent}  {name}: {{{constant}{options}}}\n'
+        yield f'{indent}  {name}: {{task: {task or name}{options}}}\n'
 
 
 def _capabilities(device: Device, plan: Plan) -> Iterator[tuple[str, str | None, str]]:
