@@ -145,11 +145,6 @@ class _Ways:
         who = f'`{can.name}` of {component.name}'
         faults = [
             *(
-                f'{who} has no parameter `{one}`'
-                for one in self._operation.parameters
-                if one not in can.parameters
-            ),
-            *(
                 f'{who} needs `{one}`, and no operation gives it'
                 for one in can.needs
                 if one not in self._operation.needs

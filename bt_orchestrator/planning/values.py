@@ -24,10 +24,11 @@ class Values:
         capability, operation = candidate.capability, candidate.operation
         found = _copy(capability.args)
         for name, value in operation.parameters.items():
-            _put(found, capability.parameters[name], self.renamed(value))
+            if name in capability.parameters:  # or it is one of the alternative in `do`
+                _put(found, capability.parameters[name], self.renamed(value))
         for name, field in capability.needs.items():
             given = self._given(operation, name)
-            if given is not None:
+            if given is not None and field:
                 _put(found, field, Template((given,)))
         return found
 
