@@ -29,6 +29,8 @@ ITEM_FILL = '#dbeafe'
 ZONE_FILLS = ('#fde68a', '#bbf7d0', '#fbcfe8', '#ddd6fe')
 """Light enough for black text, and for paper; a zone's name is always beside its colour."""
 
+ROUND_FILL = '#e0e7ff'
+
 OFF_BELT = 'while the belt moves'
 NEEDS_NO_BELT = 'does not need the belt'
 
@@ -187,6 +189,10 @@ def _marks(sheet: Sheet, task: Task) -> Iterator[tuple[str, str]]:
         yield f'\u25bc takes flag {flag.flag}', ''
     for flag in sheet.script.upstream_of.get(task.id, ()):
         yield f'\u25b2 sets flag {flag.flag}', ''
+    repeat = sheet.script.repeat_of.get(task.id)
+    if repeat is not None:
+        for text in wrapped(f'\u21bb {repeat}'):
+            yield text, ROUND_FILL
     for zone in sheet.script.zones_of.get(task.id, ()):
         yield f'\u25a0 zone {zone}', sheet.zone_fill(zone)
     if sheet.limits(task):

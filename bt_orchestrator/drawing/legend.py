@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from bt_orchestrator.drawing.card import ITEM_FILL, OFF_BELT, ZONE_FILLS, Sheet, belt_words
+from bt_orchestrator.drawing.card import (
+    ITEM_FILL,
+    OFF_BELT,
+    ROUND_FILL,
+    ZONE_FILLS,
+    Sheet,
+    belt_words,
+)
 from bt_orchestrator.drawing.label import Entry, Label, Text, wrapped
 from bt_orchestrator.drawing.mark import headlines, legend_rows
 from bt_orchestrator.drawing.style import BAR_FILL, FAINT, FLAG, INK, PAPER
@@ -67,6 +74,9 @@ def _entries(sheet: Sheet) -> Iterator[tuple[Entry, str]]:
     if script.zones:
         zone = 'tasks of one zone never run at the same time'
         yield _sample('\u25a0 zone', ZONE_FILLS[0]), zone
+    if script.repeats:
+        again = 'tasks that are all done again where a verdict refuses the result of one'
+        yield _sample('\u21bb', ROUND_FILL), again
     if sheet.pace is not None and sheet.pace.limit.tasks:
         yield (
             _plain('\u25c6 limits'),

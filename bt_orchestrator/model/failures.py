@@ -8,7 +8,7 @@ from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.goal import Reason
-from bt_orchestrator.model.script import Task
+from bt_orchestrator.model.script import Repeat, Task
 from bt_orchestrator.model.state import CellState, JobState, TaskState
 
 SHUTDOWN = 'shutdown'
@@ -21,8 +21,8 @@ ABORT_JOB = 'abort_job'
 """Cancel cause after which a task counts as failed and continued, unless its slot is in doubt
 (semantics 2.6, 4.3)."""
 
-RETRY, MARK_DONE, SKIP, REJECT = 'retry', 'mark_done', 'skip', 'reject'
-"""Answers to holds about tasks; the fifth is ABORT_JOB (semantics 7.1)."""
+RETRY, AGAIN, MARK_DONE, SKIP, REJECT = 'retry', 'again', 'mark_done', 'skip', 'reject'
+"""Answers to holds about tasks; the sixth is ABORT_JOB (semantics 7.1)."""
 
 _NEVER_BEGUN = (Reason.GOAL_REJECTED, Reason.SERVER_UNAVAILABLE, Reason.MISSING_RESULT)
 """Ends of attempts that never reached a robot."""
@@ -33,12 +33,45 @@ def may_retry(state: CellState, key: e.TaskKey, task: Task) -> bool:
     failed = state.tasks[key]
     if failed.attempt > task.retries or failed.reason is Reason.MISSING_RESULT:
         return False
+    if failed.reason is Reason.RESULT_REFUSED and _repeat(state, key) is not None:
+        return False
     return _is_settled(failed, task) and not _is_own_cancel(failed)
+
+
+def may_repeat(state: CellState, key: e.TaskKey, task: Task) -> bool:
+    """Tell whether a refused result begins another round of the task's repeat (semantics 3.9)."""
+    failed, repeat = state.tasks[key], _repeat(state, key)
+    if repeat is None or failed.reason is not Reason.RESULT_REFUSED:
+        return False
+    if failed.cancel_cause is not None or effects.why_skipped(state, key, task) is not None:
+        return False
+    return state.round(key) < repeat.times and not state.jobs[key.job or ''].aborting
+
+
+def begin_round(state: CellState, key: e.TaskKey) -> e.RoundBegun:
+    """Do the tasks of a repeat once more."""
+    repeat = _repeat(state, key)
+    assert repeat is not None
+    assert key.job is not None
+    assert key.section is not None
+    assert key.item is not None
+    return e.RoundBegun(
+        job=key.job,
+        section=key.section,
+        item=key.item,
+        repeat=repeat.name,
+        n=state.round(key) + 1,
+        tasks=repeat.tasks,
+    )
+
+
+def _repeat(state: CellState, key: e.TaskKey) -> Repeat | None:
+    return None if key.job is None else state.script(key.job).repeat_of.get(key.task)
 
 
 def will_hold(state: CellState, key: e.TaskKey, task: Task) -> bool:
     """Tell whether an operator will be asked about a failed attempt."""
-    if may_retry(state, key, task):
+    if may_retry(state, key, task) or may_repeat(state, key, task):
         return False
     return key == e.INDEX_KEY or _policy(state, key, task) is OnFailure.HOLD
 
@@ -101,6 +134,7 @@ def answers(state: CellState, key: e.TaskKey, task: Task) -> tuple[str, ...]:
     offered = {
         # A missing result would be missing again.
         RETRY: again and failed.reason is not Reason.MISSING_RESULT,
+        AGAIN: again and _repeat(state, key) is not None,
         MARK_DONE: True,
         # An item that needs this task to leave the belt would not leave it.
         SKIP: task.qty_change != -1 or not again,

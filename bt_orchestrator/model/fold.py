@@ -87,6 +87,7 @@ _FOLDS: Mapping[type[e.Event], Callable[..., None]] = {
     e.CycleStarted: line.cycle_started,
     e.TurnCompleted: line.turn_completed,
     e.CycleCompleted: line.cycle_completed,
+    e.RoundBegun: tasks.round_begun,
     e.FlagRaised: line.flag_changed,
     e.FlagLowered: line.flag_changed,
     e.BeatStarted: line.beat_started,

@@ -125,8 +125,31 @@ class Step:
 
     @property
     def is_group(self) -> bool:
-        """Tell whether it was written as a parallel group."""
-        return len(self.tracks) > 1 or len(self.tracks[0]) > 1
+        """Tell whether it was written as a parallel group; a repeat alone is one track."""
+        return len(self.tracks) > 1
+
+
+@dataclass(frozen=True)
+class Repeat:
+    """A track, or a step of tasks in order, that is done again after a refused result (3.9)."""
+
+    tasks: tuple[str, ...]
+    """Ids, in order; the first one names it."""
+    times: int
+    """Further rounds at most, unless an operator adds one."""
+
+    @property
+    def name(self) -> str:
+        """Its first task."""
+        return self.tasks[0]
+
+    def __str__(self) -> str:
+        return f'{", ".join(self.tasks)}: {self.rounds}'
+
+    @property
+    def rounds(self) -> str:
+        """How many more there may be, in words."""
+        return f'up to {self.times} more round{"s" if self.times > 1 else ""}'
 
 
 @dataclass(frozen=True)
@@ -221,6 +244,7 @@ class Script:
     params: Mapping[str, Parameter] = field(default_factory=dict)
     quantity: int | None = None
     """Default for orders that name none."""
+    repeats: tuple[Repeat, ...] = ()
     made_from: MadeFrom | None = None
     """Where it comes from; changes nothing of what it does, nor its digest."""
 
@@ -264,6 +288,11 @@ class Script:
     def _step_of(self) -> Mapping[str, Step]:
         steps = (step for tasks in self.sections.values() for step in tasks.steps)
         return {task.id: step for step in steps for task in step.tasks}
+
+    @cached_property
+    def repeat_of(self) -> Mapping[str, Repeat]:
+        """The repeat that a task is in, by its id."""
+        return {task: repeat for repeat in self.repeats for task in repeat.tasks}
 
     @cached_property
     def places_of_work(self) -> Mapping[tuple[str, int], int]:

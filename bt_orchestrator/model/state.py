@@ -206,6 +206,8 @@ class Cycle:
     item: str
     beat: int
     """The beat its turn belongs to (semantics 3.7)."""
+    rounds: Mapping[str, int] = field(default_factory=dict)
+    """Further rounds begun, by the name of the repeat (semantics 3.9)."""
 
 
 @dataclass
@@ -378,6 +380,14 @@ class CellState:
     def task(self, key: TaskKey) -> Task | None:
         """Return the task that a key names; None for the belt's own move."""
         return None if key.job is None else self.script(key.job).tasks[key.task]
+
+    def round(self, key: TaskKey) -> int:
+        """Return which further round of its repeat a task is in; 0: the first pass, or none."""
+        if key.job is None or key.section is None:
+            return 0
+        repeat = self.script(key.job).repeat_of.get(key.task)
+        cycle = self.sections[key.section].cycle
+        return cycle.rounds.get(repeat.name, 0) if repeat and cycle else 0
 
     def phase(self, key: TaskKey) -> Phase | None:
         """Return where a task stands; None: new."""

@@ -121,6 +121,7 @@ class PacedLine:
         self._belt = len(self._operations.all)
         """The number of the belt behind those of the operations."""
         self._contested = contested(script, self._move)
+        self._repeats = script.repeats
 
     @property
     def flags(self) -> Mapping[str, Dependency]:
@@ -140,8 +141,9 @@ class PacedLine:
         skipped = {task.id: 0 for task in self._tasks if task.condition is not None}
         most = self.limit(us)
         least = self.limit({**us, **skipped}) if skipped else most
-        waits = tuple(f'waits for {name}' for name in self._contested)
-        return Pace(most, least, waits)
+        waits = [f'waits for {name}' for name in self._contested]
+        waits += [f'further rounds of {repeat.name}' for repeat in self._repeats]
+        return Pace(most, least, tuple(waits))
 
     def limit(self, us: Durations, changed: Dependency | None = None) -> Limit:
         """Return what limits a line most that does not get stuck; of equals a circle of waits.

@@ -133,6 +133,12 @@ def _task_continued(job: JobRecord, event: e.TaskContinued) -> None:
         item.results[event.task] = results
 
 
+def _round_begun(job: JobRecord, event: e.RoundBegun) -> None:
+    results = _item_of(job, event.item, event.time).results
+    for task in event.tasks:
+        results.pop(task, None)
+
+
 def _nonconforming(job: JobRecord, event: e.ItemNonconforming | e.TaskContinued) -> ItemRecord:
     assert event.item is not None
     item = _item_of(job, event.item, event.time)
@@ -157,6 +163,7 @@ _FOLDS: Mapping[type[e.Event], Callable[[JobRecord, Any], object]] = {
     e.TaskFailed: _task_failed,
     e.TaskContinued: _task_continued,
     e.ItemNonconforming: _nonconforming,
+    e.RoundBegun: _round_begun,
 }
 
 FOLLOWED = (e.JobQueued.event, *(kind.event for kind in _FOLDS))

@@ -11,11 +11,13 @@ from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.commands import AnswerHold, RemoveItem
 from bt_orchestrator.model.failures import (
     ABORT_JOB,
+    AGAIN,
     MARK_DONE,
     REJECT,
     RETRY,
     SKIP,
     abort_all_on_the_belt,
+    begin_round,
     pass_over,
 )
 from bt_orchestrator.model.hold_words import hold_name
@@ -109,6 +111,10 @@ def _retry(state: CellState, key: e.TaskKey, _: AnswerHold, now: float) -> Itera
     yield e.TaskRetrying(**key._asdict(), attempt=attempt, not_before=now)
 
 
+def _again(state: CellState, key: e.TaskKey, _: AnswerHold, __: float) -> Iterator[e.Event]:
+    yield begin_round(state, key)
+
+
 def _mark_done(
     state: CellState, key: e.TaskKey, command: AnswerHold, _: float
 ) -> Iterator[e.Event]:
@@ -147,6 +153,7 @@ def _abort_job(
 
 _ANSWERS = {
     RETRY: _retry,
+    AGAIN: _again,
     MARK_DONE: _mark_done,
     SKIP: _skip,
     REJECT: _reject,

@@ -36,6 +36,9 @@ class Progress:
             yield f'{_place(event)}{event.task} skipped: {event.reason}'
         elif isinstance(event, e.TaskMarkedDone):
             yield f'{_place(event)}{event.task} marked done'
+        elif isinstance(event, e.RoundBegun):
+            what = f'{", ".join(event.tasks)} once more (round {event.n + 1})'
+            yield f'section {event.section:<3} {event.item}  {what}'
         elif isinstance(event, e.ItemRejected):
             yield f'item        {event.item} rejected: {event.reason}'
         elif isinstance(event, e.ItemNonconforming):

@@ -137,6 +137,15 @@ class SectionDraft:
         return tuple(task for step in behind for track in step for task in track)
 
 
+@dataclass(frozen=True)
+class RepeatDraft:
+    """A repeat as far as it could be read."""
+
+    tasks: tuple[TaskDraft, ...]
+    times: int
+    place: Place
+
+
 @dataclass
 class ScriptDraft:
     """A script as far as it could be read."""
@@ -152,6 +161,7 @@ class ScriptDraft:
     sections: dict[int, SectionDraft] = field(default_factory=dict)
     strays: dict[int, SectionDraft] = field(default_factory=dict)
     """Lists whose section is not on the belt, or was given before; by numbers below 1."""
+    repeats: list[RepeatDraft] = field(default_factory=list)
     tasks_are_complete: bool = True
     """False if something that might be a task could not be read."""
     has_lost_id: bool = False
@@ -196,6 +206,10 @@ class ScriptDraft:
         """All tasks of section lists, along the belt."""
         for number in sorted(self.sections):
             yield from self.sections[number].tasks
+
+    def is_repeated(self, task: TaskDraft) -> bool:
+        """Tell whether a task is in a repeat (semantics 3.9)."""
+        return any(task is one for repeat in self.repeats for one in repeat.tasks)
 
     @property
     def lists(self) -> Iterator[SectionDraft]:

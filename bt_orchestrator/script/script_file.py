@@ -9,6 +9,7 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import (
     Dependency,
     InitializationDependency,
+    Repeat,
     Script,
     SectionList,
     Step,
@@ -17,6 +18,7 @@ from bt_orchestrator.model.script import (
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.checks.balance import check_balance
 from bt_orchestrator.script.checks.dependencies import DependencyReader
+from bt_orchestrator.script.checks.repeats import check_repeats
 from bt_orchestrator.script.checks.sections import check_sections
 from bt_orchestrator.script.drafts import ScriptDraft, SectionDraft
 from bt_orchestrator.script.fields import Fields, file_fields
@@ -81,6 +83,7 @@ class _ScriptReader:
         relations = self._relations()
         check_balance(self._draft, self._report)
         check_sections(self._draft, self._report)
+        check_repeats(self._draft, self._report)
         return self._script(name or '', quantity, relations)
 
     def _relations(self) -> _Relations:
@@ -101,6 +104,11 @@ class _ScriptReader:
             params=draft.params,
             quantity=quantity,
             made_from=read_origin(self._fields),
+            repeats=tuple(
+                Repeat(tuple(task.id for task in repeat.tasks), repeat.times)
+                for repeat in draft.repeats
+                if repeat.tasks
+            ),
         )
 
     def _section(self, section: SectionDraft) -> SectionList:

@@ -9,16 +9,44 @@ from bt_orchestrator.script.keys import LARGEST_WHOLE, Key, Kind, Table, whole, 
 from bt_orchestrator.script.names import ID_FORM, NAME_WITHOUT_DOTS
 from bt_orchestrator.script.task_keys import INITIALIZATION_TASK, TASK
 
+MOST_ROUNDS = 1000
+
+REPEAT = Table(
+    'a repeat',
+    (
+        Key(
+            'repeat',
+            Kind.LIST,
+            'tasks, run in order, and all again where a verdict refuses a result of one',
+            '[{task: ..., action: ...}, {task: ..., action: ...}]',
+            required=True,
+            of=(TASK,),
+            fewest=1,
+            rule='3.9',
+        ),
+        Key(
+            'times',
+            Kind.WHOLE,
+            'further rounds at most',
+            '2',
+            default=1,
+            minimum=1,
+            maximum=MOST_ROUNDS,
+            rule='3.9',
+        ),
+    ),
+)
+
 PARALLEL = Table(
     'a parallel group',
     (
         Key(
             'parallel',
             Kind.LIST,
-            'members that run side by side: tasks, or lists of tasks run in order',
+            'members that run side by side: tasks, lists of tasks run in order, or repeats',
             '[{task: ..., action: ...}, {task: ..., action: ...}]',
             required=True,
-            of=(TASK,),
+            of=(TASK, REPEAT),
             fewest=2,
             is_nested=True,
             rule='3.1',
@@ -44,7 +72,7 @@ SECTION = Table(
             'steps, run in order',
             '[{task: ..., action: ...}]',
             required=True,
-            of=(TASK, PARALLEL),
+            of=(TASK, PARALLEL, REPEAT),
             fewest=1,
             rule='3.1',
         ),

@@ -8,10 +8,16 @@ from itertools import count
 
 from bt_orchestrator.model.limits import INITIALIZATION
 from bt_orchestrator.model.script import Release
-from bt_orchestrator.script.drafts import Position, ScriptDraft, SectionDraft, TaskDraft
+from bt_orchestrator.script.drafts import (
+    Position,
+    RepeatDraft,
+    ScriptDraft,
+    SectionDraft,
+    TaskDraft,
+)
 from bt_orchestrator.script.fields import Fields, fields_of
 from bt_orchestrator.script.report import Report, nearest
-from bt_orchestrator.script.script_keys import PARALLEL, SECTION
+from bt_orchestrator.script.script_keys import PARALLEL, REPEAT, SECTION
 from bt_orchestrator.script.task_keys import INITIALIZATION_TASK, TASK
 from bt_orchestrator.script.task_reader import TaskReader
 from bt_orchestrator.script.yaml_nodes import Entry, ListNode, MapNode, Node, Scalar, found, quoted
@@ -144,7 +150,12 @@ class SectionReader:
     def _tracks(self, node: Node, section: int, step: int) -> Iterator[Track]:
         """Yield the tracks of one step; a task alone is one track."""
         if not _is_group(node):
-            yield tuple(self._track((node,), Position(section, step, 0, 0)))
+            alone = Position(section, step, 0, 0)
+            yield (
+                self._repeat(node, alone)
+                if _is_repeat(node)
+                else tuple(self._track((node,), alone))
+            )
             return
         members = fields_of(node, PARALLEL, self._report)
         items = members.items('parallel') if members else ()
@@ -157,11 +168,27 @@ class SectionReader:
             yield self._member(member, Position(section, step, track, 0))
 
     def _member(self, node: Node, position: Position) -> Track:
+        if _is_repeat(node):
+            return self._repeat(node, position)
         nodes = node.items if isinstance(node, ListNode) else (node,)
         if not nodes:
             what = 'this member of a parallel group has no tasks'
             self._report.add(node.place, what, 'give it a task, or remove it')
         return tuple(self._track(nodes, position))
+
+    def _repeat(self, node: Node, position: Position) -> Track:
+        """Read the tasks that are run in order, and perhaps again."""
+        fields = fields_of(node, REPEAT, self._report)
+        items = fields.items('repeat') if fields else ()
+        if fields is None or not fields.is_sure('repeat'):
+            self._draft.note_unread(node)
+            return ()
+        if not items:
+            what = 'this repeat has no tasks'
+            self._report.add(fields.place('repeat'), what, 'give it a task, or remove it')
+        tasks = tuple(self._track(items, position))
+        self._draft.repeats.append(RepeatDraft(tasks, fields.whole('times'), fields.node.place))
+        return tasks
 
     def _track(self, nodes: tuple[Node, ...], start: Position) -> Iterator[TaskDraft]:
         each = (fields for node in nodes for fields in self._task_fields(node))
@@ -178,6 +205,10 @@ class SectionReader:
             hint = 'tasks that are not ordered run side by side here anyway'
             nested = 'a member is a task, or a list of tasks run in order'
             self._report.add(node.place, what, hint if is_initialization else nested)
+        elif _is_repeat(node):
+            what = 'a repeat cannot stand here'
+            hint = 'it is a step of a section, or a member of a parallel group'
+            self._report.add(node.place, what, hint)
         elif not isinstance(node, MapNode):
             self._report.add(
                 node.place, f'a task must be a mapping, not {found(node)}', _STEP_HINT
@@ -196,6 +227,9 @@ class SectionReader:
                 yield from self._tasks_in(item)
         elif _is_group(node):
             for item in Fields(node, PARALLEL, self._report).items('parallel'):
+                yield from self._tasks_in(item)
+        elif _is_repeat(node):
+            for item in Fields(node, REPEAT, self._report).items('repeat'):
                 yield from self._tasks_in(item)
         else:
             yield node
@@ -224,7 +258,16 @@ def _is_empty(node: Node) -> bool:
 
 def _is_group(node: Node) -> bool:
     """Tell whether a step is meant as a parallel group, even if the word is misspelt."""
+    return _has_word(node, 'parallel')
+
+
+def _is_repeat(node: Node) -> bool:
+    """Tell whether a step is meant as a repeat, even if the word is misspelt."""
+    return _has_word(node, 'repeat')
+
+
+def _has_word(node: Node, word: str) -> bool:
     if not isinstance(node, MapNode) or node.find('action'):
-        return isinstance(node, MapNode) and node.find('parallel') is not None
+        return isinstance(node, MapNode) and node.find(word) is not None
     words = (entry.key.text for entry in node.entries)
-    return any(nearest(word, ('parallel',), likeness=0.75) for word in words)
+    return any(nearest(one, (word,), likeness=0.75) for one in words)

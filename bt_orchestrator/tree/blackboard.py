@@ -76,7 +76,7 @@ class BlackboardProjection:
             **dict.fromkeys((e.BeltIndexStarted, e.BeltIndexed, e.BeatStarted), self._belt),
             **dict.fromkeys(moves, self._slots_around),
             **dict.fromkeys(scripts, lambda event: self._script(event.digest)),
-            **dict.fromkeys(holds, self._everything),
+            **dict.fromkeys((*holds, e.RoundBegun), self._everything),
             e.ComponentStateChanged: lambda event: self._ready(event.component),
             e.CellStateChanged: self._cell,
         }

@@ -32,7 +32,7 @@ from bt_orchestrator.tree.guards import (
 )
 from bt_orchestrator.tree.leaf import ActionLeaf
 from bt_orchestrator.tree.pages import Page, detach, is_long, paged
-from bt_orchestrator.tree.policies import OnFailureDecorator, Retry, Verdict
+from bt_orchestrator.tree.policies import OnFailureDecorator, Retry, Rounds, Verdict
 from bt_orchestrator.tree.root import CellRoot
 from bt_orchestrator.tree.section import CompleteCycle, CycleOf, ReleaseConveyor, Section
 from bt_orchestrator.tree.sharing import BELT, INITIALIZATION
@@ -206,12 +206,19 @@ class CellTree:
 
     def _step(self, job: str, section: int, step: Step) -> Ticked:
         tracks = [self._track(job, section, track) for track in step.tracks]
-        body = tracks[0] if not step.is_group else AtOnce('parallel', tracks)
+        body = AtOnce('parallel', tracks) if step.is_group else tracks[0]
         if not step.requires_conveyor:
             return body
         return ConveyorGuard(self._recorder, job, section, step, body, self._space)
 
     def _track(self, job: str, section: int, track: tuple[Task, ...]) -> Ticked:
+        repeat = self._recorder.state.script(job).repeat_of.get(track[0].id)
+        tasks = self._in_order(job, section, track)
+        if repeat is None:
+            return tasks
+        return Rounds(self._subject(job, section, track[0]), repeat, tasks)
+
+    def _in_order(self, job: str, section: int, track: tuple[Task, ...]) -> Ticked:
         def compiled(part: Sequence[Task]) -> list[Ticked]:
             return [self._task(self._subject(job, section, task)) for task in part]
 

@@ -64,7 +64,7 @@ class ActionLeaf(TaskWaiter, Ticked):
     def _start_if_free(self, progress: TaskState | None) -> Status:
         # Also in a stopped section: the cell is not Held before this time.
         is_delayed = progress is not None and self.subject.recorder.is_delayed(self.subject.key)
-        stopped = None if self.subject.ends_with_its_job() else self._stopped()
+        stopped = None if self.subject.ends_with_its_job() else self.subject.stopped()
         if stopped is not None:
             self.note(stopped)
             return Status.RUNNING
@@ -88,18 +88,6 @@ class ActionLeaf(TaskWaiter, Ticked):
         self.subject.recorder.record(effects.of_passing(self.subject.state, key))
         self.feedback_message = 'done'
         return Status.SUCCESS
-
-    def _stopped(self) -> Wait | None:
-        """Say why the task must not start or be skipped: a skip counts as if it had run."""
-        state = self.subject.state
-        if not state.works:
-            mode = state.packml.value
-            what = 'the node ends' if state.shutting_down else f'the cell is {mode}'
-            return Wait(what, WaitKind.CELL_STATE, mode)
-        if state.pauses:
-            first = state.pauses[0]
-            return Wait(hold_wait_words([first]), WaitKind.PAUSE, first.id)
-        return self.subject.waits_in_hold()
 
     def _obstacle(self) -> Wait | None:
         """Say what blocks the next attempt, besides its delay and the guards."""
@@ -145,6 +133,7 @@ class ActionLeaf(TaskWaiter, Ticked):
             args=self._args(),
             server=recorder.server(task.component),
             uptime=recorder.uptime,
+            round=self.subject.state.round(key),
         )
         recorder.record([started])
         self.feedback_message = self._running(attempt)
@@ -157,7 +146,9 @@ class ActionLeaf(TaskWaiter, Ticked):
             self.subject.recorder.record([e.JobStarted(job=job.job.id)])
 
     def _running(self, attempt: int) -> str:
-        which = f', attempt {attempt}' if attempt > 1 else ''
+        number = self.subject.state.round(self.subject.key)
+        which = f', round {number + 1}' if number else ''
+        which += f', attempt {attempt}' if attempt > 1 else ''
         return f'running at {self.subject.task.action}{which}'
 
     def _args(self) -> dict[str, object]:

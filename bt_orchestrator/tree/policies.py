@@ -8,8 +8,10 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model import failures
 from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.goal import Reason
+from bt_orchestrator.model.script import Repeat
 from bt_orchestrator.tree.subject import Subject
 from bt_orchestrator.tree.ticking import Ticked, Wrapper
+from bt_orchestrator.tree.waiter import TaskWaiter
 
 
 class Retry(Wrapper):
@@ -41,10 +43,11 @@ class Retry(Wrapper):
         return Status.RUNNING
 
 
-class Verdict(Wrapper):
-    """Shows a task's verdict (semantics 2.8).
+class Verdict(Wrapper, TaskWaiter):
+    """Shows a task's verdict, and begins another round of its repeat (semantics 2.8, 3.9).
 
-    It was given when the end of the goal was recorded: a refused result is a failed attempt.
+    The verdict was given when the end of the goal was recorded: a refused result is a failed
+    attempt.
     """
 
     def __init__(self, subject: Subject, child: Ticked) -> None:
@@ -53,10 +56,40 @@ class Verdict(Wrapper):
         self.subject = subject
 
     def update(self) -> Status:
-        """Say why a result was refused."""
+        """Begin a round if one is left, and nothing stops the section; else let it fail."""
+        self.note(None)
         progress = self.subject.progress
-        is_refused = progress is not None and progress.reason is Reason.RESULT_REFUSED
-        self.feedback_message = progress.message if progress is not None and is_refused else ''
+        if progress is None or progress.reason is not Reason.RESULT_REFUSED:
+            return self.decorated.status
+        self.feedback_message = progress.message
+        if self.decorated.status is not Status.FAILURE:
+            return self.decorated.status
+        state, key = self.subject.state, self.subject.key
+        if not failures.may_repeat(state, key, self.subject.task):
+            return Status.FAILURE
+        stopped = self.subject.stopped()
+        if stopped is not None:
+            self.note(stopped)
+        else:
+            self.subject.recorder.record([failures.begin_round(state, key)])
+        return Status.RUNNING
+
+
+class Rounds(Wrapper):
+    """Shows the rounds of a repeat; its verdicts begin them."""
+
+    def __init__(self, subject: Subject, repeat: Repeat, child: Ticked) -> None:
+        """Wrap the tasks of a repeat.
+
+        :param subject: its first task
+        """
+        super().__init__(repeat.rounds, child)
+        self.subject = subject
+
+    def update(self) -> Status:
+        """Say which round it is."""
+        number = self.subject.state.round(self.subject.key)
+        self.feedback_message = f'round {number + 1}' if number else ''
         return self.decorated.status
 
 

@@ -143,6 +143,17 @@ class Subject:
             return missing
         return None
 
+    def stopped(self) -> Wait | None:
+        """Say why the task must not start or be skipped: a skip counts as if it had run."""
+        if not self.state.works:
+            mode = self.state.packml.value
+            what = 'the node ends' if self.state.shutting_down else f'the cell is {mode}'
+            return Wait(what, WaitKind.CELL_STATE, mode)
+        if self.state.pauses:
+            first = self.state.pauses[0]
+            return Wait(hold_wait_words([first]), WaitKind.PAUSE, first.id)
+        return self.waits_in_hold()
+
     def waits_in_hold(self) -> Wait | None:
         """Return the wait for a hold that blocks this task's section (semantics 7.1)."""
         for hold in self.state.holds.values():

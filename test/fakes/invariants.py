@@ -149,9 +149,17 @@ class Invariants:
     def _free(self, event: e.TaskEvent) -> None:
         if not isinstance(event, e.TaskFailed):
             self._ended.add((event.item, event.task))
+        self._free_of(event.key)
+
+    def _free_of(self, task: e.TaskKey) -> None:
         for owners in (self._busy, self._zones):
-            for name in [name for name, key in owners.items() if key == event.key]:
+            for name in [name for name, key in owners.items() if key == task]:
                 del owners[name]
+
+    def _round_begun(self, event: e.RoundBegun) -> None:
+        for task in event.tasks:
+            self._ended.discard((event.item, task))
+            self._free_of(e.TaskKey(event.job, event.section, event.item, task))
 
     def _zones_of(self, key: e.TaskKey) -> list[str]:
         if key.job is None:
@@ -242,6 +250,7 @@ class Invariants:
         e.ItemMoved: _moved,
         e.ItemRemoved: _removed,
         e.PositionEnded: _position_ended,
+        e.RoundBegun: _round_begun,
         e.CellStateChanged: _state_changed,
         e.HoldRaised: _hold_raised,
         e.HoldReleased: _hold_released,

@@ -87,6 +87,7 @@ AROUND: Mapping[str, Around] = {
     'reference_order': Around(SCRIPT_FILE, _in_line),
     'references': Around(SCRIPT_FILE, lambda text: LINE + REFERENCE.format(text)),
     'scripts': Around(SCRIPT_FILE, str),
+    'repeats': Around(SCRIPT_FILE, _in_line),
     'section_rules': Around(SCRIPT_FILE, _in_line),
     'sections': Around(SCRIPT_FILE, _in_line),
     'verdicts': Around(SCRIPT_FILE, lambda text: LINE + VERDICT.format(text)),

@@ -293,11 +293,14 @@ class NaiveCell(NaiveState):
         if task.job:
             self.begin_job(task.job)
         task.state, task.cancelled, task.busy = 'running', '', True
+        task.goals += 1
         others = [one for one in self.started if one.state != 'done' and one is not task]
         self.started = [*others, task]
         action, name = task.does
         self.done.pop(task.does, None)
-        fields = {'name': name, 'action': action, 'component': task.device.name}
+        fields: Row = {'name': name, 'action': action, 'component': task.device.name}
+        if task.repeat and task.repeat.begun:
+            fields['round'] = task.repeat.begun
         self.say('task.started', task.where, attempt=task.attempt, **fields)
         deaf_after_s, ends = task.device.take(name)
         task.deaf_from = round(self.now + deaf_after_s, 6)
@@ -362,7 +365,9 @@ class NaiveCell(NaiveState):
     # --- failures and operators (2.6, 2.7, 7.1) -------------------------------------------
 
     def decide(self, task: Task) -> None:
-        """Do what is to be done about a failed attempt."""
+        """Do what is to be done about a failed attempt; nothing that is stopped begins a round."""
+        if verdict(task) == 'again' and self.stopped(task.section):
+            return
         self.carry_out(task, verdict(task), task.given.get('retry_delay', 0.0))
 
     def carry_out(self, task: Task, what: str, delay_s: float = 0.0) -> None:
@@ -380,6 +385,8 @@ class NaiveCell(NaiveState):
             self.at(delay_s, task, 'retry', TIMES_LAST)
             times = {'attempt': task.attempt + 1, 'not_before': task.not_before}
             self.say('task.retrying', task.where, **times)
+        elif what == 'again':
+            self.begin_round(task.repeat, task.where)
         elif what in ('mark_done', 'skip'):
             if task.state == 'held' and 'fails_unless' in task.given and not task.item.empty:
                 self.say('item.nonconforming', {'job': task.job, 'item': task.item, 'task': task})
@@ -390,6 +397,16 @@ class NaiveCell(NaiveState):
             self.executed(task, None)
             if what == 'continue' and task.refused:
                 task.item.remember(task, task.refused)
+
+    def begin_round(self, repeat: Any, where: Row) -> None:
+        """Do the tasks of a repeat once more (3.9)."""
+        repeat.begun += 1
+        ids = [task.id for task in repeat.tasks]
+        cycle = {key: where[key] for key in ('job', 'section', 'item')}
+        self.say('round.begun', cycle, repeat=ids[0], n=repeat.begun, tasks=ids)
+        for task in repeat.tasks:
+            task.state, task.attempt, task.busy, task.not_before = 'new', 0, False, 0.0
+            where['item'].forget(task)
 
     def offered(self, task: Task) -> list[str]:
         """Return what makes sense as an answer about a held task now (7.1)."""

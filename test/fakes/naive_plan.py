@@ -72,11 +72,15 @@ def requires_conveyor(task: Row) -> bool:
 
 def plan_of(script: Row) -> SimpleNamespace:
     """Return a script: lists of steps, steps as lists of members, members as lists of tasks."""
-    lists, early, trailing = {}, set(), set()
+    lists, early, trailing, repeats = {}, set(), set(), {}
     for number, given in script['sections'].items():
         whole = given if isinstance(given, dict) else {'tasks': given}
         steps = [step.get('parallel', [step]) for step in whole['tasks']]
-        lists[number] = [[m if isinstance(m, list) else [m] for m in step] for step in steps]
+        for member in [m for step in steps for m in step if 'repeat' in m]:
+            repeats[member['repeat'][0]['id']] = member.get('times', 1)
+        lists[number] = [
+            [m if isinstance(m, list) else m.get('repeat', [m]) for m in step] for step in steps
+        ]
         if whole.get('release_conveyor') == 'after_last_conveyor_task':
             early.add(number)
             needs = [any(map(requires_conveyor, chain(*step))) for step in lists[number]]
@@ -96,6 +100,7 @@ def plan_of(script: Row) -> SimpleNamespace:
         flags=flags,
         changes=changes,
         zones=script.get('zones', {}),
+        repeats=repeats,
         first=script.get('initialization', []),
         order=script.get('initialization_dependencies', []),
     )

@@ -50,6 +50,10 @@ class Item:
     def remember(self, task: Task, results: Row) -> None:
         self.values |= {f'results.{task.id}.{name}': value for name, value in results.items()}
 
+    def forget(self, task: Task) -> None:
+        given = f'results.{task.id}.'
+        self.values = {name: v for name, v in self.values.items() if not name.startswith(given)}
+
     def at(self, section: int) -> Row:
         return {'job': self.job, 'section': section, 'item': self}
 
@@ -79,6 +83,10 @@ class Task:
     cancelled: str = ''
     deaf_from: float = 0.0
     """The time from which its server hears no cancel."""
+    repeat: Any = None
+    """Its tasks, further rounds begun, and how many there may be (3.9)."""
+    goals: int = 0
+    """Sent in all, whatever the round."""
     busy: bool = False
     """Whether it has its component and zones: it runs, is held, or was, and is to be tried again
     (2.5, 4.4)."""
@@ -175,6 +183,11 @@ class NaiveRun(ABC):
             [[self.new_task(task, item.job, number, item) for task in member] for member in step]
             for step in item.job.plan.lists[number]
         ]
+        for tasks in [tasks for step in steps for tasks in step]:
+            times = item.job.plan.repeats.get(tasks[0].id)
+            repeat = SimpleNamespace(tasks=tasks, begun=0, times=times) if times else None
+            for task in tasks:
+                task.repeat = repeat
         return SimpleNamespace(item=item, where=item.at(number), beat=beat, steps=steps)
 
     def new_task(self, given: Row, job: Job, section: int | None = None, item: Any = None) -> Task:
@@ -206,7 +219,7 @@ class NaiveRun(ABC):
         """
         time = round(self.now + after, 6)
         self._agenda.append(
-            (time, self.now + certain, next(self._numbers), task, getattr(task, 'attempt', 0), end)
+            (time, self.now + certain, next(self._numbers), task, getattr(task, 'goals', 0), end)
         )
 
     def advance(self, until: float) -> None:
@@ -216,11 +229,11 @@ class NaiveRun(ABC):
             self.now = min(self._agenda)[0]
             due = sorted(note for note in self._agenda if note[0] == self.now)
             self._agenda = [note for note in self._agenda if note[0] > self.now]
-            for _, _, _, task, attempt, end in due:
+            for _, _, _, task, goals, end in due:
                 if isinstance(task, Job) and task.early:
                     task.early, self.had_work = False, True
                     self.say('job.may_start', {'job': task})
-                elif isinstance(task, Task) and (task.state, task.attempt) == ('running', attempt):
+                elif isinstance(task, Task) and (task.state, task.goals) == ('running', goals):
                     self.end(task, end)
             self.settle()
         self.now = round(max(self.now, until), 6) if self.jobs else self.now

@@ -74,10 +74,24 @@ def needs_belt(step: list[list[Task]]) -> bool:
     return any(task.given.get('requires_conveyor', True) for member in step for task in member)
 
 
+def may_repeat(task: Task) -> bool:
+    """Tell whether a refused result begins another round (3.9)."""
+    if not task.repeat or task.reason != 'result_refused' or task.cancelled or task.job.aborting:
+        return False
+    return task.repeat.begun < task.repeat.times and is_for(task.given, task.item)
+
+
 def verdict(task: Task) -> str:
-    """Say what is to be done about a failed attempt; the last word counts (2.6, 2.7)."""
+    """Say what is to be done about a failed attempt; the last word counts (2.6, 2.7, 3.9)."""
     what = task.given.get('on_failure', 'hold')
-    if task.attempt <= task.given.get('retries', 0) and task.reason != 'missing_result':
+    if may_repeat(task):
+        return 'again'
+    is_once = task.repeat and task.reason == 'result_refused'
+    if (
+        not is_once
+        and task.attempt <= task.given.get('retries', 0)
+        and task.reason != 'missing_result'
+    ):
         what = 'retry'
     if task.cancelled == 'abort_job':
         what = 'hold' if is_open(task) else 'abort_job'
@@ -106,6 +120,7 @@ def answers(task: Task, on_the_belt: Iterable[Job]) -> list[str]:
     jobs = [job] if job else on_the_belt
     sensible = {
         'retry': again and task.reason != 'missing_result',
+        'again': again and task.repeat,
         'mark_done': True,
         'skip': job and not (again and task.given.get('qty_change') == -1),
         'reject': good and not slot_in_doubt and task.id not in job.plan.trailing,

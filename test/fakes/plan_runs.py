@@ -82,6 +82,8 @@ def operate(bench: Bench, moments: Sequence[Moment]) -> bool:
                 assert item is not None
                 bench.remove(item)
             else:
+                if moment is None:  # somebody has to let the job end
+                    answers = [one for one in answers if one != 'again']
                 bench.answer(hold, answers[choice % len(answers)])
         elif bench.paused:
             bench.pause(False)

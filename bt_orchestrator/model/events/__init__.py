@@ -63,6 +63,7 @@ from bt_orchestrator.model.events.line import (
     ItemRejected,
     ItemRemoved,
     PositionEnded,
+    RoundBegun,
     TurnCompleted,
 )
 from bt_orchestrator.model.events.tasks import (
@@ -117,6 +118,7 @@ __all__ = [
     'CycleStarted',
     'TurnCompleted',
     'CycleCompleted',
+    'RoundBegun',
     'FlagEvent',
     'FlagRaised',
     'FlagLowered',

@@ -42,6 +42,19 @@ class CycleCompleted(CycleEvent):
 
 
 @dataclass(frozen=True, kw_only=True)
+class RoundBegun(CycleEvent):
+    """The tasks of a repeat are done once more for the item (semantics 3.9)."""
+
+    event: ClassVar[str] = 'round.begun'
+    repeat: str
+    """Its first task."""
+    n: int
+    """Which further round of this cycle, from 1."""
+    tasks: tuple[str, ...]
+    """All of its tasks: they are new again, and have no results."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class FlagEvent(TaskEvent):
     """A lateral dependency's counter changed, by the task named."""
 

@@ -42,6 +42,8 @@ class TaskStarted(TaskEvent):
     uptime: float | None = None
     """Seconds for which the machine had been up when it was sent, in the boot that
     `orchestrator.started` names."""
+    round: int = 0
+    """Which further round of its repeat, from 1; 0: the first pass, or no repeat."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -69,6 +69,17 @@ def task_failed(event: e.TaskFailed, state: CellState) -> None:
         _release(state, event.key)
 
 
+def round_begun(event: e.RoundBegun, state: CellState) -> None:
+    section = state.sections[event.section]
+    assert section.cycle is not None
+    section.cycle = changed(section.cycle, rounds={**section.cycle.rounds, event.repeat: event.n})
+    for name in event.tasks:
+        key = e.TaskKey(event.job, event.section, event.item, name)
+        _release(state, key)
+        state.tasks.pop(key, None)
+        state.items[event.item].results.pop(name, None)
+
+
 def task_retrying(event: e.TaskRetrying, state: CellState) -> None:
     state.tasks[event.key] = changed(
         state.tasks[event.key],

@@ -172,6 +172,10 @@ ANSWERS: Mapping[str, Request] = {
     for request in (
         _request(About.HOLD, failures.RETRY, 'tries the task once more', _OPERATORS),
         _request(
+            About.HOLD, failures.AGAIN, 'does the repeat that the task is in once more, from its '
+            'first task', _OPERATORS,
+        ),
+        _request(
             About.HOLD, failures.MARK_DONE, 'the task was done: its item goes on as after success',
             _OPERATORS, _RESULTS,
         ),

@@ -59,6 +59,10 @@ class DependencyReader:
             what = f'`{task.id}` is an initialization task, which belongs to no cycle'
             hint = 'name a task of a section'
             self._report.add(fields.place(key), what, hint)
+        elif task is not None and self._script.is_repeated(task):
+            what = f'`{task.id}` is in a repeat, and would change the flag once a round'
+            hint = 'name a task before or behind the repeat'
+            self._report.add(fields.place(key), what, hint)
         return name
 
     # --- zones ----------------------------------------------------------------------------

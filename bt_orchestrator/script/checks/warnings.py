@@ -204,7 +204,7 @@ def _tasks_in(node: Node) -> Iterator[Node]:
     if isinstance(node, ListNode):
         yield from chain.from_iterable(map(_tasks_in, node.items))
         return
-    keys = ('tasks', 'parallel')
+    keys = ('tasks', 'parallel', 'repeat')
     inner = [node.find(key) for key in keys] if isinstance(node, MapNode) else []
     below = [entry.value for entry in inner if entry is not None]
     yield from _tasks_in(below[0]) if below else [node]

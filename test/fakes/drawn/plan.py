@@ -109,5 +109,5 @@ def tasks_of(steps: Sequence[Any]) -> list[Row]:
     for step in steps:
         members = step.get('parallel', [step])
         for member in members:
-            found += member if isinstance(member, list) else [member]
+            found += member if isinstance(member, list) else member.get('repeat', [member])
     return found

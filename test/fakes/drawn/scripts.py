@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from fakes.drawn.conditions import draw_comparison, draw_condition, draw_verdict
@@ -23,6 +24,8 @@ class DrawnScript:
         self.early: set[int] = set()
         self.tasks: list[tuple[int, Row]] = []
         """All tasks of the lists with their sections, in the order of the lists."""
+        self.repeated: set[str] = set()
+        """Tasks in repeats, which no flag may name."""
         self.readable: list[str] = []
         """Tasks whose results later ones may use."""
 
@@ -39,7 +42,8 @@ class DrawnScript:
             else steps
             for n, steps in sorted(self.lists.items())
         }
-        script['lateral_dependencies'] = draw_flags(self.draw, self.name, self.tasks)
+        once = [placed for placed in self.tasks if placed[1]['id'] not in self.repeated]
+        script['lateral_dependencies'] = draw_flags(self.draw, self.name, once)
         if self.traits.shared:
             first = script.get('initialization', [])
             script['zones'] = draw_zones(self.draw, self.tasks, first)
@@ -51,7 +55,7 @@ class DrawnScript:
         least = 0 if number in (self.source, self.sink) else 1
         early = chance(self.draw, 25)
         steps: list[Any] = [
-            self._group(number) if chance(self.draw, 20) else self._single(number)
+            self._group(number) if chance(self.draw, 20) else self._alone(number)
             for _ in range(self.draw(st.integers(least, 3)))
         ]
         if number == self.source:
@@ -67,11 +71,32 @@ class DrawnScript:
     def _single(self, number: int) -> Row:
         return self._task(number, self.draw(st.sampled_from(self._devices(number))))
 
+    def _alone(self, number: int) -> Row:
+        if not chance(self.draw, 15):
+            return self._single(number)
+        return self._repeat(number, self._devices(number))
+
+    def _repeat(self, number: int, devices: Sequence[str]) -> Row:
+        draw, before = self.draw, list(self.readable)
+        tasks = []
+        for _ in range(draw(st.integers(1, 3))):
+            tasks.append(self._task(number, draw(st.sampled_from(devices))))
+            if tasks[-1].get('runs_for', 'good') != 'rejected':
+                self.readable.append(tasks[-1]['id'])
+        last = tasks[-1]
+        last.setdefault('fails_unless', draw_verdict(draw, last['id'], before))
+        self.readable = before
+        self.repeated |= {task['id'] for task in tasks}
+        return {'repeat': tasks, 'times': draw(st.integers(1, 2))}
+
     def _group(self, number: int) -> Row:
         devices = self._devices(number)
         members: list[Any] = []
         for device in devices[: self.draw(st.integers(2, 3))]:
             length = self.draw(st.integers(1, 2))
+            if chance(self.draw, 15):
+                members.append(self._repeat(number, [device]))
+                continue
             tasks = [self._task(number, device) for _ in range(length)]
             members.append(tasks[0] if length == 1 else tasks)
         return {'parallel': members}
@@ -143,7 +168,7 @@ class DrawnScript:
     def _ways_out(self) -> None:
         """Let every item meet exactly one task that takes it out (3.2)."""
         draw, steps = self.draw, self.lists[self.sink]
-        tail = [t for t in steps if 'parallel' not in t and t.get('qty_change', 0) == 0]
+        tail = [t for t in steps if 'id' in t and t.get('qty_change', 0) == 0]
         trail = []
         if tail and steps[-1] is tail[-1] and chance(draw, 40):
             trail = [steps.pop()]

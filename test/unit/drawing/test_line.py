@@ -86,6 +86,7 @@ def test_a_plain_task_is_id_constant_and_action() -> None:
         ('runs_for: all', 'for good and rejected items'),
         ('repeatable: true', 'repeatable'),
         ('unless: "${params.dry}"', 'unless ${params.dry}'),
+        ('fails_unless: "${results.work.item_present}"', 'fails unless'),
         ('args: {special_argument_1: "${params.lot}!"}', 'special_argument_1: ${params.lot}!'),
         ('requires_conveyor: false', 'while the belt moves'),
     ],
@@ -164,6 +165,16 @@ def test_a_flag_is_an_edge_with_its_counts() -> None:
 def test_a_zone_is_named_on_each_of_its_tasks() -> None:
     for task in ('work10', 'work11', 'work17'):
         assert '\u25a0 zone crane' in long().words(f'task.{task}')
+
+
+def test_a_repeat_is_named_on_each_of_its_tasks_and_in_the_legend() -> None:
+    judged = 'fails_unless: "${results.look.item_present}"'
+    repeat = f'- repeat: [{{id: glue, @b2}}, {{id: look, @a2, {judged}}}]\n  times: 2'
+    picture = drawn(with_section(2, repeat))
+    for task in ('glue', 'look'):
+        assert '\u21bb glue, look: up to 2 more rounds' in picture.words(f'task.{task}')
+    assert '\u21bb' in picture.words('legend')
+    assert '\u21bb' not in drawn(THREE).words('legend')
 
 
 def test_initialization_is_a_group_with_its_order() -> None:

@@ -48,7 +48,12 @@ SCRIPT = Line().script(
                 - {value: "${results.look.measurement}", between: ["${params.least}", 2.5]}
                 - {all: [{value: "${item.number}", not_equals: 0}, "${results.look.item_present}"]}
                 - {value: "${params.label}", one_of: [a, b]}
-      3: [{id: pack, @a3, qty_change: -1, runs_for: all}]
+      3:
+        - repeat:
+          - {id: glue, @b3}
+          - {id: see, @b3, fails_unless: "${results.see.item_present}"}
+          times: 2
+        - {id: pack, @a3, qty_change: -1, runs_for: all}
     lateral_dependencies: [{flag: seen, upstream: look, downstream: pack, capacity: 2}]
     zones: {table: [two, pack]}
     """
@@ -80,6 +85,10 @@ SAMPLES: dict[str, Any] = {
     'component': 'a2',
     'attempt': 2,
     'attempts': 3,
+    'repeat': 'glue',
+    'n': 2,
+    'tasks': ('glue', 'see'),
+    'round': 1,
     'goal': 'b04965e6-a9bb-591f-8f8a-1adcb2c8dc39',
     'args': {'pose': {'frame': 'belt', 'position': {'x': 1.5}}, 'names': ['a', 'b']},
     'cause': 'timeout',

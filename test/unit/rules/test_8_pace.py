@@ -208,6 +208,18 @@ def test_8_4_what_is_shared_makes_the_pace_a_bound() -> None:
     assert real.per_item_s > 8.0  # the belt waits for both, and moves while the arm does nothing
 
 
+def test_8_4_further_rounds_of_a_repeat_are_not_counted() -> None:
+    judged = 'fails_unless: "${results.look.item_present}"'
+    repeat = f'- repeat: [{{id: glue, @b2}}, {{id: look, @a2, {judged}}}]'
+    found = paced(Line(), with_section(2, repeat))
+    assert found.per_item_s == 4.0
+    assert found.not_counted == ('further rounds of glue',)
+    assert str(found).startswith(
+        'an item every 4.0 s or longer (further rounds of glue not counted'
+    )
+    assert not found.is_exact
+
+
 def test_8_4_a_zone_may_be_wanted_by_two_tracks_of_a_group() -> None:
     found = paced(Line(), ZONE)
     assert found.not_counted == ('waits for zone table',)

@@ -72,6 +72,7 @@ def test_9_1_every_line_goes_as_the_second_opinion_says() -> None:
         seen['aborted'] += 'Aborted' in product.run.states
         seen['faults'] += plan.has_faults
         seen['result_refused'] += 'result_refused' in product.run.reasons()
+        seen['rounds'] += bool(product.run.all('round.begun'))
         seen['let pass'] += bool(product.run.all('item.nonconforming'))
         seen['waited'] += bool(product.run.all('job.may_start'))
         seen['placed'] += any('position' in one for one in product.run.all('job.queued'))
@@ -83,6 +84,7 @@ def test_9_1_every_line_goes_as_the_second_opinion_says() -> None:
     assert seen['stopped'] >= 0.05 * seen['all'], seen
     assert seen['aborted'] >= 0.05 * seen['all'], seen
     assert seen['result_refused'] >= 0.1 * seen['all'], seen
+    assert seen['rounds'] >= 0.05 * seen['all'], seen
     assert seen['let pass'] >= 0.05 * seen['all'], seen
     assert seen['faults'] >= 0.3 * seen['all'], seen
     assert seen['waited'] >= 0.05 * seen['all'], seen

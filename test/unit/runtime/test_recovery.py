@@ -88,32 +88,65 @@ def story_of(world: World) -> list[tuple[object, ...]]:
         if isinstance(event, (e.TaskSucceeded, e.TaskFailed)):
             found.append((event.time, event.item, event.task, event.attempt, event.results))
         elif isinstance(event, e.TaskStarted):
-            found.append((event.time, event.item, event.task, event.attempt, event.args))
+            which = (event.round, event.attempt)
+            found.append((event.time, event.item, event.task, *which, event.args))
+        elif isinstance(event, e.RoundBegun):
+            found.append((event.time, event.item, event.repeat, event.n))
     return found
 
 
-def test_2_8_killed_after_any_settle_every_verdict_is_the_same() -> None:
-    line = Line(faults={'a2': '#1=reads:2.5 #3=reads:3.5 #4=reads:4.5'})
-    whole = World(line.cell)
-    whole.go(begun(whole, line.script(JUDGED)))
-    expected, kills = story_of(whole), 0
-    refused = [one.results for one in whole.events(e.TaskFailed)]  # type: ignore[attr-defined]
-    assert [one['measurement'] for one in refused] == [2.5, 3.5, 4.5]
-
+def assert_killed_anywhere_it_ends_the_same(
+    line: Line, text: str, story: list[tuple[object, ...]]
+) -> None:
+    """Kill the orchestrator after each settle, one run for each, and compare what became of it."""
+    kills = 0
     for settles in itertools.count(1):
         world = World(line.cell)
-        first = begun(world, line.script(JUDGED))
+        first = begun(world, line.script(text))
         world.go(first, settles)
         if not first.state.jobs:
             break
         first.close()
         second = world.orchestrator()
         world.go(second)
-        assert second.state.ended['J'].progress.nonconforming == 1, f'killed after {settles}'
-        assert story_of(world) == expected
+        assert story_of(world) == story, f'killed after {settles} settles'
         second.close()
         kills += 1
     assert kills > 10
+
+
+def test_2_8_killed_after_any_settle_every_verdict_is_the_same() -> None:
+    line = Line(faults={'a2': '#1=reads:2.5 #3=reads:3.5 #4=reads:4.5'})
+    whole = World(line.cell)
+    whole.go(begun(whole, line.script(JUDGED)))
+    refused = [one.results for one in whole.events(e.TaskFailed)]  # type: ignore[attr-defined]
+    assert [one['measurement'] for one in refused] == [2.5, 3.5, 4.5]
+    assert_killed_anywhere_it_ends_the_same(line, JUDGED, story_of(whole))
+
+
+REPEATED = with_section(
+    2,
+    """
+    - repeat:
+        - {id: glue, @b2}
+        - id: work
+          task: TASK_A
+          action: /a2/do
+          on_failure: continue
+          fails_unless: {value: "${results.work.measurement}", at_most: 1.5}
+      times: 2
+    - {id: use, @b2.TASK_B, args: {special_argument_2: "${results.work.measurement}"}}
+    """,
+)
+
+
+def test_3_9_killed_after_any_settle_every_round_is_the_same() -> None:
+    line = Line(faults={'a2': '#1=reads:2.5 #3=reads:3.5 #4=reads:4.5 #5=reads:5.5'})
+    whole = World(line.cell)
+    whole.go(begun(whole, line.script(REPEATED)))
+    rounds = [(one.item, one.n) for one in whole.events(e.RoundBegun)]  # type: ignore[attr-defined]
+    assert rounds == [('J/1', 1), ('J/2', 1), ('J/2', 2)]
+    assert_killed_anywhere_it_ends_the_same(line, REPEATED, story_of(whole))
 
 
 def test_9_2_without_auto_resume_nothing_new_starts_until_resume() -> None:

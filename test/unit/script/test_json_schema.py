@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 STRUCTURAL = re.compile(
     r'.* (has no key|needs the key `(?!task`)|has no value;|cannot be `\w*`; write one of'
     r'|needs one of|needs two bounds|has no (conditions|values)|has one comparison|stands beside'
+    r'|this repeat has no tasks'
     r'|must be (a mapping|a list|a number|one of|at least|at most|greater|true or false'
     r'|a date|a (whole|section) number))'
     r'|.*`\w+` is empty'

@@ -20,6 +20,11 @@ def test_groups_and_initialization(text: str, expected: list[str]) -> None:
     assert mistakes(lambda: line(text)) == expected
 
 
+@pytest.mark.parametrize(('text', 'expected'), table('repeats'))
+def test_repeats(text: str, expected: list[str]) -> None:
+    assert mistakes(lambda: line(text)) == expected
+
+
 @pytest.mark.parametrize(('text', 'expected'), table('ids'))
 def test_ids(text: str, expected: list[str]) -> None:
     assert mistakes(lambda: line(text)) == expected

@@ -25,6 +25,15 @@ def test_the_tree_has_every_behaviour_in_the_order_of_ticks() -> None:
     assert set(dot.edges) == {f'{n.rpartition(".")[0]} -> {n}' for n in dot.nodes if '.' in n}
 
 
+def test_a_repeat_and_a_verdict_are_seen() -> None:
+    judged = 'fails_unless: {value: "${results.look.measurement}", at_least: 2}'
+    repeat = f'- repeat: [{{id: glue, @b2}}, {{id: look, @a2, {judged}}}]\n  times: 2'
+    dot = drawn(with_section(2, repeat))
+    names = [dot.nodes[f'root.3.1.2{below}']['label'] for below in ('.1', '.1.1', '.1.1.2.1')]
+    verdict = 'fails unless ${results.look.measurement} at least 2'
+    assert names == ['up to 2 more rounds', 'in order', verdict]
+
+
 def test_drawing_the_tree_leaves_nothing_on_the_blackboard() -> None:
     before = set(Blackboard.clients)
     drawn(f'{THREE}zones: {{z: [work, pack]}}')

@@ -1,0 +1,250 @@
+"""Semantics 3.9: tasks that are done again while a verdict refuses the result."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from fakes.line import Line
+from fakes.virtual_run import VirtualRun
+
+from bt_orchestrator.model.cell_commands import Stop
+from bt_orchestrator.model.events import TaskKey
+from bt_orchestrator.model.failures import may_repeat
+
+REWORK = """
+sections:
+  1: [{id: place, @a1, qty_change: 1}]
+  2:
+    - repeat:
+        - {id: glue, @b2}
+        - id: weigh
+          task: TASK_A
+          action: /a2/do
+          fails_unless: {value: "${results.weigh.measurement}", at_least: 1.0}
+          OPTIONS
+      times: 2
+    - {id: use, @b2.TASK_B, args: {special_argument_2: "${results.weigh.measurement}"}}
+  3: [{id: pack, @a3, qty_change: -1, runs_for: all}]
+"""
+BEGINS = 3.0
+"""Seconds at which section 2 begins with the first item; each task takes one."""
+
+
+def reworked(
+    *read: float, options: str = '', quantity: int = 1, faults: str = '', until: float = 1e6
+) -> VirtualRun:
+    """Run a line that glues and weighs an item until it weighs enough.
+
+    :param read: what the scale says of each attempt in turn
+    """
+    told = ' '.join([faults, *(f'#{n}=reads:{value}' for n, value in enumerate(read, 1))])
+    run = Line(faults={'a2': told.strip()}).begin(REWORK.replace('OPTIONS', options), quantity)
+    return run.go(until=until)
+
+
+def rounds(run: VirtualRun) -> list[tuple[float, int]]:
+    return [(one['time'], one['n']) for one in run.all('round.begun')]
+
+
+def test_3_9_a_refused_result_begins_another_round_at_once() -> None:
+    run = reworked(0.0, 0.5, 1.0)
+    assert rounds(run) == [(5.0, 1), (7.0, 2)]
+    assert run.starts('glue') == [3.0, 5.0, 7.0]
+    assert run.starts('weigh') == [4.0, 6.0, 8.0]
+    assert [one.get('round') for one in run.all('task.started', task='glue')] == [None, 1, 2]
+    (begun, _) = run.all('round.begun')
+    assert (begun['repeat'], begun['tasks']) == ('glue', ['glue', 'weigh'])
+    assert run.ended
+    assert run.counts() == {'started': 1, 'placed': 1, 'processed': 1, 'packed': 1}
+
+
+def test_3_9_later_tasks_have_the_results_of_the_last_round() -> None:
+    run = reworked(0.0, 1.5)
+    (used,) = run.all('task.started', task='use')
+    assert used['args'] == {'special_argument_2': 1.5}
+
+
+def test_3_9_after_the_last_round_on_failure_decides() -> None:
+    run = reworked(0.0, 0.0, 0.0, options='on_failure: reject\n          retries: 3')
+    assert len(rounds(run)) == 2
+    assert run.all('task.retrying') == []
+    assert run.times('item.rejected') == [9.0]
+    assert run.counts()['rejected'] == 1
+
+
+def test_3_9_attempts_count_anew_and_a_refused_result_is_not_retried() -> None:
+    run = reworked(0.0, 1.0, options='retries: 5')
+    attempts = [one['attempt'] for one in run.all('task.started', task='weigh')]
+    assert attempts == [1, 1]
+    assert run.all('task.retrying') == []
+
+
+def test_3_9_other_failures_are_retried_in_their_round() -> None:
+    run = reworked(faults='#1=abort #2=reads:0.0 #3=abort #4=reads:1.0', options='retries: 1')
+    assert len(rounds(run)) == 1
+    attempts = [
+        (one.get('round', 0), one['attempt']) for one in run.all('task.started', task='weigh')
+    ]
+    assert attempts == [(0, 1), (0, 2), (1, 1), (1, 2)]
+
+
+def test_3_9_each_item_has_its_own_rounds() -> None:
+    run = reworked(0.0, 0.0, 1.0, 0.0, 0.0, 1.0, quantity=2)
+    assert [(one['item'], one['n']) for one in run.all('round.begun')] == [
+        ('J/1', 1),
+        ('J/1', 2),
+        ('J/2', 1),
+        ('J/2', 2),
+    ]
+    assert run.counts()['packed'] == 2
+
+
+def test_3_9_again_begins_one_round_more() -> None:
+    run = reworked(0.0, 0.0, 0.0, 1.0)
+    (hold,) = run.state.holds.values()
+    assert hold.answers == ('retry', 'again', 'mark_done', 'skip', 'reject', 'abort_job')
+    assert run.answer('again').accepted
+    run.go()
+    assert rounds(run)[-1] == (9.0, 3)
+    assert run.starts('glue')[-1] == 9.0
+    assert run.ended
+
+
+def test_3_9_retry_repeats_the_task_and_skip_goes_on_behind_it() -> None:
+    run = reworked(0.0, 0.0, 0.0, 0.0)
+    assert run.answer('retry').accepted
+    run.go()
+    assert run.starts('weigh')[-1] == 9.0
+    assert len(run.starts('glue')) == 3
+    assert run.answer('skip').accepted
+    run.go()
+    assert len(rounds(run)) == 2
+    assert run.reasons()[-1] == 'missing_result'  # of `use`
+
+
+def test_3_9_again_is_offered_for_any_task_of_the_repeat() -> None:
+    line = Line(faults={'b2': '#1=abort'}, results={'a2': {'measurement': 2.0}})
+    run = line.run(REWORK.replace('OPTIONS', ''))
+    assert run.state.reserved['b2'].task == 'glue', 'a held task keeps its component'
+    assert run.answer('again').accepted
+    run.go()
+    assert rounds(run) == [(4.0, 1)]
+    assert run.ended
+
+
+def test_3_9_a_round_frees_what_a_held_task_kept() -> None:
+    text = REWORK.replace('OPTIONS', '').replace('{id: glue, @b2}', '{id: glue, @a2.TASK_B}')
+    run = Line(faults={'a2': ' '.join(f'TASK_A#{n}=reads:0' for n in (1, 2, 3))}).run(text)
+    assert run.answer('again').accepted
+    run.go()
+    assert len(run.starts('glue')) == 4
+
+
+def test_3_9_a_round_forgets_the_results_of_the_one_before() -> None:
+    text = REWORK.replace('OPTIONS', '').replace('glue, @b2', 'glue, @b2, on_failure: continue')
+    text = text.replace('results.weigh.measurement}"}}', 'results.glue.measurement}"}}')
+    run = Line(
+        faults={'a2': '#1=reads:0', 'b2': '#2=abort'}, results={'a2': {'measurement': 2.0}}
+    ).run(text)
+    assert run.reasons() == ['result_refused', 'aborted', 'missing_result']
+
+
+def test_3_9_a_goal_that_was_to_be_cancelled_begins_no_round() -> None:
+    run = reworked(0.0, 1.0, until=4.5)
+    assert run.pause().accepted
+    run.go()
+    key = TaskKey('J', 2, 'J/1', 'weigh')
+    task = run.state.task(key)
+    assert task is not None
+    assert may_repeat(run.state, key, task)
+    run.state.tasks[key] = replace(run.state.tasks[key], cancel_cause='timeout')
+    assert not may_repeat(run.state, key, task)
+
+
+def test_3_9_no_round_for_an_item_that_was_taken_out() -> None:
+    run = reworked(0.0, 1.0, until=4.5)
+    assert run.remove('J/1').accepted
+    run.go()
+    assert rounds(run) == []
+    assert run.reasons() == ['result_refused']
+
+
+def test_3_9_no_round_for_a_job_that_is_aborted() -> None:
+    run = reworked(0.0, 1.0, until=3.5)
+    assert run.control('abort', 'J').accepted
+    run.go()
+    assert rounds(run) == []
+    assert run.ended
+
+
+def test_3_9_a_pause_begins_none() -> None:
+    run = reworked(0.0, 1.0, until=4.5)
+    assert run.pause().accepted
+    run.go()
+    assert rounds(run) == []
+    assert 'paused' in run.waits()['section 2']
+    assert run.resume().accepted
+    run.go()
+    assert rounds(run) == [(5.0, 1)]
+    assert run.ended
+
+
+def test_3_9_after_stop_rounds_belong_to_the_cycle_in_hand() -> None:
+    run = reworked(0.0, 1.0, until=4.5)
+    assert run.command(Stop).accepted
+    run.go()
+    assert rounds(run) == [(5.0, 1)]
+    assert run.times('cycle.completed', section=2) == [8.0]
+
+
+@pytest.mark.parametrize(('options', 'begins'), [('', 3.0), (', requires_conveyor: false', 1.0)])
+def test_3_9_a_repeat_may_lead(options: str, begins: float) -> None:
+    text = REWORK.replace('OPTIONS', '').replace('action: /a2/do', f'action: /a2/do{options}')
+    text = text.replace('action: /a2/do, ', 'action: /a2/do\n          ')
+    text = text.replace('{id: glue, @b2}', f'{{id: glue, @b2{options}}}')
+    run = Line(results={'a2': {'measurement': 2.0}}).run(text)
+    assert run.starts('glue') == [begins]
+
+
+GROUP = """
+sections:
+  1: [{id: place, @a1, qty_change: 1}]
+  2:
+    - parallel:
+        - repeat:
+            - id: weigh
+              task: TASK_A
+              action: /a2/do
+              fails_unless: {value: "${results.weigh.measurement}", at_least: 1.0}
+        - {id: other, @b2, OTHER}
+  3: [{id: pack, @a3, qty_change: -1, runs_for: all}]
+"""
+
+
+def in_group(other: str, **line: Any) -> VirtualRun:
+    return Line(seconds={'b2': 0.5}, **line).run(GROUP.replace('OTHER', other))
+
+
+def test_3_9_a_repeat_is_one_track_of_a_group() -> None:
+    run = in_group('retries: 0', faults={'a2': '#1=reads:0 #2=reads:2'})
+    assert run.starts('weigh') == [3.0, 4.0]
+    assert run.starts('other') == [3.0]
+    assert run.ended
+
+
+def test_3_9_no_round_for_an_item_that_was_rejected_beside_it() -> None:
+    run = in_group('on_failure: reject', faults={'a2': '#1=reads:0', 'b2': '#1=abort'})
+    assert rounds(run) == []
+    assert run.times('item.rejected') == [3.5]
+    assert run.reasons() == ['aborted', 'result_refused']
+
+
+def test_3_9_a_hold_beside_it_keeps_the_round_waiting() -> None:
+    run = in_group('retries: 0', faults={'a2': '#1=reads:0 #2=reads:2', 'b2': '#1=abort'})
+    assert rounds(run) == []
+    assert run.answer('mark_done').accepted
+    run.go()
+    assert rounds(run) == [(4.0, 1)]
+    assert run.ended
