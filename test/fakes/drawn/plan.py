@@ -63,7 +63,9 @@ class Plan:
         for script in scripts:
             for listed in script['sections'].values():
                 for task in tasks_of(listed['tasks'] if isinstance(listed, dict) else listed):
-                    task.pop('fails_unless', None)
+                    if 'fails_unless' in task:  # a repeat has to have one
+                        own = f'${{results.{task["id"]}.item_present}}'
+                        task['fails_unless'] = {'value': own, 'one_of': [True, False]}
         return replace(self, cell=cell, scripts=scripts)
 
     def without_flags(self, scripts: AbstractSet[str]) -> Plan:

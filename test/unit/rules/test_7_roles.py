@@ -51,7 +51,7 @@ COMMANDS: dict[str, Callable[[By], Command]] = {
     'item.remove_item': lambda by: RemoveItem('J/1', by),
     **{
         f'hold.{word}': lambda by, word=word: AnswerHold('1', word, by)  # type: ignore[misc]
-        for word in ('retry', 'mark_done', 'skip', 'reject', 'abort_job', *REMARKS)
+        for word in ('retry', 'again', 'mark_done', 'skip', 'reject', 'abort_job', *REMARKS)
     },
 }
 """A command for every request but those that are made like another one here."""
