@@ -293,7 +293,7 @@ class NaiveCell(NaiveState):
         if task.job:
             self.begin_job(task.job)
         task.state, task.cancelled, task.busy = 'running', '', True
-        task.goals += 1
+        task.goals, task.sent = task.goals + 1, (self.deliveries, next(self.numbers))
         others = [one for one in self.started if one.state != 'done' and one is not task]
         self.started = [*others, task]
         action, name = task.does
@@ -316,7 +316,10 @@ class NaiveCell(NaiveState):
             self.say('task.cancel_requested', task.where, cause=cause)
             self.at(GRACE_S, task, 'in_doubt', TIMES_LAST)
             if self.now < task.deaf_from:
-                self.at(0.0, task, 'canceled', CANCELED_FIRST)
+                delivery, number = task.sent
+                is_on_its_way = delivery == self.deliveries  # then the cancel comes behind it
+                certain = 0.0 if is_on_its_way else CANCELED_FIRST
+                self.at(0.0, task, 'canceled', certain, number if is_on_its_way else None)
 
     def end(self, task: Task, end: str) -> None:
         """Let an attempt end with a reason or '' for success, or its time be over (2.2 to 2.4)."""

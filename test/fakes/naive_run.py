@@ -87,6 +87,8 @@ class Task:
     """Its tasks, further rounds begun, and how many there may be (3.9)."""
     goals: int = 0
     """Sent in all, whatever the round."""
+    sent: tuple[int, int] = (-1, 0)
+    """Before which delivery its last goal was sent, and the place of that goal among others."""
     busy: bool = False
     """Whether it has its component and zones: it runs, is held, or was, and is to be tried again
     (2.5, 4.4)."""
@@ -142,7 +144,9 @@ class NaiveRun(ABC):
         self.records: list[Row] = []
         self._facts: set[tuple[Any, ...]] = set()
         self._agenda: list[tuple[float, float, int, Any, int, str]] = []
-        self._numbers, self._hold_ids = itertools.count(), itertools.count(1)
+        self.deliveries = 0
+        """Goals that were sent since the last one are on their way."""
+        self.numbers, self._hold_ids = itertools.count(), itertools.count(1)
 
     def say(self, event: str, where: Row, **fields: Any) -> None:
         """Record an event; jobs, items, tasks and holds are named by their ids."""
@@ -210,23 +214,26 @@ class NaiveRun(ABC):
         """Return the jobs that do not wait for their start."""
         return [job for job in self.jobs if not job.early]
 
-    def at(self, after: float, task: Any, end: str, certain: float) -> None:
+    def at(
+        self, after: float, task: Any, end: str, certain: float, number: int | None = None
+    ) -> None:
         """Note how an attempt ends after a while, or the wait of a job.
 
         Of one time what was certain earlier is first.
 
         :param certain: seconds from now after which nothing but a stop or a cancel can change it
+        :param number: its place among what is certain at the same time; None: the last one
         """
-        time = round(self.now + after, 6)
+        time, number = round(self.now + after, 6), next(self.numbers) if number is None else number
         self._agenda.append(
-            (time, self.now + certain, next(self._numbers), task, getattr(task, 'goals', 0), end)
+            (time, self.now + certain, number, task, getattr(task, 'goals', 0), end)
         )
 
     def advance(self, until: float) -> None:
         """Let everything happen up to a time."""
         self.settle()
         while self.jobs and self._agenda and min(self._agenda)[0] <= until:
-            self.now = min(self._agenda)[0]
+            self.now, self.deliveries = min(self._agenda)[0], self.deliveries + 1
             due = sorted(note for note in self._agenda if note[0] == self.now)
             self._agenda = [note for note in self._agenda if note[0] > self.now]
             for _, _, _, task, goals, end in due:
@@ -237,6 +244,7 @@ class NaiveRun(ABC):
                     self.end(task, end)
             self.settle()
         self.now = round(max(self.now, until), 6) if self.jobs else self.now
+        self.deliveries += 1
 
     @abstractmethod
     def settle(self) -> None: ...
