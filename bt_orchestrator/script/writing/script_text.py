@@ -99,17 +99,25 @@ class _ScriptWriter:
 
     def _step(self, step: Step, ids: Iterator[str], indent: str) -> Iterator[str]:
         if not step.is_group:
-            yield from self._task(step.tracks[0][0], next(ids), indent)
+            yield from self._track(step.tracks[0], ids, indent)
             return
         yield f'{indent}- parallel:'
         for track in step.tracks:
             yield from self._track(track, ids, indent + STEP)
 
     def _track(self, track: Sequence[Task], ids: Iterator[str], indent: str) -> Iterator[str]:
-        if len(track) == 1:
-            yield from self._task(track[0], next(ids), indent)
-            return
         first, *others = track
+        repeat = self._script.repeat_of.get(first.id)
+        if repeat is not None:
+            yield f'{indent}- repeat:'
+            for task in track:
+                yield from self._task(task, next(ids), indent + STEP)
+            if repeat.times != 1:
+                yield from entry('times', repeat.times, indent + STEP)
+            return
+        if not others:
+            yield from self._task(first, next(ids), indent)
+            return
         yield from self._above(first, indent)
         yield from dashed(self._plain_task(first, next(ids), indent + STEP), indent)
         for task in others:

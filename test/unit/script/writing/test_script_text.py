@@ -104,6 +104,10 @@ sections:
         - - {task: TASK_A, action: /table/task}
           - {id: "4.10", task: TASK_B, action: /table/task, retry_delay: 0.5, timeout: none}
         - {id: wait, task: DriveTo, action: /cart/drive, requires_conveyor: false}
+      - repeat:
+        - {id: glue, task: TASK_A, action: /table/task}
+        - {id: see, task: TASK_B, action: /table/task, fails_unless: "${results.see.item_present}"}
+        times: 2
   3:
     - id: press
       task: TASK_C
