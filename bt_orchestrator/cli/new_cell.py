@@ -16,7 +16,7 @@ from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.cell_keys import MOST_SECTIONS
 from bt_orchestrator.script.report import START, Report
 from bt_orchestrator.script.ros_names import check_token
-from bt_orchestrator.script.starter_files import (
+from bt_orchestrator.script.starter.starter_files import (
     CELL_FILE,
     ORDER_FILE,
     RECIPE_FILE,
@@ -25,7 +25,7 @@ from bt_orchestrator.script.starter_files import (
     starter_files,
     starter_recipe_files,
 )
-from bt_orchestrator.script.starter_plan import FoundServer, Plan, plan_cell
+from bt_orchestrator.script.starter.starter_plan import FoundServer, Plan, plan_cell
 
 DESCRIPTION = """\
 Write a cell file, a script and a work order to begin with, with comments. They work as they are:

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.ros.actions.endpoints import names
 from bt_orchestrator.ros.diagnosis.graph import SETTLE_S, Graph
-from bt_orchestrator.script.starter_plan import FoundServer
+from bt_orchestrator.script.starter.starter_plan import FoundServer
 
 _FEEDBACK = '/_action/feedback'
 _FEEDBACK_TYPE = '_FeedbackMessage'

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterator
 
 from bt_orchestrator.model.cell import CONVEYOR
-from bt_orchestrator.script.starter_plan import Device, Plan
+from bt_orchestrator.script.starter.starter_plan import Device, Plan
 
 _RECIPE = """\
 # How one product is made, whatever line makes it. A script for this cell comes of it by:

@@ -16,13 +16,13 @@ from bt_orchestrator.model.script import Script
 from bt_orchestrator.script.cell_file import parse_cell
 from bt_orchestrator.script.orders.order_file import bind_order, parse_order
 from bt_orchestrator.script.script_file import parse_script
-from bt_orchestrator.script.starter_files import (
+from bt_orchestrator.script.starter.starter_files import (
     CELL_FILE,
     ORDER_FILE,
     SCRIPT_FILE,
     starter_files,
 )
-from bt_orchestrator.script.starter_plan import FoundServer, plan_cell
+from bt_orchestrator.script.starter.starter_plan import FoundServer, plan_cell
 
 LAZY = action('lazy_interfaces/action/Lazy', ('PREPARE',), {}, {})
 MUTE = replace(action('mute_interfaces/action/Mute', ('X',), {}, {}), constants={})

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from bt_orchestrator.script.names import LONGEST_NAME
 from bt_orchestrator.script.recipes.starter import able, recipe_text
-from bt_orchestrator.script.starter_plan import Device, FoundServer, Plan
+from bt_orchestrator.script.starter.starter_plan import Device, FoundServer, Plan
 
 SCRIPT = 'first_product'
 QUANTITY = 3

@@ -1,0 +1,1 @@
+"""What `new-cell` writes: a cell, and a first script and order for it."""
