@@ -31,6 +31,7 @@ from tables import (
 
 from bt_orchestrator.script.cell_keys import CELL
 from bt_orchestrator.script.json_schema import SCHEMA_FILES, json_schema
+from bt_orchestrator.script.recipes.recipe_keys import OVERRIDES, RECIPE
 from bt_orchestrator.script.script_keys import ORDER, SCRIPT
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -49,6 +50,8 @@ PAGES = (
 
 PARTS: Mapping[str, Callable[[], Iterator[str]]] = {
     'keys of a cell file': partial(keys.keys_of, CELL),
+    'keys of a recipe': partial(keys.keys_of, RECIPE),
+    'keys of overrides': partial(keys.keys_of, OVERRIDES),
     **{f'keys of {table.name}': partial(keys.keys_in, table) for table in SCRIPT.tree()},
     'keys of a work order': partial(keys.keys_of, ORDER),
     'kinds of faults': states.kinds_of_faults,

@@ -12,6 +12,7 @@ from bt_orchestrator.cli.foresight_process import ForesightProcess
 from bt_orchestrator.errors import Finding, Refused
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.recipe import Recipe
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import ActionTypes, EventSink, EventStore, Foresight, Journal
 from bt_orchestrator.script.admission import admitted
@@ -24,6 +25,7 @@ from bt_orchestrator.script.orders.order_file import (
     draft_order,
 )
 from bt_orchestrator.script.parameter_uses import action_types
+from bt_orchestrator.script.recipes.recipe_file import read_recipe
 from bt_orchestrator.script.script_file import read_script
 from bt_orchestrator.script.source_text import read_text
 from bt_orchestrator.sim.simulation import Simulation
@@ -107,6 +109,20 @@ def load_scripts(
     findings.refuse()
     assert cell is not None
     return cell, [script for script in scripts if script is not None]
+
+
+def load_recipes(paths: Sequence[Path], cell_file: Path, types: ActionTypes) -> list[Recipe]:
+    """Read recipes against what a cell can do.
+
+    :raises Refused: with every mistake in all files
+    """
+    findings = Findings()
+    cell = findings.of(partial(load_cell, cell_file, types))
+    recipes = []
+    if cell is not None:
+        recipes = [findings.of(partial(read_recipe, path, cell, types)) for path in paths]
+    findings.refuse()
+    return [recipe for recipe in recipes if recipe is not None]
 
 
 def load_script(

@@ -7,6 +7,7 @@ import dataclasses
 import json
 import sys
 from collections.abc import Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,19 +15,22 @@ from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.folders import add_trees_option, script_folders
 from bt_orchestrator.errors import Finding, Refused, counted
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.recipe import Recipe
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.report.pace_text import script_pace
 from bt_orchestrator.script.checks.warnings import ReadScript, warnings
 from bt_orchestrator.script.lookup import find_script
+from bt_orchestrator.script.recipes.recipe_file import is_recipe
 
 DESCRIPTION = """\
-Read scripts against the cell they are for, and print every mistake in them as
+Read scripts and recipes against the cell they are for, and print every mistake in them as
 FILE:LINE:COLUMN: WHAT; HINT. Moves nothing and needs no node.
 
 Of scripts without mistakes it says how long a full line takes from one item to the next, by the
 durations of the cell file: what has to happen one after the other, and what a quicker task would
-bring.
+bring. Of recipes it says that the cell can do each operation; whether one script can do all of
+them in a row is what `generate` finds out.
 
 What is probably not meant is printed as FILE:LINE:COLUMN: warning: WHAT; HINT on the standard
 error, and changes nothing, but with --strict."""
@@ -39,11 +43,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = DESCRIPTION
     parser.epilog = EPILOG
     parser.add_argument(
-        'scripts', nargs='+', metavar='SCRIPT', help='name or path of a script (YAML)'
+        'scripts',
+        nargs='+',
+        metavar='SCRIPT',
+        help='name or path of a script, or path of a recipe (YAML)',
     )
     add_cell_options(parser)
     parser.add_argument(
-        '--json', action='store_true', help='one JSON object: findings, warnings, ok, paces'
+        '--json',
+        action='store_true',
+        help='one JSON object: findings, warnings, ok, paces, recipes',
     )
     parser.add_argument('--strict', action='store_true', help='take warnings for mistakes')
 
@@ -67,27 +76,36 @@ def check(args: argparse.Namespace, types: ActionTypes) -> int:
     :raises Refused: there are mistakes, and they are not wanted as JSON
     """
     folders = script_folders(args.trees)
+    recipe_files = [path for name in args.scripts if is_recipe(path := Path(name))]
+    names = [name for name in args.scripts if Path(name) not in recipe_files]
+    findings = bootstrap.Findings()
+    recipes = findings.of(partial(bootstrap.load_recipes, recipe_files, args.cell, types))
+    loaded = findings.of(partial(bootstrap.load_scripts, names, args.cell, folders, types))
     try:
-        cell, scripts = bootstrap.load_scripts(args.scripts, args.cell, folders, types)
+        findings.refuse()
     except Refused as refused:
         if not args.json:
             raise
         print(json.dumps({**as_json(refused.findings), 'warnings': []}))
         return 1
-    paths = [find_script(name, folders) for name in args.scripts]
+    assert recipes is not None
+    assert loaded is not None
+    cell, scripts = loaded
+    paths = [find_script(name, folders) for name in names]
     given = [ReadScript(path, script) for path, script in zip(paths, scripts, strict=True)]
     found = warnings(args.cell, cell, given, folders, types)
     is_fine = not (args.strict and found)
     if args.json:
         paces = [script_pace(script, cell).plain() for script in scripts]
         fine = {'findings': [], 'warnings': _plain(found), 'ok': is_fine, 'paces': paces}
-        print(json.dumps(fine))
+        print(json.dumps({**fine, 'recipes': [_plain_recipe(one, cell) for one in recipes]}))
         return int(not is_fine)
     for warning in found:
         what = f'warning: {warning.what}'
         print(dataclasses.replace(warning, what=what), file=sys.stderr)
     if is_fine:
-        print('\n'.join(line for script in scripts for line in summary(script, cell)))
+        lines = [line for script in scripts for line in summary(script, cell)]
+        print('\n'.join([*lines, *(_recipe_line(recipe, cell) for recipe in recipes)]))
     return int(not is_fine)
 
 
@@ -112,3 +130,26 @@ def summary(script: Script, cell: Cell) -> Iterator[str]:
         f'{initialization}, fits cell {cell.name}'
     )
     yield from (f'  {line}' for line in script_pace(script, cell).lines())
+
+
+def _recipe_line(recipe: Recipe, cell: Cell) -> str:
+    """Say that a cell can do what a recipe wants."""
+    told = _plain_recipe(recipe, cell)
+    choice = f'{told["with_choice"]} of them in more than one way' if told['with_choice'] else ''
+    return (
+        f'{recipe.name}, version {recipe.version}: {counted(told["operations"], "operation")}, '
+        f'cell {cell.name} can do each' + (f', {choice}' if choice else '')
+    )
+
+
+def _plain_recipe(recipe: Recipe, cell: Cell) -> dict[str, Any]:
+    able = [
+        sum(name in one.capabilities for one in cell.components.values() for name in operation.do)
+        for operation in recipe.operations
+    ]
+    return {
+        'recipe': recipe.name,
+        'version': recipe.version,
+        'operations': len(able),
+        'with_choice': sum(number > 1 for number in able),
+    }

@@ -20,11 +20,14 @@ from fakes.yaml_parts import laid_over
 from bt_orchestrator.cli.main import PROGRAM, VERBS, parsed, without_ros_arguments
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.recipe import Recipe
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.proof.deadlock import deadlock
 from bt_orchestrator.script.cell_file import parse_cell, read_cell
 from bt_orchestrator.script.json_schema import SCHEMA_FILES
 from bt_orchestrator.script.orders.order_file import bind_order, parse_order
+from bt_orchestrator.script.recipes.overrides_file import parse_overrides
+from bt_orchestrator.script.recipes.recipe_file import parse_recipe
 from bt_orchestrator.script.script_file import parse_script, read_script
 from bt_orchestrator.script.script_keys import SCRIPT
 
@@ -82,6 +85,7 @@ class PageReader:
     def __init__(self) -> None:
         self.cell: Cell = read_cell(REFERENCE_CELL, TYPES)
         self.scripts: dict[str, Script] = {}
+        self.recipe: Recipe | None = None
         self.whole = ''
         """The first script that was shown; parts are shown of it."""
 
@@ -90,6 +94,13 @@ class PageReader:
         if block.starts('cell'):
             self.cell = parse_cell(block.text, block.place, TYPES)
             return 'cell'
+        if block.starts('recipe'):
+            self.recipe = parse_recipe(block.text, block.place, self.cell, TYPES)
+            return 'recipe'
+        if block.starts('bind'):
+            assert self.recipe is not None, block.place
+            parse_overrides(block.text, block.place, self.recipe, self.cell)
+            return 'overrides'
         if not block.starts('script'):
             self._read_script(laid_over(self.whole, block.text), block.place)
             return 'part'
@@ -120,7 +131,7 @@ def test_yaml_on_a_page_is_accepted_by_the_real_readers(page: str) -> None:
                 kinds.append(reader.read(block))
             except Refused as refused:
                 pytest.fail(f'{block.place}:\n{refused}')
-            if kinds[-1] in ('cell', 'work_order'):
+            if kinds[-1] not in ('part', 'script'):
                 assert refusals(f'{kinds[-1]}.schema.json', block.text) == [], block.place
     assert kinds
 
@@ -163,7 +174,7 @@ def test_an_option_names_a_rule_that_exists() -> None:
 
 
 def test_every_kind_of_file_is_shown() -> None:
-    for key in ('cell', 'sections', 'order'):
+    for key in ('cell', 'sections', 'order', 'recipe', 'bind'):
         assert any(block.starts(key) for block in yaml_blocks()), key
 
 
