@@ -16,7 +16,7 @@ from bt_orchestrator.opcua.access import Access
 from bt_orchestrator.opcua.bridge import Bridge
 from bt_orchestrator.opcua.holds import Holds
 from bt_orchestrator.opcua.job_control.part import JobControl
-from bt_orchestrator.opcua.memory import give_back
+from bt_orchestrator.opcua.memory import building, give_back
 from bt_orchestrator.opcua.overrides import Security
 from bt_orchestrator.opcua.packml import PackML
 from bt_orchestrator.opcua.part import Part
@@ -94,15 +94,16 @@ class OpcUaServer(ServerThread):
     async def _serve_cell(self) -> None:
         """Serve until the end, or until something else exists in the cell."""
         bridge = self._bridge
-        server = await make_stack(bridge.node, self._security, self.address)
-        server.socket_address = self._socket.getsockname()[:2]
-        loaded = await nodesets.load(server, bridge.sources.nodesets)
-        server.inside.view_service.forget()  # they have types of references of their own
-        bridge.hold_back()
-        space = await Space.of(server, bridge.description.cell, loaded)
-        parts = [make(bridge) for make in PARTS]
-        for part in parts:
-            await part.build(space)
+        with building():
+            server = await make_stack(bridge.node, self._security, self.address)
+            server.socket_address = self._socket.getsockname()[:2]
+            loaded = await nodesets.load(server, bridge.sources.nodesets)
+            server.inside.view_service.forget()  # they have types of references of their own
+            bridge.hold_back()
+            space = await Space.of(server, bridge.description.cell, loaded)
+            parts = [make(bridge) for make in PARTS]
+            for part in parts:
+                await part.build(space)
         bridge.serve(parts, space.values)
         await space.values.write()
         give_back()

@@ -14,6 +14,7 @@ from asyncua.crypto.permission_rules import User, UserRole
 from asyncua.server.address_space import MethodService
 from asyncua.server.internal_server import InternalServer
 
+from bt_orchestrator.opcua.memory import building
 from bt_orchestrator.opcua.overrides import filters, limits
 from bt_orchestrator.opcua.overrides.connection import Listener
 from bt_orchestrator.opcua.overrides.methods import Methods
@@ -104,7 +105,8 @@ class GuardedServer(asyncua.Server):
 
     async def init(self, shelf_file: Path | None = None) -> None:
         """Load what every server has; clients are told the limits."""
-        await super().init(shelf_file)
+        with building():
+            await super().init(shelf_file)
         await self.set_application_uri(self._security.own.uri)
         for name, most in _NODES.items():
             node = self.get_node(

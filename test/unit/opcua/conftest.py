@@ -1,24 +1,31 @@
-"""One server for all tests of a file: loading what every server has takes seconds."""
+"""One of each for all tests: loading what every server has takes seconds."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import closing
 
 import pytest
+from fakes.bare_space import BareSpace
 from fakes.guarded import Served
 
 
-@pytest.fixture(scope='module')
+@pytest.fixture(scope='session')
 def secure(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     """A server as it is started for a plant."""
-    made = Served(tmp_path_factory.mktemp('secure'), insecure=False)
-    yield made
-    made.close()
+    with closing(Served(tmp_path_factory.mktemp('secure'), insecure=False)) as made:
+        yield made
 
 
-@pytest.fixture(scope='module')
+@pytest.fixture(scope='session')
 def insecure(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     """A server that lets in who does not encrypt."""
-    made = Served(tmp_path_factory.mktemp('insecure'), insecure=True)
-    yield made
-    made.close()
+    with closing(Served(tmp_path_factory.mktemp('insecure'), insecure=True)) as made:
+        yield made
+
+
+@pytest.fixture(scope='session')
+def in_space() -> Iterator[BareSpace]:
+    """Does something in an address space without a cell."""
+    with closing(BareSpace()) as made:
+        yield made

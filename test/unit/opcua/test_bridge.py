@@ -18,7 +18,7 @@ from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.order import WorkOrder
 from bt_orchestrator.model.status import CellDescription, CellStatus
 from bt_orchestrator.opcua.bridge import Bridge
-from bt_orchestrator.opcua.stack import make_stack
+from bt_orchestrator.opcua.overrides import GuardedServer
 from bt_orchestrator.opcua.values import Values
 from bt_orchestrator.sim.virtual_link import VirtualLink
 from bt_orchestrator.store.memory import MemoryStore
@@ -73,7 +73,7 @@ class Scene:
 def bridged(folder: Path, what: Callable[[Scene, Values], Awaitable[None]]) -> None:
     async def done() -> None:
         scene = Scene(folder)
-        await what(scene, Values(await make_stack('/node', any_security('/node'), 'opc.tcp://x')))
+        await what(scene, Values(GuardedServer(any_security('/node'))))
 
     asyncio.run(done())
 

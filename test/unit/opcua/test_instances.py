@@ -2,37 +2,15 @@
 
 from __future__ import annotations
 
-import asyncio
-from collections.abc import Awaitable, Callable, Iterator
-from contextlib import closing
-
 import asyncua
-import pytest
 from asyncua import ua
-from fakes.opcua_access import any_security
+from fakes.bare_space import BareSpace
 
 from bt_orchestrator.opcua import instances, nodesets
 from bt_orchestrator.opcua.space import Space
-from bt_orchestrator.opcua.stack import make_stack
 
 RECEIVER, PACK_ML = 1008, 6
 """Ids of types: ISA95JobOrderReceiverSubStatesType, and PackMLBaseObjectType."""
-
-
-InSpace = Callable[[Callable[[Space], Awaitable[None]]], None]
-
-
-@pytest.fixture(scope='module')
-def in_space() -> Iterator[InSpace]:
-    """Does something in a space without a cell, which all tests share."""
-
-    async def made() -> Space:
-        server = await make_stack('/node', any_security('/node'), 'opc.tcp://127.0.0.1:0')
-        return await Space.of(server, 'cell', await nodesets.load(server))
-
-    with closing(asyncio.new_event_loop()) as loop:
-        space = loop.run_until_complete(made())
-        yield lambda what: loop.run_until_complete(what(space))
 
 
 def type_of(space: Space, nodeset: nodesets.Nodeset, number: int) -> ua.NodeId:
@@ -48,7 +26,7 @@ async def paths(node: asyncua.Node) -> set[str]:
 
 
 def test_an_object_has_its_mandatory_members_and_the_optionals_that_were_named(
-    in_space: InSpace,
+    in_space: BareSpace,
 ) -> None:
     async def look(space: Space) -> None:
         wanted = type_of(space, nodesets.JOB_CONTROL, RECEIVER)
@@ -66,7 +44,7 @@ def test_an_object_has_its_mandatory_members_and_the_optionals_that_were_named(
     in_space(look)
 
 
-def test_nested_objects_are_whole(in_space: InSpace) -> None:
+def test_nested_objects_are_whole(in_space: BareSpace) -> None:
     async def look(space: Space) -> None:
         wanted = type_of(space, nodesets.PACK_ML, PACK_ML)
         await space.instance(space.cell, wanted, 'PackML', 'PackML')
@@ -79,7 +57,7 @@ def test_nested_objects_are_whole(in_space: InSpace) -> None:
     in_space(look)
 
 
-def test_a_member_has_the_types_and_names_of_its_declaration(in_space: InSpace) -> None:
+def test_a_member_has_the_types_and_names_of_its_declaration(in_space: BareSpace) -> None:
     async def look(space: Space) -> None:
         wanted = type_of(space, nodesets.JOB_CONTROL, RECEIVER)
         node = await space.instance(space.cell, wanted, 'Jobs', 'Jobs', optionals=instances.ALL)

@@ -5,24 +5,15 @@ from __future__ import annotations
 import asyncio
 import gzip
 import logging
-from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
 
+import asyncua
 import pytest
-from fakes.opcua_access import any_security
+from fakes.bare_space import BareSpace
 
 from bt_orchestrator.opcua import nodesets
 from bt_orchestrator.opcua.nodesets import JOB_CONTROL, PACK_ML, NodesetUnusable, texts_in
-from bt_orchestrator.opcua.stack import make_stack
-
-
-def loaded(folder: Path | None = None) -> Mapping[str, int]:
-    async def load() -> Mapping[str, int]:
-        server = await make_stack('/node', any_security('/node'), 'opc.tcp://127.0.0.1:0')
-        return await nodesets.load(server, folder)
-
-    return asyncio.run(load())
 
 
 def shipped(nodeset: nodesets.Nodeset) -> bytes:
@@ -40,8 +31,8 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_those_of_the_package_are_the_ones_that_were_tested() -> None:
-    assert loaded() == {JOB_CONTROL.uri: 2, PACK_ML.uri: 3}
+def test_those_of_the_package_are_the_ones_that_were_tested(in_space: BareSpace) -> None:
+    assert in_space.ns == {JOB_CONTROL.uri: 2, PACK_ML.uri: 3}
 
 
 def test_another_file_in_the_package_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -76,9 +67,10 @@ def test_a_folder_without_one_of_them_is_told(folder: Path) -> None:
 
 
 def test_a_file_that_is_no_nodeset_is_told(folder: Path) -> None:
-    (folder / 'a.xml').write_text(f'<UANodeSet><Model ModelUri="{PACK_ML.uri}"/>')
-    with pytest.raises(NodesetUnusable, match=r'PackML 1\.01: .*a\.xml'):
-        loaded(folder)
+    (folder / 'b.xml.gz').unlink()
+    (folder / 'b.xml').write_text(f'<UANodeSet><Model ModelUri="{JOB_CONTROL.uri}"/>')
+    with pytest.raises(NodesetUnusable, match=r'ISA-95 Job Control 2\.0\.0: .*b\.xml: no element'):
+        asyncio.run(nodesets.load(asyncua.Server(), folder))
 
 
 def test_a_folder_that_is_none_is_told(tmp_path: Path) -> None:

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Mapping
 from typing import Any
 
-import asyncua
 import pytest
 from asyncua import ua
 from asyncua.common.utils import Buffer
 from asyncua.ua.ua_binary import extensionobject_from_binary, extensionobject_to_binary
+from fakes.bare_space import BareSpace
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -48,14 +47,9 @@ JSON = st.recursive(
 NAMES = st.sampled_from([*KINDS, *RESOURCES, DESCRIPTION, 'Details', 'mine'])
 
 
-@pytest.fixture(scope='module')
-def structures() -> Structures:
-    async def loaded() -> int:
-        server = asyncua.Server()
-        await server.init()
-        return (await nodesets.load(server))[nodesets.JOB_CONTROL.uri]
-
-    return Structures(asyncio.run(loaded()))
+@pytest.fixture(scope='session')
+def structures(in_space: BareSpace) -> Structures:
+    return Structures(in_space.ns[nodesets.JOB_CONTROL.uri])
 
 
 def sent(structure: Any) -> Any:
