@@ -49,11 +49,19 @@ class Reader:
         return await self.node(above).call_method(self.node(path).nodeid, *arguments)
 
 
+def client_of(url: str) -> asyncua.Client:
+    """Return a client that is as patient as a test.
+
+    asyncua's own takes a server for dead that has not answered for a second.
+    """
+    return asyncua.Client(url, timeout=PATIENCE_S, watchdog_intervall=PATIENCE_S)
+
+
 def reading(url: str, what: Callable[[Reader], Awaitable[object]]) -> None:
     """Do something with a client, without encryption and login."""
 
     async def connected() -> None:
-        async with asyncua.Client(url) as client:
+        async with client_of(url) as client:
             await what(await Reader.of(client))
 
     asyncio.run(connected())

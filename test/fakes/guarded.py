@@ -17,6 +17,7 @@ from cryptography import x509
 from cryptography.hazmat.primitives.serialization import Encoding
 from fakes.opcua_access import URI, access_in, certificate, write_client
 from fakes.quick_users import PASSWORD
+from opcua_reader import client_of
 
 from bt_orchestrator.opcua.callers import CALLER, Caller
 from bt_orchestrator.opcua.client_certificates import Untrusted, thumbprint
@@ -60,7 +61,7 @@ class Bench:
 
     def plain(self, name: str = 'mes', password: str = PASSWORD) -> asyncua.Client:
         """Return a client without encryption."""
-        client = asyncua.Client(self.url, timeout=SOON_S)
+        client = client_of(self.url)
         client.set_user(name)
         client.set_password(password)
         return client
@@ -147,6 +148,7 @@ class Served:
         bench.security.people._logins._attempts = Attempts()
         bench.callers.clear()
         bench.fails_with = None
+        before = asyncio.all_tasks()
         try:
             await what(bench)
         finally:
@@ -155,6 +157,8 @@ class Served:
             for one in list(bench.server.bserver.clients):
                 one.transport.abort()
             await becomes(lambda: not bench.server.bserver.clients)
+            for task in asyncio.all_tasks() - before:  # clients that were cut off
+                task.cancel()
 
     async def _end(self) -> None:
         await self.bench.server.stop()

@@ -13,7 +13,7 @@ from typing import Any
 import asyncua
 import pytest
 from asyncua import ua
-from opcua_reader import Reader
+from opcua_reader import Reader, client_of
 from opcua_stand import PATIENCE_S, opcua_stand, served
 from web.stand_cell import StandCell
 
@@ -119,7 +119,7 @@ def data(response: Any) -> dict[str, Any]:
 
 def with_mes(url: str, what: Callable[[Mes], Awaitable[None]]) -> None:
     async def connected() -> None:
-        async with asyncua.Client(url) as client:
+        async with client_of(url) as client:
             await client.load_data_type_definitions()
             mes = await Mes.of(client)
             assert isinstance(mes, Mes)

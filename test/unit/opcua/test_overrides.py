@@ -581,6 +581,7 @@ def test_answers_that_nobody_reads_do_not_pile_up(
                 asyncio.ensure_future(client.uaclient.session.browse(params)) for _ in range(60)
             ]
             await becomes(lambda: not bench.server.bserver.clients)
+            client.uaclient.protocol.transport.abort()  # or it would wait for an answer
             for one in asked:
                 one.cancel()
             await asyncio.gather(*asked, return_exceptions=True)

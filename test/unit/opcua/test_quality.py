@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,8 +13,9 @@ from typing import Any
 import asyncua
 import pytest
 from asyncua import ua
-from opcua_reader import Reader, reading
+from opcua_reader import Reader, client_of, reading
 from opcua_stand import PATIENCE_S, opcua_stand
+from web.stand_cell import StandCell
 
 from bt_orchestrator.model.jobs.order import WorkOrder
 from bt_orchestrator.store.memory import MemoryStore
@@ -35,41 +36,63 @@ class Heard:
         code = data.monitored_item.Value.StatusCode.value
         self.told.append((str(node.nodeid.Identifier), value, code))
 
+    async def until_all_are(self, code: int) -> None:
+        """Wait until the last that was told of each value is of a quality.
+
+        Only the newest value is told when a server is late, so each has to be waited for.
+        """
+        deadline = time.monotonic() + PATIENCE_S
+        while any(self.codes(path)[-1:] != [code] for path in EVERYWHERE):
+            assert time.monotonic() < deadline, self.told
+            await asyncio.sleep(0.02)
+
+    def codes(self, path: str) -> list[int]:
+        """Return what was told of the quality of a value."""
+        return [code for one, _, code in self.told if one == path]
+
+
+@pytest.fixture(scope='module')
+def line(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[StandCell, str]]:
+    """One line for tests that make nothing on it; each leaves it switched on."""
+    with opcua_stand(tmp_path_factory.mktemp('stand')) as (cell, server):
+        yield cell, server.address
+
 
 async def quality(reader: Reader, path: str) -> int:
     found = await reader.node(path).read_data_value(raise_on_bad_status=False)
     return int(found.StatusCode.value)
 
 
-def test_while_the_node_is_silent_values_are_the_last_usable_ones(tmp_path: Path) -> None:
-    with opcua_stand(tmp_path) as (stand, server):
+def test_while_the_node_is_silent_values_are_the_last_usable_ones(
+    line: tuple[StandCell, str],
+) -> None:
+    stand, url = line
 
-        async def look(reader: Reader) -> None:
-            heard = Heard()
-            watch = await reader.client.create_subscription(50, heard)
-            await watch.subscribe_data_change([reader.node(path) for path in EVERYWHERE])
-            assert [await quality(reader, path) for path in EVERYWHERE] == [GOOD] * 3
-            before = await reader.node('Simple/State').read_data_value()
-            await asyncio.to_thread(stand.switch)
-            await reader.wait('Simple/Connected', lambda one: one is False)
-            assert [await quality(reader, path) for path in EVERYWHERE] == [UNCERTAIN] * 3
-            since = await reader.node('Simple/State').read_data_value(raise_on_bad_status=False)
-            assert since.Value == before.Value
-            assert since.SourceTimestamp == before.SourceTimestamp
-            assert await quality(reader, 'Simple/Connected') == GOOD
-            with pytest.raises(ua.uaerrors.BadNoCommunication):
-                await reader.call('Simple/Command', 'cancel', 'WO-1', 'the node is off')
-            await asyncio.to_thread(stand.switch)
-            await reader.wait('Simple/Connected', bool)
-            assert [await quality(reader, path) for path in EVERYWHERE] == [GOOD] * 3
-            told = [(path, code) for path, _, code in heard.told]
-            for path in EVERYWHERE:
-                codes = [code for one, code in told if one == path]
-                assert codes[0] == GOOD
-                assert UNCERTAIN in codes
-            assert await reader.value('Simple/Connected') is True
+    async def look(reader: Reader) -> None:
+        heard = Heard()
+        watch = await reader.client.create_subscription(50, heard)
+        await watch.subscribe_data_change([reader.node(path) for path in EVERYWHERE])
+        await heard.until_all_are(GOOD)
+        assert [await quality(reader, path) for path in EVERYWHERE] == [GOOD] * 3
+        before = await reader.node('Simple/State').read_data_value()
+        await asyncio.to_thread(stand.switch)
+        await reader.wait('Simple/Connected', lambda one: one is False)
+        assert [await quality(reader, path) for path in EVERYWHERE] == [UNCERTAIN] * 3
+        since = await reader.node('Simple/State').read_data_value(raise_on_bad_status=False)
+        assert since.Value == before.Value
+        assert since.SourceTimestamp == before.SourceTimestamp
+        assert await quality(reader, 'Simple/Connected') == GOOD
+        with pytest.raises(ua.uaerrors.BadNoCommunication):
+            await reader.call('Simple/Command', 'cancel', 'WO-1', 'the node is off')
+        await heard.until_all_are(UNCERTAIN)
+        await asyncio.to_thread(stand.switch)
+        await reader.wait('Simple/Connected', bool)
+        assert [await quality(reader, path) for path in EVERYWHERE] == [GOOD] * 3
+        await heard.until_all_are(GOOD)
+        assert [heard.codes(path)[0] for path in EVERYWHERE] == [GOOD] * 3
+        assert await reader.value('Simple/Connected') is True
 
-        reading(server.address, look)
+    reading(url, look)
 
 
 def test_another_journal_is_shown_as_it_is(tmp_path: Path) -> None:
@@ -93,16 +116,16 @@ def test_another_journal_is_shown_as_it_is(tmp_path: Path) -> None:
         reading(server.address, look)
 
 
-def test_another_cell_file_makes_the_address_space_anew(tmp_path: Path) -> None:
+def test_another_cell_file_makes_the_address_space_anew(line: tuple[StandCell, str]) -> None:
     """The port stays the same; clients lose their connection, and find the other cell."""
-    with opcua_stand(tmp_path) as (stand, server):
-        reading(server.address, names_the_cell('reference_cell'))
-        other = replace(stand.cell, name='other_cell')
-        with stand.lock:
-            stand.node.switch_off()
-            stand.node.cell = stand.cell = other
-            stand.node.switch_on(MemoryStore())
-        asyncio.run(until(server.address, lambda name: name == other.name))
+    stand, url = line
+    reading(url, names_the_cell(stand.cell.name))
+    other = replace(stand.cell, name=f'{stand.cell.name}_anew')
+    with stand.lock:
+        stand.node.switch_off()
+        stand.node.cell = stand.cell = other
+        stand.node.switch_on(MemoryStore())
+    asyncio.run(until(url, lambda name: name == other.name))
 
 
 def names_the_cell(expected: str) -> Callable[[Reader], Any]:
@@ -122,7 +145,7 @@ async def until(url: str, is_so: Callable[[str], bool]) -> None:
     deadline = time.monotonic() + PATIENCE_S
     while time.monotonic() < deadline:
         with contextlib.suppress(ConnectionError, asyncio.TimeoutError, ua.UaError):
-            async with asyncua.Client(url) as client:
+            async with client_of(url) as client:
                 if is_so(await name_of(await Reader.of(client))):
                     return
         await asyncio.sleep(0.1)

@@ -11,7 +11,7 @@ import asyncua
 import pytest
 from asyncua import ua
 from fakes.opcua_access import ROLES, with_login
-from opcua_reader import Reader
+from opcua_reader import Reader, client_of
 from opcua_stand import opcua_stand
 from web.stand_cell import StandCell
 
@@ -45,7 +45,7 @@ class Scene(NamedTuple):
     async def user(self, name: str) -> AsyncIterator[Reader]:
         """Log in."""
         address = self.address.partition('@')[2]
-        async with asyncua.Client(with_login(f'opc.tcp://{address}', name)) as client:
+        async with client_of(with_login(f'opc.tcp://{address}', name)) as client:
             await client.load_data_type_definitions()
             yield await Reader.of(client)
 
