@@ -29,6 +29,9 @@ def benches(args: argparse.Namespace) -> dict[tuple[str, ...], Bench]:
         ('queue',): lambda: virtual_rows.queue(rounds, 2 if quick else 40),
         ('check',): lambda: virtual_rows.check(*((1, 8, 4) if quick else (3, 200, 10))),
         ('pace',): lambda: virtual_rows.pace_row(rounds, 8 if quick else 100),
+        ('recipe_pace', 'recipe_time'): lambda: virtual_rows.recipes(
+            *((2, 20) if quick else (4 * rounds, 60))
+        ),
         ('restart',): lambda: virtual_rows.restart(rounds, events),
         ('dispatch', 'polling', 'wrap', 'cpu', 'watcher'): lambda: ros_rows.dispatch(
             rounds, 3 if quick else 20

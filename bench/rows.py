@@ -58,6 +58,10 @@ TARGETS = {
     'pace': Target(
         'CPU, run of 60 items / pace in closed form, 100 sections', 10, 100, at_least=True
     ),
+    'recipe_pace': Target(
+        'pace of a generated script, 60 operations / of the best one there is', 1.01, 1.0
+    ),
+    'recipe_time': Target('generating it, two candidates for each operation, s', 5, 1),
     'restart': Target('restart, journal of many events / empty one', 5, 1.5),
 }
 

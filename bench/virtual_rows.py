@@ -15,12 +15,14 @@ from fakes.line import Line
 from fakes.long_journal import make_long_journal
 
 from bench.line_files import cell_text, few_working_text, script_text
+from bench.recipe_lines import drawn_line
 from bench.rows import Row
 from bench.whole_start import process_s
 from bt_orchestrator.cli.bootstrap import installed_types
 from bt_orchestrator.model.events import TaskSucceeded
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.planning.generate import generate
 from bt_orchestrator.proof.deadlock import deadlock
 from bt_orchestrator.proof.pace import PacedLine, pace
 from bt_orchestrator.ros.types.status_messages import StatusWriter
@@ -30,6 +32,7 @@ from bt_orchestrator.script.cell_file import parse_cell, read_cell
 from bt_orchestrator.script.script_file import parse_script, read_script
 from bt_orchestrator.sim.clock import VirtualClock
 from bt_orchestrator.sim.gateway import VirtualGateway
+from bt_orchestrator.sim.pace_judge import PaceJudge
 from bt_orchestrator.sim.simulation import Outcome, Simulation
 from bt_orchestrator.store.memory import MemoryStore
 from bt_orchestrator.store.sqlite.store import SqliteStore
@@ -172,6 +175,22 @@ def pace_row(rounds: int, length: int) -> Iterator[Row]:
         first_ms.append(first_s * 1e3)
     notes = {'ms': min(first_ms), 'ms, with other durations': min(again_ms)}
     yield Row('pace', ratios, notes)
+
+
+def recipes(lines: int, operations: int) -> Iterator[Row]:
+    """Generate scripts for lines whose fastest script is known."""
+    ratios, took_s, proven = [], [], 0
+    for seed in range(lines):
+        line = drawn_line(seed, operations)
+        judge = PaceJudge(line.cell, installed_types(), MemoryStore)
+        began = time.perf_counter()
+        found = generate(line.cell, line.recipe, judge=judge)
+        took_s.append(time.perf_counter() - began)
+        ratios.append(found.claim.per_item_s / line.best_s)
+        proven += found.claim.is_fastest
+    notes = {'operations': operations, 'lines': lines, 'proven to be the fastest': proven}
+    yield Row('recipe_pace', ratios, notes)
+    yield Row('recipe_time', took_s)
 
 
 _STARTS = 5

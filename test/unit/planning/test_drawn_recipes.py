@@ -16,13 +16,15 @@ from fakes.steady import steady
 from hypothesis import given
 from hypothesis import strategies as st
 
+from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.planning.generate import generate
 from bt_orchestrator.planning.outcome import Generated, Limits, NotMade
 from bt_orchestrator.planning.plans import Plans
 from bt_orchestrator.planning.problem import Problem
-from bt_orchestrator.proof.deadlock import deadlock
+from bt_orchestrator.script.admission import admitted
+from bt_orchestrator.script.writing.script_text import write_script
 from bt_orchestrator.sim.pace_judge import PaceJudge
 from bt_orchestrator.sim.simulation import Outcome, Simulation
 from bt_orchestrator.store.memory import MemoryStore
@@ -54,7 +56,7 @@ def outcome(drawn: DrawnRecipe, script: Script) -> Outcome:
 
 
 def test_a_generated_script_runs_to_its_end_or_there_is_a_reason() -> None:
-    """It does what recipe and cell say, and nothing gets stuck."""
+    """It does what recipe and cell say, passes every check of scripts, and nothing gets stuck."""
     seen: Counter[str] = Counter()
 
     @examples(200, 2000)
@@ -68,7 +70,8 @@ def test_a_generated_script_runs_to_its_end_or_there_is_a_reason() -> None:
             return
         script = found.script
         assert mistakes(script, drawn.recipe, drawn.overrides, drawn.cell) == []
-        assert deadlock(script) is None
+        text = write_script(script, drawn.cell)
+        assert digest(admitted(text, 'drawn.yaml', drawn.cell, TYPES)) == digest(script)
         assert outcome(drawn, script) is Outcome.FINISHED
         steps = [(one, step) for one in script.sections.values() for step in one.steps]
         seen['flags'] += bool(script.dependencies)
