@@ -1,4 +1,4 @@
-"""Texts read as one of the three kinds of files, and what a refusal has to say."""
+"""Texts read as one of the kinds of files, and what a refusal has to say."""
 
 from __future__ import annotations
 
@@ -10,9 +10,12 @@ from fakes.shipped import REFERENCE_CELL, ROOT
 
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.recipe import Recipe
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.script.cell_file import parse_cell, read_cell
 from bt_orchestrator.script.orders.order_file import bind_order, parse_order
+from bt_orchestrator.script.recipes.overrides_file import parse_overrides
+from bt_orchestrator.script.recipes.recipe_file import parse_recipe, read_recipe
 from bt_orchestrator.script.script_file import parse_script, read_script
 
 SCRIPTS = (
@@ -20,9 +23,14 @@ SCRIPTS = (
     'trees/inspect_and_assemble.yaml',
     'test/data/stuck.yaml',
 )
-FILES = ('config/reference_cell.yaml', *SCRIPTS, 'config/orders/wo_1001.yaml')
-KINDS = (FILES[0], FILES[1], FILES[-1])
+ABLE_CELL = 'config/cell_with_capabilities.yaml'
+OVERRIDES = 'recipes/wm_100.overrides.yaml'
+ORDER = 'config/orders/wo_1001.yaml'
+RECIPE = 'recipes/wm_100.yaml'
+KINDS = (ABLE_CELL, SCRIPTS[0], ORDER, RECIPE, OVERRIDES)
 """One file of each kind."""
+
+FILES = ('config/reference_cell.yaml', *SCRIPTS, ORDER, ABLE_CELL, RECIPE, OVERRIDES)
 
 LINE_END = re.compile('\r\n|[\n\r\x85\u2028\u2029]')
 
@@ -36,11 +44,22 @@ def reference() -> tuple[Cell, Script]:
     return cell, read_script(ROOT / SCRIPTS[0], cell, TYPES)
 
 
+@cache
+def able() -> tuple[Cell, Recipe]:
+    """Return the cell with capabilities and its recipe."""
+    cell = read_cell(ROOT / ABLE_CELL, TYPES)
+    return cell, read_recipe(ROOT / RECIPE, cell, TYPES)
+
+
 def read(name: str, text: str) -> None:
     """Read a text as the kind of file that its name says."""
     cell, process = reference()
-    if name.endswith('cell.yaml'):
+    if name in (ABLE_CELL, 'config/reference_cell.yaml'):
         parse_cell(text, name, TYPES)
+    elif name == RECIPE:
+        parse_recipe(text, name, able()[0], TYPES)
+    elif name == OVERRIDES:
+        parse_overrides(text, name, able()[1], able()[0])
     elif 'orders' in name:
         order = parse_order(text, name)
         bind_order(order.order, process, 'J1', order.places)

@@ -8,10 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from itertools import combinations
+from textwrap import indent
 from typing import NamedTuple, cast
 
 from fakes.mistake_tables import table
 from fakes.mistake_texts import NAMED
+from fakes.recipe_texts import HEAD
 
 LINES = 6
 """Of each place."""
@@ -152,6 +154,7 @@ components:
   cart: {action: /cart/drive, type: nav_interfaces/action/DriveTo}
 <names>
 <options>
+<abilities>
 """,
     {
         'conveyor': _BELT.format('sections: 3, type: plain_interfaces/action/Index'),
@@ -167,6 +170,29 @@ components:
                 lambda text: f'  leg: {{{NAMED}{text}}}'.replace('/arm/task', '/leg/task'),
             ),
         ),
+        'abilities': (
+            (
+                'capabilities',
+                lambda text: f'  able: {{{NAMED}{text}}}'.replace('arm', 'able'),
+            ),
+        ),
+    },
+)
+
+_RECIPE_PARAMS = 'n: {type: int}, s: {type: str}, x: {type: float}, '
+
+RECIPE_FRAME = Frame(
+    f"""\
+{HEAD}<params>
+operations:
+  - {{id: place, do: put}}
+<operations>
+  - {{id: pack, do: take}}
+""",
+    {'params': f'params: {{{_RECIPE_PARAMS}}}'},
+    {
+        'params': (('parameters', _beginning('params: {', _RECIPE_PARAMS)),),
+        'operations': (('operations', lambda text: indent(text, '  ')),),
     },
 )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bt_orchestrator.script.drafts import RepeatDraft, ScriptDraft, TaskDraft
+from bt_orchestrator.script.drafts import ScriptDraft, TaskDraft
 from bt_orchestrator.script.report import Report
 
 
@@ -14,14 +14,12 @@ def check_repeats(script: ScriptDraft, report: Report) -> None:
                 what = f'`{task.id}` moves the item, and cannot be repeated'
                 report.add(task.place('qty_change'), what, 'put it before or behind the repeat')
         if repeat.tasks and not any(map(_is_judged, repeat.tasks)):
-            _report_unjudged(repeat, report)
+            what = (
+                f'no {script.step} of this repeat has a verdict, so nothing would ever repeat it'
+            )
+            hint = 'give one of them `fails_unless`; for failed attempts there is `retries`'
+            report.add(repeat.place, what, hint)
 
 
 def _is_judged(task: TaskDraft) -> bool:
     return task.fields.has('fails_unless') or not task.fields.is_sure('fails_unless')
-
-
-def _report_unjudged(repeat: RepeatDraft, report: Report) -> None:
-    what = 'no task of this repeat has a verdict, so nothing would ever repeat it'
-    hint = 'give one of its tasks `fails_unless`; for failed attempts there is `retries`'
-    report.add(repeat.place, what, hint)

@@ -9,7 +9,6 @@ from typing import NamedTuple
 from bt_orchestrator.model.action_type import ActionType, FieldType, MessageType
 from bt_orchestrator.model.capability import Capability
 from bt_orchestrator.script.drafts import ScriptDraft, TaskDraft
-from bt_orchestrator.script.report import Place
 
 
 class Candidate(NamedTuple):
@@ -63,15 +62,6 @@ class OperationDraft(TaskDraft):
         return other is not self and not self.precedes(other) and not other.precedes(self)
 
 
-@dataclass(frozen=True)
-class ReworkDraft:
-    """A repeat as far as it could be read."""
-
-    ids: tuple[str, ...]
-    times: int
-    place: Place
-
-
 @dataclass
 class RecipeDraft(ScriptDraft):
     """A recipe as far as it could be read."""
@@ -79,7 +69,6 @@ class RecipeDraft(ScriptDraft):
     kind: str = 'recipe'
     a_step: str = 'an operation'
     operations: list[OperationDraft] = field(default_factory=list)
-    reworks: list[ReworkDraft] = field(default_factory=list)
 
 
 def given_by_all(candidates: Sequence[Candidate], does: Sequence[str]) -> ActionType | None:

@@ -9,20 +9,22 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import Task
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.circles import circles
-from bt_orchestrator.script.drafts import Position
+from bt_orchestrator.script.drafts import Position, RepeatDraft
 from bt_orchestrator.script.fields import Fields, fields_of
 from bt_orchestrator.script.recipes.drafts import (
     Candidate,
     OperationDraft,
     RecipeDraft,
-    ReworkDraft,
     given_by_all,
 )
 from bt_orchestrator.script.recipes.recipe_keys import OPERATION, REWORK
-from bt_orchestrator.script.report import Report, did_you_mean, listing, nearest
+from bt_orchestrator.script.report import Place, Report, did_you_mean, listing, nearest
 from bt_orchestrator.script.task_options import written_options
 from bt_orchestrator.script.task_reader import read_id
 from bt_orchestrator.script.yaml_nodes import MapNode, Node, Scalar, quoted
+
+_NAMELESS = '?'
+"""No id begins so."""
 
 
 class _Listed(NamedTuple):
@@ -33,6 +35,14 @@ class _Listed(NamedTuple):
     above: str | None
     is_member: bool = False
     """Of a repeat, and not its first operation: it is always after the one above."""
+
+
+class _Repeated(NamedTuple):
+    """A repeat whose operations are not put together yet."""
+
+    members: Sequence[str]
+    times: int
+    place: Place
 
 
 class OperationReader:
@@ -47,6 +57,8 @@ class OperationReader:
             one.prepare.id: one.name for one in cell.components.values() if one.prepare
         }
         self._listed: dict[str, _Listed] = {}
+        """By id; those without one of their own by a name that no id can be."""
+        self._repeats: list[_Repeated] = []
         self._last: str | None = None
 
     def read(self) -> None:
@@ -65,6 +77,10 @@ class OperationReader:
         self._check_circles(after)
         for number, one in enumerate(self._listed.values()):
             self._add(one, number, after[one.id], before[one.id])
+        drafts = {one.id: one for one in self._draft.operations}
+        for members, times, place in self._repeats:
+            tasks = tuple(drafts[one] for one in members)
+            self._draft.repeats.append(RepeatDraft(tasks, times, place))
 
     # --- the list ---------------------------------------------------------------------------
 
@@ -80,9 +96,9 @@ class OperationReader:
         if not items:
             what = 'this repeat has no operations'
             self._report.add(fields.place('repeat'), what, 'give it one, or remove it')
-        ids = [self._member(item, number > 0) for number, item in enumerate(items)]
-        known = tuple(one for one in ids if one is not None)
-        self._draft.reworks.append(ReworkDraft(known, fields.whole('times'), fields.node.place))
+        read = [self._member(item, number > 0) for number, item in enumerate(items)]
+        members = [one for one in read if one is not None]
+        self._repeats.append(_Repeated(members, fields.whole('times'), fields.node.place))
 
     def _member(self, node: Node, is_member: bool) -> str | None:
         if _is_repeat(node):
@@ -101,19 +117,17 @@ class OperationReader:
         written = read_id(fields)
         if written is None or not fields.is_sure('id'):
             self._draft.note_unread_id(fields.unread_words('id'))
-        id_ = written or f'?{len(self._listed) + 1}'
-        one = _Listed(id_, fields, self._last, is_member)
-        first = self._listed.setdefault(id_, one)
-        if first is not one:
-            line = first.fields.place('id').line
+        nameless = f'{_NAMELESS}{len(self._listed)}'
+        id_ = written or nameless
+        if id_ in self._listed:
+            line = self._listed[id_].fields.place('id').line
             what = f'two operations are called `{id_}` (line {line})'
             self._report.add(fields.place('id'), what, 'rename one of them')
-            self._listed[f'?{len(self._listed) + 1}'] = one._replace(
-                id=f'?{len(self._listed) + 1}'
-            )
+            id_ = nameless
         elif id_ in self._prepared:
             what = f'`{id_}` is the preparation of `{self._prepared[id_]}` in the cell file'
             self._report.add(fields.place('id'), what, 'rename the operation')
+        self._listed[id_] = _Listed(id_, fields, self._last, is_member)
         self._last = id_
         return id_
 
@@ -131,7 +145,7 @@ class OperationReader:
                 known.append(name.text)
             elif not self._draft.may_have(name.text):
                 what = f'`after: [{name.text}]` names no operation'
-                ids = [one for one in self._listed if not one.startswith('?')]
+                ids = [one for one in self._listed if not one.startswith(_NAMELESS)]
                 hint = did_you_mean(name.text, ids, f'the operations are {listing(ids)}')
                 self._report.add(name.place, what, hint)
         return tuple(dict.fromkeys(known))
@@ -167,7 +181,7 @@ class OperationReader:
             after=after,
         )
         self._draft.operations.append(draft)
-        if not one.id.startswith('?'):
+        if not one.id.startswith(_NAMELESS):
             self._draft.by_id[one.id] = draft
 
     def _candidates(self, name: Scalar) -> Iterator[Candidate]:

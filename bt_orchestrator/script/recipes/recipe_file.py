@@ -11,11 +11,12 @@ from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.recipe import Operation, Recipe, Rework
 from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.script.checks.repeats import check_repeats
 from bt_orchestrator.script.composing import compose
 from bt_orchestrator.script.fields import Fields, file_fields
 from bt_orchestrator.script.names import check_id
 from bt_orchestrator.script.parameters import read_parameters
-from bt_orchestrator.script.recipes.checks import check_balance, check_reworks
+from bt_orchestrator.script.recipes.balance import check_balance
 from bt_orchestrator.script.recipes.drafts import OperationDraft, RecipeDraft
 from bt_orchestrator.script.recipes.operation_reader import OperationReader
 from bt_orchestrator.script.recipes.operation_values import OperationValues
@@ -68,14 +69,16 @@ def _recipe(fields: Fields, cell: Cell, types: ActionTypes, report: Report) -> R
     OperationReader(draft, cell, types, report).read()
     operations = tuple(_operation(draft, one, report) for one in draft.operations)
     check_balance(draft, report)
-    check_reworks(draft, report)
+    check_repeats(draft, report)
     return Recipe(
         name=texts['recipe'] or '',
         version=version or 0,
         script=texts['script'] or '',
         operations=operations,
         params=draft.params,
-        reworks=tuple(Rework(one.ids, one.times) for one in draft.reworks),
+        reworks=tuple(
+            Rework(tuple(one.id for one in repeat.tasks), repeat.times) for repeat in draft.repeats
+        ),
     )
 
 

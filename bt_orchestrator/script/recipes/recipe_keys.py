@@ -6,10 +6,8 @@ from dataclasses import replace
 
 from bt_orchestrator.script.keys import Key, Kind, Table, whole
 from bt_orchestrator.script.names import ID_FORM, NAME_WITHOUT_DOTS
-from bt_orchestrator.script.script_keys import PARAMETER
+from bt_orchestrator.script.script_keys import PARAMETER, REPEAT
 from bt_orchestrator.script.task_keys import TASK
-
-MOST_ROUNDS = 1000
 
 _OF_EQUIPMENT = ('task', 'action', 'args', 'requires_conveyor', 'qty_change')
 """Keys of a task that are those of the component that does it."""
@@ -58,11 +56,7 @@ OPERATION = Table(
     'an operation',
     (
         *_OWN,
-        *(
-            replace(key, rule='') if key.name in ('when', 'unless', 'fails_unless') else key
-            for key in TASK.keys
-            if key.name not in (*_OF_EQUIPMENT, 'id')
-        ),
+        *(key for key in TASK.keys if key.name not in (*_OF_EQUIPMENT, 'id')),
     ),
     misplaced={
         **TASK.misplaced,
@@ -88,16 +82,9 @@ REWORK = Table(
             required=True,
             of=(OPERATION,),
             fewest=1,
+            rule='3.9',
         ),
-        Key(
-            'times',
-            Kind.WHOLE,
-            'further rounds at most',
-            '2',
-            default=1,
-            minimum=1,
-            maximum=MOST_ROUNDS,
-        ),
+        REPEAT.by_name['times'],
     ),
 )
 

@@ -11,8 +11,17 @@ from typing import NamedTuple, cast
 import pytest
 from fakes.action_types import FakeActionTypes
 from fakes.mistake_tables import table
-from fakes.mistakes_together import CELL_FRAME, ORDER_FRAME, RICH, SCRIPT_FRAME, Frame, Plant
+from fakes.mistakes_together import (
+    CELL_FRAME,
+    ORDER_FRAME,
+    RECIPE_FRAME,
+    RICH,
+    SCRIPT_FRAME,
+    Frame,
+    Plant,
+)
 from fakes.profiles import PROFILE
+from fakes.recipe_texts import recipe
 from fakes.script_texts import LINE, line, mistakes, script
 
 from bt_orchestrator.script.cell_file import parse_cell
@@ -52,6 +61,7 @@ KINDS = {
     'script': Kind(SCRIPT_FRAME, script),
     'cell': Kind(CELL_FRAME, read_cell),
     'order': Kind(ORDER_FRAME, read_order),
+    'recipe': Kind(RECIPE_FRAME, recipe),
 }
 
 

@@ -11,10 +11,9 @@ from fakes.profiles import PROFILE
 from fakes.script_texts import mistakes
 from fakes.shipped import ROOT
 
-from bt_orchestrator.script.cell_keys import CELL
-from bt_orchestrator.script.script_keys import ORDER, SCRIPT
+from bt_orchestrator.script.json_schema import SCHEMA_FILES
 
-KEYS = {key.name for root in (CELL, SCRIPT, ORDER) for table in root.tree() for key in table.keys}
+KEYS = {key.name for root in SCHEMA_FILES.values() for table in root.tree() for key in table.keys}
 
 TRIES = 20_000 if PROFILE == 'nightly' else 100
 """Damaged copies of each file."""

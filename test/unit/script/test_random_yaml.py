@@ -15,13 +15,12 @@ from fakes.profiles import examples
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bt_orchestrator.script.cell_keys import CELL
-from bt_orchestrator.script.script_keys import ORDER, SCRIPT
+from bt_orchestrator.script.json_schema import SCHEMA_FILES
 
 pytestmark = pytest.mark.timeout(24 * 3600)
 
 KEYS = sorted(
-    {k.name for root in (CELL, SCRIPT, ORDER) for table in root.tree() for k in table.keys}
+    {k.name for root in SCHEMA_FILES.values() for table in root.tree() for k in table.keys}
 )
 
 TOKENS = st.sampled_from(

@@ -1,4 +1,4 @@
-"""A recipe as a whole: every item is placed once and taken out, and repeats may end."""
+"""A recipe as a whole: every item is placed once and taken out."""
 
 from __future__ import annotations
 
@@ -49,22 +49,3 @@ def _check_agreement(operation: OperationDraft, report: Report) -> bool:
         hint = 'let `do` name capabilities with the same `qty_change`'
         report.add(operation.place('do'), what, hint)
     return len(changes) == 1
-
-
-def check_reworks(recipe: RecipeDraft, report: Report) -> None:
-    """Report repeats that would move an item twice, or that never begin a round."""
-    for rework in recipe.reworks:
-        members = [one for one in recipe.operations if one.id in rework.ids]
-        for one in members:
-            if one.task.qty_change:
-                what = f'`{one.id}` moves the item, and cannot be repeated'
-                report.add(one.place('do'), what, 'put it before or behind the repeat')
-        if members and not any(_is_judged(one) for one in members):
-            what = 'no operation of this repeat has a verdict, so nothing would ever repeat it'
-            hint = 'give one of them `fails_unless`; for failed attempts there is `retries`'
-            report.add(rework.place, what, hint)
-
-
-def _is_judged(operation: OperationDraft) -> bool:
-    fields = operation.fields
-    return fields.has('fails_unless') or not fields.is_sure('fails_unless')
