@@ -20,6 +20,8 @@ class Choice:
     """One way to do a piece: a candidate of each of its operations, all in one section."""
 
     members: tuple[Candidate, ...]
+    repeats: bool = False
+    """Its members are those of a `repeat`, which is a step of its own."""
 
     @cached_property
     def section(self) -> int:
@@ -49,7 +51,7 @@ class Choice:
     @cached_property
     def is_alone(self) -> bool:
         """Tell whether nothing may run beside it in its section."""
-        return len(self.members) > 1 or any(
+        return self.repeats or any(
             one.qty_change or not one.component.workspaces for one in self.members
         )
 
@@ -79,7 +81,11 @@ class Pieces:
             self.before[number] = sorted(found - {number})
             for other in self.before[number]:
                 self.behind[other].append(number)
-        self.choices = [_choices([candidates[name] for name in names]) for names in self.members]
+        repeated = {name for one in recipe.reworks for name in one.operations}
+        self.choices = [
+            _choices([candidates[name] for name in names], names[0] in repeated)
+            for names in self.members
+        ]
 
     def __len__(self) -> int:
         return len(self.members)
@@ -140,12 +146,12 @@ def _circle(
         way.append(before)
 
 
-def _choices(candidates: Sequence[Sequence[Candidate]]) -> list[Choice]:
+def _choices(candidates: Sequence[Sequence[Candidate]], repeats: bool) -> list[Choice]:
     if len(candidates) == 1:
-        return [Choice((one,)) for one in candidates[0]]
+        return [Choice((one,), repeats) for one in candidates[0]]
     sections = {one.section for one in candidates[0]}
     found: list[Choice] = []
     for section in sorted(sections):
         here = [[one for one in ways if one.section == section] for ways in candidates]
-        found += [Choice(members) for members in product(*here)][:MOST_CHOICES]
+        found += [Choice(members, repeats) for members in product(*here)][:MOST_CHOICES]
     return found

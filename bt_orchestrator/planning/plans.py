@@ -107,7 +107,7 @@ class Plans:
         return self._costs[plan]
 
     def _cost(self, plan: Plan) -> Cost | None:
-        if self._keeps_twice(plan):
+        if self._cannot_keep(plan):
             return None
         lists = self.lists(plan)
         move_us = self.move_us if len(lists) > 1 else 0  # a belt of one section does not move
@@ -120,15 +120,24 @@ class Plans:
         moved = sum(ways[number] for ways, number in zip(self.moved, plan, strict=True))
         return Cost(moved, us, sum(one * one for one in times), sum(plan))
 
-    def _keeps_twice(self, plan: Plan) -> bool:
-        """Tell whether a device keeps the same thing for two operations: there is one flag."""
+    def _cannot_keep(self, plan: Plan) -> bool:
+        """Tell whether a device keeps the same thing for two operations, or again in each round.
+
+        There is one flag for both, and no flag in a repeat (semantics 3.9, 4.1).
+        """
         kept = [
             (member.component.name, one.name)
             for one, piece in self._held
             for member in self.choices[piece][plan[piece]].members
             if one.is_kept_by(member)
         ]
-        return len(kept) > len({*kept})
+        repeats = any(
+            self.choices[piece][plan[piece]].repeats
+            for one, giver in self._held
+            if any(map(one.is_kept_by, self.choices[giver][plan[giver]].members))
+            for piece in (giver, *(self.pieces.number_of[taker] for taker in one.takers))
+        )
+        return repeats or len(kept) > len({*kept})
 
     def _alone(self, plan: Plan) -> list[int]:
         """Return how long all tasks take that share something, never two at once."""

@@ -12,7 +12,7 @@ from bt_orchestrator.model.recipe import Overrides, Recipe
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.planning.candidates import Candidate, candidates
 from bt_orchestrator.planning.order import Order, ends
-from bt_orchestrator.planning.outcome import Impossible, NotFound
+from bt_orchestrator.planning.outcome import Impossible
 from bt_orchestrator.planning.pieces import Pieces
 from bt_orchestrator.planning.plans import Plan, Plans
 from bt_orchestrator.planning.reach import Held, Reach
@@ -81,8 +81,6 @@ class Problem:
         line, faults = ends(able.of)
         if line is None:
             raise Impossible(faults)
-        if self.recipe.reworks:
-            raise NotFound(['operations that repeat are not generated yet'])
         order = Order(self.recipe, self.overrides, able.of, line)
         pieces = Pieces(self.recipe, order, able.of)
         if pieces.circle:

@@ -58,15 +58,15 @@ class Reach:
             for one in self.held
             for taker in one.takers
         ]
-        self.reason = self._twice()
+        self.reason = self._why_not_kept()
         for names, ways in zip(self.pieces.members, choices, strict=True):
             if not ways:
                 self.reason = f'no section has components for all of {_list(names)}, which repeat'
         while not self.reason and self._narrow():
             pass
 
-    def _twice(self) -> str:
-        """Say which device would have to keep the same thing for two operations."""
+    def _why_not_kept(self) -> str:
+        """Say which device would have to keep the same thing for two operations, or rounds."""
         kept: dict[tuple[str, str], str] = {}
         for one in self.held:
             ways = self.pieces.choices[self.pieces.number_of[one.giver]]
@@ -77,6 +77,12 @@ class Reach:
                 continue
             (name,) = names
             key = name, one.name
+            for other in (one.giver, *one.takers):
+                if any(way.repeats for way in self.pieces.choices[self.pieces.number_of[other]]):
+                    return (
+                        f'{name} keeps `{one.name}` for {_list(one.takers)}, and `{other}` '
+                        'repeats: it would be counted once a round; leave it out of the repeat'
+                    )
             if key in kept:
                 return (
                     f'only {name} can do `{kept[key]}` and `{one.giver}`, and it cannot keep '

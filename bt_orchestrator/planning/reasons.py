@@ -42,21 +42,22 @@ def _made(one: Candidate, plan: Plan, plans: Plans, overrides: Overrides) -> Mad
         for member in choice.members
         if member.operation.id == name and member.component is not one.component
     )
+    why = Why.ONLY
+    if name in overrides.bind:
+        why = Why.OVERRIDE
+    elif others:
+        why = _why(piece, plan, plans)
     return Made(
         operation=name,
         capability=one.capability.name,
         component=one.component.name,
         section=one.section,
-        why=_why(name, piece, plan, plans, overrides),
+        why=why,
         alternatives=tuple(others),
     )
 
 
-def _why(name: str, piece: int, plan: Plan, plans: Plans, overrides: Overrides) -> Why:
-    if name in overrides.bind:
-        return Why.OVERRIDE
-    if len(plans.choices[piece]) == 1:
-        return Why.ONLY
+def _why(piece: int, plan: Plan, plans: Plans) -> Why:
     here = plans.cost(plan)
     others = [
         plans.cost(plans.with_choice(plan, piece, number))

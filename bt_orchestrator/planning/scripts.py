@@ -11,6 +11,7 @@ from bt_orchestrator.model.script import (
     Dependency,
     InitializationDependency,
     Release,
+    Repeat,
     RunsFor,
     Script,
     SectionList,
@@ -20,7 +21,7 @@ from bt_orchestrator.model.script import (
 )
 from bt_orchestrator.planning.candidates import Candidate
 from bt_orchestrator.planning.plans import Plan, Plans
-from bt_orchestrator.planning.section_lists import Group, Listed
+from bt_orchestrator.planning.section_lists import Entry, Group, Listed
 from bt_orchestrator.planning.values import Values
 
 
@@ -50,6 +51,7 @@ class _Writer:
             dependencies=tuple(self._flags()),
             zones=tuple(self._zones()),
             params=self._recipe.params,
+            repeats=tuple(self._repeats()),
         )
 
     # --- lists ------------------------------------------------------------------------------
@@ -79,6 +81,19 @@ class _Writer:
             **{'timeout_s': one.component.timeout_s, **options},
         )
 
+    def _repeats(self) -> Iterator[Repeat]:
+        """Yield the repeats, along the belt."""
+        times = {one.operations[0]: one.times for one in self._recipe.reworks}
+        for one in self._listed():
+            names = tuple(member.operation.id for member in one.choice.members)
+            if one.choice.repeats:
+                yield Repeat(names, times[names[0]])
+
+    def _listed(self) -> Iterator[Entry]:
+        """Yield what is in the lists, along the belt."""
+        groups = (group for one in self._lists.values() for group in one.groups)
+        return (entry for group in groups for track in group for entry in track)
+
     # --- what sections share ----------------------------------------------------------------
 
     def _flags(self) -> Iterator[Dependency]:
@@ -86,17 +101,8 @@ class _Writer:
         held = self._plans.reach.held
         kept = [one for one in held if one.is_kept_by(self._chosen[one.giver])]
         devices = [self._chosen[one.giver].component.name for one in kept]
-        rank = {
-            member.operation.id: rank
-            for rank, member in enumerate(
-                member
-                for listed in self._lists.values()
-                for group in listed.groups
-                for track in group
-                for entry in track
-                for member in entry.choice.members
-            )
-        }
+        members = (member for entry in self._listed() for member in entry.choice.members)
+        rank = {member.operation.id: rank for rank, member in enumerate(members)}
         for one, device in zip(kept, devices, strict=True):
             flag = device if devices.count(device) == 1 else f'{device}_{one.name}'
             last = max(one.takers, key=lambda taker: rank[taker])

@@ -24,6 +24,7 @@ def mistakes(script: Script, recipe: Recipe, overrides: Overrides, cell: Cell) -
         *_at_once(script, cell),
         *_unguarded(script, cell),
         *_not_taken_out(script, places),
+        *_not_together(script, recipe),
         *_not_prepared(script, cell),
     ]
 
@@ -142,6 +143,16 @@ def _not_taken_out(script: Script, places: dict[str, _Place]) -> Iterator[str]:
                 yield f'an item that {task.id} rejects is taken out {len(takers)} times'
         if task.qty_change == 0 and not script.source <= places[task.id][0] <= script.sink:
             yield f'{task.id} is outside the line'
+
+
+def _not_together(script: Script, recipe: Recipe) -> Iterator[str]:
+    told = {one.tasks: one.times for one in script.repeats}
+    if told != {one.operations: one.times for one in recipe.reworks}:
+        yield f'repeats {told}'
+    for one in recipe.reworks:
+        (track,) = script.step_of(one.operations[0]).tracks
+        if tuple(task.id for task in track) != one.operations:
+            yield f'{one.operations} are no step'
 
 
 def _not_prepared(script: Script, cell: Cell) -> Iterator[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
+from itertools import pairwise
 from random import Random
 from typing import Any
 
@@ -13,7 +14,7 @@ from fakes.line import Line
 from bt_orchestrator.model.capability import Capability, Preparation
 from bt_orchestrator.model.cell import Cell, Component, OnFailure
 from bt_orchestrator.model.condition import Condition
-from bt_orchestrator.model.recipe import Operation, Overrides, Recipe
+from bt_orchestrator.model.recipe import Operation, Overrides, Recipe, Rework
 from bt_orchestrator.model.reference import Reference, Template
 from bt_orchestrator.model.script import RunsFor
 
@@ -132,7 +133,24 @@ class DrawnRecipe:
         written: list[Operation] = []
         for name in names:
             written.append(self._operation(name, written))
-        return Recipe('drawn', 1, 'drawn', tuple(written))
+        again = self._again(written)
+        return Recipe('drawn', 1, 'drawn', tuple(written), reworks=again)
+
+    def _again(self, written: list[Operation]) -> tuple[Rework, ...]:
+        """Draw a repeat of two operations, the second of which says whether it was well."""
+        pairs = [
+            number
+            for number, (first, second) in enumerate(pairwise(written))
+            if {'put', 'take'}.isdisjoint({first.id, second.id}) and {*second.do} <= self._given
+        ]
+        if not pairs or not self._chance(0.5):
+            return ()
+        number = self._random.choice(pairs)
+        first, second = written[number : number + 2]
+        size = Template((Reference('results', second.id, ('size',)),))
+        options = {'fails_unless': Condition(size, at_least=-1.0)}
+        written[number + 1] = replace(second, after=(first.id,), options=options)
+        return (Rework((first.id, second.id), 1),)
 
     def _operation(self, name: str, written: list[Operation]) -> Operation:
         earlier = [one.id for one in written]

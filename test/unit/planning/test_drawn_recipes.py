@@ -35,6 +35,7 @@ TYPES = FakeActionTypes()
 SEEDS = st.integers(0, 2**32)
 FEW = Limits(kicks=2, nodes=200, finalists=2)
 MOST_PLANS = 3000
+SEEN = ('Impossible', 'flags', 'zones', 'groups', 'early', 'repeats')
 
 
 def generated(drawn: DrawnRecipe, limits: Limits = FEW) -> Generated | NotMade:
@@ -75,13 +76,14 @@ def test_a_generated_script_runs_to_its_end_or_there_is_a_reason() -> None:
         assert outcome(drawn, script) is Outcome.FINISHED
         steps = [(one, step) for one in script.sections.values() for step in one.steps]
         seen['flags'] += bool(script.dependencies)
+        seen['repeats'] += bool(script.repeats)
         seen['zones'] += bool(script.zones)
         seen['groups'] += any(step.is_group for _, step in steps)
         seen['early'] += any(one.turn_steps < len(one.steps) for one, _ in steps)
 
     holds()
     assert seen['Generated'] > 100, seen
-    assert min(seen[one] for one in ('Impossible', 'flags', 'zones', 'groups', 'early')) > 0, seen
+    assert min(seen[one] for one in SEEN) > 0, seen
 
 
 def test_the_engine_is_as_fast_as_the_circle_says_unless_sections_share_something() -> None:

@@ -11,7 +11,7 @@ import pytest
 from fakes.planned import ENDS, cell_of, lists, made_of, recipe_of
 
 from bt_orchestrator.model.recipe import Overrides
-from bt_orchestrator.model.script import Dependency, Release, RunsFor, Script, Zone
+from bt_orchestrator.model.script import Dependency, Release, Repeat, RunsFor, Script, Zone
 from bt_orchestrator.planning.generate import generate
 from bt_orchestrator.planning.outcome import Impossible, Why
 
@@ -134,6 +134,49 @@ def test_an_item_that_is_rejected_too_late_is_no_plan() -> None:
     steps = STEPS.replace('do: press', 'do: press, on_failure: reject')
     text = steps.replace('- {id: fit', '- {id: out, do: drop, runs_for: rejected}\n- {id: fit')
     assert why_not(binned, text) == 'an item that `fit` rejects is never taken out'
+
+
+# --- repeats ----------------------------------------------------------------------------------
+
+JUDGED = {
+    **LINE,
+    'probe': 'section: [2, 3], workspaces: [probe], '
+    'capabilities: {look: {task: TASK_A, gives: {ok: item_present}}}',
+}
+AGAIN = """
+- {id: place, do: put}
+- repeat:
+    - {id: fit, do: press}
+    - {id: see, do: look, fails_unless: "${results.see.ok}"}
+  times: 2
+- {id: box, do: pack}
+"""
+
+
+def test_operations_that_repeat_are_one_step_of_one_section() -> None:
+    found = made_of(JUDGED, AGAIN)
+    assert found.script.repeats == (Repeat(('fit', 'see'), 2),)
+    (step,) = found.script.sections[3].steps
+    assert [[task.id for task in track] for track in step.tracks] == [['fit', 'see']]
+    assert found.made['see'].why is Why.ONLY
+
+
+def test_operations_that_repeat_are_done_in_one_section_or_not_at_all() -> None:
+    far = {**JUDGED, 'probe': JUDGED['probe'].replace('[2, 3]', '2')}
+    assert why_not(far, AGAIN) == 'no section has components for all of `fit`, `see`, which repeat'
+
+
+def test_what_a_device_keeps_is_not_repeated() -> None:
+    steps = MEASURE.replace(
+        '- {id: fit, do: press, needs: {depth: gauge_it}}',
+        '- repeat:\n'
+        '    - {id: fit, do: press, needs: {depth: gauge_it}}\n'
+        '    - {id: see, do: look, fails_unless: "${results.see.ok}"}',
+    )
+    assert why_not({**MEASURED, 'probe': JUDGED['probe']}, steps) == (
+        'gauge keeps `depth` for `fit`, and `fit` repeats: it would be counted once a round; '
+        'leave it out of the repeat'
+    )
 
 
 # --- what sections share ----------------------------------------------------------------------
