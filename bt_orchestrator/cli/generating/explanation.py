@@ -14,7 +14,6 @@ from bt_orchestrator.errors import counted
 from bt_orchestrator.planning.outcome import Claim, Generated, NotFound, NotMade
 from bt_orchestrator.planning.outcome import Made as Fact
 from bt_orchestrator.report.pace_text import script_pace
-from bt_orchestrator.report.tables import table
 
 
 @dataclass(frozen=True)
@@ -55,7 +54,10 @@ def explanation(made: Made) -> Iterator[str]:
         (one.operation, str(one.section), one.component, one.capability, reason(one))
         for one in facts
     ]
-    yield from table(headers, rows)
+    widths = [max(map(len, column)) for column in zip(headers, *rows, strict=True)]
+    for row in (headers, *rows):
+        cells = (text.ljust(width) for text, width in zip(row, widths, strict=True))
+        yield '  '.join(cells).rstrip()
 
 
 def plain(made: Made, inputs: Inputs, kept: Kept | None, file: str | None) -> Mapping[str, Any]:

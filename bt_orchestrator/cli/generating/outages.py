@@ -24,6 +24,8 @@ class Outage:
     """As a part of the time with all components."""
     elsewhere: tuple[str, ...] = ()
     """Operations that another component does."""
+    only_there: tuple[str, ...] = ()
+    """Operations that no other component can do."""
     reasons: tuple[str, ...] = ()
     """Why not."""
     is_proven: bool = True
@@ -34,7 +36,8 @@ class Outage:
         """What comes of it."""
         if self.per_item_s is None:
             verdict = 'not to be made' if self.is_proven else 'not known'
-            return f'{verdict}: {"; ".join(self.reasons)}'
+            why = f'{", ".join(self.only_there)} only there' if self.only_there else ''
+            return f'{verdict}: {why or "; ".join(self.reasons)}'
         slower = f' ({self.slower:+.0%})' if round(self.slower, 2) else ''
         slower = slower.replace('%', ' %')
         return f'{self.per_item_s:.1f} s per item{slower}'
@@ -56,11 +59,17 @@ def outages(
             found = plan(inputs, without | {name}, keep, judge)
         except NotMade as fault:
             is_proven = not isinstance(fault, NotFound)
-            yield Outage(name, reasons=fault.reasons, is_proven=is_proven)
+            lost = _only_at(name, whole)
+            yield Outage(name, only_there=lost, reasons=fault.reasons, is_proven=is_proven)
         else:
             seconds, before = found.claim.per_item_s, whole.claim.per_item_s
             slower = seconds / before - 1 if before else 0.0
             yield Outage(name, seconds, slower, elsewhere(whole, found))
+
+
+def _only_at(component: str, whole: Generated) -> tuple[str, ...]:
+    facts = (one for one in whole.made.values() if one.capability and not one.alternatives)
+    return tuple(one.operation for one in facts if one.component == component)
 
 
 def elsewhere(before: Generated, now: Generated) -> tuple[str, ...]:
@@ -88,7 +97,7 @@ def moved(old: Script, now: Generated) -> tuple[str, ...]:
 
 def outage_lines(whole: Generated, found: Sequence[Outage]) -> Iterator[str]:
     """Yield a table."""
-    rows = [('none', f'{whole.claim.per_item_s:.1f} s per item', '')]
+    rows = [('all in service', f'{whole.claim.per_item_s:.1f} s per item', '')]
     for one in found:
         moved = f'{counted(len(one.elsewhere), "operation")} elsewhere' if one.elsewhere else ''
         rows.append((one.component, one.words, moved))

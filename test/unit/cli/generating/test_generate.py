@@ -140,8 +140,9 @@ def test_equal_files_give_equal_bytes() -> None:
 def test_why_each_operation_is_where_it_is(capsys: pytest.CaptureFixture[str]) -> None:
     text = said(capsys, '--explain')
     assert 'box: 4 tasks in 4 sections, fits cell glue_cell\n  an item every ' in text
-    assert 'robot_a' in text
-    assert 'robot_b could too' in text
+    assert '\noperation  section  component  capability  why\n' in text
+    assert '\nglue       2        robot_a    glue        any other' in text
+    assert 'robot_b could too\n' in text
     assert 'script: box' not in text
 
 
@@ -229,11 +230,11 @@ def test_as_little_as_possible_is_moved(capsys: pytest.CaptureFixture[str]) -> N
 def test_what_comes_of_each_outage(capsys: pytest.CaptureFixture[str]) -> None:
     lines = said(capsys, '--without-each').splitlines()
     assert lines == [
-        'none     3.0 s per item',
-        'loader   not to be made: `load`: only loader could, and it is out of service',
-        'robot_a  7.0 s per item (+133 %), 1 operation elsewhere',
-        'robot_b  not to be made: `close`: only robot_b could, and it is out of service',
-        'packer   not to be made: `pack`: only packer could, and it is out of service',
+        'all in service  3.0 s per item',
+        'loader          not to be made: load only there',
+        'robot_a         7.0 s per item (+133 %), 1 operation elsewhere',
+        'robot_b         not to be made: close only there',
+        'packer          not to be made: pack only there',
     ]
     found = json.loads(said(capsys, '--without-each', '--json'))
     (robot_a,) = (one for one in found['without'] if one['component'] == 'robot_a')
