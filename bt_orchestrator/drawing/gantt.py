@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.hold_words import hold_words
+from bt_orchestrator.model.hold_words import again_words, hold_words
 from bt_orchestrator.report.task_spans import TaskSpans
 from bt_orchestrator.report.wait_log import Waits, WaitSpan
 
@@ -19,7 +19,8 @@ class TaskBar:
     key: e.TaskKey
     name: str
     component: str
-    attempt: int
+    again: str
+    """Which round and attempt, in words; empty: the first."""
     start_s: float
     end_s: float
     outcome: str
@@ -126,10 +127,9 @@ class GanttFold:
             self._end_hold(event.hold, event.time)
 
     def _add_task(self, begun: e.TaskStarted, end_s: float, outcome: str) -> None:
+        again = again_words(begun.round, begun.attempt)
         self._tasks[_row(begun.job, begun.section)].append(
-            TaskBar(
-                begun.key, begun.name, begun.component, begun.attempt, begun.time, end_s, outcome
-            )
+            TaskBar(begun.key, begun.name, begun.component, again, begun.time, end_s, outcome)
         )
 
     def _end_cycle(self, section: int, end_s: float) -> None:

@@ -158,9 +158,9 @@ class _Page:
 
     def _task(self, group: Svg, bar: TaskBar, y: float) -> None:
         drawn = self._bar(group, bar.start_s, bar.end_s, y + 1, height=LANE - 2, **self._look(bar))
-        attempt = f', attempt {bar.attempt}' if bar.attempt > 1 else ''
         end = '' if bar.outcome == 'succeeded' else f'\n{bar.outcome}'
-        what = f'{bar.key}: {bar.name} at {bar.component}{attempt}'
+        what = f'{bar.key}: {bar.name} at {bar.component}'
+        what += f', {bar.again}' if bar.again else ''
         drawn.add('title', f'{what}\n{_span(bar.start_s, bar.end_s)}{end}')
         if bar.failed:
             group.add('path', d=self._cross(bar, y), class_='cross')

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Container, Iterable, Iterator, Mapping
 
 from bt_orchestrator.drawing.line_state import Mark, TaskMark
-from bt_orchestrator.model.hold_words import attempt_words, why_words
+from bt_orchestrator.model.hold_words import again_words, attempt_words, why_words
 from bt_orchestrator.model.script import SectionList, Task
 from bt_orchestrator.model.state import End, Hold
 from bt_orchestrator.model.status import JobStatus, PassedTask, SectionStatus
@@ -30,14 +30,14 @@ def cycle_marks(
         return
     passed = _passed(section.passed)
     due = set(_due(tasks, passed))
-    attempts = {one.id: one.attempt for one in section.running}
+    running = {one.id: again_words(one.round, one.attempt) for one in section.running}
     for task in tasks.tasks:
         hold = held.get((section.number, section.item.id, task.id))
         if hold is not None:
             yield task, held_mark(hold)
-        elif task.id in attempts:
-            attempt = f'(attempt {attempts[task.id]})' if attempts[task.id] > 1 else ''
-            yield task, TaskMark(Mark.RUNNING, attempt)
+        elif task.id in running:
+            words = running[task.id]
+            yield task, TaskMark(Mark.RUNNING, f'({words})' if words else '')
         else:
             yield task, passed.get(task.id) or _at_rest(task.id, section, due)
 

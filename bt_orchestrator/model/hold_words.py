@@ -105,6 +105,12 @@ def _subject(hold: HoldFacts) -> str:
     return f'{hold.task}{name}{of_what}{where}'
 
 
+def again_words(round_: int, attempt: int) -> str:
+    """Say which round of a repeat, from 0, and which attempt it is; empty: the first of both."""
+    words = [f'round {round_ + 1}'] if round_ else []
+    return ', '.join([*words, f'attempt {attempt}'] if attempt > 1 else words)
+
+
 def attempt_words(attempt: int, attempts: int) -> str:
     """Say which attempt failed; one that an operator added is beyond those allowed."""
     if not attempt:

@@ -40,6 +40,8 @@ class TaskStatus:
     """How long it took lately, or else its nominal duration."""
     feedback: str = ''
     """Last feedback message as one JSON object."""
+    round: int = 0
+    """Which further round of its repeat, from 1; 0: the first pass, or no repeat."""
 
 
 @dataclass(frozen=True)

@@ -28,6 +28,8 @@ class Attempt:
     name: str = ''
     """Task constant; empty: nothing was sent."""
     component: str = ''
+    round: int = 0
+    """Which further round of its repeat, from 1; 0: the first pass, or no repeat."""
     attempt: int = 0
     started: float | None = None
     ended: float | None = None
@@ -136,6 +138,7 @@ class ItemFold:
         attempt = Attempt(event.section, event.task, RUNNING)
         if isinstance(event, e.TaskStarted):
             attempt.name, attempt.component = event.name, event.component
+            attempt.round = event.round
             attempt.attempt, attempt.started, attempt.args = event.attempt, event.time, event.args
             self._open[event.key] = attempt
         elif isinstance(event, (e.TaskSucceeded, e.TaskFailed)):

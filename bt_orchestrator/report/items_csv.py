@@ -9,7 +9,17 @@ from typing import IO, Any
 from bt_orchestrator.model.jobs.job_record import ItemRecord, JobRecord
 from bt_orchestrator.report.csv_export import csv_cell, iso_time
 
-COLUMNS = ('job', 'item', 'how', 'started', 'ended', 'seconds', 'nonconforming', 'failures')
+COLUMNS = (
+    'job',
+    'item',
+    'how',
+    'started',
+    'ended',
+    'seconds',
+    'nonconforming',
+    'failures',
+    'rounds',
+)
 """The same for every job; the results of its tasks follow, one column a field."""
 
 
@@ -39,6 +49,7 @@ def _about(job: JobRecord, item: ItemRecord) -> tuple[Any, ...]:
         None if ended is None else round(ended - item.started, 3),
         ' '.join(item.nonconforming),
         sum(failure.item == item.item for failure in job.failures),
+        sum(item.rounds.values()),
     )
 
 

@@ -55,6 +55,8 @@ def _items(job: JobRecord) -> Iterator[str]:
         yield f'  {item.item}  {item.how or "on the line"}{when}'
         for task, results in item.results.items():
             yield f'    {task}: {shown(results)}'
+        for task, number in item.rounds.items():
+            yield f'    {task}: {number} more round{"s" if number > 1 else ""}'
         for failure in job.failures:
             if failure.item == item.item:
                 yield f'    {failure.task} failed: {failure.reason}'

@@ -134,9 +134,10 @@ def _task_continued(job: JobRecord, event: e.TaskContinued) -> None:
 
 
 def _round_begun(job: JobRecord, event: e.RoundBegun) -> None:
-    results = _item_of(job, event.item, event.time).results
+    item = _item_of(job, event.item, event.time)
+    item.rounds[event.repeat] = item.rounds.get(event.repeat, 0) + 1
     for task in event.tasks:
-        results.pop(task, None)
+        item.results.pop(task, None)
 
 
 def _nonconforming(job: JobRecord, event: e.ItemNonconforming | e.TaskContinued) -> ItemRecord:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from bt_orchestrator.model.hold_words import hold_wait_words
+from bt_orchestrator.model.hold_words import again_words, hold_wait_words
 from bt_orchestrator.model.status import CellStatus, ComponentStatus, TaskStatus
 from bt_orchestrator.model.status_words import component_trouble
 from bt_orchestrator.model.wait import BELT, INITIALIZATION, Wait, WaitKind
@@ -126,8 +126,8 @@ class _Reader:
 
 
 def _runs(task: TaskStatus) -> str:
-    again = f', attempt {task.attempt}' if task.attempt > 1 else ''
-    return f'{task.component} works on {task.id}{again}'
+    words = (f'{task.component} works on {task.id}', again_words(task.round, task.attempt))
+    return ', '.join(filter(None, words))
 
 
 def section_part(number: int) -> str:

@@ -54,7 +54,7 @@ _TRANSITIONS: Mapping[str, str] = {
 
 _OF_JOB = ('script', 'recipe', 'recipe_version')
 
-_KEPT = ('section', 'attempt', 'action', 'reason', 'message')
+_KEPT = ('section', 'round', 'attempt', 'action', 'reason', 'message')
 """Fields that become attributes of the event."""
 
 

@@ -61,6 +61,7 @@ class TasksInFlight:
             started=progress.started,
             expected_s=self._expected_s(component, name),
             feedback=feedback_of(self._engine.flights, progress.goal),
+            round=state.round(key),
         )
 
     def _expected_s(self, component: str, name: str) -> float | None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from datetime import datetime
 
-from bt_orchestrator.model.hold_words import hold_words
+from bt_orchestrator.model.hold_words import again_words, hold_words
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import (
     CellStatus,
@@ -160,11 +160,11 @@ def slot(item: ItemStatus | None) -> str:
 
 def task(running: TaskStatus) -> str:
     """Return a task that has a goal in flight."""
-    again = f', attempt {running.attempt}' if running.attempt > 1 else ''
     named = one_line(running.id)
     if one_line(running.name) not in named:
         named = f'{named} {one_line(running.name)}'
-    return f'{named}{again} at {one_line(running.action)}'
+    words = filter(None, (named, again_words(running.round, running.attempt)))
+    return f'{", ".join(words)} at {one_line(running.action)}'
 
 
 def _work(section: SectionStatus) -> str:

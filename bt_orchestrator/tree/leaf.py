@@ -9,7 +9,7 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.failures import RETRY
 from bt_orchestrator.model.goal import Reason
-from bt_orchestrator.model.hold_words import hold_wait_words
+from bt_orchestrator.model.hold_words import again_words, hold_wait_words
 from bt_orchestrator.model.reference import resolve
 from bt_orchestrator.model.state import Phase, TaskState
 from bt_orchestrator.model.wait import Wait, WaitKind
@@ -146,10 +146,8 @@ class ActionLeaf(TaskWaiter, Ticked):
             self.subject.recorder.record([e.JobStarted(job=job.job.id)])
 
     def _running(self, attempt: int) -> str:
-        number = self.subject.state.round(self.subject.key)
-        which = f', round {number + 1}' if number else ''
-        which += f', attempt {attempt}' if attempt > 1 else ''
-        return f'running at {self.subject.task.action}{which}'
+        words = again_words(self.subject.state.round(self.subject.key), attempt)
+        return ', '.join(filter(None, (f'running at {self.subject.task.action}', words)))
 
     def _args(self) -> dict[str, object]:
         if not self.subject.task.refers:

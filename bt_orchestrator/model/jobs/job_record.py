@@ -62,6 +62,8 @@ class ItemRecord:
     how: str = ''
     """packed, rejected, by_hand or missing; empty while it is on the line."""
     nonconforming: list[str] = field(default_factory=list)
+    rounds: dict[str, int] = field(default_factory=dict)
+    """Further rounds that were begun, by the first task of their repeat."""
     results: dict[str, Mapping[str, Any]] = field(default_factory=dict)
 
 

@@ -29,6 +29,7 @@ def task_message(task: TaskStatus) -> msg.TaskStatus:
         name=task.name,
         component=task.component,
         action=task.action,
+        round=task.round,
         attempt=task.attempt,
         goal=task.goal,
         started=to_time(task.started),
@@ -49,6 +50,7 @@ def task_status(message: msg.TaskStatus) -> TaskStatus:
         started=from_time(message.started),
         expected_s=to_seconds(message.expected_s),
         feedback=message.feedback,
+        round=message.round,
     )
 
 

@@ -106,6 +106,7 @@ def _item(item: ItemRecord) -> dict[str, Any]:
         'started': item.started,
         'ended': item.ended,
         'nonconforming': list(item.nonconforming),
+        'rounds': dict(item.rounds),
         'results': to_plain(item.results),
     }
 

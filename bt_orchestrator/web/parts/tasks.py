@@ -93,6 +93,7 @@ class TaskParts:
             'track': place[1],
             'mark': mark.mark.name.lower(),
             'reason': why_words(hold.reason, hold.message) if hold else mark.reason,
+            'round': running.round if running else 0,
             'attempt': running.attempt if running else hold.attempt if hold else 0,
             'started': running.started if running else None,
             'expected_s': self._expected_s(task, running),

@@ -115,7 +115,7 @@ def test_one_run_is_always_drawn_the_same() -> None:
 
 
 def test_what_a_user_writes_cannot_break_the_drawing() -> None:
-    bar = TaskBar(TaskKey('<&"', 1, '<&"/1', 'a<b'), 'N', 'c', 1, 0.0, 5.0, 'succeeded')
+    bar = TaskBar(TaskKey('<&"', 1, '<&"/1', 'a<b'), 'N', 'c', '', 0.0, 5.0, 'succeeded')
     svg = gantt_svg(Gantt('<cell>', 5.0, ('<&"',), (Row('section 1', [bar]),)))
 
     assert title(bars(svg, 'section_1', 'work')[0]).startswith('a<b of <&"/1')

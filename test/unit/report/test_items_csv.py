@@ -21,7 +21,7 @@ def job(*items: ItemRecord, failures: tuple[FailureRecord, ...] = ()) -> JobReco
 
 
 def test_each_item_is_a_row_with_how_it_ended_and_how_long_it_took() -> None:
-    bad = ItemRecord('WO-1/1', 10.0, 12.5, 'rejected', ['weigh', 'seal'])
+    bad = ItemRecord('WO-1/1', 10.0, 12.5, 'rejected', ['weigh', 'seal'], {'glue': 2})
     failed = FailureRecord(11.0, 'weigh', 1, 'aborted', item='WO-1/1')
     first, second = rows(job(bad, ItemRecord('WO-1/2', 11.0), failures=(failed,)))
     assert tuple(first) == COLUMNS
@@ -30,6 +30,7 @@ def test_each_item_is_a_row_with_how_it_ended_and_how_long_it_took() -> None:
     assert (first['nonconforming'], first['failures']) == ('weigh seal', '1')
     assert (second['how'], second['ended'], second['seconds']) == ('', '', '')
     assert second['failures'] == '0'
+    assert (first['rounds'], second['rounds']) == ('2', '0')
 
 
 def test_results_have_a_column_each_with_the_name_of_a_reference() -> None:

@@ -136,6 +136,8 @@ def test_the_expected_finish_is_a_time_of_day_and_how_long_that_is(
 
 def test_further_attempts_and_bad_counts_are_said() -> None:
     assert words.task(statuses.task('4.1', attempt=3)) == '4.1 TASK_A, attempt 3 at /4.1/task'
+    again = replace(statuses.task('glue', attempt=2), round=1)
+    assert words.task(again) == 'glue TASK_A, round 2, attempt 2 at /glue/task'
     bad = statuses.job(packed=3, rejected=2, missing=1)
     assert job_count_words(bad) == '3 of 10 packed, 2 rejected, 1 missing'
 

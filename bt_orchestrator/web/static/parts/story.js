@@ -1,6 +1,7 @@
 /** The record of an item told as a story: what happened to it, in order of time. */
 import { h } from '../core/dom.js';
 import { at, duration, seconds, t, tOr } from '../core/text.js';
+import { againWords } from './again.js';
 import { componentLink, sectionLink } from './links.js';
 import { shape } from '../core/shape.js';
 import { values } from './values.js';
@@ -89,7 +90,8 @@ function decisionWord(what) {
 }
 
 function task(entry) {
-  const { section, task: id, name, component, attempt, outcome } = entry;
+  const { section, task: id, name, component, outcome } = entry;
+  const again = againWords(entry);
   const where = section ? sectionLink(section) : null;
   const by = component ? [' · ', componentLink(component)] : null;
   return [
@@ -101,7 +103,7 @@ function task(entry) {
       h('strong', {}, id),
       name && name !== id ? ` ${name}` : '',
       by,
-      attempt > 1 ? ` · ${t('item.attempt', { attempt })}` : '',
+      again ? ` · ${again}` : '',
     ),
     h('p', { class: 'outcome' }, shape(SHAPES[outcome] ?? 'dots'), ' ', outcomeWords(entry)),
     details('item.args', entry.args),

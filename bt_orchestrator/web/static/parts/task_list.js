@@ -4,6 +4,7 @@ import { t, tOr } from '../core/text.js';
 import { everySecond } from '../core/tick.js';
 import { componentLink } from './links.js';
 import { mark } from './mark.js';
+import { againWords } from './again.js';
 import { timeWords } from './task_row.js';
 
 /** A list of tasks: an element and `update(tasks)`. */
@@ -39,7 +40,7 @@ function makeTask() {
   );
   let task = null;
   const sayTime = () =>
-    task && text(time, [attempt(task), timeWords(task)].filter(Boolean).join(' · '));
+    task && text(time, [againWords(task), timeWords(task)].filter(Boolean).join(' · '));
   everySecond(element, sayTime);
   return {
     element,
@@ -56,8 +57,4 @@ function makeTask() {
       sayTime();
     },
   };
-}
-
-function attempt(task) {
-  return task.attempt > 1 ? t('task.attempt', { attempt: task.attempt }) : '';
 }

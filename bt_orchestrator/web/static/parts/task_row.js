@@ -3,6 +3,7 @@
 import { attribute, h, text } from '../core/dom.js';
 import { shownMoment } from '../core/store.js';
 import { seconds, stopwatch, t } from '../core/text.js';
+import { againWords } from './again.js';
 import { mark } from './mark.js';
 import { reshape, shape } from '../core/shape.js';
 
@@ -62,8 +63,8 @@ function isLate(task) {
 }
 
 function titleOf(task) {
-  const attempt = task.attempt > 1 ? t('task.attempt', { attempt: task.attempt }) : '';
-  return [task.id, task.name, task.component, t(`mark.${task.mark}`), attempt, task.reason]
+  const again = againWords(task);
+  return [task.id, task.name, task.component, t(`mark.${task.mark}`), again, task.reason]
     .filter(Boolean)
     .join(' · ');
 }
