@@ -43,7 +43,7 @@ class Bound:
         self._chosen = [0] * len(ways)
         self._most_us = 0
 
-    def look(self, us: Fraction) -> None:
+    def look(self, us: Fraction | int) -> None:
         """Look for plans that take less than so many microseconds for an item."""
         self._most_us = math.ceil(us) - 1
         self._from(0)
@@ -87,6 +87,8 @@ class Bound:
 
     def _at_end(self) -> None:
         plan = tuple(self._chosen)
+        if self._plans.at_best(plan) is None:
+            return  # in no order
         cost = self._plans.cost(plan)
         if cost is not None and cost.us <= self._most_us:
             self.faster, self._most_us = plan, math.ceil(cost.us) - 1

@@ -12,19 +12,22 @@ from bt_orchestrator.planning.outcome import (
     LIMITS,
     Claim,
     Generated,
+    Impossible,
     Judge,
     Limits,
     NotFound,
 )
 from bt_orchestrator.planning.plans import Plan
 from bt_orchestrator.planning.problem import Problem
-from bt_orchestrator.planning.reasons import made, why_stuck
+from bt_orchestrator.planning.reasons import made
 from bt_orchestrator.planning.scripts import chosen
 from bt_orchestrator.planning.search import Search
 from bt_orchestrator.planning.starts import starts
 from bt_orchestrator.proof.pace import pace
 
 NO_OVERRIDES = Overrides()
+
+_FOR_EVER_US = 10**18
 
 _SAME_S = 1e-6
 """Runs of the engine that differ by less are equally fast."""
@@ -59,10 +62,11 @@ class _Generator:
     def run(self) -> Generated:
         plans = self._problem.plans
         search = Search(plans)
-        begins = list(starts(plans))
-        search.run(begins, self._limits.kicks)
+        search.run(starts(plans), self._limits.kicks)
         if search.best is None:
-            raise NotFound([why_stuck(self._problem.script(begins[0]))])
+            search.run([self._any()], self._limits.kicks)
+        if search.best is None:
+            raise NotFound([_not_found(self._limits)])
         cost, plan = search.best
         if plans.shares:
             return self._judged(cost.moved)
@@ -74,6 +78,25 @@ class _Generator:
             search.run([bound.faster], 0)  # of equally fast ones the one that spreads best
             cost, plan = search.best
         return self._generated(plan, is_fastest=bound.is_proven)
+
+    def _any(self) -> Plan:
+        """Return any plan, because the search has found none: devices keep too little.
+
+        :raises Impossible: it is proven that there is none
+        :raises NotFound: there was none among those that were tried
+        """
+        bound = Bound(self._problem.plans, self._limits.nodes)
+        bound.look(_FOR_EVER_US)
+        if bound.faster is not None:
+            return bound.faster
+        givers = ', '.join(f'`{one.giver}`' for one in self._problem.plans.reach.held)
+        why = (
+            f'no device could keep what each of {givers} gives: one keeps it for one operation, '
+            'for so many sections as it has room, and not in a repeat'
+        )
+        if bound.is_proven:
+            raise Impossible([why])
+        raise NotFound([f'{_not_found(self._limits)}; of those that were tried, {why}'])
 
     def _judged(self, moved: int) -> Generated:
         """Return the best of the finalists by the engine.
@@ -113,3 +136,7 @@ class _Generator:
         )
         claim = Claim(found, judged_s if found.not_counted else None, is_fastest, moved)
         return Generated(script, made(plan, problem.plans, problem.overrides, script), claim)
+
+
+def _not_found(limits: Limits) -> str:
+    return f'not found within {limits.nodes:,} steps; not proven impossible'

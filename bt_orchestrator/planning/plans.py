@@ -16,6 +16,10 @@ Plan = tuple[int, ...]
 """By piece: the number of its choice."""
 
 
+_TRIED = 4
+"""Plans, for each one that is asked for, whose flags are tried."""
+
+
 class Cost(NamedTuple):
     """What a plan costs; the first that differs decides."""
 
@@ -59,6 +63,7 @@ class Plans:
         self.moved = [[moved(one) for one in ways] for ways in self.choices]
         self._lists: dict[tuple[tuple[int, int], ...], Listed] = {}
         self._costs: dict[Plan, Cost | None] = {}
+        self._at_best: dict[Plan, Cost | None] = {}
         self.before: list[list[int]] = [[] for _ in self.choices]
         """By piece: those that are done in no section behind it."""
         self.behind: list[list[int]] = [[] for _ in self.choices]
@@ -67,7 +72,11 @@ class Plans:
             self.before[second].append(first)
             self.behind[first].append(second)
         self.shared = self._find_shared()
-        self._held = [(one, self.pieces.number_of[one.giver]) for one in reach.held]
+        number_of = self.pieces.number_of
+        self._held = [
+            (one, number_of[one.giver], [number_of[taker] for taker in one.takers])
+            for one in reach.held
+        ]
 
     def _find_shared(self) -> list[list[tuple[tuple[str, int], ...]]]:
         """Return, by piece and choice, what else may want its spaces, and for how long it does."""
@@ -101,43 +110,55 @@ class Plans:
         return known
 
     def cost(self, plan: Plan) -> Cost | None:
-        """Return what a plan costs; None: it gets stuck."""
+        """Return what a plan costs; None: it gets stuck, or no script can say it."""
+        least = self.at_best(plan)
+        if self._closed_us is None or least is None:
+            return least
         if plan not in self._costs:
-            self._costs[plan] = self._cost(plan)
+            us = self._closed_us(plan)
+            self._costs[plan] = None if us is None else least._replace(us=us)
         return self._costs[plan]
 
-    def _cost(self, plan: Plan) -> Cost | None:
-        if self._cannot_keep(plan):
-            return None
+    def at_best(self, plan: Plan) -> Cost | None:
+        """Return what a plan costs by its sections alone: flags may make it slower.
+
+        None: a device would have to keep what it cannot.
+        """
+        if plan not in self._at_best:
+            self._at_best[plan] = None if self._cannot_keep(plan) else self._of_sections(plan)
+        return self._at_best[plan]
+
+    def _of_sections(self, plan: Plan) -> Cost:
         lists = self.lists(plan)
         move_us = self.move_us if len(lists) > 1 else 0  # a belt of one section does not move
         times = [one.us(move_us) for one in lists.values()]
-        us: Fraction | None = Fraction(max([move_us, *times, *self._alone(plan)]))
-        if self._closed_us is not None:
-            us = self._closed_us(plan)
-        if us is None:
-            return None
+        us = Fraction(max([move_us, *times, *self._alone(plan)]))
         moved = sum(ways[number] for ways, number in zip(self.moved, plan, strict=True))
         return Cost(moved, us, sum(one * one for one in times), sum(plan))
 
     def _cannot_keep(self, plan: Plan) -> bool:
-        """Tell whether a device keeps the same thing for two operations, or again in each round.
+        """Tell whether a device would have to keep what it cannot.
 
-        There is one flag for both, and no flag in a repeat (semantics 3.9, 4.1).
+        For two operations, because there is one flag; for too many items, because those that need
+        it are too far; or once more in each round (semantics 3.9, 4.1).
         """
-        kept = [
-            (member.component.name, one.name)
-            for one, piece in self._held
-            for member in self.choices[piece][plan[piece]].members
-            if one.is_kept_by(member)
-        ]
-        repeats = any(
-            self.choices[piece][plan[piece]].repeats
-            for one, giver in self._held
-            if any(map(one.is_kept_by, self.choices[giver][plan[giver]].members))
-            for piece in (giver, *(self.pieces.number_of[taker] for taker in one.takers))
-        )
-        return repeats or len(kept) > len({*kept})
+        kept: set[tuple[str, str]] = set()
+        for one, giver, takers in self._held:
+            choice = self.choices[giver][plan[giver]]
+            for member in choice.members:
+                if not one.is_kept_by(member):
+                    continue
+                others = [self.choices[taker][plan[taker]] for taker in takers]
+                last = max(other.section for other in others)
+                key = member.component.name, one.name
+                if (
+                    key in kept
+                    or last - choice.section > member.capability.holds[one.name]
+                    or any(other.repeats for other in (choice, *others))
+                ):
+                    return True
+                kept.add(key)
+        return False
 
     def _alone(self, plan: Plan) -> list[int]:
         """Return how long all tasks take that share something, never two at once."""
@@ -162,9 +183,10 @@ class Plans:
         return self._closed_us is None and all(one.is_plain for one in self.lists(plan).values())
 
     def best(self, count: int) -> list[tuple[Cost, Plan]]:
-        """Return the best plans of those whose cost was asked for."""
-        known = ((cost, plan) for plan, cost in self._costs.items() if cost is not None)
-        return heapq.nsmallest(count, known)
+        """Return the best plans of those that were looked at."""
+        known = ((cost, plan) for plan, cost in self._at_best.items() if cost is not None)
+        costs = [(self.cost(plan), plan) for _, plan in heapq.nsmallest(_TRIED * count, known)]
+        return sorted((cost, plan) for cost, plan in costs if cost is not None)[:count]
 
     # --- from one plan to another -----------------------------------------------------------
 

@@ -8,17 +8,6 @@ from bt_orchestrator.planning.candidates import Candidate
 from bt_orchestrator.planning.outcome import Made, Why
 from bt_orchestrator.planning.plans import Plan, Plans
 from bt_orchestrator.planning.scripts import chosen
-from bt_orchestrator.proof.deadlock import deadlock
-
-
-def why_stuck(script: Script) -> str:
-    """Say why a script gets stuck, and what would help."""
-    found = deadlock(script)
-    told = 'the plans that were tried get stuck; that all do is not proven'
-    if found is None:
-        return told
-    help_ = f'; {found.remedy}' if found.remedy else ''
-    return f'{told}: {found}{help_}; bind nearer, or the device must keep more'
 
 
 def made(plan: Plan, plans: Plans, overrides: Overrides, script: Script) -> dict[str, Made]:

@@ -49,6 +49,9 @@ class Search:
             goes_on = False
             for near in (self._moves, self._swaps):
                 for other in near(plan):
+                    least = self._plans.at_best(other)
+                    if least is None or (cost is not None and least >= cost):
+                        continue
                     found = self._plans.cost(other)
                     if found is not None and (cost is None or found < cost):
                         cost, plan, goes_on = found, other, True

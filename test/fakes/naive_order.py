@@ -6,10 +6,14 @@ Written from docs/recipes.md and the rules, not from the planner.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import combinations, pairwise
+from itertools import combinations, pairwise, product
+from math import prod
 
+from bt_orchestrator.model.capability import Capability
 from bt_orchestrator.model.cell import Cell, OnFailure
+from bt_orchestrator.model.condition import Condition
 from bt_orchestrator.model.recipe import Operation, Overrides, Recipe
+from bt_orchestrator.model.reference import Reference
 from bt_orchestrator.model.script import RunsFor, Script, SectionList, Task
 
 
@@ -27,6 +31,57 @@ def mistakes(script: Script, recipe: Recipe, overrides: Overrides, cell: Cell) -
         *_not_together(script, recipe),
         *_not_prepared(script, cell),
     ]
+
+
+MOST_BINDINGS = 20_000
+
+
+def can_be_made(recipe: Recipe, overrides: Overrides, cell: Cell) -> bool | None:
+    """Tell whether some binding keeps the order of a recipe; None: there are too many to try."""
+    ways = [
+        [
+            (section, name, component.capabilities[can])
+            for name, component in cell.components.items()
+            for can in one.do
+            if can in component.capabilities and overrides.bind.get(one.id, name) == name
+            for section in component.sections or range(1, cell.conveyor.sections + 1)
+        ]
+        for one in recipe.operations
+    ]
+    if prod(map(len, ways)) > MOST_BINDINGS:
+        return None
+    names = [one.id for one in recipe.operations]
+    return any(
+        _keeps_order(dict(zip(names, found, strict=True)), recipe) for found in product(*ways)
+    )
+
+
+def _keeps_order(bound: dict[str, tuple[int, str, Capability]], recipe: Recipe) -> bool:
+    """Tell whether items move down the belt only, and devices keep what they can."""
+    together = {one for rework in recipe.reworks for one in rework.operations}
+    kept = set()
+    for one in recipe.operations:
+        here = bound[one.id][0]
+        if not bound['put'][0] <= here <= bound['take'][0]:
+            return False
+        named = {r.name for r in _named(one) if r.source == 'results' and r.name != one.id}
+        if any(bound[before][0] > here for before in {*one.after, *one.needs.values(), *named}):
+            return False
+        for name, giver in one.needs.items():
+            section, device, can = bound[giver]
+            if name in can.holds:
+                if here - section > can.holds[name] or {one.id, giver} & together:
+                    return False
+                kept.add((device, name, giver))
+    if len({(device, name) for device, name, _ in kept}) < len(kept):
+        return False
+    return all(len({bound[one][0] for one in rework.operations}) == 1 for rework in recipe.reworks)
+
+
+def _named(one: Operation) -> Iterator[Reference]:
+    for value in one.options.values():
+        if isinstance(value, Condition):
+            yield from value.references
 
 
 _Place = tuple[int, int, int, int]

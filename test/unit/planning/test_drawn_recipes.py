@@ -10,7 +10,7 @@ from itertools import product
 import pytest
 from fakes.action_types import FakeActionTypes
 from fakes.drawn.recipes import DrawnRecipe
-from fakes.naive_order import mistakes
+from fakes.naive_order import can_be_made, mistakes
 from fakes.profiles import examples
 from fakes.steady import steady
 from hypothesis import given
@@ -20,7 +20,7 @@ from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.planning.generate import generate
-from bt_orchestrator.planning.outcome import Generated, Limits, NotMade
+from bt_orchestrator.planning.outcome import Generated, Impossible, Limits, NotMade
 from bt_orchestrator.planning.plans import Plans
 from bt_orchestrator.planning.problem import Problem
 from bt_orchestrator.script.admission import admitted
@@ -84,6 +84,26 @@ def test_a_generated_script_runs_to_its_end_or_there_is_a_reason() -> None:
     holds()
     assert seen['Generated'] > 100, seen
     assert min(seen[one] for one in SEEN) > 0, seen
+
+
+def test_what_is_called_impossible_cannot_be_made_in_any_way() -> None:
+    """And what could be made is never called so."""
+    seen: Counter[str] = Counter()
+
+    @examples(100, 2000)
+    @given(SEEDS)
+    def holds(seed: int) -> None:
+        drawn = DrawnRecipe(seed, most_operations=6)
+        can = can_be_made(drawn.recipe, drawn.overrides, drawn.cell)
+        if can is None:
+            return
+        found = generated(drawn, Limits(kicks=2, finalists=2))
+        assert isinstance(found, Generated) == can, found
+        assert can or isinstance(found, Impossible)
+        seen['made' if can else 'impossible'] += 1
+
+    holds()
+    assert min(seen['made'], seen['impossible']) > 10, seen
 
 
 def test_the_engine_is_as_fast_as_the_circle_says_unless_sections_share_something() -> None:
