@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from fractions import Fraction
 from itertools import product
 
 import pytest
@@ -21,7 +20,7 @@ from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.planning.generate import generate
 from bt_orchestrator.planning.outcome import Generated, Impossible, Limits, NotMade
-from bt_orchestrator.planning.plans import Plans
+from bt_orchestrator.planning.plans import Cost, Plans
 from bt_orchestrator.planning.problem import Problem
 from bt_orchestrator.script.admission import admitted
 from bt_orchestrator.script.writing.script_text import write_script
@@ -130,7 +129,7 @@ def test_the_engine_is_as_fast_as_the_circle_says_unless_sections_share_somethin
     assert seen['equal'] > 5, seen
 
 
-def fastest(plans: Plans) -> Fraction | None:
+def costs(plans: Plans) -> list[Cost]:
     """Try every plan there is."""
     found = []
     for plan in product(*(range(len(ways)) for ways in plans.choices)):
@@ -138,8 +137,12 @@ def fastest(plans: Plans) -> Fraction | None:
         if all(sections[first] <= sections[second] for first, second in plans.reach.links):
             cost = plans.cost(plan)
             if cost is not None:
-                found.append(cost.us)
-    return min(found, default=None)
+                found.append(cost)
+    return found
+
+
+def are_few(plans: Plans) -> bool:
+    return 1 < math.prod(len(ways) for ways in plans.choices) <= MOST_PLANS
 
 
 def test_no_binding_is_faster_than_the_one_that_is_found() -> None:
@@ -154,11 +157,10 @@ def test_no_binding_is_faster_than_the_one_that_is_found() -> None:
         if not isinstance(found, Generated):
             return
         plans = Problem(drawn.cell, drawn.recipe, drawn.overrides).plans
-        if not 1 < math.prod(len(ways) for ways in plans.choices) <= MOST_PLANS:
+        if not are_few(plans):
             return
-        best = fastest(plans)
+        best = min(cost.us for cost in costs(plans))
         us = found.claim.pace.limit.per_item_us
-        assert best is not None
         assert us >= best
         seen['tried'] += 1
         seen['equal'] += us == best
@@ -167,3 +169,37 @@ def test_no_binding_is_faster_than_the_one_that_is_found() -> None:
     holds()
     assert seen['tried'] > 10, seen
     assert seen['equal'] >= 0.99 * seen['tried'], seen
+
+
+def test_as_little_as_possible_is_done_elsewhere_than_in_the_script_that_is_kept() -> None:
+    """One component goes out of service; tried against every binding that is left."""
+    seen: Counter[str] = Counter()
+
+    @examples(60, 2000)
+    @given(SEEDS)
+    def holds(seed: int) -> None:
+        drawn = DrawnRecipe(seed, shares=False, holds=False)
+        old = generated(drawn)
+        if not isinstance(old, Generated):
+            return
+        out = frozenset(one.component for one in old.made.values() if one.alternatives)
+        out = frozenset(sorted(out)[:1])
+        problem = Problem(drawn.cell, drawn.recipe, without=out, keep=old.script)
+        judge = PaceJudge(drawn.cell, TYPES, MemoryStore)
+        try:
+            plans = problem.plans
+        except Impossible:
+            return
+        if not are_few(plans):
+            return
+        found = generate(
+            drawn.cell, drawn.recipe, without=out, keep=old.script, judge=judge, limits=FEW
+        )
+        best = min(costs(plans))
+        assert len(found.claim.moved) == best.moved
+        seen['kept'] += 1
+        seen['as fast'] += found.claim.pace.limit.per_item_us == best.us
+
+    holds()
+    assert seen['kept'] > 5, seen
+    assert seen['as fast'] >= 0.9 * seen['kept'], seen
