@@ -29,6 +29,9 @@ INITIALIZATION = 500
 """Maximum number of initialization tasks of a script: they wait in parallel, and each is checked
 repeatedly."""
 
+OPERATIONS = 1_000
+"""Maximum number of operations of a recipe: what comes before each is known of all of them."""
+
 DETAILS_BYTES = 8_000
 """Longest details of a work order, as JSON."""
 

@@ -300,4 +300,10 @@ ORDER = Table(
             rule='6.6',
         ),
     ),
+    misplaced={
+        'recipe': (
+            'an order names a script, not yet a recipe',
+            'make a script with `bt-orchestrator generate`, and name it with `script`',
+        ),
+    },
 )

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.limits import OPERATIONS
 from bt_orchestrator.model.script import Task
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.circles import circles
@@ -60,6 +61,7 @@ class OperationReader:
         """By id; those without one of their own by a name that no id can be."""
         self._repeats: list[_Repeated] = []
         self._last: str | None = None
+        self._is_full = False
 
     def read(self) -> None:
         """Read the operations, then what each is after."""
@@ -111,7 +113,7 @@ class OperationReader:
     def _operation(self, node: Node, is_member: bool = False) -> str | None:
         """Read an operation; returns its id."""
         fields = fields_of(node, OPERATION, self._report)
-        if fields is None:
+        if fields is None or not self._has_room(node):
             self._draft.note_unread(node)
             return None
         written = read_id(fields)
@@ -130,6 +132,16 @@ class OperationReader:
         self._listed[id_] = _Listed(id_, fields, self._last, is_member)
         self._last = id_
         return id_
+
+    def _has_room(self, node: Node) -> bool:
+        """Tell whether one more operation is allowed; the first that is not is reported."""
+        if len(self._listed) < OPERATIONS:
+            return True
+        if not self._is_full:
+            what = f'the recipe has more than {OPERATIONS} operations'
+            self._report.add(node.place, what, 'make two recipes of it')
+        self._is_full = True
+        return False
 
     # --- the order --------------------------------------------------------------------------
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from bt_orchestrator.model.limits import OPERATIONS
 from bt_orchestrator.script.keys import Key, Kind, Table, whole
 from bt_orchestrator.script.names import ID_FORM, NAME_WITHOUT_DOTS
 from bt_orchestrator.script.script_keys import PARAMETER, REPEAT
@@ -120,7 +121,8 @@ RECIPE = Table(
         Key(
             'operations',
             Kind.LIST,
-            'how one item is made; each after the one above, unless `after` says otherwise',
+            f'how one item is made, {OPERATIONS} at most; each after the one above, unless '
+            '`after` says otherwise',
             '[{id: pick, do: take_from_case}]',
             required=True,
             of=(OPERATION, REWORK),

@@ -11,6 +11,7 @@ from fakes.script_texts import mistakes
 
 from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.condition import Condition
+from bt_orchestrator.model.limits import OPERATIONS
 from bt_orchestrator.model.recipe import Operation, Recipe, Rework
 from bt_orchestrator.model.reference import Reference, Template
 
@@ -83,6 +84,11 @@ def test_what_is_repeated_is_in_order() -> None:
     assert read.by_id['pack'].after == ('look',)
 
 
-def test_a_long_recipe_is_read_quickly() -> None:
-    steps = '\n'.join(f'- {{id: s{n}, do: tape}}' for n in range(1000))
-    assert len(with_operations(steps).operations) == 1002
+def test_a_recipe_has_a_largest_number_of_operations() -> None:
+    def steps(number: int) -> str:
+        return '\n'.join(f'- {{id: s{n}, do: tape}}' for n in range(number))
+
+    assert len(with_operations(steps(OPERATIONS - 2)).operations) == OPERATIONS
+    found = mistakes(lambda: with_operations(steps(OPERATIONS + 1)))
+    what = f'the recipe has more than {OPERATIONS} operations; make two recipes of it'
+    assert found == [f'{OPERATIONS + 6}:5: {what}']
