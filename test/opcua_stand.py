@@ -8,8 +8,6 @@ kill -USR1 PID switches the node off, and on again.
 from __future__ import annotations
 
 import argparse
-import os
-import signal
 import sys
 import tempfile
 from collections.abc import Sequence
@@ -79,6 +77,8 @@ def served(stand: StandCell, port: int = 0) -> Iterator[OpcUaServer]:
 def main() -> int:
     """Serve until Ctrl-C."""
     args = _arguments()
+    from stand_serving import serve
+
     from bt_orchestrator.stop_signals import StopSignals
 
     with (
@@ -92,11 +92,7 @@ def main() -> int:
             speed=args.speed,
         ) as (stand, server),
     ):
-        signal.signal(signal.SIGUSR1, lambda *_: stand.switch())
-        sys.stdout.write(f'process {os.getpid()}, {server.address}\n')
-        sys.stdout.flush()
-        stop.notify(server.stop)
-        server.wait()
+        serve(stand, server, stop)
     return 0
 
 

@@ -10,6 +10,9 @@ from collections.abc import Callable
 
 from bt_orchestrator.errors import OrchestratorError
 
+LOOPBACK = '127.0.0.1'
+"""Where only this computer reaches it."""
+
 Address = ipaddress.IPv4Address | ipaddress.IPv6Address
 
 

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from bt_orchestrator.doors.listening import is_loopback
+from bt_orchestrator.doors.listening import LOOPBACK, is_loopback
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.users.file import UsersUnusable
 from bt_orchestrator.users.known import KnownUsers
 
-LOOPBACK = '127.0.0.1'
 PORT = 4840
 
 

@@ -6,12 +6,11 @@ import ssl
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from bt_orchestrator.doors.listening import address_in, is_everywhere, is_loopback
+from bt_orchestrator.doors.listening import LOOPBACK, address_in, is_everywhere, is_loopback
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.users.file import UsersUnusable
 from bt_orchestrator.users.known import KnownUsers
 
-LOOPBACK = '127.0.0.1'
 PORT = 8080
 IDLE_S = 15 * 60.0
 """Without a command or a sign of life for so long, a session is locked."""

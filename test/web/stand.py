@@ -8,8 +8,6 @@ kill -USR1 PID switches the node off, and on again.
 from __future__ import annotations
 
 import argparse
-import os
-import signal
 import sys
 import tempfile
 from pathlib import Path
@@ -21,18 +19,15 @@ def main() -> int:
     """Serve until Ctrl-C."""
     args = _arguments()
     sys.path.insert(0, str(Path(__file__).parents[1]))
+    from stand_serving import serve
     from web.stand_page import stand_page
 
     from bt_orchestrator.stop_signals import StopSignals
 
     with tempfile.TemporaryDirectory() as folder, StopSignals() as stop:
         stand, server = stand_page(Path(folder), args)
-        signal.signal(signal.SIGUSR1, lambda *_: stand.switch())
         with server.running():
-            sys.stdout.write(f'process {os.getpid()}, page: {server.address}\n')
-            sys.stdout.flush()
-            stop.notify(server.stop)
-            server.wait()
+            serve(stand, server, stop)
     return 0
 
 

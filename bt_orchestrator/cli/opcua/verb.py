@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Callable
-from contextlib import AbstractContextManager
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
@@ -14,16 +12,14 @@ from bt_orchestrator.cli.door import open_door
 from bt_orchestrator.cli.folders import add_trees_option, script_folders
 from bt_orchestrator.cli.journal_file import open_records
 from bt_orchestrator.cli.node_options import add_node_options
-from bt_orchestrator.cli.numbers import port
 from bt_orchestrator.cli.opcua.trust import run_trust
 from bt_orchestrator.cli.server_log import server_log
+from bt_orchestrator.cli.server_options import add_server_options, users_of
 from bt_orchestrator.cli.wrong_use import WrongUse
-from bt_orchestrator.opcua.access import LOOPBACK, PORT, Access, AccessRefused
+from bt_orchestrator.opcua.access import PORT, Access, AccessRefused
 from bt_orchestrator.opcua.asyncua_version import check_version
 from bt_orchestrator.opcua.stack_log import stack_log
-from bt_orchestrator.ports import CellLink
 from bt_orchestrator.stop_signals import StopSignals
-from bt_orchestrator.users.file import default_file
 
 DESCRIPTION = """\
 Serve a tree node to OPC UA clients, an MES or a SCADA: orders, jobs, state and holds of its cell.
@@ -51,21 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         'what', nargs='*', metavar='trust [THUMBPRINT]', help='see above; nothing: serve'
     )
     parser.add_argument('--remove', action='store_true', help='trust: trust it no more')
-    parser.add_argument(
-        '--host',
-        default=LOOPBACK,
-        metavar='ADDRESS',
-        help=f'address to listen at (default {LOOPBACK}: this computer alone)',
-    )
-    parser.add_argument(
-        '--port', type=port, default=PORT, metavar='PORT', help=f'default {PORT}; 0: any free one'
-    )
-    parser.add_argument(
-        '--users',
-        type=Path,
-        metavar='FILE',
-        help='file of users (default: ~/.config/bt_orchestrator/users.yaml); see `user`',
-    )
+    add_server_options(parser, PORT)
     parser.add_argument(
         '--pki',
         type=Path,
@@ -117,11 +99,9 @@ def _serve(args: argparse.Namespace, pki: Path) -> None:
     from bt_orchestrator.opcua.nodesets import texts_in
     from bt_orchestrator.opcua.server import OpcUaServer
 
-    def opened(meanwhile: Callable[[], object]) -> AbstractContextManager[CellLink]:
-        return open_door(args.node, args.timeout, meanwhile)
-
+    opened = partial(open_door, args.node, args.timeout)
     access = Access(
-        users=args.users or default_file(os.environ),
+        users=users_of(args),
         pki=pki,
         host=args.host,
         port=args.port,

@@ -4,33 +4,17 @@ from __future__ import annotations
 
 import argparse
 import getpass
-import os
 from pathlib import Path
 
-from bt_orchestrator.cli.numbers import port, seconds
+from bt_orchestrator.cli.numbers import seconds
+from bt_orchestrator.cli.server_options import add_server_options, users_of
 from bt_orchestrator.cli.wrong_use import WrongUse
-from bt_orchestrator.users.file import default_file
-from bt_orchestrator.web.access import IDLE_S, LOOPBACK, PORT, Access, AccessRefused
+from bt_orchestrator.web.access import IDLE_S, PORT, Access, AccessRefused
 
 
 def add_access_options(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument(
-        '--host',
-        default=LOOPBACK,
-        metavar='ADDRESS',
-        help=f'address to listen at (default {LOOPBACK}: this computer alone); elsewhere it needs '
-        'users, and TLS or a proxy',
-    )
-    parser.add_argument(
-        '--port', type=port, default=PORT, metavar='PORT', help=f'default {PORT}; 0: any free one'
-    )
-    parser.add_argument(
-        '--users',
-        type=Path,
-        metavar='FILE',
-        help='file of users (default: ~/.config/bt_orchestrator/users.yaml); see `user`',
-    )
+    add_server_options(parser, PORT, '; elsewhere it needs users, and TLS or a proxy')
     parser.add_argument('--certificate', type=Path, metavar='FILE', help='TLS: PEM, whole chain')
     parser.add_argument('--key', type=Path, metavar='FILE', help='TLS: its key, PEM, no password')
     parser.add_argument(
@@ -75,7 +59,7 @@ def access_of(args: argparse.Namespace) -> Access:
     :raises WrongUse: they would let in anybody, or do not fit each other
     """
     access = Access(
-        users=args.users or default_file(os.environ),
+        users=users_of(args),
         host=args.host,
         port=args.port,
         certificate=args.certificate,

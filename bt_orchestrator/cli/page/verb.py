@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
-from contextlib import AbstractContextManager
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
@@ -16,7 +14,6 @@ from bt_orchestrator.cli.page.access_options import access_of, add_access_option
 from bt_orchestrator.cli.planning_process import PlanningProcess
 from bt_orchestrator.cli.server_log import server_log
 from bt_orchestrator.cli.wrong_use import WrongUse
-from bt_orchestrator.ports import CellLink
 from bt_orchestrator.stop_signals import StopSignals
 
 DESCRIPTION = """\
@@ -51,9 +48,7 @@ def run(args: argparse.Namespace) -> int:
     from bt_orchestrator.web.seams import Sources
     from bt_orchestrator.web.server import PageServer
 
-    def opened(meanwhile: Callable[[], object]) -> AbstractContextManager[CellLink]:
-        return open_door(args.node, args.timeout, meanwhile)
-
+    opened = partial(open_door, args.node, args.timeout)
     journal = args.journal
     sources = Sources(
         open_records=None if journal is None else partial(open_records, journal),
