@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -14,8 +13,6 @@ from program_process import PATIENCE_S
 from web.sse_client import Message, SseClient
 
 from bt_orchestrator.cli.journal_file import open_records
-
-END_WITHIN_S = 3.0
 
 
 class Reading:
@@ -75,9 +72,7 @@ def test_each_event_is_told_once_although_the_node_is_killed(
     with_journal.close()
     cell.watch.ros.spin_until(lambda: reading.seqs[-1:] == [last], 'the last event is told')
 
-    begun = time.monotonic()
-    page.stop()
-    assert time.monotonic() - begun < END_WITHIN_S, 'although somebody reads'
+    page.stop()  # although somebody reads, who would never end by himself
     reading.join()
     (begin,) = reading.all('begin')
     assert reading.seqs == list(range(begin.data['after'] + 1, last + 1))
