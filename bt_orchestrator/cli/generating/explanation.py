@@ -11,7 +11,7 @@ from bt_orchestrator.cli.generating.comments import reason
 from bt_orchestrator.cli.generating.inputs import Inputs
 from bt_orchestrator.cli.generating.making import Made
 from bt_orchestrator.errors import counted
-from bt_orchestrator.planning.outcome import Claim, Generated, NotFound, NotMade
+from bt_orchestrator.planning.outcome import Generated, NotFound, NotMade
 from bt_orchestrator.planning.outcome import Made as Fact
 from bt_orchestrator.report.pace_text import script_pace
 
@@ -30,20 +30,13 @@ class Kept:
 def summary_lines(made: Made, inputs: Inputs, kept: Kept | None) -> Iterator[str]:
     """Yield what was generated, and how fast it is."""
     yield from summary(made.generated.script, inputs.cell)
-    yield f'  {sureness(made.generated.claim)}'
+    yield f'  {made.generated.claim}'
     if kept is not None:
         here, freely = made.generated.claim, kept.freely.claim
         moved = counted(len(kept.moved), 'operation')
         yield f'  {moved} elsewhere than in {kept.old}, {here.per_item_s:.1f} s for each item'
         moved = counted(len(kept.moved_freely), 'operation')
         yield f'  without --keep: {moved} elsewhere, {freely.per_item_s:.1f} s for each item'
-
-
-def sureness(claim: Claim) -> str:
-    """Say whether another binding may be faster."""
-    judged = '' if claim.judged_s is None else f'; by the engine {claim.judged_s:.1f} s'
-    sure = 'no faster binding exists' if claim.is_fastest else 'not proven to be the fastest'
-    return f'{sure}{judged}'
 
 
 def explanation(made: Made) -> Iterator[str]:
