@@ -60,7 +60,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         '--keep',
         type=Path,
         metavar='OLD',
-        help='do as little as possible elsewhere than this script does; both ways are told',
+        help='do as little as possible elsewhere than this script does; -o and --explain say what '
+        'that costs',
     )
     parser.add_argument(
         '--without',
@@ -148,13 +149,13 @@ def _one(
         return int(bool(lines))
     if args.output is not None:
         replace_file(args.output, made)
+    if args.output is None and not args.explain and not args.json:
+        print(made.text, end='')
+        return 0
     kept = _kept(args, inputs, made, keep, without)
     if args.json:
         file = None if args.output is None else str(args.output)
         print(json.dumps(explanation.plain(made, inputs, kept, file)))
-        return 0
-    if args.output is None and not args.explain:
-        print(made.text, end='')
     else:
         _tell(args, inputs, made, kept)
     return 0
