@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from fakes.line import THREE, Line
+from fakes.line import THREE, Line, with_section
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.jobs.order import Job
@@ -61,6 +61,16 @@ def test_each_answer_takes_the_line_to_its_end(
     assert done.job is not None
     counts = done.job.progress
     assert (counts.packed, counts.rejected, counts.missing) == (packed, rejected, missing)
+
+
+def test_again_is_not_given_for_ever() -> None:
+    judged = '{id: weigh, @a2, fails_unless: {value: "${results.weigh.measurement}", at_least: 1}}'
+    text = with_section(2, f'- repeat: [{judged}]')
+    good = Answered(Line(3, faults={'a2': '#1=reads:0 #2=reads:0 #*=reads:2'}), text, ['again'])
+    assert (good.outcome, len(good.decisions())) == (Outcome.FINISHED, 1)
+
+    bad = Answered(Line(3, faults={'a2': '#*=reads:0'}), text, ['again'])
+    assert (bad.outcome, len(bad.decisions())) == (Outcome.HELD, MOST_RETRIES)
 
 
 def test_an_operator_takes_time() -> None:

@@ -67,6 +67,16 @@ def test_results_are_asked_for_only_with_the_task_of_an_item() -> None:
     assert offer(parts[f'hold/{hold}'], 'mark_done')['parameters'] == []
 
 
+def test_again_is_offered_where_the_task_is_in_a_repeat() -> None:
+    judged = '{id: weigh, @a2, fails_unless: "${results.weigh.item_present}"}'
+    run = Line(3, faults={'a2': '#1=abort'}).begin(with_section(2, f'- repeat: [{judged}]'))
+    run.go()
+    parts = page_parts(run)
+    (hold,) = parts['cell']['holds']
+    again = offer(parts[f'hold/{hold}'], 'again')
+    assert (again['path'], again['body']) == (f'/api/holds/{hold}/answer', {'answer': 'again'})
+
+
 def test_clear_says_which_status_was_looked_at() -> None:
     run = Line(3).begin()
     run.go(until=3.5)
