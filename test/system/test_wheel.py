@@ -16,7 +16,7 @@ CELL = 'config/reference_cell.yaml'
 ORDER = 'config/orders/wo_1001.yaml'
 SCRIPT = 'trees/inspect_and_assemble.yaml'
 OF_ROS = ('AMENT_', 'LD_', 'PYTHON', 'ROS_', '_ROS_')
-SHARED = ('config', 'launch', 'schemas', 'trees')
+SHARED = ('config', 'launch', 'recipes', 'schemas', 'trees')
 LEFT_OUT = ('.*', 'test', 'docs', 'bench', 'build', '*.egg-info', '__pycache__')
 
 
