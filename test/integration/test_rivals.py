@@ -135,6 +135,27 @@ def test_9_3_a_no_of_the_second_server_hides_not_the_end_that_the_first_one_tell
     assert end_of(bench, adopted) is GoalStatus.SUCCEEDED
 
 
+def test_2_5_a_fresh_look_that_finds_nobody_yet_decides_nothing(
+    bench: RosBench, servers: ThreadServers, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # On a busy machine discovery takes longer than it should.
+    serve(servers)
+    bench.run_until(lambda: bench.gateway.available('arm'), 'the server')
+    monkeypatch.setattr(rivals, 'DISCOVERY_S', 0.0)
+    before: list[GoalClient] = []
+    found_afresh = iter([0, 0])
+
+    def count(client: GoalClient, node: object = None) -> int:
+        if node is not None:
+            return next(found_afresh, 1)
+        before.append(client)
+        return 2 if client is before[0] else 1  # a killed server, until it is renewed
+
+    monkeypatch.setattr(GoalClient, 'count_servers', count)
+    bench.run_until(lambda: bench.gateway.rivals('arm'), 'two servers')
+    bench.run_until(lambda: not bench.gateway.rivals('arm'), 'one server')
+
+
 def test_2_5_before_a_goal_and_not_before_a_decision_the_graph_is_gone_through(
     bench: RosBench, servers: ThreadServers, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -86,8 +86,11 @@ class Rivals:
             if self._ids != self._tried_ids and now - self._tried_s >= TRIAL_S:
                 self._trial, self._tried_s, self._tried_ids = self._fresh_node(), now, self._ids
         elif now - self._tried_s >= DISCOVERY_S:
+            found = self._clients.current.count_servers(self._trial)
+            if not found:
+                return  # discovery takes longer than it should; with nobody found, nobody is dead
             trial, self._trial = self._trial, None
-            if self._clients.current.count_servers(trial) == 1:
+            if found == 1:
                 self._clients.renew(trial)
                 self._names, self._looked_s = (), -math.inf
 
