@@ -9,15 +9,24 @@ from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model import cell_commands as c
 from bt_orchestrator.model.belt_statement import AsShown, Statement, parse_slots
 from bt_orchestrator.model.by import By
-from bt_orchestrator.model.commands import AnswerHold, Command, RemoveItem
+from bt_orchestrator.model.commands import AnswerHold, Command, RemoveItem, SetService
 from bt_orchestrator.model.jobs.job_commands import ControlJob, MoveJob, RunNext, StopAfter
 from bt_orchestrator.model.packml import VERBS, Cause
-from bt_orchestrator.model.requests import MOVE, NEXT, About, Asked
+from bt_orchestrator.model.requests import (
+    IN_SERVICE,
+    MOVE,
+    NEXT,
+    About,
+    Asked,
+    of_word,
+    words_about,
+)
 from bt_orchestrator.model.script import Task
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.wish import STOP_AFTER
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.given_results import given_results, results_text
+from bt_orchestrator.script.report import did_you_mean, listing
 
 Arguments = Mapping[str, Any]
 """By the names of `model.requests`; those that were not said are left out, or None, or empty."""
@@ -50,6 +59,8 @@ def command(
             return RemoveItem(given['item'], by)
         case About.HOLD:
             return AnswerHold(given['hold'], word, by, _results(given, state, types))
+        case About.COMPONENT:
+            return _to_component(word, by, given, state)
         case About.QUEUE:
             raise AssertionError(f'{word} is about orders, which have to be read first')
 
@@ -94,6 +105,18 @@ _TO_CELL: Mapping[str, Callable[[By, Arguments], c.CellCommand]] = {
     VERBS[Cause.ABORT]: lambda by, _: c.Abort(by),
     VERBS[Cause.CLEAR]: _clear,
 }
+
+
+def _to_component(word: str, by: By, given: Arguments, state: CellState) -> SetService:
+    request, name = of_word(About.COMPONENT, word), given['component']
+    if request is None:
+        known = ', '.join(words_about(About.COMPONENT))
+        raise CommandRefused(f'unknown command {word!r} to a component; one of {known}')
+    components = {**state.cell.components, **state.out_of_service}
+    if name not in components:
+        hint = did_you_mean(name, components, f'the cell has {listing(components)}')
+        raise CommandRefused(f'there is no component {name!r}; {hint}')
+    return SetService(name, request == IN_SERVICE, by)
 
 
 # --- jobs and holds -----------------------------------------------------------------------------

@@ -9,7 +9,8 @@ from bt_orchestrator.model.roles import Role
 def request_of(verb: str) -> Request:
     """Return what a verb asks for, for instance remove-item."""
     word = verb.replace('-', '_')
-    request = of_word(About.CELL, word) or of_word(About.ITEM, word)
+    subjects = (About.CELL, About.ITEM, About.COMPONENT)
+    request = next(filter(None, (of_word(about, word) for about in subjects)), None)
     assert request is not None, f'{verb} asks for nothing of the table'
     return request
 

@@ -53,6 +53,8 @@ VERBS: Mapping[str, tuple[str, str]] = {
     'user': ('user', 'who may log in at pages and OPC UA servers, with which role'),
     'doctor': ('doctor', 'what this machine and a cell on it lack, and what to do about it'),
     'remove-item': ('remove_item', ''),
+    'out-of-service': ('service', ''),
+    'in-service': ('service', ''),
 }
 """Module and one line of help of each verb; empty: it is in the table of requests. A module has
 `add_arguments` and `run`."""

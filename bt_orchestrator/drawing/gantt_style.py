@@ -32,6 +32,7 @@ WAITS: dict[WaitKind, tuple[str, str]] = {
     WaitKind.ZONE: ('a zone', 'M-1 -1 L10 10'),
     WaitKind.COMPONENT: ('a component', 'M-1 10 L10 -1 M-1 -1 L10 10'),
     WaitKind.READINESS: ('a state topic', 'M4 4 h1.4 v1.4 h-1.4 z'),
+    WaitKind.OUT_OF_SERVICE: ('a component out of service', 'M1 1 h7 v7 h-7 z M1 8 L8 1'),
     WaitKind.INITIALIZATION: ('initialization', 'M0 4.5 h5'),
     WaitKind.HOLD: ('an answer to a hold', 'M4.5 0 V9 M0 4.5 H9'),
     WaitKind.PAUSE: ('resume', 'M2 1 V7 M5 1 V7'),

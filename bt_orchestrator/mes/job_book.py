@@ -8,7 +8,7 @@ from typing import Any
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import OnFailure
-from bt_orchestrator.model.jobs.isa95 import OVER, JobWord, word_at_work
+from bt_orchestrator.model.jobs.isa95 import OVER, QUEUED, JobWord, queued_word, word_at_work
 from bt_orchestrator.model.jobs.job_record import BY_HAND, MISSING
 from bt_orchestrator.model.status import CellStatus, JobStatus, ListedJob
 from bt_orchestrator.model.stop_reason import StopReason
@@ -118,6 +118,8 @@ class JobBook:
             at_work = [entry for entry in self._entries.values() if entry.is_at_work]
             return list(self._news(event, [(one, one.job.status.state) for one in at_work]))
         entry, before = self._concerned(event)
+        if isinstance(event, (e.ComponentOutOfService, e.ComponentInService)):
+            return list(self._news(event, list(self._of_service(event))))
         if isinstance(event, (e.JobRemoved, e.JobCleared)):
             self._entries.pop(event.job, None)
             return []
@@ -135,6 +137,24 @@ class JobBook:
         before = known.job.status.state
         fold(known, event)
         return known, before
+
+    def _of_service(
+        self, event: e.ComponentOutOfService | e.ComponentInService
+    ) -> Iterator[tuple[_Entry, JobWord]]:
+        """Note which components the jobs of the queue lack; yield these, and their states before.
+
+        Those on the line are left to the next status.
+        """
+        is_out = isinstance(event, e.ComponentOutOfService)
+        concerned = event.jobs if isinstance(event, e.ComponentOutOfService) else self._entries
+        for name in concerned:
+            entry = self._entries.get(name)
+            if entry is None or entry.job.status.state not in QUEUED:
+                continue
+            before, lacks = entry.job.status.state, entry.job.status.unavailable
+            left = tuple(one for one in lacks if one != event.component)
+            _queued(entry, unavailable=(*left, event.component) if is_out else left)
+            yield entry, before
 
     def _news(
         self, event: e.Event, changed: Iterable[tuple[_Entry, JobWord | None]]
@@ -156,30 +176,38 @@ def _ordered(event: e.JobQueued) -> ListedJob:
     status = JobStatus(
         event.job,
         event.script,
-        JobWord.NOT_ALLOWED_TO_START if event.held else JobWord.ALLOWED_TO_START,
+        queued_word(is_held=event.held, is_unavailable=bool(event.unavailable)),
         queued_at=event.time,
         position=event.position or 0,
+        held=event.held,
         **_terms(event),
     )
     return ListedJob(status, event.params, event.details)
 
 
 def _terms(event: e.JobQueued | e.JobUpdated) -> dict[str, Any]:
-    names = ('digest', 'quantity', 'priority', 'start', 'due', 'awaits_start')
+    names = ('digest', 'quantity', 'priority', 'start', 'due', 'awaits_start', 'unavailable')
     return {name: getattr(event, name) for name in names}
 
 
 def _updated(entry: _Entry, event: e.JobUpdated) -> None:
-    entry.set(script=event.script, **_terms(event))
+    _queued(entry, script=event.script, **_terms(event))
     entry.job = replace(entry.job, params=event.params, details=event.details)
 
 
+def _queued(entry: _Entry, **values: Any) -> None:
+    """Change fields of a job in the queue, whose state follows from them."""
+    entry.set(**values)
+    status = entry.job.status
+    entry.set(state=queued_word(is_held=status.held, is_unavailable=bool(status.unavailable)))
+
+
 def _held(entry: _Entry, _: e.JobHeld) -> None:
-    entry.set(state=JobWord.NOT_ALLOWED_TO_START)
+    _queued(entry, held=True)
 
 
 def _released(entry: _Entry, _: e.JobReleased) -> None:
-    entry.set(state=JobWord.ALLOWED_TO_START)
+    _queued(entry, held=False)
 
 
 def _may_start(entry: _Entry, _: e.JobMayStart) -> None:
@@ -187,7 +215,7 @@ def _may_start(entry: _Entry, _: e.JobMayStart) -> None:
 
 
 def _started(entry: _Entry, event: e.JobStarted) -> None:
-    entry.set(state=JobWord.RUNNING, started_at=event.time, position=0)
+    entry.set(state=JobWord.RUNNING, started_at=event.time, position=0, held=False)
 
 
 def _paused(entry: _Entry, event: e.JobPaused | e.JobResumed) -> None:
@@ -197,7 +225,7 @@ def _paused(entry: _Entry, event: e.JobPaused | e.JobResumed) -> None:
 def _ending(entry: _Entry, event: e.JobStopping | e.JobAborting) -> None:
     entry.is_paused = False
     entry.job = replace(entry.job, reason=event.reason)
-    entry.set(ending='stopping' if isinstance(event, e.JobStopping) else 'aborting')
+    entry.set(ending='stopping' if isinstance(event, e.JobStopping) else 'aborting', held=False)
 
 
 def _ended(entry: _Entry, event: e.JobCompleted | e.JobAborted) -> None:

@@ -78,13 +78,26 @@ def command_of(verb: str, job: str) -> Wanted:
     :param job: its id; empty: the verb is for the cell
     :raises Unclear: says which verbs there are
     """
-    about = About.JOB if job else About.CELL
+    if job:
+        return Wanted(_request(About.JOB, verb, 'a job'), {'job': job})
+    return Wanted(_request(About.CELL, verb, 'the cell'), {})
+
+
+def component_command_of(verb: str, component: str) -> Wanted:
+    """Return the request to a component that a verb stands for.
+
+    :raises Unclear: says which verbs there are
+    """
+    request = _request(About.COMPONENT, verb, 'a component')
+    return Wanted(request, {'component': component})
+
+
+def _request(about: About, verb: str, subject: str) -> Request:
     request = of_word(about, verb.strip().lower())
     if request is None or request not in verbs(about):
         words = ', '.join(one.word for one in verbs(about))
-        subject = 'a job' if job else 'the cell'
         raise Unclear([f'Verb: expected a command to {subject}: {words}; found {verb!r}'])
-    return Wanted(request, {'job': job} if job else {})
+    return request
 
 
 def verbs(about: About) -> tuple[Request, ...]:
@@ -93,7 +106,7 @@ def verbs(about: About) -> tuple[Request, ...]:
         one
         for one in TABLE
         if one.about is about
-        and not any(p.is_required for p in one.parameters[about is About.JOB :])
+        and not any(p.is_required for p in one.parameters if p is not one.subject)
     )
 
 

@@ -32,6 +32,15 @@ class RemoveItem:
 
 
 @dataclass(frozen=True)
+class SetService:
+    """Take a component out of service, or bring it back (semantics 7.5)."""
+
+    component: str
+    in_service: bool
+    by: By
+
+
+@dataclass(frozen=True)
 class FoundTwin:
     """Start nothing more: another node answers under the name of this one (semantics 7.3)."""
 
@@ -61,7 +70,7 @@ class RefusedRequest:
     """The message for each job, if they differ."""
 
 
-OnRecord = AnswerHold | RemoveItem | CellCommand | JobCommand | RefusedRequest
+OnRecord = AnswerHold | RemoveItem | SetService | CellCommand | JobCommand | RefusedRequest
 """Commands that are recorded with their sender."""
 
 Command = OnRecord | FoundTwin | Shutdown

@@ -104,6 +104,8 @@ _FOLDS: Mapping[type[e.Event], Callable[..., None]] = {
     # components, holds
     e.ComponentStateChanged: cell.component_state_changed,
     e.ComponentContested: cell.component_contested,
+    e.ComponentOutOfService: cell.component_out_of_service,
+    e.ComponentInService: cell.component_in_service,
     e.HoldRaised: holds.hold_raised,
     e.HoldReleased: holds.hold_released,
     # the cell

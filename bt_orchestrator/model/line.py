@@ -39,6 +39,15 @@ def stopped_because(state: CellState) -> Wait | None:
     return None
 
 
+def waits_for_service(state: CellState, component: str) -> Wait | None:
+    """Say that a component is out of service (semantics 7.5); None: it is not."""
+    found = state.out_of_service.get(component)
+    if found is None:
+        return None
+    what = f'waiting for {component}, which is out of service ({found.reason})'
+    return Wait(what, WaitKind.OUT_OF_SERVICE, component)
+
+
 # --- jobs -----------------------------------------------------------------------------------
 
 
@@ -267,7 +276,7 @@ def end_of_beat(state: CellState, owing: Mapping[int, str]) -> Advance | Overrun
     if stopped:
         return stopped
     if any(section.slot for section in state.sections.values()):
-        return Advance.INDEX
+        return waits_for_service(state, state.cell.conveyor.component.name) or Advance.INDEX
     if _is_begun_ahead(state) or _source_may_begin(state):
         return Advance.NEXT_BEAT
     return Wait('waiting for an item on the belt', WaitKind.ITEM)

@@ -155,6 +155,9 @@ class JobState:
     """It may not start, and later jobs pass it; never set once it has started."""
     awaits_start: bool = False
     """The same until the start of its order (semantics 6.7)."""
+    unavailable: tuple[str, ...] = ()
+    """Components out of service that it needs; the same until they are in service (semantics 7.5).
+    Empty once it has started."""
     ranked: bool = False
     """Its place in the queue follows from its priority and start; False: it was given."""
     paused: bool = False
@@ -176,7 +179,7 @@ class JobState:
     @property
     def may_start(self) -> bool:
         """Tell whether it starts when its turn comes."""
-        return not (self.held or self.awaits_start or self.ending)
+        return not (self.held or self.awaits_start or self.unavailable or self.ending)
 
     @property
     def cycles_left(self) -> int:
@@ -281,6 +284,15 @@ class Reading:
     value: Any = None
 
 
+@dataclass(frozen=True)
+class OutOfService:
+    """A component that an operator took out of service (semantics 7.5)."""
+
+    reason: str
+    """Who did it, and why."""
+    since: float
+
+
 @dataclass(eq=False)
 class CellState:
     """The present state of the cell, derived only from events.
@@ -347,6 +359,8 @@ class CellState:
     readings: dict[str, Reading] = field(default_factory=dict)
     contests: dict[str, Contest] = field(default_factory=dict)
     """Contests by component (semantics 2.5)."""
+    out_of_service: dict[str, OutOfService] = field(default_factory=dict)
+    """By component; it gets no goal (semantics 7.5)."""
     done_once: dict[str, str] = field(default_factory=dict)
     """Arguments of the last attempt of each task (`same_task`), if it succeeded since Stopped
     (semantics 5.1)."""

@@ -109,7 +109,11 @@ class ComponentStatus:
     available: bool
     """Its action server is there."""
     ready: bool
-    """A goal may be sent: its state topic allows it, and there is no contest."""
+    """A goal may be sent: its state topic allows it, there is no contest, and it is in service."""
+    out_of_service: str = ''
+    """Who took it out of service, and why; empty: it is in service (semantics 7.5)."""
+    out_of_service_since: float | None = None
+    """None: it is in service."""
     contested: str = ''
     """The contest, in words; no goal is sent during one (semantics 2.5)."""
     state: str = ''
@@ -146,6 +150,11 @@ class JobStatus:
     """When it should have ended."""
     awaits_start: bool = False
     """It may not start before `start` (semantics 6.7): AllowedToStart, but not ready."""
+    held: bool = False
+    """It waits in the queue, and a person keeps it from starting."""
+    unavailable: tuple[str, ...] = ()
+    """Components out of service that it needs (semantics 7.5): in the queue it is passed, on the
+    line its tasks wait."""
     queued_at: float = 0.0
     started_at: float | None = None
     """When it left the queue; None: it has not."""

@@ -39,6 +39,8 @@ def job_count_words(job: JobStatus) -> str:
 
 def component_trouble(component: ComponentStatus) -> str:
     """Say why no goal can be sent to a component; empty: one can."""
+    if component.out_of_service_since is not None:
+        return f'{component.name}: out of service, {component.out_of_service}'
     if not component.available:
         return f'{component.name}: no action server at {component.action}'
     if component.contested:

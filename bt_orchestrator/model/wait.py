@@ -25,6 +25,8 @@ class WaitKind(Enum):
     """Another task has it."""
     READINESS = 'readiness'
     """A component does not report ready, or is contested."""
+    OUT_OF_SERVICE = 'out_of_service'
+    """An operator took a component out of service."""
     INITIALIZATION = 'initialization'
     """Initialization tasks have to be done first."""
     HOLD = 'hold'

@@ -53,6 +53,11 @@ JOB: Mapping[str, Shown] = {
     'State': Shown(
         TEXT, 'ISA-95 state, for instance Running, Interrupted/Held, Interrupted/Suspended, Ended'
     ),
+    'Unavailable': Shown(
+        TEXT,
+        'components out of service that it needs: it is NotAllowedToStart, or its tasks wait',
+        is_list=True,
+    ),
     'Ending': Shown(
         TEXT, 'stopping or aborting: it ends when its last item has left; empty: neither'
     ),
@@ -159,6 +164,7 @@ def _job(name: str, job: JobStatus | None, status: CellStatus) -> Iterator[tuple
         found.id,
         found.script,
         found.state.value if job else '',
+        list(found.unavailable),
         found.ending,
         found.quantity,
         found.started,

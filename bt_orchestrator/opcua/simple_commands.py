@@ -12,6 +12,7 @@ from bt_orchestrator.mes.plain_commands import (
     Wanted,
     answer_of,
     command_of,
+    component_command_of,
     order_of,
     verbs,
 )
@@ -54,6 +55,13 @@ ANSWER_HOLD = (
 )
 
 
+COMPONENT_COMMAND = (
+    Argument('Verb', TEXT, _words(verbs(About.COMPONENT))),
+    Argument('Component', TEXT, 'its name in the cell file'),
+    REASON,
+)
+
+
 class SimpleCommands:
     """Carries out the methods, for the caller of each."""
 
@@ -69,6 +77,10 @@ class SimpleCommands:
         await space.method(
             f'{top}/Command', self._command, COMMAND, (ACCEPTED, MESSAGE),
             'a command to the cell, or to a job',
+        )  # fmt: skip
+        await space.method(
+            f'{top}/ComponentCommand', self._to_component, COMPONENT_COMMAND, (ACCEPTED, MESSAGE),
+            'whether a component may get goals; this is no lockout',
         )  # fmt: skip
         await space.method(
             f'{top}/AnswerHold', self._answer, ANSWER_HOLD, (ACCEPTED, MESSAGE),
@@ -91,6 +103,13 @@ class SimpleCommands:
         except Unclear as error:
             return _told(Outcome(False, str(error)))
         return await self._ask(wanted, reason_of(reason, 'Command'))
+
+    async def _to_component(self, verb: str, component: str, reason: str) -> list[ua.Variant]:
+        try:
+            wanted = component_command_of(verb, component)
+        except Unclear as error:
+            return _told(Outcome(False, str(error)))
+        return await self._ask(wanted, reason_of(reason, 'ComponentCommand'))
 
     async def _answer(self, hold: str, answer: str, reason: str) -> list[ua.Variant]:
         try:

@@ -32,6 +32,7 @@ _TEXTS = {
     WaitKind.ZONE: 'zone {name}',
     WaitKind.COMPONENT: '{name}, busy elsewhere',
     WaitKind.READINESS: '{name} to be ready',
+    WaitKind.OUT_OF_SERVICE: '{name}, out of service',
     WaitKind.INITIALIZATION: 'initialization {name}',
     WaitKind.HOLD: 'an answer to a hold',
     WaitKind.PAUSE: 'the cell to be resumed',

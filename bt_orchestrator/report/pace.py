@@ -12,6 +12,7 @@ from collections.abc import Collection, Iterator, Mapping
 
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.limits import QUEUE_SHOWN
+from bt_orchestrator.model.service import awaited_by
 from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.proof.pace import Durations, PacedLine
 
@@ -54,8 +55,8 @@ def expected_ends_s(
 ) -> Mapping[str, float]:
     """Return in how many seconds active and next jobs end, if nothing stops the line.
 
-    Jobs that are held or paused, what waits behind a paused one, and those far back in a long
-    queue are left out.
+    Left out are jobs that may not start, are paused or need a component that is out of service,
+    what waits behind such a job on the line, and those far back in a long queue.
 
     :param cell: the one of the state, perhaps with other durations
     :param paces: those of earlier estimates for this cell
@@ -67,9 +68,9 @@ def expected_ends_s(
     feed_s = 0.0
     paces_s: dict[str, float] = {}
     for job in state.jobs.first(QUEUE_SHOWN):
-        if job.paused:
+        if job.paused or (job.started and awaited_by(state, job)):
             break
-        if not (job.held or job.awaits_start):
+        if job.started or job.may_start or job.ending:
             if job.digest not in paces_s:
                 paces_s[job.digest] = paces.item_s(job, cell)
             pace_s = paces_s[job.digest]

@@ -52,6 +52,7 @@ class Cause:
 _GRAVE = (
     WaitKind.HOLD.value,
     WaitKind.READINESS.value,
+    WaitKind.OUT_OF_SERVICE.value,
     WaitKind.PAUSE.value,
     WaitKind.CELL_STATE.value,
     WaitKind.RETRY_DELAY.value,

@@ -90,7 +90,7 @@ class _Reader:
                 return (BELT,)
             case WaitKind.INITIALIZATION:
                 return (INITIALIZATION,)
-            case WaitKind.COMPONENT | WaitKind.READINESS:
+            case WaitKind.COMPONENT | WaitKind.READINESS | WaitKind.OUT_OF_SERVICE:
                 return (component_part(wait.name),)
             case WaitKind.CELL_STATE:
                 return (CELL,)
@@ -119,6 +119,8 @@ class _Reader:
         hold, task = self._held.get(component.name), self._at_work.get(component.name)
         if hold is not None:
             yield Link(part, hold_wait_words([hold]), WaitKind.HOLD.value, hold_part(hold.id))
+        elif component.out_of_service_since is not None:
+            yield Link(part, component_trouble(component), WaitKind.OUT_OF_SERVICE.value)
         elif component_trouble(component):
             yield Link(part, component_trouble(component), WaitKind.READINESS.value)
         elif task is not None:

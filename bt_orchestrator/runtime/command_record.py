@@ -8,7 +8,13 @@ from typing import Any
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.by import By
-from bt_orchestrator.model.commands import AnswerHold, OnRecord, RefusedRequest, RemoveItem
+from bt_orchestrator.model.commands import (
+    AnswerHold,
+    OnRecord,
+    RefusedRequest,
+    RemoveItem,
+    SetService,
+)
 from bt_orchestrator.model.jobs.job_commands import (
     AddJobs,
     ControlJob,
@@ -73,13 +79,15 @@ def _each(command: OnRecord, why: CommandRefused) -> list[tuple[str, str]]:
 
 
 def _what(command: OnRecord) -> tuple[str, dict[str, Any]]:
-    """Return the command's word, and the hold, job or item that it concerns."""
+    """Return the command's word, and the hold, job, item or component that it concerns."""
     request = request_of(command)
     match command:
         case AnswerHold(hold, word):
             about = {'hold': hold}
         case RemoveItem(item):
             word, about = '', {'item': item}
+        case SetService(component):
+            word, about = '', {'component': component}
         case ControlJob(word, name):
             about = {'job': name}
         case MoveJob(name) | RunNext(name):

@@ -12,13 +12,14 @@ from bt_orchestrator.model.commands import (
     FoundTwin,
     RefusedRequest,
     RemoveItem,
+    SetService,
     Shutdown,
 )
 from bt_orchestrator.model.failures import ABORT, SHUTDOWN
 from bt_orchestrator.model.limits import TWINS
 from bt_orchestrator.model.packml import TRANSITIONS, Cause
 from bt_orchestrator.model.pauses import TWIN
-from bt_orchestrator.runtime import cell_commands, job_queue, operators
+from bt_orchestrator.runtime import cell_commands, job_queue, operators, service
 from bt_orchestrator.runtime.ledger import Ledger
 from bt_orchestrator.runtime.lifecycle import transition
 from bt_orchestrator.runtime.requested import not_allowed
@@ -43,6 +44,10 @@ def answer_to(command: Command, ledger: Ledger) -> str:
     if isinstance(command, RemoveItem):
         ledger.record(operators.remove(ledger.state, command))
         return f'{command.item} is off the belt'
+    if isinstance(command, SetService):
+        message, changes = service.carry_out(command, ledger.state)
+        ledger.record(changes)
+        return message
     if isinstance(command, CellCommand):
         return cell_commands.carry_out(command, ledger)
     if isinstance(command, RefusedRequest):

@@ -60,7 +60,8 @@ class Flights:
         self._given_up: dict[str, tuple[e.TaskKey, Goal]] = {}
         """In doubt: no end came in time, and an operator decides about the task."""
         self._put_off: list[tuple[Goal, GoalEnd]] = []
-        """Goals of an earlier orchestrator that may be sent again once no hold stops the line."""
+        """Goals of an earlier orchestrator that may be sent again once no hold stops the line, and
+        the component is in service."""
         self._provably_lost: set[str] = set()
         """Those goals among them that provably never arrived."""
         self._timers: dict[str, Timer] = {}
@@ -126,11 +127,16 @@ class Flights:
             self._ledger.record(effects.of_success(state, key))
 
     def _must_wait(self, key: e.TaskKey, goal: Goal, end: GoalEnd) -> bool:
-        """Tell whether a goal is to be sent again, but an operator must check the line first."""
+        """Tell whether a goal is to be sent again, but an operator must allow it first.
+
+        The line has to be checked, or the component is out of service.
+        """
         is_unknown = goal.request.id in self._adopted and not goal.accepted
         if not is_unknown or end.status is not GoalStatus.LOST:
             return False
-        return self._may_go_again(key, end) and bool(self._ledger.state.pauses)
+        state = self._ledger.state
+        is_blocked = bool(state.pauses) or self._task(key).component in state.out_of_service
+        return self._may_go_again(key, end) and is_blocked
 
     def _forget_adopted(self, goal: Goal) -> bool:
         """Remove a goal from the adopted ones; tell whether its server had never confirmed it."""

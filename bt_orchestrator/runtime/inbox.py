@@ -16,6 +16,7 @@ from bt_orchestrator.model.commands import (
     FoundTwin,
     OnRecord,
     RefusedRequest,
+    SetService,
     Shutdown,
 )
 from bt_orchestrator.model.jobs import job_control
@@ -88,6 +89,8 @@ def _must_wait(command: OnRecord) -> bool:
         return command.verb in _UNDO
     if isinstance(command, AnswerHold):
         return command.answer in REMARKS
+    if isinstance(command, SetService):
+        return command.in_service
     return isinstance(command, _MUST_WAIT)
 
 

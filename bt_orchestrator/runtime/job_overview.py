@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from bt_orchestrator.model.events import TaskKey
 from bt_orchestrator.model.jobs.isa95 import job_word
+from bt_orchestrator.model.service import awaited_by
 from bt_orchestrator.model.state import CellState, JobState, Phase
 from bt_orchestrator.model.status import JobStatus, PassedTask
 from bt_orchestrator.runtime.section_overview import passed_task
@@ -34,6 +35,8 @@ def job_status(
         start=terms.start,
         due=terms.due,
         awaits_start=job.awaits_start,
+        held=job.held,
+        unavailable=awaited_by(state, job),
         queued_at=job.queued_at,
         started_at=job.started_at,
         ended_at=job.ended_at,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import singledispatch
 
 from bt_orchestrator.errors import CommandRefused
@@ -19,10 +19,12 @@ from bt_orchestrator.model.jobs.job_commands import (
     StopAfter,
     UpdateJob,
 )
+from bt_orchestrator.model.jobs.job_control import unavailable_words
 from bt_orchestrator.model.jobs.job_folds import terms_of
 from bt_orchestrator.model.limits import listed
 from bt_orchestrator.model.packml import Cause, PackmlState
 from bt_orchestrator.model.requests import About, of_word
+from bt_orchestrator.model.service import unavailable_to
 from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.model.wish import AFTER, NEVER, way_to_work
 from bt_orchestrator.runtime import listed_jobs, orders
@@ -72,15 +74,23 @@ def _add(command: AddJobs, state: CellState, now: float) -> tuple[str, list[e.Ev
 
 def _how(queued: e.JobQueued) -> str:
     how = ' and held' if queued.held else ''
+    lacks = f'; {unavailable_words(queued.unavailable)}' if queued.unavailable else ''
     early = f'; {_AWAITS} {terms_of(queued).start_words}' if queued.awaits_start else ''
-    return f'{queued.job} is queued{how}{early}'
+    return f'{queued.job} is queued{how}{early}{lacks}'
 
 
 @_carry_out.register
 def _update(command: UpdateJob, state: CellState, now: float) -> tuple[str, list[e.Event]]:
     new = command.job
     _allowed(state, job_control.UPDATE, new.id)
-    return f'{new.id} is updated', orders.change(state, new, now, command.sharing)
+    changed = orders.change(state, new, now, command.sharing)
+    lacks = unavailable_to(state, new.script)
+    return '\n'.join([f'{new.id} is updated', *_unavailable(lacks)]), changed
+
+
+def _unavailable(lacks: Sequence[str]) -> Iterator[str]:
+    if lacks:
+        yield unavailable_words(lacks)
 
 
 def standing(state: CellState) -> Iterator[str]:
@@ -111,7 +121,8 @@ def _run_next(command: RunNext, state: CellState, _: float) -> tuple[str, list[e
         events.append(e.JobReleased(job=name))
     if job.awaits_start:
         events.append(e.JobMayStart(job=name))
-    return '\n'.join([f'{name} is next', *standing(state)]), events
+    said = [f'{name} is next', *_unavailable(job.unavailable), *standing(state)]
+    return '\n'.join(said), events
 
 
 # --- methods of a job -----------------------------------------------------------------------
@@ -147,6 +158,7 @@ def _after_release(state: CellState, job: JobState) -> Iterator[str]:
     """Say what a job that was held until now still waits for."""
     if job.held and job.awaits_start:
         yield f'{_AWAITS} {job.job.terms.start_words}; release it again to let it start at once'
+    yield from _unavailable(job.unavailable)
     yield from standing(state)
 
 
@@ -235,7 +247,13 @@ def _allowed(state: CellState, method: job_control.Method, name: str) -> JobStat
     job = listed_jobs.find(state, name)
     ending = job.ending if job.ended_at is None else ''
     refused = job_control.refusal(
-        method, name, job_word(state, job), ending, awaits_start=job.awaits_start
+        method,
+        name,
+        job_word(state, job),
+        ending,
+        awaits_start=job.awaits_start,
+        unavailable=job.unavailable,
+        is_held=job.held,
     )
     if refused is not None:
         raise CommandRefused(refused)

@@ -13,6 +13,7 @@ from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.jobs.job_commands import Sharing
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.script import Script
+from bt_orchestrator.model.service import unavailable_to
 from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.proof.sharing import contradiction
 from bt_orchestrator.runtime.command_record import decided_to_add
@@ -52,6 +53,7 @@ def queue(
             held=held,
             ranked=position is None,
             awaits_start=awaits_start(state.cell, job.terms, now),
+            unavailable=unavailable_to(state, job.script),
         )
         events.append(queued)
     return events
@@ -75,6 +77,7 @@ def change(
         **_ordered(job),
         position=_new_place(state, live, job),
         awaits_start=_waits(state, live, job, now),
+        unavailable=unavailable_to(state, job.script),
     )
     return [*_loaded(job.script, set(state.scripts)), updated]
 

@@ -132,11 +132,14 @@ class Overview:
         progress = state.tasks.get(key) if key else None
         reading = state.readings[name]
         contested = self._contested(component)
+        out = state.out_of_service.get(name)
         return ComponentStatus(
             name=name,
             action=component.action,
             available=engine.gateway.available(name),
-            ready=reading.ready and not contested,
+            ready=reading.ready and not contested and out is None,
+            out_of_service='' if out is None else out.reason,
+            out_of_service_since=None if out is None else out.since,
             contested=contested,
             state='' if reading.value is None else str(reading.value),
             task=str(key) if key else '',

@@ -23,6 +23,7 @@ from bt_orchestrator.model.snapshot import state_from_plain
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import EventStore, Snapshot
 from bt_orchestrator.runtime.looks import in_utc, to_be_named
+from bt_orchestrator.runtime.service import without_component
 
 if TYPE_CHECKING:
     from importlib.abc import Traversable  # its place depends on the version of Python
@@ -177,6 +178,7 @@ def take_over(
         missing=missing,
         boot=boot,
     )
+    yield from without_component(state)
     for name, component in state.cell.components.items():
         if component.state is not None and state.readings[name].ready:
             yield e.ComponentStateChanged(component=name, ready=False)  # no message yet

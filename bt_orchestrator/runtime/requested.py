@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bt_orchestrator.model.cell_commands import CellCommand
 from bt_orchestrator.model.codec import digest
-from bt_orchestrator.model.commands import AnswerHold, Command, RemoveItem
+from bt_orchestrator.model.commands import AnswerHold, Command, RemoveItem, SetService
 from bt_orchestrator.model.jobs.job_commands import (
     AddJobs,
     ControlJob,
@@ -16,8 +16,10 @@ from bt_orchestrator.model.jobs.job_commands import (
 from bt_orchestrator.model.requests import (
     ADD,
     CELL,
+    IN_SERVICE,
     MOVE,
     NEXT,
+    OUT_OF_SERVICE,
     REMOVE_ITEM,
     STOP_AFTERS,
     UPDATE,
@@ -39,6 +41,8 @@ def request_of(command: Command) -> Request | None:
             return of_word(About.HOLD, answer)
         case RemoveItem():
             return REMOVE_ITEM
+        case SetService(_, in_service):
+            return IN_SERVICE if in_service else OUT_OF_SERVICE
         case CellCommand():
             return CELL[command.cause]
         case AddJobs():

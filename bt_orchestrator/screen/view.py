@@ -164,7 +164,10 @@ def _job(job: JobStatus, status: CellStatus) -> JobRow:
         id=words.one_line(job.id),
         script=words.one_line(job.script),
         state=job.state.state,
-        counts=job_count_words(job) + words.start_wait(job) + words.expected_finish(job, status),
+        counts=job_count_words(job)
+        + words.start_wait(job)
+        + words.lacks(job)
+        + words.expected_finish(job, status),
         packed=min(job.left / quantity, 1.0),
         on_line=min(job.on_line / quantity, 1.0),
         weight=weight,

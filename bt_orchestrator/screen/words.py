@@ -108,7 +108,12 @@ def job_terms(job: JobStatus) -> str:
         told.append(start_wait(job) or f', start {_moment(job.start)}')
     if job.due is not None:
         told.append(f', due {_moment(job.due)}')
-    return ''.join(told)
+    return ''.join([*told, lacks(job)])
+
+
+def lacks(job: JobStatus) -> str:
+    """Say which components out of service a job needs; nothing if there are none."""
+    return f', needs {" and ".join(job.unavailable)}, out of service' if job.unavailable else ''
 
 
 def start_wait(job: JobStatus) -> str:

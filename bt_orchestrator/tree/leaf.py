@@ -10,6 +10,7 @@ from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.failures import RETRY
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.hold_words import again_words, hold_wait_words
+from bt_orchestrator.model.line import waits_for_service
 from bt_orchestrator.model.reference import resolve
 from bt_orchestrator.model.state import Phase, TaskState
 from bt_orchestrator.model.wait import Wait, WaitKind
@@ -92,6 +93,9 @@ class ActionLeaf(TaskWaiter, Ticked):
     def _obstacle(self) -> Wait | None:
         """Say what blocks the next attempt, besides its delay and the guards."""
         state, task = self.subject.state, self.subject.task
+        unavailable = waits_for_service(state, task.component)
+        if unavailable is not None:
+            return unavailable
         busy = state.reserved.get(task.component)
         if busy is not None and busy != self.subject.key:  # else kept for its retry (4.4)
             what = f'waiting for {task.component}, busy with {holder(state, busy)}'

@@ -26,6 +26,7 @@ from bt_orchestrator.model.wish import STOP_AFTER
 ANSWER = '/api/holds/{hold}/answer'
 CELL_COMMAND = '/api/cell/{command}'
 ITEM = '/api/items/{item:path}/remove'
+COMPONENT = '/api/components/{component:path}/service'
 QUEUE_ADD = '/api/queue/add'
 QUEUE_MOVE = '/api/queue/move'
 QUEUE_UPDATE = '/api/queue/update'
@@ -44,12 +45,13 @@ class Place(NamedTuple):
 def place_of(request: Request, subject: str = '') -> Place:
     """Return where a request is posted.
 
-    :param subject: id of its job, item or hold; empty: it has none
+    :param subject: id of its job, item, hold or component; empty: it has none
     """
     path = (
         pattern_of(request)
         .replace('{hold}', quote(subject, safe=''))
         .replace('{item:path}', quote(subject))
+        .replace('{component:path}', quote(subject))
         .replace('{command}', request.word)
     )
     return Place(
@@ -64,6 +66,8 @@ def pattern_of(request: Request) -> str:
             return ANSWER
         case About.ITEM:
             return ITEM
+        case About.COMPONENT:
+            return COMPONENT
         case About.QUEUE:
             return QUEUE_ADD
         case About.JOB:
@@ -79,7 +83,7 @@ def _says(request: Request) -> Mapping[str, object]:
     match pattern_of(request):
         case path if path == ANSWER:
             return {'answer': request.word}
-        case path if path == QUEUE_COMMAND:
+        case path if path in (QUEUE_COMMAND, COMPONENT):
             return {'command': request.word}
         case path if path == QUEUE_STOP_AFTER:
             return {'after': request.word.removeprefix(STOP_AFTER)}
@@ -113,6 +117,12 @@ def to_cell(command: str, _: dict[str, object]) -> Found:
 def remove_item(item: str, _: dict[str, object]) -> Found:
     """Return the request that removes an item."""
     return REMOVE_ITEM, {'item': item}
+
+
+def to_component(component: str, body: dict[str, object]) -> Found:
+    """Return the request of a command to a component."""
+    request = _of_word(About.COMPONENT, body.pop('command', None), 'command')
+    return request, {'component': component}
 
 
 def add_orders(_: str, __: dict[str, object]) -> Found:
@@ -160,6 +170,7 @@ READERS: Mapping[str, Callable[[str, dict[str, object]], Found]] = {
     ANSWER: answer_to_hold,
     CELL_COMMAND: to_cell,
     ITEM: remove_item,
+    COMPONENT: to_component,
     QUEUE_ADD: add_orders,
     QUEUE_MOVE: move_job,
     QUEUE_UPDATE: update_job,

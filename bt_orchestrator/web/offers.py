@@ -14,10 +14,14 @@ from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.packml import Cause
 from bt_orchestrator.model.requests import About, Request, of_hold
 from bt_orchestrator.model.requests.table import ADD, CELL, REMOVE_ITEM
-from bt_orchestrator.model.requests.worthwhile import worthwhile_for_cell, worthwhile_for_job
+from bt_orchestrator.model.requests.worthwhile import (
+    worthwhile_for_cell,
+    worthwhile_for_component,
+    worthwhile_for_job,
+)
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.state import Hold
-from bt_orchestrator.model.status import CellStatus, ItemStatus, JobStatus
+from bt_orchestrator.model.status import CellStatus, ComponentStatus, ItemStatus, JobStatus
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.web.command_paths import place_of
 
@@ -63,6 +67,16 @@ def _item_offers(item: str) -> Sequence[Offer]:
     return [_offer(REMOVE_ITEM, item)]
 
 
+def component_offers(component: ComponentStatus) -> Sequence[Offer]:
+    """Return what can be asked of a component."""
+    return _component_offers(component.name, worthwhile_for_component(component))
+
+
+@lru_cache(maxsize=1024)
+def _component_offers(component: str, request: Request) -> Sequence[Offer]:
+    return [_offer(request, component)]
+
+
 def job_offers(job: JobStatus, status: CellStatus) -> Sequence[Offer]:
     """Return what can be asked of a job."""
     return _job_offers(
@@ -70,6 +84,8 @@ def job_offers(job: JobStatus, status: CellStatus) -> Sequence[Offer]:
         job.state,
         job.ending,
         awaits_start=job.awaits_start,
+        unavailable=job.unavailable,
+        is_held=job.held,
         is_next=job.position == 1,
         is_alone=status.queued <= 1,
         is_cell_stopped=status.stop_reason is StopReason.OPERATOR,
@@ -83,6 +99,8 @@ def _job_offers(
     ending: str,
     *,
     awaits_start: bool,
+    unavailable: tuple[str, ...],
+    is_held: bool,
     is_next: bool,
     is_alone: bool,
     is_cell_stopped: bool,
@@ -92,6 +110,8 @@ def _job_offers(
         state,
         ending,
         awaits_start=awaits_start,
+        unavailable=unavailable,
+        is_held=is_held,
         is_next=is_next,
         is_alone=is_alone,
         is_cell_stopped=is_cell_stopped,
@@ -112,7 +132,7 @@ def _offer(
 ) -> Offer:
     """Return an offer.
 
-    :param subject: id of its hold, item or job
+    :param subject: id of its hold, item, job or component
     :param given: arguments that are settled
     :param without: parameters that this offer has no use for
     """
@@ -134,7 +154,8 @@ def _offer(
 
 def _foreseen(request: Request, subject: str) -> dict[str, object] | None:
     """Return the command whose effect on jobs can be asked before; None: it has none."""
-    if request.about not in (About.QUEUE, About.JOB) or request.word == job_control.CLEAR.verb:
+    about = (About.QUEUE, About.JOB, About.COMPONENT)
+    if request.about not in about or request.word == job_control.CLEAR.verb:
         return None
     arguments = {request.subject.name: subject} if request.subject else {}
     return {'name': request.name, 'arguments': arguments}

@@ -8,6 +8,7 @@ from typing import ClassVar
 
 from fakes.initialization_invariants import InitializationInvariants
 from fakes.queue_invariants import QueueInvariants
+from fakes.service_invariants import ServiceInvariants
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
@@ -64,6 +65,7 @@ class Invariants:
         self._moving = False
         self._queue = QueueInvariants(cell)
         self._initialization = InitializationInvariants(cell, self._jobs)
+        self._service = ServiceInvariants(cell, self._scripts)
         self._ended: set[tuple[str | None, str]] = set()
         """Items with the tasks that ended for them, one way or the other."""
         self._mode = PackmlState.STOPPED
@@ -78,6 +80,7 @@ class Invariants:
         self._take(event)
         self._queue.take(event)
         self._initialization.take(event)
+        self._service.take(event)
         self._check(event)
 
     def _check(self, event: e.Event) -> None:

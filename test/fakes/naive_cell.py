@@ -51,23 +51,24 @@ class NaiveCell(NaiveState):
         job.rank = (-priority, inf if start is None else start)
         job.early = start is not None and start > self.now
         self.flags |= {f['flag']: f['initial'] for f in job.plan.flags if f['flag'] not in known}
-        queue = [one for one in self.jobs if not self.said('job.started', {'job': one})]
+        queue = [one for one in self.jobs if not self.has_begun(one)]
         behind = next((one for one in queue if one.rank > job.rank), None)  # (6.7)
         at = self.jobs.index(behind) if behind else len(self.jobs)
         self.jobs.insert(at, job)
         place = queue.index(behind) + 1 if behind else None
         terms = {'priority': priority or None, 'start': start, 'awaits_start': job.early or None}
+        terms['unavailable'] = self.lacks(job) or None
         what = {'script': script, 'quantity': quantity, 'position': place, **terms}
         self.say('job.queued', {'job': job}, **what, ranked=True)
         if job.early:
             self.at(job.rank[1] - self.now, job, 'start', CANCELED_FIRST)
-        self.had_work |= not job.early
+        self.had_work |= self.is_able(job)
         self.settle()
 
     def begin_job(self, job: Job) -> None:
         """Let a job leave the queue, behind those that have started (6.1)."""
-        if not self.said('job.started', {'job': job}):
-            started = [one for one in self.jobs if self.said('job.started', {'job': one})]
+        if not self.has_begun(job):
+            started = [one for one in self.jobs if self.has_begun(one)]
             self.jobs.remove(job)
             self.jobs.insert(len(started), job)
             self.say('job.started', {'job': job})
@@ -77,7 +78,7 @@ class NaiveCell(NaiveState):
         return number in item.job.plan.lists and not self.said('cycle.started', item.at(number))
 
     def before(self, job: Job) -> list[Job]:
-        return [one for one in self.jobs[: self.jobs.index(job)] if not one.early]
+        return [one for one in self.jobs[: self.jobs.index(job)] if self.is_able(one)]
 
     def done_with(self, number: int, job: Job) -> bool:
         """Tell whether a section is done with a job (6.1)."""
@@ -229,6 +230,8 @@ class NaiveCell(NaiveState):
         if last and not last.empty:
             if not self.said('hold.raised', last.at(last.place)):
                 self.hold('overrun', last.at(last.place), ['remove_item'])
+        elif self.slots() and self.may_begin() and 'conveyor' in self.out:
+            return
         elif self.slots() and self.may_begin():
             self.moving = True
             self.say('belt.index_started', {}, beat=self.beat)
@@ -275,6 +278,7 @@ class NaiveCell(NaiveState):
             missing = True
         busy = [other for other in self.started if other.busy and other is not task]
         free = not any(task.needs & other.needs for other in busy)
+        free &= task.device.name not in self.out
         if free and self.now >= task.not_before:
             task.attempt += 1
             if missing:

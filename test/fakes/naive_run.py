@@ -27,6 +27,8 @@ class Job:
     """The smaller the more urgent (6.7)."""
     early: bool = False
     """It waits for its start (6.7)."""
+    needs: set[str] = field(default_factory=set)
+    """The components of all of its tasks, and the conveyor (7.5)."""
 
 
 @dataclass(eq=False)
@@ -136,6 +138,8 @@ class NaiveRun(ABC):
         self.last_beat = dict.fromkeys(self.sections, 0)
         """Of each section's last cycle that has begun."""
         self.flags: dict[str, int] = {}
+        self.out: list[str] = []
+        """Components out of service (7.5)."""
         self.started: list[Task] = []
         """Those that are not done, the one started last at the end."""
         self.done: dict[tuple[str, str], Row] = {}
@@ -171,6 +175,9 @@ class NaiveRun(ABC):
     def new_job(self, id_: str, script: str, quantity: int) -> Job:
         job = Job(id_, self.plans[script], quantity)
         job.first = {given['id']: self.new_task(given, job) for given in job.plan.first}
+        tasks = [t for steps in job.plan.lists.values() for step in steps for m in step for t in m]
+        given = [one['action'] for one in [*tasks, *job.plan.first]]
+        job.needs = {'conveyor', *(self.devices[action].name for action in given)}
         for link in job.plan.order:
             job.first[link['downstream']].after.append(job.first[link['upstream']])
         return job
@@ -210,9 +217,19 @@ class NaiveRun(ABC):
             facts |= {'attempt': task.attempt, 'attempts': task.given.get('retries', 0) + 1}
         self.say('hold.raised', where, hold=hold, **facts, reason=reason, answers=answers)
 
+    def lacks(self, job: Job) -> list[str]:
+        """Return what is out of service and needed by a job of the queue (7.5)."""
+        return [name for name in self.out if name in job.needs and not self.has_begun(job)]
+
+    def has_begun(self, job: Job) -> bool:
+        return self.said('job.started', {'job': job})
+
+    def is_able(self, job: Job) -> bool:
+        """Tell whether no wait for its start or for a component lets others pass a job."""
+        return not job.early and not self.lacks(job)
+
     def able(self) -> list[Job]:
-        """Return the jobs that do not wait for their start."""
-        return [job for job in self.jobs if not job.early]
+        return [job for job in self.jobs if self.is_able(job)]
 
     def at(
         self, after: float, task: Any, end: str, certain: float, number: int | None = None
@@ -238,7 +255,8 @@ class NaiveRun(ABC):
             self._agenda = [note for note in self._agenda if note[0] > self.now]
             for _, _, _, task, goals, end in due:
                 if isinstance(task, Job) and task.early:
-                    task.early, self.had_work = False, True
+                    task.early = False
+                    self.had_work |= self.is_able(task)
                     self.say('job.may_start', {'job': task})
                 elif isinstance(task, Task) and (task.state, task.goals) == ('running', goals):
                     self.end(task, end)

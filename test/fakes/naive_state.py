@@ -50,6 +50,16 @@ class NaiveState(NaiveRun):
             for task in [one for one in self.started if one.state == 'running']:
                 self.cancel(task, 'abort')
 
+    def service(self, component: str) -> None:
+        """Let an operator take a component out of service, or bring it back (7.5)."""
+        is_out = component not in self.out
+        what, concerned = ('out_of' if is_out else 'in') + '_service', {'component': component}
+        self.say('operator.decided', {}, answer=what, **concerned)
+        jobs = [one.id for one in self.jobs if component in one.needs and not self.has_begun(one)]
+        self.say(f'component.{what}', {}, **concerned, jobs=jobs if is_out and jobs else None)
+        self.out = [one for one in (*self.out, component) if is_out or one != component]
+        self.had_work |= bool(self.able())
+
     @abstractmethod
     def cancel(self, task: Task, cause: str) -> None: ...
 

@@ -49,6 +49,11 @@ class Bench(Protocol):
         """Return the commands to the cell that are possible now, but for pauses."""
 
     def command(self, what: str) -> None: ...
+    def components(self) -> Sequence[str]: ...
+    def out_of_service(self) -> Sequence[str]: ...
+    def service(self, component: str) -> None:
+        """Take a component out of service, or bring it back."""
+
     def order(self) -> bool:
         """Give the next order; return False if none is left."""
 
@@ -57,6 +62,8 @@ REMOVES, PAUSES, ORDERS = 7, 8, 9
 GOES_ON = ('clear', 'reset', 'start')
 COMMANDS_OF = {10: ('stop',), 11: GOES_ON, 12: ('abort',)}
 """Choices of an operator who does more than answer."""
+SERVICE = (13, 14, 15, 16)
+"""Choices of one who takes a component out of service, or brings it back."""
 
 
 def operate(bench: Bench, moments: Sequence[Moment]) -> bool:
@@ -74,6 +81,11 @@ def operate(bench: Bench, moments: Sequence[Moment]) -> bool:
         choice = moment.choice if moment else 1
         if choice == ORDERS:
             bench.order()
+        elif choice in SERVICE:
+            names = bench.components()
+            bench.service(names[choice * 7 % len(names)])
+        elif moment is None and (out := bench.out_of_service()):
+            bench.service(out[0])
         elif choice in COMMANDS_OF:
             _command(bench, COMMANDS_OF[choice])
         elif holds := bench.holds():
@@ -158,6 +170,15 @@ class NaiveBench:
     def command(self, what: str) -> None:
         self.cell.command(what)
 
+    def components(self) -> Sequence[str]:
+        return sorted(device.name for device in self.cell.devices.values())
+
+    def out_of_service(self) -> Sequence[str]:
+        return self.cell.out
+
+    def service(self, component: str) -> None:
+        self.cell.service(component)
+
     def order(self) -> bool:
         order = next(self._orders, None)
         if order and order[0] not in self._refused:
@@ -233,6 +254,16 @@ class ProductBench:
             more['belt'] = parse_slots(believed(self.run.state).split(','))
         assert self.run.command(COMMANDS[what], **more).accepted
 
+    def components(self) -> Sequence[str]:
+        return sorted(self.cell.components)
+
+    def out_of_service(self) -> Sequence[str]:
+        return list(self.run.state.out_of_service)
+
+    def service(self, component: str) -> None:
+        out = component not in self.run.state.out_of_service
+        assert self.run.service(component, out=out).accepted
+
     def order(self) -> bool:
         order = next(self._orders, None)
         if order:
@@ -298,6 +329,7 @@ WORDED = {
     'job.aborting',
     'cell.state_changed',
     'operator.decided',
+    'component.out_of_service',
     'job.aborted',
 }
 

@@ -28,6 +28,8 @@ class QueueInvariants:
         self._ids: set[str] = set()
         self._queue: list[str] = []
         self._held: set[str] = set()
+        self._lacks: dict[str, set[str]] = {}
+        """Components out of service that queued jobs need (7.5); none is empty."""
         self._running: list[str] = []
         self._fed = ''
         """The job of the last item that was begun."""
@@ -68,10 +70,21 @@ class QueueInvariants:
         comes = self._waits_count and (event.start or 0.0) > event.time
         assert event.awaits_start == (event.job in self._early if same else comes), event
         self._early.pop(event.job, None)
+        self._lacks.pop(event.job, None)
+        if event.unavailable:
+            self._lacks[event.job] = set(event.unavailable)
         if event.awaits_start:
             assert event.start is not None
             self._early[event.job] = event.start
         self._terms[event.job] = -event.priority, event.start or inf
+
+    def _out_of_service(self, event: e.ComponentOutOfService) -> None:
+        for job in event.jobs:
+            self._lacks.setdefault(job, set()).add(event.component)
+
+    def _in_service(self, event: e.ComponentInService) -> None:
+        lacks = {job: lack - {event.component} for job, lack in self._lacks.items()}
+        self._lacks = {job: lack for job, lack in lacks.items() if lack}
 
     def _place(self, job: str) -> int:
         """Return the place, from 0: before the first that is less urgent and not put by hand."""
@@ -113,6 +126,7 @@ class QueueInvariants:
         self._held.remove(event.job)
 
     def _removed(self, event: e.JobRemoved) -> None:
+        self._lacks.pop(event.job, None)
         self._queue.remove(event.job)
         self._held.discard(event.job)
         self._early.pop(event.job, None)
@@ -130,7 +144,7 @@ class QueueInvariants:
 
     def _started(self, event: e.JobStarted) -> None:
         # A job that was aborted in the queue may still have to skip its initialization.
-        passed = self._held | self._begins_nothing | self._early.keys()
+        passed = self._held | self._begins_nothing | self._early.keys() | self._lacks.keys()
         first = next(job for job in self._queue if job not in passed)
         assert event.job == first, (event, self._queue)
         assert not self._stop_after, event
@@ -156,6 +170,7 @@ class QueueInvariants:
         self._begins_nothing.add(event.job)
         if isinstance(event, e.JobAborting):
             self._early.pop(event.job, None)
+            self._lacks.pop(event.job, None)
 
     def _resumed(self, event: e.JobResumed) -> None:
         self._begins_nothing.remove(event.job)
@@ -187,4 +202,6 @@ class QueueInvariants:
         (e.JobPaused, e.JobStopping, e.JobAborting): _ending,
         e.JobResumed: _resumed,
         (e.JobCompleted, e.JobAborted): _end,
+        e.ComponentOutOfService: _out_of_service,
+        e.ComponentInService: _in_service,
     }

@@ -19,6 +19,7 @@ from bt_orchestrator.model.commands import (
     AnswerHold,
     Command,
     RemoveItem,
+    SetService,
 )
 from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.goal import GoalRequest
@@ -138,6 +139,10 @@ class VirtualRun:
     def resume(self) -> Answer:
         """Let it go on."""
         return self.ask(Resume(ann('back')))
+
+    def service(self, component: str, *, out: bool) -> Answer:
+        """Take a component out of service, or bring it back."""
+        return self.ask(SetService(component, not out, ann('worn')))
 
     # --- looking ----------------------------------------------------------------------------
 

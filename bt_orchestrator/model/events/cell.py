@@ -33,6 +33,26 @@ class ComponentContested(Event):
 
 
 @dataclass(frozen=True, kw_only=True)
+class ComponentOutOfService(Event):
+    """An operator took a component out of service: it gets no goal (semantics 7.5)."""
+
+    event: ClassVar[str] = 'component.out_of_service'
+    component: str
+    reason: str
+    """Who did it, and why."""
+    jobs: tuple[str, ...] = ()
+    """Queued jobs that need it; they are passed."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ComponentInService(Event):
+    """A component is in service again; jobs that lack no other one start in their turn."""
+
+    event: ClassVar[str] = 'component.in_service'
+    component: str
+
+
+@dataclass(frozen=True, kw_only=True)
 class HoldRaised(Event):
     """Something waits for an operator (semantics 7.1)."""
 
@@ -84,6 +104,7 @@ class OperatorDecided(Event):
     hold: str | None = None
     job: str | None = None
     item: str | None = None
+    component: str | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,6 +126,7 @@ class OperatorRefused(Event):
     hold: str | None = None
     job: str | None = None
     item: str | None = None
+    component: str | None = None
     message: str
     """Why it was refused."""
 

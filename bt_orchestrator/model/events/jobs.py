@@ -52,6 +52,8 @@ class JobQueued(Event):
     record is of an older program."""
     recipe_version: int | None = None
     """Version of the recipe; absent: it has none, or is not known."""
+    unavailable: tuple[str, ...] = ()
+    """Components out of service that it needs: it is passed (semantics 7.5)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,6 +93,8 @@ class JobUpdated(Event):
     record is of an older program."""
     recipe_version: int | None = None
     """Version of the recipe; absent: it has none, or is not known."""
+    unavailable: tuple[str, ...] = ()
+    """Components out of service that it needs: it is passed (semantics 7.5)."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.frozen import changed
-from bt_orchestrator.model.jobs.job_folds import forget_skips
+from bt_orchestrator.model.jobs.job_folds import forget_skips, note_work
 from bt_orchestrator.model.packml import PackmlState
-from bt_orchestrator.model.state import CellState, Reading
+from bt_orchestrator.model.state import CellState, OutOfService, Reading
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.model.wish import STAND, START, STOP_AFTER, Wish
 
@@ -41,6 +41,23 @@ def component_contested(event: e.ComponentContested, state: CellState) -> None:
     state.contests.pop(event.component, None)
     if contest:
         state.contests[event.component] = contest
+
+
+def component_out_of_service(event: e.ComponentOutOfService, state: CellState) -> None:
+    """Let it get no goal, and let later jobs pass the jobs that need it."""
+    state.out_of_service[event.component] = OutOfService(event.reason, event.time)
+    for job in event.jobs:
+        state.jobs.lack(job, (*state.jobs.queued(job).unavailable, event.component))
+
+
+def component_in_service(event: e.ComponentInService, state: CellState) -> None:
+    """Let it get goals; for the cell the jobs that lack no other one are like new orders."""
+    del state.out_of_service[event.component]
+    for job in state.queue:
+        if event.component in job.unavailable:
+            left = tuple(one for one in job.unavailable if one != event.component)
+            state.jobs.lack(job.job.id, left)
+            note_work(state, state.jobs.queued(job.job.id))
 
 
 def orchestrator_stopping(_: e.OrchestratorStopping, state: CellState) -> None:
@@ -79,7 +96,7 @@ def operator_decided(event: e.OperatorDecided, state: CellState) -> None:
 
     A shutdown of the node is not stored: the next orchestrator continues.
     """
-    if (event.hold, event.job, event.item) != (None, None, None):
+    if (event.hold, event.job, event.item, event.component) != (None,) * 4:
         return
     wish = Wish(event.answer, event.who, event.reason, event.time, event.known)
     if event.answer in STAND:

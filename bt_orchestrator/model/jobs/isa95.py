@@ -37,6 +37,9 @@ class JobWord(Enum):
 OVER = (JobWord.ENDED, JobWord.ABORTED)
 """States of a job that does not go on."""
 
+QUEUED = (JobWord.NOT_ALLOWED_TO_START, JobWord.ALLOWED_TO_START)
+"""States of a job that has not started."""
+
 _OF_INTERRUPTION = {
     Interruption.HELD: JobWord.HELD,
     Interruption.SUSPENDED: JobWord.SUSPENDED,
@@ -48,8 +51,17 @@ def job_word(state: CellState, job: JobState) -> JobWord:
     if job.ended_at is not None:
         return JobWord.ABORTED if job.aborting else JobWord.ENDED
     if not job.started:
-        return JobWord.NOT_ALLOWED_TO_START if job.held else JobWord.ALLOWED_TO_START
+        return queued_word(is_held=job.held, is_unavailable=bool(job.unavailable))
     return word_at_work(state.stop_reason, is_paused=job.paused)
+
+
+def queued_word(*, is_held: bool, is_unavailable: bool) -> JobWord:
+    """Derive the state of a job in the queue.
+
+    :param is_unavailable: it needs a component that is out of service (semantics 7.5)
+    """
+    passed = is_held or is_unavailable
+    return JobWord.NOT_ALLOWED_TO_START if passed else JobWord.ALLOWED_TO_START
 
 
 def word_at_work(stop_reason: StopReason | None, *, is_paused: bool) -> JobWord:

@@ -5,7 +5,7 @@ Code, documentation and tests are made from it, and every interface asks it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from bt_orchestrator.model.jobs.isa95 import JobWord
@@ -99,18 +99,36 @@ LEFT_WHILE_ENDING: Mapping[str, tuple[Method, ...]] = {'stopping': (ABORT,), 'ab
 """What may still be asked of a job that ends when its last item has left."""
 
 
+MORE_WHILE_UNAVAILABLE: tuple[Method, ...] = (REVOKE_START,)
+"""What may also be asked of a job that nobody holds and that lacks a component out of service;
+`release` changes nothing for it, unless it waits for its start as well."""
+
 MORE_WHILE_AWAITING: tuple[Method, ...] = (START,)
 """What may also be asked of a job that is AllowedToStart and waits for its start."""
 
 
 def refusal(
-    method: Method, job: str, word: JobWord, ending: str = '', *, awaits_start: bool = False
+    method: Method,
+    job: str,
+    word: JobWord,
+    ending: str = '',
+    *,
+    awaits_start: bool = False,
+    unavailable: Sequence[str] = (),
+    is_held: bool = True,
 ) -> str | None:
     """Say why something cannot be asked of a job now; None: it can.
 
     :param ending: `stopping` or `aborting` if the job already ends
     :param awaits_start: the job waits for the start of its order (semantics 6.7)
+    :param unavailable: components out of service that it needs (semantics 7.5)
+    :param is_held: a person holds it; of a job that lacks no component its state says so
     """
+    if word is NOT_ALLOWED and unavailable and not is_held:
+        if method in MORE_WHILE_UNAVAILABLE:
+            return None
+        if method is START and not awaits_start:
+            return f'{job} is unavailable: {unavailable_words(unavailable)}'
     if word is ALLOWED and awaits_start and method in MORE_WHILE_AWAITING:
         return None
     if word not in method.changes:
@@ -121,3 +139,10 @@ def refusal(
         what = f'{job} is {ending} already and ends when its last item has left the line'
         return f'{what}; only {left} is left' if left else what
     return None
+
+
+def unavailable_words(unavailable: Sequence[str]) -> str:
+    """Say which components a job lacks, and what lets it start."""
+    names = ' and '.join(unavailable)
+    verb = 'is' if len(unavailable) == 1 else 'are'
+    return f'it needs {names}, which {verb} out of service; in-service lets it start in its turn'

@@ -37,11 +37,12 @@ def job_queued(event: e.JobQueued, state: CellState) -> None:
         queued_at=event.time,
         held=event.held,
         awaits_start=event.awaits_start,
+        unavailable=event.unavailable,
         ranked=event.ranked,
     )
     state.jobs.add(queued, event.position)
     state.order_ids.add(event.job)
-    _note_work(state, queued)
+    note_work(state, queued)
 
 
 def job_moved(event: e.JobMoved, state: CellState) -> None:
@@ -60,10 +61,11 @@ def job_updated(event: e.JobUpdated, state: CellState) -> None:
         changed.digest = event.digest
         changed.recipe, changed.recipe_version = event.recipe, event.recipe_version
         changed.awaits_start = event.awaits_start
+        changed.unavailable = event.unavailable
     if event.position is not None:
         state.jobs.move(event.job, event.position, ranked=True)
     _forget_unused(state, before)
-    _note_work(state, state.jobs.queued(event.job))
+    note_work(state, state.jobs.queued(event.job))
 
 
 def job_held(event: e.JobHeld, state: CellState) -> None:
@@ -74,13 +76,13 @@ def job_held(event: e.JobHeld, state: CellState) -> None:
 def job_released(event: e.JobReleased, state: CellState) -> None:
     """Let it start in its turn; for the cell this is like a new order."""
     state.jobs.hold(event.job, held=False)
-    _note_work(state, state.jobs.queued(event.job))
+    note_work(state, state.jobs.queued(event.job))
 
 
 def job_may_start(event: e.JobMayStart, state: CellState) -> None:
     """Let it start in its turn, unless it is held."""
     state.jobs.allow_start(event.job)
-    _note_work(state, state.jobs.queued(event.job))
+    note_work(state, state.jobs.queued(event.job))
 
 
 def job_removed(event: e.JobRemoved, state: CellState) -> None:
@@ -156,7 +158,8 @@ def job_cleared(event: e.JobCleared, state: CellState) -> None:
     del state.ended[event.job]
 
 
-def _note_work(state: CellState, job: JobState) -> None:
+def note_work(state: CellState, job: JobState) -> None:
+    """Let the cell know that it has work, if a job may start."""
     if job.may_start:
         state.had_work = True
 

@@ -124,7 +124,7 @@ class LiveJobs(Mapping[str, 'JobState']):
 
     @property
     def any_allowed(self) -> bool:
-        """Tell whether any job is neither held nor waits for its start."""
+        """Tell whether any job is on the line, ends, or may start in its turn."""
         return bool(self.line or self._ending or self._allowed)
 
     def at_work(self) -> list[JobState]:
@@ -137,7 +137,7 @@ class LiveJobs(Mapping[str, 'JobState']):
         return [*self.line.values(), *map(self._queued.__getitem__, queued)]
 
     def before(self, name: str) -> Iterator[JobState]:
-        """Yield the jobs in front of one; those that are held are passed (semantics 6.6)."""
+        """Yield the jobs in front of one; those that may not start are passed (semantics 6.6)."""
         for one in self.line.values():
             if one.job.id == name:
                 return
@@ -202,6 +202,11 @@ class LiveJobs(Mapping[str, 'JobState']):
         self._queued[name] = changed(self.queued(name), held=held)
         self._judge(name)
 
+    def lack(self, name: str, unavailable: tuple[str, ...]) -> None:
+        """Note which components out of service a job in the queue needs."""
+        self._queued[name] = changed(self.queued(name), unavailable=unavailable)
+        self._judge(name)
+
     def allow_start(self, name: str) -> None:
         """Let a job in the queue wait for its start no more."""
         self._await(name, waits=False)
@@ -213,7 +218,7 @@ class LiveJobs(Mapping[str, 'JobState']):
         queued = self._queued.get(name)
         if queued is not None:
             self._await(name, waits=False)
-            self._queued[name] = changed(queued, awaits_start=False)
+            self._queued[name] = changed(queued, awaits_start=False, unavailable=())
         job = self[name]
         job.aborting, job.paused, job.held, job.end_reason = True, False, False, reason
         if queued is not None:

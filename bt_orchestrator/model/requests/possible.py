@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from bt_orchestrator.model.jobs import job_control
-from bt_orchestrator.model.jobs.isa95 import JobWord
+from bt_orchestrator.model.jobs.isa95 import QUEUED, JobWord
 from bt_orchestrator.model.packml import VERBS, Cause, PackmlState, possible_in
 from bt_orchestrator.model.requests.request import Request
 from bt_orchestrator.model.requests.table import (
@@ -24,18 +24,30 @@ def of_cell(state: PackmlState) -> tuple[Request, ...]:
     return (*(CELL[cause] for cause in possible_in(state)), *STOP_AFTERS.values())
 
 
-def of_job(word: JobWord, ending: str = '', *, awaits_start: bool = False) -> tuple[Request, ...]:
-    """Return the requests to a job that a state allows.
-
-    :param ending: `stopping` or `aborting` if the job already ends
-    :param awaits_start: the job waits for the start of its order (semantics 6.7)
-    """
-    is_queued = word in (JobWord.NOT_ALLOWED_TO_START, JobWord.ALLOWED_TO_START)
+def of_job(
+    word: JobWord,
+    ending: str = '',
+    *,
+    awaits_start: bool = False,
+    unavailable: Sequence[str] = (),
+    is_held: bool = True,
+) -> tuple[Request, ...]:
+    """Return the requests to a job that a state allows; see `job_control.refusal`."""
+    is_queued = word in QUEUED
     places = (MOVE, NEXT) if is_queued else ()
     fitting = (
         request
         for method, request in JOB
-        if job_control.refusal(method, '', word, ending, awaits_start=awaits_start) is None
+        if job_control.refusal(
+            method,
+            '',
+            word,
+            ending,
+            awaits_start=awaits_start,
+            unavailable=unavailable,
+            is_held=is_held,
+        )
+        is None
     )
     return (*places, *fitting)
 

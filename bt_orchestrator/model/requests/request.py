@@ -16,6 +16,7 @@ class About(Enum):
     JOB = 'job'
     ITEM = 'item'
     HOLD = 'hold'
+    COMPONENT = 'component'
 
 
 class Kind(Enum):
@@ -86,5 +87,8 @@ NAMED = {
     About.JOB: Parameter('job', Kind.TEXT, 'id of the job', is_required=True),
     About.ITEM: Parameter('item', Kind.TEXT, 'for example WO-1001/3', is_required=True),
     About.HOLD: Parameter('hold', Kind.TEXT, 'id of the hold', is_required=True),
+    About.COMPONENT: Parameter(
+        'component', Kind.TEXT, 'name of the component in the cell file', is_required=True
+    ),
 }
 """The first argument, for subjects with an id."""

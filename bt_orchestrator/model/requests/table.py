@@ -204,6 +204,17 @@ COMMENT = _request(
 REMARKS = (ACKNOWLEDGE.word, COMMENT.word)
 """Words about a hold that are no answers to it."""
 
+# --- components (semantics 7.5) -----------------------------------------------------------------
+
+OUT_OF_SERVICE = _request(
+    About.COMPONENT, 'out_of_service', 'sends a component no goal, and lets the queue pass jobs '
+    'that need it; what runs goes on; this is no lockout', _OPERATORS,
+)  # fmt: skip
+IN_SERVICE = _request(
+    About.COMPONENT, 'in_service', 'lets a component get goals again, and lets jobs that need it '
+    'start', _OPERATORS,
+)  # fmt: skip
+
 TABLE: tuple[Request, ...] = (
     *CELL.values(),
     *STOP_AFTERS.values(),
@@ -215,6 +226,8 @@ TABLE: tuple[Request, ...] = (
     *ANSWERS.values(),
     ACKNOWLEDGE,
     COMMENT,
+    OUT_OF_SERVICE,
+    IN_SERVICE,
 )
 """All requests, in the order of the documentation."""
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from bt_orchestrator.model.events import INDEX_KEY
 from bt_orchestrator.model.jobs import job_control
@@ -10,8 +10,16 @@ from bt_orchestrator.model.jobs.isa95 import OVER, JobWord
 from bt_orchestrator.model.packml import Cause, PackmlState
 from bt_orchestrator.model.requests.possible import of_job
 from bt_orchestrator.model.requests.request import About, Request
-from bt_orchestrator.model.requests.table import CELL, MOVE, NEXT, STOP_AFTERS, of_word
-from bt_orchestrator.model.status import CellStatus
+from bt_orchestrator.model.requests.table import (
+    CELL,
+    IN_SERVICE,
+    MOVE,
+    NEXT,
+    OUT_OF_SERVICE,
+    STOP_AFTERS,
+    of_word,
+)
+from bt_orchestrator.model.status import CellStatus, ComponentStatus
 from bt_orchestrator.model.wish import NEVER
 
 _STOPPED = (
@@ -55,11 +63,18 @@ def _changes_stop(after: str, status: CellStatus) -> bool:
     return is_begun and after != status.stop_after and status.state not in _STOPPED
 
 
+def worthwhile_for_component(component: ComponentStatus) -> Request:
+    """Return the request to a component that would change it."""
+    return OUT_OF_SERVICE if component.out_of_service_since is None else IN_SERVICE
+
+
 def worthwhile_for_job(
     word: JobWord,
     ending: str,
     *,
     awaits_start: bool,
+    unavailable: Sequence[str],
+    is_held: bool,
     is_next: bool,
     is_alone: bool,
     is_cell_stopped: bool,
@@ -67,14 +82,18 @@ def worthwhile_for_job(
     """Return the requests to a job that its state allows and that would change it.
 
     :param awaits_start: it waits for the start of its order
+    :param unavailable: components out of service that it needs
+    :param is_held: a person keeps it from starting
     :param is_next: it is the first one in the queue
     :param is_alone: no other job is in the queue
     :param is_cell_stopped: a person has stopped it; then every job on it has the word of a pause
     """
     nothing_new = {
         MOVE.word: is_alone,
-        NEXT.word: is_next and word is not JobWord.NOT_ALLOWED_TO_START and not awaits_start,
+        NEXT.word: is_next and not is_held and not awaits_start,
         job_control.RESUME.verb: is_cell_stopped,
     }
-    possible = of_job(word, ending, awaits_start=awaits_start)
+    possible = of_job(
+        word, ending, awaits_start=awaits_start, unavailable=unavailable, is_held=is_held
+    )
     return tuple(one for one in possible if not nothing_new.get(one.word, False))

@@ -84,10 +84,15 @@ def _to_hold(word: str, given: Mapping[str, Any]) -> Call:
     return Call(srv.AnswerHold, 'answer_hold', request)
 
 
+def _to_component(word: str, given: Mapping[str, Any]) -> Call:
+    return Call(srv.Command, 'command', srv.Command.Request(command=word, **given))
+
+
 _MAKERS: Mapping[About, Callable[[str, Mapping[str, Any]], Call]] = {
     About.CELL: _to_cell,
     About.QUEUE: _to_queue,
     About.JOB: _to_job,
     About.ITEM: _to_item,
     About.HOLD: _to_hold,
+    About.COMPONENT: _to_component,
 }

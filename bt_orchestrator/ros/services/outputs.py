@@ -188,13 +188,20 @@ class Diagnostics:
         if contested:
             text = '; '.join(component_trouble(one) for one in components if one.contested)
             return self._status('action servers', DiagnosticStatus.ERROR, text, contested)
-        gone = [one for one in components if not one.available]
+        out = {
+            one.name: f'out of service, {one.out_of_service}'
+            for one in components
+            if one.out_of_service_since is not None
+        }
+        gone = [one for one in components if not (one.available or one.name in out)]
         if not gone:
             text = f'all {len(components)} action servers are there'
-            return self._status('action servers', DiagnosticStatus.OK, text, {})
+            if out:
+                text = f'out of service: {", ".join(out)}'
+            return self._status('action servers', DiagnosticStatus.OK, text, out)
         text = f'{len(gone)} of {len(components)} action servers are not there'
         missing = {one.name: one.action for one in gone}
-        return self._status('action servers', DiagnosticStatus.WARN, text, missing)
+        return self._status('action servers', DiagnosticStatus.WARN, text, missing | out)
 
     def _status(
         self, part: str, level: bytes, text: str, values: dict[str, str]

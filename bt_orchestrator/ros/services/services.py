@@ -8,6 +8,8 @@ from bt_orchestrator_interfaces.srv import AnswerHold, Command, RemoveItem
 from rclpy.node import Node
 
 from bt_orchestrator.asking.handler import RequestHandler
+from bt_orchestrator.model.by import By
+from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.requests import REMOVE_ITEM, About
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ros.services.senders import Senders
@@ -44,14 +46,23 @@ class Services:
         tell(response, answer)
 
     async def _command(self, request: Any, response: Any) -> None:
-        answer = await self._handler.give(
+        by = self._senders.by(request)
+        if request.component:
+            answer = await self._handler.give(
+                About.COMPONENT, request.command, by, component=request.component
+            )
+        else:
+            answer = await self._to_cell(request, by)
+        tell(response, answer)
+        response.state = self._state.packml.value
+
+    async def _to_cell(self, request: Any, by: By) -> Answer:
+        return await self._handler.give(
             About.CELL,
             request.command,
-            self._senders.by(request),
+            by,
             hold=request.hold,
             everyones=request.everyones,
             belt=request.belt,
             as_shown=request.as_shown,
         )
-        tell(response, answer)
-        response.state = self._state.packml.value

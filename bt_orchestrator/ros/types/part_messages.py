@@ -8,7 +8,7 @@ from bt_orchestrator_interfaces import msg
 
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import ComponentStatus, ItemStatus, SectionStatus
-from bt_orchestrator.ros.stamps import from_time, to_time
+from bt_orchestrator.ros.stamps import from_moment, from_time, to_moment, to_time
 from bt_orchestrator.ros.types.task_messages import (
     passed_message,
     passed_task,
@@ -86,6 +86,8 @@ def component_message(component: ComponentStatus) -> msg.ComponentStatus:
         available=component.available,
         ready=component.ready,
         contested=component.contested,
+        out_of_service=component.out_of_service,
+        out_of_service_since=to_moment(component.out_of_service_since),
         state=component.state,
         task=component.task,
         feedback=component.feedback,
@@ -100,6 +102,8 @@ def component_status(message: msg.ComponentStatus) -> ComponentStatus:
         available=message.available,
         ready=message.ready,
         contested=message.contested,
+        out_of_service=message.out_of_service,
+        out_of_service_since=from_moment(message.out_of_service_since),
         state=message.state,
         task=message.task,
         feedback=message.feedback,

@@ -8,6 +8,7 @@ from bt_orchestrator.model.status import (
     ComponentStatus,
 )
 from bt_orchestrator.model.status_words import component_trouble
+from bt_orchestrator.web.offers import component_offers
 
 
 def component_part(
@@ -21,10 +22,13 @@ def component_part(
         'available': component.available,
         'ready': component.ready,
         'contested': component.contested,
+        'out_of_service': component.out_of_service,
+        'out_of_service_since': component.out_of_service_since,
         'state': component.state,
         'task': component.task,
         'feedback': component.feedback,
         'trouble': component_trouble(component),
+        'offers': component_offers(component),
     }
 
 

@@ -44,6 +44,8 @@ def job_part(
         'priority': job.priority,
         'start': job.start,
         'awaits_start': job.awaits_start,
+        'held': job.held,
+        'unavailable': list(job.unavailable),
         'due': job.due,
         'ends': _ends(job, status),
         'initialization': list(job.initialization),

@@ -16,7 +16,7 @@ from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.runtime.job_queue import CONTROLS
 
-KINDS = ('add', 'add', 'move', 'next', 'update', 'control', 'control', 'stop', 'cell')
+KINDS = ('add', 'add', 'move', 'next', 'update', 'control', 'control', 'stop', 'cell', 'service')
 CELL = (Reset, Start, Stop, Abort, Resume)
 
 
@@ -51,6 +51,8 @@ class QueueOperator:
     def let_everything_end(self, run: VirtualRun) -> None:
         """Take back whatever keeps jobs from ending, and start a cell that somebody stopped."""
         run.ask(StopAfter('never', BY))
+        for component in list(run.state.out_of_service):
+            assert run.service(component, out=False).accepted
         for name in list(run.state.jobs):
             run.control('resume', name)
             run.control('release', name)
@@ -75,6 +77,8 @@ class QueueOperator:
         kind = chance.choice(KINDS)
         if kind == 'add':
             return run.ask(self._add(len(run.state.queue)))
+        if kind == 'service':
+            return self._service(run)
         if kind == 'stop':
             return run.ask(StopAfter(chance.choice(('item', 'job', 'never', 'never')), BY))
         if kind == 'cell':
@@ -93,6 +97,10 @@ class QueueOperator:
         if number == len(CELL):
             return run.pause()
         return self._clear(run) if number > len(CELL) else run.command(CELL[number])
+
+    def _service(self, run: VirtualRun) -> Answer:
+        component = self._chance.choice(sorted(run.state.cell.components))
+        return run.service(component, out=component not in run.state.out_of_service)
 
     def _clear(self, run: VirtualRun) -> Answer:
         return run.command(Clear, belt=parse_slots(believed(run.state).split(',')))

@@ -29,6 +29,8 @@ def asked(name: str, **given: Any) -> object:
 
 
 def value(parameter: Parameter) -> object:
+    if parameter.name == 'component':
+        return 'a2'
     return parameter.choices[0] if parameter.choices else OF_KIND[parameter.kind]
 
 
@@ -98,3 +100,8 @@ def test_results_have_the_types_of_their_task(results: object) -> None:
     for wrong in ({'measurement': 'much'}, '{measurement: much}'):
         with pytest.raises(CommandRefused, match=r'results: .*number.*text `much`'):
             read(wrong)
+
+
+def test_a_component_that_is_not_there_is_refused_with_the_nearest_name() -> None:
+    with pytest.raises(CommandRefused, match=r"there is no component 'amr'; did you mean `arm`\?"):
+        asked('component.out_of_service', component='amr')

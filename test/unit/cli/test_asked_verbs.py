@@ -10,12 +10,11 @@ from bt_orchestrator.model.requests import ANSWERS, TABLE, About, Why
 ASKING = [verb for verb, (_, line) in VERBS.items() if not line]
 
 
-def test_every_request_to_the_cell_and_about_items_has_its_verb() -> None:
-    words = {
-        request.word.replace('_', '-')
-        for request in TABLE
-        if request.about in (About.CELL, About.ITEM)
-    }
+SUBJECTS = (About.CELL, About.ITEM, About.COMPONENT)
+
+
+def test_every_request_to_cell_items_and_components_has_its_verb() -> None:
+    words = {request.word.replace('_', '-') for request in TABLE if request.about in SUBJECTS}
     assert {word for word in words if not word.startswith('stop-after')} == set(ASKING)
 
 
@@ -24,9 +23,7 @@ def test_the_help_of_a_verb_says_what_it_does_and_who_may(
     verb: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (request,) = (
-        one
-        for one in TABLE
-        if one.about in (About.CELL, About.ITEM) and one.word == verb.replace('-', '_')
+        one for one in TABLE if one.about in SUBJECTS and one.word == verb.replace('-', '_')
     )
     assert request.effect in help_line(verb)
     with pytest.raises(SystemExit):

@@ -122,6 +122,8 @@ SAMPLES: dict[str, Any] = {
     'held': True,
     'ranked': True,
     'awaits_start': True,
+    'unavailable': ('a2',),
+    'jobs': ('WO-2', 'WO-3'),
     'exit_status': 'stopped',
     'counts': {'started': 3, 'packed': 2},
     'after': 'item',

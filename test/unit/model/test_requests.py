@@ -40,7 +40,8 @@ def test_who_may_ask_what() -> None:
     cell = {f'cell.{word}' for word in ('reset', 'start', 'pause', 'resume', 'stop', 'abort')}
     after = {f'cell.stop_after_{word}' for word in ('item', 'job', 'never')}
     places = {'job.move', 'job.next', 'job.stop', 'job.clear'}
-    assert words(Role.OPERATE) == queue | answers | remarks | cell | after | places
+    service = {'component.out_of_service', 'component.in_service'}
+    assert words(Role.OPERATE) == queue | answers | remarks | cell | after | places | service
 
 
 def test_danger_does_not_wait_for_a_reason() -> None:

@@ -10,7 +10,7 @@ from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.model.by import By, Known
 from bt_orchestrator.model.cell_commands import Abort, Pause, Reset, Stop
-from bt_orchestrator.model.commands import AnswerHold, Command, RemoveItem
+from bt_orchestrator.model.commands import AnswerHold, Command, RemoveItem, SetService
 from bt_orchestrator.model.jobs.job_commands import (
     AddJobs,
     ControlJob,
@@ -49,6 +49,8 @@ COMMANDS: dict[str, Callable[[By], Command]] = {
         for verb in ('hold', 'release', 'pause', 'resume', 'stop', 'abort', 'cancel', 'clear')
     },
     'item.remove_item': lambda by: RemoveItem('J/1', by),
+    'component.out_of_service': lambda by: SetService('a3', False, by),
+    'component.in_service': lambda by: SetService('a3', True, by),
     **{
         f'hold.{word}': lambda by, word=word: AnswerHold('1', word, by)  # type: ignore[misc]
         for word in ('retry', 'again', 'mark_done', 'skip', 'reject', 'abort_job', *REMARKS)

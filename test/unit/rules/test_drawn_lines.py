@@ -75,6 +75,8 @@ def test_9_1_every_line_goes_as_the_second_opinion_says() -> None:
         seen['rounds'] += bool(product.run.all('round.begun'))
         seen['let pass'] += bool(product.run.all('item.nonconforming'))
         seen['waited'] += bool(product.run.all('job.may_start'))
+        seen['out of service'] += bool(product.run.all('component.out_of_service'))
+        seen['passed'] += any('jobs' in o for o in product.run.all('component.out_of_service'))
         seen['placed'] += any('position' in one for one in product.run.all('job.queued'))
 
     holds()
@@ -88,4 +90,6 @@ def test_9_1_every_line_goes_as_the_second_opinion_says() -> None:
     assert seen['let pass'] >= 0.05 * seen['all'], seen
     assert seen['faults'] >= 0.3 * seen['all'], seen
     assert seen['waited'] >= 0.05 * seen['all'], seen
+    assert seen['out of service'] >= 0.2 * seen['all'], seen
+    assert seen['passed'] >= 0.05 * seen['all'], seen
     assert seen['placed'] >= 0.02 * seen['all'], seen

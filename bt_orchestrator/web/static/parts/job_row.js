@@ -48,12 +48,23 @@ export function jobRow() {
 
 /** Say the state of a job, and whether it is being ended. */
 export function jobStateWords(job) {
+  if (isUnavailable(job)) return unavailableWords(job);
   if (job.awaits_start && job.state === 'AllowedToStart') {
     return t('job_state.early', { time: about(job.start) });
   }
   const key = job.substate ? `${job.state}/${job.substate}` : job.state;
   const word = tOr(`job_state.${key}`, key);
   return job.ending ? `${word}, ${t(`job_state.${job.ending}`)}` : word;
+}
+
+/** Tell whether the queue passes it for a component that is out of service. */
+export function isUnavailable({ state, unavailable }) {
+  return state === 'NotAllowedToStart' && unavailable.length > 0;
+}
+
+/** Say which components it lacks. */
+export function unavailableWords({ unavailable }) {
+  return t('job_state.unavailable', { names: unavailable.join(', ') });
 }
 
 /** Say how far the initialization is; empty: there is none, or it is over. */

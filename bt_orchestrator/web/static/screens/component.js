@@ -8,6 +8,8 @@ import { history } from '../parts/history.js';
 import { holdList } from '../parts/hold_list.js';
 import { inPath, sectionLink } from '../parts/links.js';
 import { shape } from '../core/shape.js';
+import { offers } from '../parts/offers.js';
+import { troubleWords } from '../parts/side_lists.js';
 import { taskList } from '../parts/task_list.js';
 import { jsonValues } from '../parts/values.js';
 
@@ -28,6 +30,7 @@ class Component {
     this.trouble = h('p', { class: 'trouble' });
     this.facts = h('dl', { class: 'facts' });
     this.holds = holdList();
+    this.offers = offers({ about: () => name, label: t('component.offers') });
     this.list = taskList();
     this.feedback = h('div', { class: 'feedback' });
     this.history = history(`/api/components/${inPath(name)}/history`);
@@ -35,6 +38,7 @@ class Component {
       'div',
       {},
       this.trouble,
+      this.offers.element,
       this.holds.element,
       h(
         'div',
@@ -62,6 +66,7 @@ class Component {
 
   end() {
     this.holds.update([]);
+    this.offers.end();
   }
 
   update() {
@@ -98,8 +103,9 @@ class Component {
     const described = part('line')?.components.find((one) => one.name === this.name);
     children(
       this.trouble,
-      component.trouble ? [shape('broken'), h('span', {}, ` ${component.trouble}`)] : [],
+      component.trouble ? [shape('broken'), h('span', {}, ` ${troubleWords(component)}`)] : [],
     );
+    this.offers.update(component.offers);
     show(this.trouble, Boolean(component.trouble));
     const sections = component.sections.flatMap((number) => [sectionLink(number), ' ']);
     const facts = [

@@ -1,0 +1,62 @@
+"""Components that are out of service, and the jobs that need them (semantics 7.5)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.events import TaskKey
+from bt_orchestrator.model.line import is_done_with
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.model.state import CellState, JobState, Phase
+
+
+def needed_by(script: Script, cell: Cell) -> frozenset[str]:
+    """Return the components that a job of a script needs; every job needs the conveyor."""
+    tasks = script.tasks.values()
+    return frozenset({cell.conveyor.component.name, *(task.component for task in tasks)})
+
+
+def unavailable_to(state: CellState, script: Script) -> tuple[str, ...]:
+    """Return the components out of service that a queued job of a script needs."""
+    if not state.out_of_service:
+        return ()
+    needed = needed_by(script, state.cell)
+    return tuple(name for name in state.out_of_service if name in needed)
+
+
+def awaited_by(state: CellState, job: JobState) -> tuple[str, ...]:
+    """Return the components out of service that a job needs; on the line what it still needs."""
+    if not state.out_of_service or job.ended_at is not None:
+        return ()
+    if not job.started:
+        return job.unavailable
+    needed = still_needed(state, job)
+    return tuple(name for name in state.out_of_service if name in needed)
+
+
+def still_needed(state: CellState, job: JobState) -> frozenset[str]:
+    """Return the components that a job on the line still needs."""
+    return frozenset(_still_needed(state, job))
+
+
+def on_the_line_words(job: str, unavailable: Sequence[str]) -> str:
+    """Say that a job on the line needs what is out of service, and what can be done."""
+    return (
+        f'{job} on the line needs {" and ".join(unavailable)} and waits; to make the rest '
+        f'otherwise, stop it (queue stop {job}) and queue the rest anew'
+    )
+
+
+def _still_needed(state: CellState, job: JobState) -> Iterator[str]:
+    """Yield the components of the parts that a job on the line has not passed yet."""
+    name, script = job.job.id, job.job.script
+    items = [item for item in job.items.values() if not item.gone]
+    if job.cycles_left or any(item.section < script.sink for item in items):
+        yield state.cell.conveyor.component.name
+    for task in script.initialization:
+        if state.phase(TaskKey(name, None, None, task.id)) is not Phase.DONE:
+            yield task.component
+    for number, listed in script.sections.items():
+        if not is_done_with(state, state.sections[number], job):
+            yield from (task.component for task in listed.tasks)

@@ -1,0 +1,77 @@
+"""Taking components out of service, and bringing them back (semantics 7.5)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from bt_orchestrator.errors import CommandRefused
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.commands import SetService
+from bt_orchestrator.model.limits import listed
+from bt_orchestrator.model.service import needed_by, on_the_line_words, still_needed
+from bt_orchestrator.model.state import CellState, OutOfService
+from bt_orchestrator.runtime.command_record import decided
+
+
+def carry_out(command: SetService, state: CellState) -> tuple[str, list[e.Event]]:
+    """Return the answer and the events.
+
+    :raises CommandRefused: there is no such component, or nothing would change
+    """
+    act = _bring_back if command.in_service else _take_out
+    message, change = act(command, state)
+    return message, [*decided(command), change]
+
+
+def without_component(state: CellState) -> Iterator[e.ComponentInService]:
+    """Yield the end of every record about a component that the cell file has no more."""
+    for name in state.out_of_service:
+        if name not in state.cell.components:
+            yield e.ComponentInService(component=name)
+
+
+def _take_out(command: SetService, state: CellState) -> tuple[str, e.Event]:
+    name, before = command.component, _present(command, state)
+    if before is not None:
+        raise CommandRefused(f'{name} is out of service already ({before.reason})')
+    jobs = tuple(_queued_with(name, state))
+    event = e.ComponentOutOfService(component=name, reason=str(command.by), jobs=jobs)
+    return '\n'.join(_of_taking_out(state, name, jobs)), event
+
+
+def _bring_back(command: SetService, state: CellState) -> tuple[str, e.Event]:
+    name = command.component
+    if _present(command, state) is None:
+        others = listed(state.out_of_service, 'none')
+        raise CommandRefused(f'{name} is in service; out of service now: {others}')
+    return f'{name} is in service', e.ComponentInService(component=name)
+
+
+def _present(command: SetService, state: CellState) -> OutOfService | None:
+    name = command.component
+    if name not in state.cell.components:
+        known = listed(state.cell.components, 'none')
+        raise CommandRefused(f'there is no component {name}; the cell has {known}')
+    return state.out_of_service.get(name)
+
+
+def _queued_with(component: str, state: CellState) -> Iterator[str]:
+    """Yield the jobs of the queue that need a component."""
+    needs: dict[str, bool] = {}
+    for job in state.queue:
+        if job.digest not in needs:
+            needs[job.digest] = component in needed_by(job.job.script, state.cell)
+        if needs[job.digest] and not job.ending:
+            yield job.job.id
+
+
+def _of_taking_out(state: CellState, component: str, passed: tuple[str, ...]) -> Iterator[str]:
+    yield f'{component} is out of service: no goal is sent to it (this is no lockout)'
+    task = state.reserved.get(component)
+    if task in state.running:
+        yield f'{task} runs there and goes on to its end'
+    if passed:
+        yield f'passed in the queue, because they need it: {listed(passed, "none")}'
+    for job in state.on_the_line:
+        if component in still_needed(state, job):
+            yield on_the_line_words(job.job.id, (component,))
