@@ -25,7 +25,7 @@ def carry_out(command: SetService, state: CellState) -> tuple[str, list[e.Event]
 
 def without_component(state: CellState) -> Iterator[e.ComponentInService]:
     """Yield the end of every record about a component that the cell file has no more."""
-    for name in state.out_of_service:
+    for name in list(state.out_of_service):
         if name not in state.cell.components:
             yield e.ComponentInService(component=name)
 

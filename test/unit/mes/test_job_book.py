@@ -56,6 +56,7 @@ class BookedRun(VirtualRun):
             assert booked.reason == job.end_reason
             if not job.started:
                 assert status.awaits_start is job.awaits_start
+                assert (status.held, status.unavailable) == (job.held, job.unavailable)
             found = {name: getattr(status, name) for name in COUNTED}
             assert found == {name: getattr(job.progress, name) for name in COUNTED}
 
