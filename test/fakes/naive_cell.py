@@ -57,9 +57,9 @@ class NaiveCell(NaiveState):
         self.jobs.insert(at, job)
         place = queue.index(behind) + 1 if behind else None
         terms = {'priority': priority or None, 'start': start, 'awaits_start': job.early or None}
-        terms['unavailable'] = self.lacks(job) or None
+        lacks = self.lacks(job) or None
         what = {'script': script, 'quantity': quantity, 'position': place, **terms}
-        self.say('job.queued', {'job': job}, **what, ranked=True)
+        self.say('job.queued', {'job': job}, **what, ranked=True, unavailable=lacks)
         if job.early:
             self.at(job.rank[1] - self.now, job, 'start', CANCELED_FIRST)
         self.had_work |= self.is_able(job)
