@@ -434,6 +434,12 @@ class LinkContract(ABC):
             ('hold.retry', {'hold': 'X'}, 'there is no hold X; holds now: '),
             ('hold.mark_done', {'hold': 'X', 'results': {'a': 1}}, 'about no task that can have'),
             ('item.remove_item', {'item': 'X/1'}, 'X/1 is not on the belt; on it: '),
+            (
+                'component.out_of_service',
+                {'component': 'braker'},
+                "there is no component 'braker'; did you mean `breaker`?",
+            ),
+            ('component.in_service', {'component': 'breaker'}, 'breaker is in service'),
             ('job.pause', {'job': 'X'}, 'there is no job X; jobs now: '),
             ('job.move', {'job': 'X', 'position': 1}, 'X is not there; in the queue: '),
             ('job.update', {'job': 'X', 'quantity': 2}, 'X is not there; in the queue: '),
@@ -452,6 +458,26 @@ class LinkContract(ABC):
             (event,) = link.events_after(before).events
             assert event.event == 'operator.refused'
             assert vars(event)['message'] == answer.message
+
+    def test_a_component_goes_out_of_service_and_comes_back(self, link: CellLink) -> None:
+        name = new_id()
+        assert add(link, name).accepted
+        out = asked_of(link, 'component.out_of_service', component='breaker')
+        assert out.accepted, out.message
+        assert name in out.message
+        assert 'this is no lockout' in out.message
+        status = link.status()
+        (breaker,) = (one for one in status.components if one.name == 'breaker')
+        assert (breaker.ready, breaker.out_of_service) == (False, str(ANN))
+        assert breaker.out_of_service_since == pytest.approx(status.stamp, abs=PATIENCE_S)
+        job = link.job(name).status
+        assert (job.state, job.held) == (JobWord.NOT_ALLOWED_TO_START, True)
+        assert job.unavailable == ('breaker',)
+        assert asked_of(link, 'component.in_service', component='breaker').accepted
+        (breaker,) = (one for one in link.status().components if one.name == 'breaker')
+        assert (breaker.out_of_service, breaker.out_of_service_since) == ('', None)
+        assert link.job(name).status.unavailable == ()
+        assert asked_of(link, 'job.cancel', job=name).accepted
 
     def test_orders_with_mistakes(self, link: CellLink) -> None:
         before, good = happen(link), new_id()
