@@ -11,8 +11,8 @@ import math
 from collections.abc import Collection, Iterator, Mapping
 
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.jobs.needs import awaited_by
 from bt_orchestrator.model.limits import QUEUE_SHOWN
-from bt_orchestrator.model.service import awaited_by
 from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.proof.pace import Durations, PacedLine
 

@@ -21,10 +21,10 @@ from bt_orchestrator.model.jobs.job_commands import (
 )
 from bt_orchestrator.model.jobs.job_control import unavailable_words
 from bt_orchestrator.model.jobs.job_folds import terms_of
+from bt_orchestrator.model.jobs.needs import unavailable_to
 from bt_orchestrator.model.limits import listed
 from bt_orchestrator.model.packml import Cause, PackmlState
 from bt_orchestrator.model.requests import About, of_word
-from bt_orchestrator.model.service import unavailable_to
 from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.model.wish import AFTER, NEVER, way_to_work
 from bt_orchestrator.runtime import listed_jobs, orders

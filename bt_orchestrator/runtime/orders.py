@@ -11,9 +11,9 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.jobs.job_commands import Sharing
+from bt_orchestrator.model.jobs.needs import unavailable_to
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.script import Script
-from bt_orchestrator.model.service import unavailable_to
 from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.proof.sharing import contradiction
 from bt_orchestrator.runtime.command_record import decided_to_add

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.commands import SetService
+from bt_orchestrator.model.jobs.needs import needed_by, on_the_line_words, still_needed
 from bt_orchestrator.model.limits import listed
-from bt_orchestrator.model.service import needed_by, on_the_line_words, still_needed
 from bt_orchestrator.model.state import CellState, OutOfService
 from bt_orchestrator.runtime.command_record import decided
 
