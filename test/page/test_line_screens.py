@@ -222,3 +222,22 @@ def test_the_items_of_a_job_are_listed_and_can_be_taken_along(
     page.locator('main').get_by_role('link', name=ITEM).first.click()
     tab.until_screen(f'item/{ITEM}')
     page.get_by_role('heading', name=f'Item {ITEM}').wait_for()
+
+
+# --- a component --------------------------------------------------------------------------------
+
+
+def test_a_component_goes_out_of_service_and_comes_back(line: Stand, sit: Sit) -> None:
+    tab = sit(line.port).open('component/component_3b')
+    page = tab.page
+    page.locator('[data-offer="component.out_of_service"]').click()
+    tab.confirm('component.out_of_service', 'gripper worn')
+    trouble = page.locator('.screen .trouble')
+    trouble.get_by_text('gripper worn').wait_for()
+    assert 'out of service since' in trouble.inner_text()
+    (out,) = line.happened('component.out_of_service')
+    assert out['component'] == 'component_3b'
+    page.locator('[data-offer="component.in_service"]').click()
+    tab.confirm('component.in_service', 'new gripper')
+    page.locator('[data-offer="component.out_of_service"]').wait_for()
+    assert not trouble.is_visible()

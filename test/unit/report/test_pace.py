@@ -47,6 +47,19 @@ def test_what_a_paused_job_or_a_stop_keeps_back_has_no_end() -> None:
     assert expected_ends_s(run.state, line.cell) == {}
 
 
+def test_a_job_that_needs_what_is_out_of_service_has_no_end() -> None:
+    """In the queue others pass it; on the line what is behind it waits as well."""
+    line = Line()
+    run = line.begin(quantity=5)
+    other = line.script(THREE.replace('@a2', '@b2'), 'other')
+    run.submit('K', line.script(THREE))
+    run.submit('L', other)
+    assert run.service('b2', out=True).accepted
+    assert expected_ends_s(run.state, line.cell).keys() == {'J', 'K'}
+    assert run.service('a2', out=True).accepted
+    assert expected_ends_s(run.state, line.cell) == {}
+
+
 STUCK = """
 sections:
   1: [{id: place, @a1, qty_change: 1}]

@@ -173,3 +173,11 @@ def test_an_order_is_checked_before_anybody_gives_it(tmp_path: Path) -> None:
         assert not outside.is_checked
         assert 'in none of the folders' in outside.message
         assert list(simulation.state.jobs) == ['A', 'B', 'C'], 'nothing was queued'
+
+
+def test_what_a_component_out_of_service_keeps_back_has_no_end() -> None:
+    with running(4.0) as simulation:
+        found = asked_of(simulation, ask('component.out_of_service', ann(), component='a2'))
+        assert found.refusals == ()
+        assert None not in dict(found.before).values()
+        assert dict(found.after) == dict.fromkeys('ABC')
