@@ -47,6 +47,10 @@ class Progress:
             yield f'section {event.section:<3} {event.item} {event.how.replace("_", " ")}'
         elif isinstance(event, e.HoldRaised):
             yield f'HOLD {event.hold}: {hold_words(event)}'
+        elif isinstance(event, e.ComponentOutOfService):
+            yield f'{event.component} is out of service ({event.reason})'
+        elif isinstance(event, e.ComponentInService):
+            yield f'{event.component} is in service'
         elif isinstance(event, e.CellStateChanged):
             self.held = event.state == 'Held'
             reason = f' ({event.reason})' if event.reason else ''

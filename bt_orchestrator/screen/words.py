@@ -10,6 +10,8 @@ from collections.abc import Iterable, Iterator
 from datetime import datetime
 
 from bt_orchestrator.model.hold_words import again_words, hold_words
+from bt_orchestrator.model.hold_words import hold_words
+from bt_orchestrator.model.jobs.needs import on_the_line_words
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import (
     CellStatus,
@@ -48,6 +50,8 @@ def status_lines(status: CellStatus, shell: Shell | None) -> Iterator[str]:
     for job in status.jobs:
         how_far = f'{job_count_words(job)}{job_terms(job)}{expected_finish(job, status)}'
         yield f'  {job_name(job)}: {job.state.state}, {how_far}'
+        if shell and job.unavailable and job.started_at is not None:
+            yield f'    {one_line(on_the_line_words(job.id, job.unavailable))}'
     if unlisted(status):
         where = f': {shell.command("queue")}' if shell else ''
         yield f'  {unlisted(status)} more jobs in the queue{where}'

@@ -108,7 +108,7 @@ def component(
     available: bool = True,
     ready: bool = True,
     state: str = '',
-    contested: str = '',
+    **about: Any,
 ) -> ComponentStatus:
     return ComponentStatus(
         name=name,
@@ -116,7 +116,7 @@ def component(
         available=available,
         ready=ready,
         state=state,
-        contested=contested,
+        **about,
     )
 
 

@@ -168,6 +168,16 @@ def test_an_empty_position_stands_in_brackets() -> None:
             statuses.component('arm', ready=False, state='DOOR_OPEN'),
             'arm: not ready, its state is DOOR_OPEN',
         ),
+        (
+            statuses.component(
+                'arm',
+                available=False,
+                ready=False,
+                out_of_service='Ann: worn',
+                out_of_service_since=7.0,
+            ),
+            'arm: out of service, Ann: worn',
+        ),
     ],
 )
 def test_why_a_component_can_be_sent_nothing(component: ComponentStatus, said: str) -> None:
@@ -234,3 +244,16 @@ def test_a_job_that_waits_for_its_start_says_so_everywhere() -> None:
     assert cell_view(status, NODE).jobs[0].counts == f'0 of 10 packed, {said}'
     may_start = replace(job, awaits_start=False)
     assert words.job_terms(may_start) == ', priority 2, start 2036-05-18 06:00'
+
+
+def test_a_job_that_needs_a_component_out_of_service_says_so_and_what_can_be_done() -> None:
+    queued = statuses.job(state=JobWord.NOT_ALLOWED_TO_START, unavailable=('arm',))
+    status = statuses.status(jobs=[queued])
+    said = ', needs arm, out of service'
+    assert words.job_terms(queued) == said
+    assert cell_view(status, NODE).jobs[0].counts == f'0 of 10 packed{said}'
+    assert not any('queue stop' in line for line in words.status_lines(status, NODE))
+    running = statuses.job(unavailable=('arm', 'belt'), started_at=3.0)
+    lines = list(words.status_lines(statuses.status(jobs=[running]), NODE))
+    offered = f'stop it (queue stop {running.id}) and queue the rest anew'
+    assert any('needs arm and belt' in line and offered in line for line in lines)
