@@ -10,7 +10,6 @@ from collections.abc import Iterable, Iterator
 from datetime import datetime
 
 from bt_orchestrator.model.hold_words import again_words, hold_words
-from bt_orchestrator.model.hold_words import hold_words
 from bt_orchestrator.model.jobs.needs import on_the_line_words
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import (
