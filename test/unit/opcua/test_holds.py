@@ -104,8 +104,8 @@ def test_conditions_come_back_with_their_ids_when_all_was_started_anew(tmp_path:
         found.append((hold.EventId, hold.Comment.Text, getattr(hold, 'AckedState/Id')))
 
     async def acknowledge(reader: Reader) -> None:
-        order(cell)
         heard = await Heard.of(reader)
+        order(cell)
         hold = await heard.wait(is_hold)
         await say(reader, ACKNOWLEDGE, hold, 'on my way')
         await heard.wait(lambda event: is_hold(event) and getattr(event, 'AckedState/Id'))
