@@ -62,7 +62,7 @@ REMOVES, PAUSES, ORDERS = 7, 8, 9
 GOES_ON = ('clear', 'reset', 'start')
 COMMANDS_OF = {10: ('stop',), 11: GOES_ON, 12: ('abort',)}
 """Choices of an operator who does more than answer."""
-SERVICE = (13, 14, 15, 16)
+SERVICE = (13, 14)
 """Choices of one who takes a component out of service, or brings it back."""
 
 
@@ -83,7 +83,8 @@ def operate(bench: Bench, moments: Sequence[Moment]) -> bool:
             bench.order()
         elif choice in SERVICE:
             names = bench.components()
-            bench.service(names[choice * 7 % len(names)])
+            which = choice + (int(moment.delay_s) if moment else 0)
+            bench.service(names[which % len(names)])
         elif moment is None and (out := bench.out_of_service()):
             bench.service(out[0])
         elif choice in COMMANDS_OF:

@@ -90,6 +90,6 @@ def test_9_1_every_line_goes_as_the_second_opinion_says() -> None:
     assert seen['let pass'] >= 0.05 * seen['all'], seen
     assert seen['faults'] >= 0.3 * seen['all'], seen
     assert seen['waited'] >= 0.05 * seen['all'], seen
-    assert seen['out of service'] >= 0.2 * seen['all'], seen
-    assert seen['passed'] >= 0.05 * seen['all'], seen
+    assert seen['out of service'] >= 0.1 * seen['all'], seen
+    assert seen['passed'] >= 0.03 * seen['all'], seen
     assert seen['placed'] >= 0.02 * seen['all'], seen
