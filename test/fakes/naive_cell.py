@@ -318,6 +318,7 @@ class NaiveCell(NaiveState):
         if task.state == 'running' and (cause == 'abort' or not task.cancelled):
             task.cancelled = cause
             self.say('task.cancel_requested', task.where, cause=cause)
+            task.awaited_until = round(self.now + GRACE_S, 6)
             self.at(GRACE_S, task, 'in_doubt', TIMES_LAST)
             if self.now < task.deaf_from:
                 delivery, number = task.sent
@@ -327,6 +328,8 @@ class NaiveCell(NaiveState):
 
     def end(self, task: Task, end: str) -> None:
         """Let an attempt end with a reason or '' for success, or its time be over (2.2 to 2.4)."""
+        if end == 'in_doubt' and self.now < task.awaited_until:
+            return  # it was asked to end once more since
         results = task.device.results(task.given['task'])
         refused = not end and task is not self.move and refuses(task, results)
         end = 'result_refused' if refused else end

@@ -83,6 +83,8 @@ class Task:
     refused: Row = field(default_factory=dict)
     """Results that its verdict refused (2.8)."""
     cancelled: str = ''
+    awaited_until: float = 0.0
+    """How long its end is awaited after it was cancelled (2.4)."""
     deaf_from: float = 0.0
     """The time from which its server hears no cancel."""
     repeat: Any = None

@@ -6,7 +6,7 @@ import pytest
 from fakes.line import THREE, Line, with_section
 from fakes.virtual_run import VirtualRun
 
-from bt_orchestrator.model.cell_commands import Stop
+from bt_orchestrator.model.cell_commands import Abort, Stop
 from bt_orchestrator.model.contest import Contest
 
 WORK_AT = 3.0
@@ -98,6 +98,15 @@ def test_2_4_without_a_terminal_status_the_component_is_in_doubt_after_the_grace
     assert run.starts('work') == [WORK_AT]
     assert run.state.reserved['a2'].task == 'work'
     assert [hold.reason for hold in run.state.holds.values()] == ['in_doubt']
+
+
+def test_2_4_the_grace_begins_anew_where_abort_asks_once_more() -> None:
+    line = Line(seconds={'a1': 6.0}, faults={'a2': '#1=ignore_cancel'})
+    run = line.begin(work('timeout: 2.5'), 2).go(until=14.5)
+    assert run.command(Abort).accepted  # at 14, when the second item was placed
+    run.go()
+    assert run.times('task.cancel_requested', task='work') == [10.5, 14.0]
+    assert run.times('task.failed', reason='in_doubt') == [19.0]
 
 
 def test_2_4_the_components_timeout_and_300_s_are_the_defaults() -> None:
