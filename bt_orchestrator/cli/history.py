@@ -15,7 +15,7 @@ from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.mes.job_response import b2mml, response_of_record
 from bt_orchestrator.model.codec import json_of
-from bt_orchestrator.model.jobs.job_record import JobRecord, job_to_plain
+from bt_orchestrator.model.jobs.job_record import ItemRecord, JobRecord, job_to_plain
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.report.job_text import job_text
 from bt_orchestrator.report.reading import Reading
@@ -36,6 +36,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--journal', type=Path, required=True, metavar='FILE', help='the journal')
     parser.add_argument('--job', metavar='JOB', help='this job only')
     parser.add_argument('--items', action='store_true', help='also every item, with its results')
+    parser.add_argument(
+        '--serial', metavar='SERIAL', help='items of this serial only, and their jobs'
+    )
+    parser.add_argument(
+        '--lot',
+        type=_lot,
+        metavar='NAME=LOT',
+        help='items that this went into only, and their jobs, as glue=L-77',
+    )
     as_json = parser.add_mutually_exclusive_group()
     as_json.add_argument(
         '--script',
@@ -63,6 +72,11 @@ def run(args: argparse.Namespace) -> int:
         if args.job is not None and not jobs:
             print(f'the journal {args.journal} knows no job {args.job}', file=sys.stderr)
             return 1
+        if args.serial is not None or args.lot is not None:
+            args.items, jobs = True, list(_with_items(jobs, args))
+            if not jobs:
+                print(f'the journal {args.journal} has no such item any more', file=sys.stderr)
+                return 1
         lines = _script(jobs[0], reading, args.journal) if args.script else _lines(jobs, args)
         for line in lines:
             print(line)
@@ -88,6 +102,27 @@ def _script(job: JobRecord, reading: Reading, journal: Path) -> Iterator[str]:
 def _origin(script: Script) -> tuple[str, int | None]:
     made_from = script.made_from
     return (made_from.recipe, made_from.version) if made_from else ('', None)
+
+
+def _lot(text: str) -> tuple[str, str]:
+    name, equals, lot = text.partition('=')
+    if not (name and equals and lot):
+        raise argparse.ArgumentTypeError(f'a lot is NAME=LOT, found {text!r}')
+    return name, lot
+
+
+def _with_items(jobs: Sequence[JobRecord], args: argparse.Namespace) -> Iterator[JobRecord]:
+    """Yield the jobs that have items of a serial, or a lot, with these items only."""
+    for job in jobs:
+        items = {name: item for name, item in job.items.items() if _is_meant(item, args)}
+        if items:
+            failures = [one for one in job.failures if one.item in items]
+            yield replace(job, items=items, failures=failures)
+
+
+def _is_meant(item: ItemRecord, args: argparse.Namespace) -> bool:
+    is_lot = args.lot is None or item.lots.get(args.lot[0]) == args.lot[1]
+    return is_lot and args.serial in (None, item.serial)
 
 
 def _is_wanted(job: JobRecord, args: argparse.Namespace) -> bool:

@@ -167,6 +167,8 @@ def _options(cell: Cell, task: Task) -> Iterator[str]:
         yield str(task.condition)
     if task.fails_unless is not None:
         yield f'fails unless {task.fails_unless.words}'
+    if task.identifies:
+        yield f'reads the serial: {".".join(task.identifies)}'
     if task.runs_for is not RunsFor.GOOD:
         yield f'for {_RUNS_FOR[task.runs_for]}'
     if task.retries:
@@ -215,6 +217,8 @@ def _details(sheet: Sheet, task: Task, belt: str) -> Iterator[str]:
         yield f'condition: {task.condition}'
     if task.fails_unless is not None:
         yield f'verdict: fails unless {task.fails_unless.words}'
+    if task.identifies:
+        yield f'serial of the item: {".".join(task.identifies)}'
     yield f'nominal time: {component.duration_s(task.name):g} s'
     yield f'time limit: {seconds(task.timeout_s)}'
     yield _retries(task) if task.retries else 'no retries'

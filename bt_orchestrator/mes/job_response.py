@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 from bt_orchestrator.mes.job_order import DESCRIPTION
@@ -56,6 +57,8 @@ class JobResponse:
     end: float | None = None
     """When its last item had left."""
     data: tuple[Parameter, ...] = ()
+    lots: tuple[tuple[str, str, int], ...] = ()
+    """MaterialActual: name and lot of what went into its items, and into how many."""
 
 
 def has_response(status: JobStatus) -> bool:
@@ -94,7 +97,9 @@ def response_of_record(record: JobRecord) -> JobResponse | None:
         nonconforming=counts.nonconforming,
         missing=counts.missing,
     )
-    return _response(status, record.terms.details, record.reason)
+    response = _response(status, record.terms.details, record.reason)
+    used = Counter(lot for item in record.items.values() for lot in item.lots.items())
+    return replace(response, lots=tuple((*lot, number) for lot, number in used.items()))
 
 
 def _response(status: JobStatus, details: Mapping[str, object], reason: str) -> JobResponse:
@@ -151,10 +156,23 @@ def b2mml(response: JobResponse) -> dict[str, object]:
         if moment is not None:
             plain[name] = iso_time(moment)
     plain['JobState'] = '/'.join(one.text for one in response.states)
+    if response.lots:
+        plain['MaterialActual'] = [_material(*lot) for lot in response.lots]
     plain['JobResponseData'] = [
         {'ID': one.id, 'Value': list(_b2mml_values(one.value))} for one in response.data
     ]
     return {'JobResponse': plain}
+
+
+def _material(name: str, lot: str, items: int) -> dict[str, object]:
+    return {
+        'MaterialDefinitionID': [name],
+        'MaterialLotID': [lot],
+        'MaterialUse': 'Consumed',
+        'MaterialActualProperty': [
+            {'ID': 'Items', 'Value': list(_b2mml_values(items))},
+        ],
+    }
 
 
 def _b2mml_values(value: object) -> Iterator[dict[str, str]]:

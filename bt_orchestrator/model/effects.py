@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.identity import lots_of, serial_in
 from bt_orchestrator.model.script import Task
 from bt_orchestrator.model.state import CellState, JobState, Phase
 
@@ -21,10 +22,20 @@ def of_success(state: CellState, key: e.TaskKey) -> Iterator[e.Event]:
     yield from _of_flags(state, key)
     if key.job is None or key.item is None or key.section is None:
         return
+    yield from _identified(state, key.job, key.item, task)
     if task.qty_change == 1:
-        yield e.ItemPlaced(job=key.job, item=key.item, section=key.section)
+        lots = lots_of(state.jobs[key.job].job)
+        yield e.ItemPlaced(job=key.job, item=key.item, section=key.section, lots=lots)
     elif task.qty_change == -1 and state.items[key.item].section == key.section:
         yield from _taken_out(state, key.job, key.item, key.section)
+
+
+def _identified(state: CellState, job: str, item: str, task: Task) -> Iterator[e.Event]:
+    """Give an item the serial that a task has read (semantics 6.8)."""
+    known = state.items[item]
+    serial = serial_in(task, known.results.get(task.id, {}))
+    if serial and serial != known.serial:
+        yield e.ItemIdentified(job=job, item=item, task=task.id, serial=serial)
 
 
 def of_passing(state: CellState, key: e.TaskKey) -> Iterator[e.Event]:

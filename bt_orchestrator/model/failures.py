@@ -27,11 +27,13 @@ RETRY, AGAIN, MARK_DONE, SKIP, REJECT = 'retry', 'again', 'mark_done', 'skip', '
 _NEVER_BEGUN = (Reason.GOAL_REJECTED, Reason.SERVER_UNAVAILABLE, Reason.MISSING_RESULT)
 """Ends of attempts that never reached a robot."""
 
+_NEVER_RETRIED = (Reason.MISSING_RESULT, Reason.DUPLICATE_SERIAL)
+
 
 def may_retry(state: CellState, key: e.TaskKey, task: Task) -> bool:
     """Tell whether the task's own retries allow another attempt."""
     failed = state.tasks[key]
-    if failed.attempt > task.retries or failed.reason is Reason.MISSING_RESULT:
+    if failed.attempt > task.retries or failed.reason in _NEVER_RETRIED:
         return False
     if failed.reason is Reason.RESULT_REFUSED and _repeat(state, key) is not None:
         return False
@@ -177,6 +179,8 @@ def _wanted(state: CellState, key: e.TaskKey) -> str:
 
 def _policy(state: CellState, key: e.TaskKey, task: Task) -> OnFailure:
     failed = state.tasks[key]
+    if failed.reason is Reason.DUPLICATE_SERIAL:
+        return OnFailure.HOLD  # two items of one name: a person has to look (6.8)
     if not _is_settled(failed, task) or failed.cancel_cause in (SHUTDOWN, ABORT):
         return OnFailure.HOLD
     if _is_own_cancel(failed):

@@ -30,7 +30,7 @@ class FaultKind(Enum):
     """The goal ends well, `seconds` later than its nominal duration."""
     READS = 'reads'
     """The goal ends well, and every float of its result is the number behind `reads:`; without
-    one it is NaN."""
+    one it is NaN. It also stands for `{n}` in the texts of the cell file."""
     MUTE = 'mute'
     """The goal request is never answered and nothing is executed."""
     DIE = 'die'

@@ -96,6 +96,7 @@ _FOLDS: Mapping[type[e.Event], Callable[..., None]] = {
     # items
     e.ItemPlaced: line.item_placed,
     e.ItemMissing: line.item_missing,
+    e.ItemIdentified: line.item_identified,
     e.ItemMoved: line.item_moved,
     e.ItemRejected: line.item_rejected,
     e.ItemNonconforming: line.item_nonconforming,

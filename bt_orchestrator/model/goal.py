@@ -47,6 +47,7 @@ class Reason(Enum):
     TIMEOUT = 'timeout'
     TASK_RESULT_FALSE = 'task_result_false'
     RESULT_REFUSED = 'result_refused'
+    DUPLICATE_SERIAL = 'duplicate_serial'
     MISSING_RESULT = 'missing_result'
     SERVER_LOST = 'server_lost'
     IN_DOUBT = 'in_doubt'

@@ -71,6 +71,9 @@ RESULTS_TEXT = 64_000
 RESULT_BYTES = 4_000_000
 """Most that is kept of one result; the longest fields beyond that are left out."""
 
+SERIAL = 200
+"""Longest serial of an item, and name of a lot, in characters."""
+
 PLACE = 100
 """Longest name of a computer or a cell that another node tells of itself, in characters."""
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from bt_orchestrator.model.cell import DEFAULT_TIMEOUT_S, Cell, OnFailure
 from bt_orchestrator.model.condition import Condition
-from bt_orchestrator.model.reference import Reference, references
+from bt_orchestrator.model.reference import Reference, Template, references
 
 INDEX = 'index'
 """Reserved task id of the belt's own move (formats: events)."""
@@ -59,6 +59,8 @@ class Task:
     """Of `when` or `unless`: whether it runs (semantics 6.5)."""
     fails_unless: Condition | None = None
     """Its verdict: what has to hold of its results (semantics 2.8)."""
+    identifies: tuple[str, ...] = ()
+    """Path of the result field that is the item's serial (semantics 6.8); empty: none is."""
     runs_for: RunsFor = RunsFor.GOOD
     repeatable: bool = False
     """Doing it twice does no harm (semantics 2.6, 9.2)."""
@@ -85,6 +87,11 @@ class Task:
     @property
     def _conditions(self) -> Iterator[Condition]:
         return (one for one in (self.condition, self.fails_unless) if one is not None)
+
+    @cached_property
+    def own_serial(self) -> Reference | None:
+        """The result that is the item's serial (semantics 6.8)."""
+        return Reference('results', self.id, self.identifies) if self.identifies else None
 
     @cached_property
     def refers(self) -> bool:
@@ -247,6 +254,8 @@ class Script:
     repeats: tuple[Repeat, ...] = ()
     made_from: MadeFrom | None = None
     """Where it comes from; changes nothing of what it does, nor its digest."""
+    lots: Mapping[str, Template] = field(default_factory=dict)
+    """What goes into each item, by name: texts that refer to the order (semantics 6.9)."""
 
     @cached_property
     def source(self) -> int:

@@ -26,11 +26,11 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import from_plain, hints_of, text_of, to_plain
 from bt_orchestrator.model.initialization import Preparation
 from bt_orchestrator.model.jobs.live_jobs import LiveJobs
-from bt_orchestrator.model.jobs.order_ids import OrderIds
 from bt_orchestrator.model.limits import QUEUE_SHOWN
 from bt_orchestrator.model.packml import VERBS, Cause, PackmlState
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState, JobState
+from bt_orchestrator.model.used_ids import UsedIds
 from bt_orchestrator.model.wish import STOP_AFTER
 
 SCALARS = (str, int, float, bool)
@@ -81,7 +81,7 @@ def nearest(state: CellState) -> CellState:
     near.jobs = LiveJobs(state.jobs.first(QUEUE_SHOWN))
     used = {job.digest for job in near.jobs.values()}
     near.scripts = {name: script for name, script in state.scripts.items() if name in used}
-    near.ended, near.order_ids = {}, OrderIds()
+    near.ended, near.order_ids, near.serials = {}, UsedIds(), UsedIds()
     return near
 
 

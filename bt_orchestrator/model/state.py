@@ -14,13 +14,13 @@ from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.initialization import Preparation
 from bt_orchestrator.model.jobs.live_jobs import LiveJobs
 from bt_orchestrator.model.jobs.order import Job
-from bt_orchestrator.model.jobs.order_ids import OrderIds
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.pauses import NAMED
 from bt_orchestrator.model.reference import Scope
 from bt_orchestrator.model.script import Script, Task
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.model.uptime import Uptime
+from bt_orchestrator.model.used_ids import UsedIds
 from bt_orchestrator.model.wish import Wish
 
 DERIVED: Mapping[str, bool] = {'derived': True}
@@ -88,7 +88,7 @@ class TaskState:
     message: str = ''
     """Message of the failure, or why it was skipped."""
     refused: Mapping[str, Any] = field(default_factory=dict)
-    """Results of the last attempt, if the task's verdict refused them (semantics 2.8)."""
+    """Results of the last attempt, if they were refused (semantics 2.8, 6.8)."""
     end: End | None = None
     """How it ended, in phase DONE; None: from a journal older than this field."""
     not_before: float = 0.0
@@ -119,6 +119,10 @@ class ItemState:
     the verdict (semantics 2.7, 2.8)."""
     results: dict[str, Mapping[str, Any]] = field(default_factory=dict)
     """Result fields by task id (semantics 6.3)."""
+    serial: str = ''
+    """What identifies it; empty: not known (semantics 6.8)."""
+    lots: Mapping[str, str] = field(default_factory=dict)
+    """What goes into it, by name; none before it is placed (semantics 6.9)."""
 
 
 @dataclass
@@ -339,8 +343,10 @@ class CellState:
     """Live jobs: those that have started, in the order they did, then the queue."""
     ended: dict[str, JobState] = field(default_factory=dict)
     """The last jobs that ended, oldest first."""
-    order_ids: OrderIds = field(default_factory=OrderIds)
+    order_ids: UsedIds = field(default_factory=UsedIds)
     """Ids of all jobs ever queued: an id is used once."""
+    serials: UsedIds = field(default_factory=UsedIds)
+    """Serials of all items that ever had one (semantics 6.8)."""
     stop_after: str | None = None
     """`item` or `job`: the line runs empty, and the cell stops (semantics 6.6)."""
     stop_after_by: Wish | None = None

@@ -77,6 +77,8 @@ class ItemHistory:
     """packed, rejected, by_hand or missing; empty while it is on the line."""
     rejected: str = ''
     """Why it was rejected; empty: it was not."""
+    serial: str = ''
+    lots: Mapping[str, str] = field(default_factory=dict)
     tasks: list[Attempt] = field(default_factory=list)
     holds: list[Held] = field(default_factory=list)
     decisions: list[Decision] = field(default_factory=list)
@@ -119,6 +121,10 @@ class ItemFold:
             history.ended, history.how = event.time, 'missing'
         elif isinstance(event, e.ItemRemoved):
             history.ended, history.how = event.time, event.how
+        elif isinstance(event, e.ItemPlaced):
+            history.lots = event.lots
+        elif isinstance(event, e.ItemIdentified):
+            history.serial = event.serial
         elif isinstance(event, e.ItemRejected):
             history.rejected = event.reason
         elif isinstance(event, e.HoldRaised):

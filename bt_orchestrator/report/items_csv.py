@@ -19,22 +19,27 @@ COLUMNS = (
     'nonconforming',
     'failures',
     'rounds',
+    'serial',
 )
-"""The same for every job; the results of its tasks follow, one column a field."""
+"""The same for every job; its lots follow, and the results of its tasks, one column a field."""
+
+
+_LOTS = 'lots.'
 
 
 def write_items(job: JobRecord, file: IO[str]) -> None:
     """Write RFC 4180 with a header, times as ISO 8601 in UTC.
 
     A column of results has the name that a reference in a script has
-    (`results.inspect.measurement`).
+    (`results.inspect.measurement`), that of a lot its name (`lots.glue`).
     """
-    fields = list(dict.fromkeys(name for item in job.items.values() for name, _ in _results(item)))
+    fields = list(dict.fromkeys(name for item in job.items.values() for name, _ in _told(item)))
+    fields.sort(key=lambda name: not name.startswith(_LOTS))
     writer = csv.writer(file)
     writer.writerow([*COLUMNS, *fields])
     for item in job.items.values():
-        results = dict(_results(item))
-        row = [*_about(job, item), *(results.get(name) for name in fields)]
+        told = dict(_told(item))
+        row = [*_about(job, item), *(told.get(name) for name in fields)]
         writer.writerow(map(csv_cell, row))
 
 
@@ -50,10 +55,13 @@ def _about(job: JobRecord, item: ItemRecord) -> tuple[Any, ...]:
         ' '.join(item.nonconforming),
         sum(failure.item == item.item for failure in job.failures),
         sum(item.rounds.values()),
+        item.serial,
     )
 
 
-def _results(item: ItemRecord) -> Iterator[tuple[str, Any]]:
+def _told(item: ItemRecord) -> Iterator[tuple[str, Any]]:
+    for name, lot in item.lots.items():
+        yield f'{_LOTS}{name}', lot
     for task, results in item.results.items():
         for name, value in results.items():
             yield f'results.{task}.{name}', value

@@ -53,6 +53,10 @@ def _items(job: JobRecord) -> Iterator[str]:
     for item in job.items.values():
         when = f'  {_when(item.ended)}' if item.ended else ''
         yield f'  {item.item}  {item.how or "on the line"}{when}'
+        if item.serial:
+            yield f'    serial: {item.serial}'
+        if item.lots:
+            yield f'    lots: {shown(item.lots)}'
         for task, results in item.results.items():
             yield f'    {task}: {shown(results)}'
         for task, number in item.rounds.items():

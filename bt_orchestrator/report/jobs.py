@@ -89,8 +89,13 @@ def _cycle_started(job: JobRecord, event: e.CycleStarted) -> None:
         _count(job, 'started')
 
 
-def _item_placed(job: JobRecord, _: e.ItemPlaced) -> None:
+def _item_placed(job: JobRecord, event: e.ItemPlaced) -> None:
     _count(job, 'placed')
+    _item_of(job, event.item, event.time).lots = event.lots
+
+
+def _item_identified(job: JobRecord, event: e.ItemIdentified) -> None:
+    _item_of(job, event.item, event.time).serial = event.serial
 
 
 def _item_missing(job: JobRecord, event: e.ItemMissing) -> None:
@@ -157,6 +162,7 @@ _FOLDS: Mapping[type[e.Event], Callable[[JobRecord, Any], object]] = {
     e.JobRemoved: _removed,
     e.CycleStarted: _cycle_started,
     e.ItemPlaced: _item_placed,
+    e.ItemIdentified: _item_identified,
     e.ItemMissing: _item_missing,
     e.ItemRemoved: _item_removed,
     e.TaskSucceeded: _task_done,

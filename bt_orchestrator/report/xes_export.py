@@ -79,6 +79,11 @@ class XesExport:
             return
         if name == 'item.removed':
             self._attributes_of(record)['outcome'] = record['how']
+        if name == 'item.identified':
+            self._attributes_of(record)['serial'] = record['serial']
+        if name == 'item.placed':
+            lots = record.get('lots', {}).items()
+            self._attributes_of(record).update({f'lot:{key}': lot for key, lot in lots})
         if name == 'item.missing':
             self._attributes_of(record)['outcome'] = 'missing'
         if name in _TRANSITIONS:

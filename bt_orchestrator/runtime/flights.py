@@ -17,6 +17,7 @@ from bt_orchestrator.model.goal import (
     SeenContest,
     StateReading,
 )
+from bt_orchestrator.model.identity import serial_in, too_long, why_duplicate
 from bt_orchestrator.model.limits import MESSAGE, RESULT_BYTES, cut, without_longest
 from bt_orchestrator.model.script import Task, index_task
 from bt_orchestrator.model.state import CellState, TaskState
@@ -287,8 +288,8 @@ def _of_end(state: CellState, key: e.TaskKey, end: GoalEnd) -> e.TaskEvent:
     results = without_longest(said, RESULT_BYTES)
     left_out = tuple(name for name in said if name not in results)
     if end.status is GoalStatus.SUCCEEDED and end.result.get(TASK_RESULT, True) is not False:
-        refused = _why_refused(state, key, results)
-        if refused is None:
+        reason, refused = _refusal(state, key, results)
+        if reason is None:
             return e.TaskSucceeded(
                 **key._asdict(),
                 attempt=task.attempt,
@@ -300,7 +301,7 @@ def _of_end(state: CellState, key: e.TaskKey, end: GoalEnd) -> e.TaskEvent:
             **key._asdict(),
             attempt=task.attempt,
             goal=task.goal,
-            reason=Reason.RESULT_REFUSED.value,
+            reason=reason.value,
             message=cut(refused, MESSAGE),
             results=results,
             left_out=left_out,
@@ -314,12 +315,19 @@ def _of_end(state: CellState, key: e.TaskKey, end: GoalEnd) -> e.TaskEvent:
     )
 
 
-def _why_refused(state: CellState, key: e.TaskKey, results: Mapping[str, Any]) -> str | None:
-    """Say why a task's verdict refuses its results (semantics 2.8)."""
+def _refusal(
+    state: CellState, key: e.TaskKey, results: Mapping[str, Any]
+) -> tuple[Reason | None, str]:
+    """Say why the results of a task are refused (semantics 2.8, 6.8); None: they are not."""
     task = state.task(key)
-    if task is None or task.fails_unless is None:
-        return None
-    return why_refused(task, results, state.scope(key))
+    if task is None or key.item is None:
+        return None, ''
+    serial = serial_in(task, results)
+    bad = why_refused(task, results, state.scope(key)) or too_long(serial)
+    if bad:
+        return Reason.RESULT_REFUSED, bad
+    known = why_duplicate(state, key.item, task, serial)
+    return (Reason.DUPLICATE_SERIAL, known) if known else (None, '')
 
 
 def _is_foreign_cancel(task: TaskState, end: GoalEnd) -> bool:

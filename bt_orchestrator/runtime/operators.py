@@ -21,6 +21,7 @@ from bt_orchestrator.model.failures import (
     pass_over,
 )
 from bt_orchestrator.model.hold_words import hold_name
+from bt_orchestrator.model.identity import serial_in, too_long
 from bt_orchestrator.model.limits import listed
 from bt_orchestrator.model.pauses import release_command
 from bt_orchestrator.model.requests import REMARKS
@@ -103,7 +104,16 @@ def _offering(state: CellState, command: AnswerHold) -> Hold:
             f'results are given with {MARK_DONE}, of the task of an item; found {command.answer} '
             f'of {hold.key}'
         )
+    _check_serial(state, hold, command)
     return hold
+
+
+def _check_serial(state: CellState, hold: Hold, command: AnswerHold) -> None:
+    """Refuse a serial that is no name; one in the history is a person's word (semantics 6.8)."""
+    task = state.task(hold.key) if hold.key is not None else None
+    problem = too_long(serial_in(task, command.results)) if task is not None else ''
+    if problem:
+        raise CommandRefused(problem)
 
 
 def _retry(state: CellState, key: e.TaskKey, _: AnswerHold, now: float) -> Iterator[e.Event]:

@@ -43,6 +43,8 @@ class Progress:
             yield f'item        {event.item} rejected: {event.reason}'
         elif isinstance(event, e.ItemNonconforming):
             yield f'item        {event.item} nonconforming: {event.reason}'
+        elif isinstance(event, e.ItemIdentified):
+            yield f'item        {event.item} is {event.serial}'
         elif isinstance(event, e.ItemRemoved):
             yield f'section {event.section:<3} {event.item} {event.how.replace("_", " ")}'
         elif isinstance(event, e.HoldRaised):

@@ -98,7 +98,8 @@ _RESULT_TIMEOUT = Key(
 _RESULTS = Key(
     'results',
     Kind.MAPPING,
-    'result fields of each task, for simulation; else true, 0 and empty',
+    'result fields of each task, for simulation; else true, 0 and empty; `{n}` in a text is the '
+    'number of the goal',
     '{TASK_A: {measurement: 1.5}}',
     members=Kind.MAPPING,
     rule='8.3',
@@ -215,6 +216,7 @@ CONVEYOR = Table(
         ),
         'section': ('the conveyor belongs to no section', 'remove `section`'),
         'fails_unless': ('the move of the belt has no result to judge', 'remove `fails_unless`'),
+        'identifies': ('the move of the belt has no item to identify', 'remove `identifies`'),
     },
 )
 

@@ -22,6 +22,7 @@ from bt_orchestrator.script.checks.repeats import check_repeats
 from bt_orchestrator.script.checks.sections import check_sections
 from bt_orchestrator.script.drafts import ScriptDraft, SectionDraft
 from bt_orchestrator.script.fields import Fields, file_fields
+from bt_orchestrator.script.identity_reader import check_serials, read_lots
 from bt_orchestrator.script.names import check_id
 from bt_orchestrator.script.origin import read_origin
 from bt_orchestrator.script.parameters import read_parameters
@@ -84,6 +85,7 @@ class _ScriptReader:
         check_balance(self._draft, self._report)
         check_sections(self._draft, self._report)
         check_repeats(self._draft, self._report)
+        check_serials(self._draft, self._report)
         return self._script(name or '', quantity, relations)
 
     def _relations(self) -> _Relations:
@@ -109,6 +111,7 @@ class _ScriptReader:
                 for repeat in draft.repeats
                 if repeat.tasks
             ),
+            lots=read_lots(draft, self._report),
         )
 
     def _section(self, section: SectionDraft) -> SectionList:

@@ -205,6 +205,15 @@ SCRIPT = Table(
             rule='8.1',
         ),
         Key(
+            'lots',
+            Kind.MAPPING,
+            'what goes into each item, by name: texts with values of the order',
+            '{glue: "${params.glue_lot}"}',
+            members=Kind.TEXT,
+            name_form=NAME_WITHOUT_DOTS,
+            rule='6.9',
+        ),
+        Key(
             'initialization',
             Kind.LIST,
             f'tasks before the first cycle of a job, {INITIALIZATION} at most',

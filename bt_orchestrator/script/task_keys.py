@@ -127,6 +127,13 @@ TASK = Table(
             rule='2.8',
         ),
         Key(
+            'identifies',
+            Kind.TEXT,
+            "result field that is the item's serial, text or a whole number",
+            'serial',
+            rule='6.8',
+        ),
+        Key(
             'runs_for',
             Kind.CHOICE,
             'items that it runs for',
@@ -159,7 +166,7 @@ INITIALIZATION_TASK = Table(
     ),
     misplaced={
         key: (_NO_ITEM.format(key), f'remove `{key}`')
-        for key in ('requires_conveyor', 'qty_change', 'when', 'unless', 'runs_for')
+        for key in ('requires_conveyor', 'qty_change', 'when', 'unless', 'identifies', 'runs_for')
     }
     | {
         'fails_unless': (

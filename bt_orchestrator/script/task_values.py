@@ -12,6 +12,7 @@ from bt_orchestrator.script.checks.references import ReferenceReader
 from bt_orchestrator.script.conditions.reader import ConditionReader
 from bt_orchestrator.script.drafts import ScriptDraft, TaskDraft
 from bt_orchestrator.script.fields import Fields
+from bt_orchestrator.script.identity_reader import read_serial
 from bt_orchestrator.script.references import has_reference
 from bt_orchestrator.script.report import Report
 from bt_orchestrator.script.yaml_nodes import ListNode, MapNode, Node, Scalar
@@ -26,7 +27,10 @@ def complete_task(script: ScriptDraft, draft: TaskDraft, report: Report) -> Task
     condition = ConditionReader(draft, references, report).read()
     afterwards = ReferenceReader(script, draft, report, of_verdict=True)
     verdict = ConditionReader(draft, afterwards, report).verdict()
-    return replace(draft.task, args=args, condition=condition, fails_unless=verdict)
+    serial = read_serial(draft, afterwards, report)
+    return replace(
+        draft.task, args=args, condition=condition, fails_unless=verdict, identifies=serial
+    )
 
 
 def goal_arguments(

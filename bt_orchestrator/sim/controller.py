@@ -18,7 +18,7 @@ from bt_orchestrator.ports import Clock, Timer
 from bt_orchestrator.sim.carrier import Answer, CarriedGoal, Carrier, Verdict
 from bt_orchestrator.sim.fault_schedule import FaultSchedule, GoalFaults
 from bt_orchestrator.sim.readiness import Readiness
-from bt_orchestrator.sim.results import as_failed, as_read, simulated_result
+from bt_orchestrator.sim.results import NUMBER, as_failed, as_read, numbered, simulated_result
 
 GoalT = TypeVar('GoalT', bound=CarriedGoal)
 
@@ -76,6 +76,7 @@ class Controller(Generic[GoalT]):
         self._work: _Work[GoalT] | None = None
         self._successes: dict[str, GoalEnd] = {}
         """The successful end of each task that was begun."""
+        self._counts = NUMBER in str(component.results)
         self._leaving = False
 
     # --- life -------------------------------------------------------------------------------
@@ -130,7 +131,7 @@ class Controller(Generic[GoalT]):
         self._give_feedback()
         fault = faults.find(*self._endings)
         if fault is None:
-            self._end_in_time(work, self._success(request.task))
+            self._end_in_time(work, self._success(request.task, faults.goal))
         else:
             self._endings[fault.kind](self, work, fault)
 
@@ -152,12 +153,13 @@ class Controller(Generic[GoalT]):
     # --- how an accepted goal goes on -------------------------------------------------------
 
     def _false(self, work: _Work[GoalT], _: Fault) -> None:
-        good = self._success(work.goal.request.task)
+        good = self._success(work.goal.request.task, work.faults.goal)
         self._end_in_time(work, replace(good, result=as_failed(good.result)))
 
     def _read(self, work: _Work[GoalT], fault: Fault) -> None:
-        good = self._success(work.goal.request.task)
         number = math.nan if fault.seconds is None else fault.seconds
+        goal = int(number) if math.isfinite(number) else work.faults.goal
+        good = self._success(work.goal.request.task, goal)
         self._end_in_time(work, replace(good, result=as_read(good.result, number)))
 
     def _abort(self, work: _Work[GoalT], _: Fault) -> None:
@@ -193,11 +195,12 @@ class Controller(Generic[GoalT]):
 
     # --- the task in hand -------------------------------------------------------------------
 
-    def _success(self, task: str) -> GoalEnd:
+    def _success(self, task: str, goal: int) -> GoalEnd:
         if task not in self._successes:
             result = simulated_result(self._component, self._type, task)
             self._successes[task] = GoalEnd(GoalStatus.SUCCEEDED, result)
-        return self._successes[task]
+        good = self._successes[task]
+        return replace(good, result=numbered(good.result, goal)) if self._counts else good
 
     def _end_in_time(self, work: _Work[GoalT], end: GoalEnd) -> None:
         self._when_worked(work, 1.0, lambda: self._end(end))

@@ -14,6 +14,8 @@ class GoalFaults:
     """The faults that strike at one goal; of several of one sort the first one listed counts."""
 
     faults: tuple[Fault, ...] = ()
+    goal: int = 0
+    """Which goal of the component it is, from 1."""
 
     def has(self, kind: FaultKind) -> bool:
         """Tell whether a fault of this kind strikes."""
@@ -30,9 +32,6 @@ class GoalFaults:
         """Seconds beyond the nominal duration."""
         late = self.find(FaultKind.LATE)
         return late.seconds or 0.0 if late else 0.0
-
-
-_NONE = GoalFaults()
 
 
 class FaultSchedule:
@@ -53,9 +52,10 @@ class FaultSchedule:
 
     def next_goal(self, task: str) -> GoalFaults:
         """Count one more goal of a task and return what strikes at it."""
-        if not self._faults:
-            return _NONE
         self._count += 1
+        if not self._faults:
+            return GoalFaults(goal=self._count)
         self._count_of_task[task] += 1
         counts = self._count, self._count_of_task[task]
-        return GoalFaults(tuple(f for f in self._faults if f.strikes(task, *counts)))
+        striking = tuple(f for f in self._faults if f.strikes(task, *counts))
+        return GoalFaults(striking, self._count)

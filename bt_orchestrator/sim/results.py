@@ -10,6 +10,8 @@ from bt_orchestrator.model.cell import Component, StateTopic
 
 _DEFAULTS: Mapping[Kind, Any] = {'bool': True, 'int': 0, 'float': 0.0, 'str': '', 'bytes': 0}
 
+NUMBER = '{n}'
+
 NOT_READY = 'NOT_READY'
 """What a simulated state topic of text says when the component is not ready."""
 
@@ -18,7 +20,8 @@ def simulated_result(component: Component, action_type: ActionType, task: str) -
     """Return the result fields of a task that was done.
 
     Booleans are true, numbers 0, strings empty, sequences without members, unless the component's
-    `results` say otherwise; they may name a part of a nested message only.
+    `results` say otherwise; they may name a part of a nested message only. `{n}` in a text stands
+    for the number of the goal.
     """
     return _merged(_message(action_type.result), component.results.get(task, {}))
 
@@ -30,6 +33,19 @@ def as_failed(result: Mapping[str, Any]) -> dict[str, Any]:
     """
     failed = {TASK_RESULT: False} if TASK_RESULT in result else {}
     return {**result, **failed}
+
+
+def numbered(result: Mapping[str, Any], number: int) -> dict[str, Any]:
+    """Return the same result with a number for every `{n}` in its texts, nested ones too."""
+    return {name: _numbered(value, number) for name, value in result.items()}
+
+
+def _numbered(value: Any, number: int) -> Any:
+    if isinstance(value, Mapping):
+        return numbered(value, number)
+    if isinstance(value, list):
+        return [_numbered(member, number) for member in value]
+    return value.replace(NUMBER, str(number)) if isinstance(value, str) else value
 
 
 def as_read(result: Mapping[str, Any], number: float) -> dict[str, Any]:

@@ -20,7 +20,7 @@ from bt_orchestrator.tree.turns import Turns
 _OF_NO_PART = (
     *(e.JobQueued, e.JobMoved, e.JobHeld, e.JobReleased, e.JobMayStart, e.JobRemoved),
     *(e.JobCleared, e.ScriptLoaded, e.OperatorDecided, e.OperatorRefused),
-    e.ItemNonconforming,
+    *(e.ItemNonconforming, e.ItemIdentified),
 )
 """Events that affect no part; if they change which jobs are at work, branches are added."""
 

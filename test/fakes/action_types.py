@@ -74,6 +74,7 @@ ACTIONS = (
         {'other_var_1': STRING},
         {'task_result': BOOL},
     ),
+    action(PACKAGE + 'Reader', ('READ',), {}, {'task_result': BOOL, 'serial': STRING}),
     action(PACKAGE + 'Conveyor', ('HOME', 'MOVE_ONE_INDEX'), {}, {'task_result': BOOL}),
     action('plain_interfaces/action/Index', (), {}, {}),
     action(

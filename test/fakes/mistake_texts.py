@@ -45,6 +45,11 @@ VERDICT = """\
     {}}}]
 params: {{x: {{type: float}}}}
 """
+LOTS = """\
+initialization: [{{id: set, task: RUN, action: /lamp/task}}]
+params: {{lot: {{type: str}}, n: {{type: int}}, x: {{type: float}}, b: {{type: bool}}}}
+lots: {}
+"""
 RELATED = """\
   2: [{id: look, task: RUN, action: /camera/task}]
   3: [{id: press, task: TASK_A, action: /press/task}]
@@ -80,6 +85,7 @@ AROUND: Mapping[str, Around] = {
     'ids': Around(SCRIPT_FILE, _in_line),
     'initialization_options': Around(SCRIPT_FILE, lambda text: LINE + INITIALIZATION.format(text)),
     'operations': Around(RECIPE_FILE, lambda text: RECIPE.format(indent(text, '  '))),
+    'lots': Around(SCRIPT_FILE, lambda text: LINE + LOTS.format(text)),
     'orders': Around(ORDER_FILE, str),
     'overrides': Around(OVERRIDES_FILE, str),
     'parameters': Around(SCRIPT_FILE, _in_line),

@@ -16,7 +16,7 @@ from typing import Any
 from fakes.naive_plan import Row
 from fakes.naive_run import Item, Job, Task
 from fakes.naive_state import NaiveState
-from fakes.naive_verdicts import answers, is_skipped, needs_belt, refuses, verdict
+from fakes.naive_verdicts import answers, is_skipped, needs_belt, refuses, serial_in, verdict
 
 GRACE_S = 5.0
 CANCELED_FIRST, TIMES_LAST = -inf, inf
@@ -333,10 +333,13 @@ class NaiveCell(NaiveState):
         results = task.device.results(task.given['task'])
         refused = not end and task is not self.move and refuses(task, results)
         end = 'result_refused' if refused else end
+        serial = '' if end else serial_in(task, results)
+        if serial in self.serials and serial != task.item.serial:
+            end = 'duplicate_serial'
         if end == 'timeout':
             self.cancel(task, 'timeout')
         elif end:
-            task.refused = results if refused else {}
+            task.refused = results if end in ('result_refused', 'duplicate_serial') else {}
             means = OF_CANCEL if end == 'canceled' else {}
             task.state, task.reason = 'failed', means.get(task.cancelled, end)
             asks = ('hold', 'abort_job') if task is self.move else ('hold',)
@@ -363,9 +366,17 @@ class NaiveCell(NaiveState):
             self.done.pop(task.does, None)
         if done and task in self.started:
             self.done[task.does] = task.args
+        serial = serial_in(task, results)
+        if serial and serial != item.serial:
+            item.serial = serial
+            self.serials.add(serial)
+            where = {'job': task.job, 'item': item, 'task': task}
+            self.say('item.identified', where, serial=serial)
         if change == 1:
             item.placed, item.empty = True, not done
-            self.say('item.placed' if done else 'item.missing', item.at(task.section))
+            lots = {name: item.value(lot) for name, lot in item.job.plan.lots.items()}
+            event = 'item.placed' if done else 'item.missing'
+            self.say(event, item.at(task.section), lots=(done and lots) or None)
         elif change == -1 and done and not item.empty:
             self.take_out(item, 'rejected' if item.rejected else 'packed')
         elif change == -1 and item.empty and task.section == item.place == item.job.plan.sink:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable
 from itertools import chain
-from math import ceil, inf, nan
+from math import ceil, inf, isnan, nan
 from types import SimpleNamespace
 from typing import Any
 
@@ -60,6 +60,9 @@ class NaiveDevice:
     def results(self, task: str) -> Row:
         """Return the results of a task that succeeded."""
         own = self.given.get('results', {}).get(task, {})
+        if task == 'READ':
+            number = self.goals if self.read is None or isnan(self.read) else int(self.read)
+            return {'serial': own['serial'].replace('{n}', str(number))}
         found = {'item_present': True, 'measurement': 0.0, **own}
         if self.read is not None:
             found['measurement'] = self.read
@@ -101,6 +104,7 @@ def plan_of(script: Row) -> SimpleNamespace:
         changes=changes,
         zones=script.get('zones', {}),
         repeats=repeats,
+        lots=script.get('lots', {}),
         first=script.get('initialization', []),
         order=script.get('initialization_dependencies', []),
     )

@@ -44,6 +44,7 @@ class Item:
     placed: bool = False
     empty: bool = False
     rejected: bool = False
+    serial: str = ''
 
     def value(self, text: Any) -> Any:
         """Return what a reference stands for; KeyError: nothing; any other value is itself."""
@@ -146,6 +147,8 @@ class NaiveRun(ABC):
         """Those that are not done, the one started last at the end."""
         self.done: dict[tuple[str, str], Row] = {}
         """The arguments of tasks whose last attempt succeeded (5.1)."""
+        self.serials: set[str] = set()
+        """Of all items that ever had one (6.8)."""
         self.holds: list[Any] = []
         self.records: list[Row] = []
         self._facts: set[tuple[Any, ...]] = set()
@@ -186,7 +189,8 @@ class NaiveRun(ABC):
 
     def new_item(self, job: Job) -> Item:
         number = len(job.items) + 1
-        item = Item(job, f'{job.id}/{number}', {'item.number': number}, job.plan.source)
+        values = {'item.number': number, 'order.id': job.id}
+        item = Item(job, f'{job.id}/{number}', values, job.plan.source)
         job.items.append(item)
         job.left -= 1
         return item

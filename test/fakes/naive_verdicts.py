@@ -40,6 +40,11 @@ def refuses(task: Task, results: Row) -> bool:
         return True
 
 
+def serial_in(task: Task, results: Row | None) -> str:
+    """Return the serial that a task has read; '': none (6.8)."""
+    return (results or {}).get(task.given.get('identifies', ''), '')
+
+
 def named(test: Any) -> list[Any]:
     """Return what a condition names."""
     if isinstance(test, dict):
@@ -98,7 +103,7 @@ def verdict(task: Task) -> str:
     if task.cancelled == 'abort':
         what = 'hold'
     lost = task.reason == 'server_lost' and not task.given.get('repeatable')
-    if task.reason == 'in_doubt' or lost:
+    if task.reason in ('in_doubt', 'duplicate_serial') or lost:
         what = 'hold'
     return str(what)
 

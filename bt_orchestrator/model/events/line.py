@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 from bt_orchestrator.model.events.base import Event
@@ -117,6 +118,8 @@ class ItemPlaced(ItemEvent):
 
     event: ClassVar[str] = 'item.placed'
     section: int
+    lots: Mapping[str, str] = field(default_factory=dict)
+    """What goes into it, by the names in its script (semantics 6.9)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,6 +128,16 @@ class ItemMissing(ItemEvent):
 
     event: ClassVar[str] = 'item.missing'
     section: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class ItemIdentified(ItemEvent):
+    """A task, or an operator who marked it done, gave the serial of the item (semantics 6.8)."""
+
+    event: ClassVar[str] = 'item.identified'
+    task: str
+    serial: str
+    """What was read, without white space around it."""
 
 
 @dataclass(frozen=True, kw_only=True)

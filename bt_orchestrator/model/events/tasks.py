@@ -104,7 +104,7 @@ class TaskFailed(TaskEvent):
     reason: str
     message: str = ''
     results: Mapping[str, Any] = field(default_factory=dict)
-    """What the verdict of the task refused (result_refused)."""
+    """What was refused (result_refused, duplicate_serial)."""
     left_out: tuple[str, ...] = ()
     """As in `task.succeeded`."""
 

@@ -59,6 +59,7 @@ def belt_indexed(event: e.BeltIndexed, state: CellState) -> None:
 
 def item_placed(event: e.ItemPlaced, state: CellState) -> None:
     _stand(state, event.item, event.section)
+    state.items[event.item].lots = event.lots
     state.jobs[event.job].progress.placed += 1
 
 
@@ -66,6 +67,11 @@ def item_missing(event: e.ItemMissing, state: CellState) -> None:
     _stand(state, event.item, event.section)
     state.items[event.item].present = False
     state.jobs[event.job].progress.missing += 1
+
+
+def item_identified(event: e.ItemIdentified, state: CellState) -> None:
+    state.items[event.item].serial = event.serial
+    state.serials.add(event.serial)
 
 
 def item_moved(event: e.ItemMoved, state: CellState) -> None:

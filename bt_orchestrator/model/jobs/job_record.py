@@ -45,7 +45,7 @@ class FailureRecord:
     section: int | None = None
     item: str | None = None
     results: Mapping[str, Any] = field(default_factory=dict)
-    """What the task's verdict refused."""
+    """What was refused (result_refused, duplicate_serial)."""
 
     def is_of(self, item: str, task: str) -> bool:
         """Tell whether it is an attempt of this task of this item."""
@@ -65,6 +65,10 @@ class ItemRecord:
     rounds: dict[str, int] = field(default_factory=dict)
     """Further rounds that were begun, by the first task of their repeat."""
     results: dict[str, Mapping[str, Any]] = field(default_factory=dict)
+    serial: str = ''
+    """The last one that was read; empty: none."""
+    lots: Mapping[str, str] = field(default_factory=dict)
+    """What goes into it, by name."""
 
 
 @dataclass

@@ -195,11 +195,12 @@ def check_taking(task: TaskDraft, report: Report) -> None:
 
 
 def _check_unjudged(task: TaskDraft, does: str, report: Report) -> None:
-    """The item has moved before a verdict could say that the task was not done (2.8)."""
-    if task.fields.has('fails_unless'):
-        what = f'a task that {does} cannot have `fails_unless`: the item has moved by then'
-        hint = 'judge it by a task of its own, or by the task before'
-        report.add(task.fields.key_place('fails_unless'), what, hint)
+    """The item has moved before a verdict, or its serial, could refuse the result (2.8, 6.8)."""
+    for key, verb in (('fails_unless', 'judge'), ('identifies', 'identify')):
+        if task.fields.has(key):
+            what = f'a task that {does} cannot have `{key}`: the item has moved by then'
+            hint = f'{verb} it by a task of its own, or by the task before'
+            report.add(task.fields.key_place(key), what, hint)
 
 
 def _conditions(task: TaskDraft) -> Iterator[str]:

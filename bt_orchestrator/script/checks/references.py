@@ -14,7 +14,7 @@ from bt_orchestrator.script.references import (
     is_single,
     split,
 )
-from bt_orchestrator.script.report import Report, did_you_mean, listing
+from bt_orchestrator.script.report import Place, Report, did_you_mean, listing
 from bt_orchestrator.script.type_matching import in_words, is_assignable, is_printable
 from bt_orchestrator.script.yaml_nodes import Scalar, found_value, quoted
 
@@ -32,10 +32,16 @@ class ReferenceReader:
     """
 
     def __init__(
-        self, script: ScriptDraft, task: TaskDraft, report: Report, *, of_verdict: bool = False
+        self,
+        script: ScriptDraft,
+        task: TaskDraft | None,
+        report: Report,
+        *,
+        of_verdict: bool = False,
     ) -> None:
         """Read the references of a task.
 
+        :param task: None: they are of the script itself, which knows the order only
         :param of_verdict: its own results are there, too (semantics 2.8)
         """
         self._script = script
@@ -112,12 +118,17 @@ class ReferenceReader:
     def _find(self, written: Path) -> tuple[Reference, FieldType | None]:
         if written.source == 'params':
             return self._param(written)
-        if written.source in ('item', 'results') and self._task.position is None:
-            what = f'{quoted(str(written))} cannot be used here: initialization has no items'
+        if written.source in ('item', 'results') and not self._has_item:
+            why = 'initialization has no items' if self._task else 'the order is all that is known'
+            what = f'{quoted(str(written))} cannot be used here: {why}'
             raise ReferenceFault(what, 'use `params` or `order`')
         if written.source == 'results':
             return self._result(written)
         return fixed_reference(written)
+
+    @property
+    def _has_item(self) -> bool:
+        return self._task is not None and self._task.position is not None
 
     def _param(self, written: Path) -> tuple[Reference, FieldType | None]:
         params = self._script.params
@@ -133,6 +144,16 @@ class ReferenceReader:
         raise ReferenceFault(what, hint)
 
     # --- results --------------------------------------------------------------------------
+
+    def own_field(self, place: Place, field: str) -> tuple[Reference, FieldType | None] | None:
+        """Return a result field of the task itself, and its type; None if there is none."""
+        assert self._task is not None
+        written = Path('results', f'{self._task.id}.{field}')
+        try:
+            return self._field(self._task, tuple(field.split('.')), written)
+        except ReferenceFault as fault:
+            self._report.add(place, fault.what, fault.hint)
+        return None
 
     def _result(self, written: Path) -> tuple[Reference, FieldType | None]:
         """Ids may contain dots: the longest id that the reference begins with is meant."""
@@ -162,6 +183,7 @@ class ReferenceReader:
     def _order_fault(self, giver: TaskDraft) -> str | None:
         """Say why a task cannot have given a result before this one starts."""
         task = self._task
+        assert task is not None
         if giver is task:
             return None if self._of_verdict else f'it is this {self._script.step} itself'
         if giver.section is None:

@@ -16,7 +16,7 @@ from bt_orchestrator.web.archive.archive import Archive, Look
 from bt_orchestrator.web.archive.events import MOST as MOST_EVENTS
 from bt_orchestrator.web.archive.events import events_page
 from bt_orchestrator.web.archive.histories import Subject, history_of
-from bt_orchestrator.web.archive.items import item_record
+from bt_orchestrator.web.archive.items import item_record, items_of
 from bt_orchestrator.web.archive.jobs import MOST as MOST_JOBS
 from bt_orchestrator.web.archive.jobs import job_with_items, jobs_page
 from bt_orchestrator.web.endpoint import Endpoint
@@ -82,6 +82,13 @@ def endpoints(archive: Archive, cell: Cell) -> tuple[Endpoint, ...]:
         ),
         Endpoint(
             'GET',
+            '/api/serials/{serial:path}',
+            routes.serial,
+            'returns the items of a serial, newest first, as far as their events are kept',
+            refusals=_UNREAD,
+        ),
+        Endpoint(
+            'GET',
             '/api/items/{item:path}',
             routes.item,
             'returns everything about an item: attempts, results, decisions',
@@ -140,6 +147,10 @@ class _Routes:
     async def item(self, request: Request) -> Response:
         item = request.path_params['item']
         return _known(await self._read(lambda look: item_record(look, item)), f'item {item}')
+
+    async def serial(self, request: Request) -> Response:
+        serial = request.path_params['serial']
+        return Json(await self._read(lambda look: items_of(look, serial)))
 
     async def section(self, request: Request) -> Response:
         number = request.path_params['section']

@@ -13,6 +13,7 @@ from bt_orchestrator.web.archive.archive import Look
 from bt_orchestrator.web.archive.scanning import events, events_of_job
 
 _OF_JOBS = (e.JobQueued.event, e.JobUpdated.event)
+_IDENTIFIED = (e.ItemIdentified.event,)
 _ANSWERS = (e.OperatorDecided.event, e.HoldReleased.event)
 
 
@@ -35,6 +36,18 @@ def item_record(look: Look, item: str) -> dict[str, Any] | None:
     plain['decisions'].sort(key=lambda one: one['time'])
     begun = fold.history.started is not None
     return {**plain, 'waits': [], 'damage': look.damage, 'has_beginning': begun}
+
+
+def items_of(look: Look, serial: str) -> dict[str, Any]:
+    """Return the items of a serial, the newest first."""
+    wanted, serial = Wanted(events=_IDENTIFIED, newest_first=True), serial.strip()
+    name = json.dumps(serial, ensure_ascii=False)
+    found = [
+        {'item': event.item, 'job': event.job, 'time': event.time}
+        for event in events(look, wanted, lambda text: name in text or '\\' in text)
+        if isinstance(event, e.ItemIdentified) and event.serial == serial
+    ]
+    return {'items': found, 'damage': look.damage, 'has_beginning': False}
 
 
 def _decide(look: Look, fold: ItemFold, hold: str, after: int) -> None:

@@ -107,6 +107,8 @@ def _item(item: ItemRecord) -> dict[str, Any]:
         'ended': item.ended,
         'nonconforming': list(item.nonconforming),
         'rounds': dict(item.rounds),
+        'serial': item.serial,
+        'lots': dict(item.lots),
         'results': to_plain(item.results),
     }
 

@@ -36,6 +36,8 @@ def draw_cell(draw: Draw, size: int, traits: Traits) -> Row:
         name: _component(draw, name, place, number, traits)
         for number, (name, place) in enumerate(places.items())
     }
+    if chance(draw, 60):
+        components['reader'] = _reader(draw, draw(st.integers(1, size)), traits)
     conveyor = {
         'sections': size,
         'action': '/belt/do',
@@ -76,6 +78,17 @@ def _component(draw: Draw, name: str, place: Any, number: int, traits: Traits) -
     if traits.faults and (faults := _faults(draw, 15)):
         found['faults'] = faults
     return found
+
+
+def _reader(draw: Draw, section: int, traits: Traits) -> Row:
+    return {
+        'section': section,
+        'action': '/reader/do',
+        'type': 'bt_orchestrator_interfaces/action/Reader',
+        'durations': {'READ': draw(st.sampled_from(SECONDS)) if traits.tied else 0.4391},
+        'results': {'READ': {'serial': draw(st.sampled_from(('S', 'S-{n}', '')))}},
+        'faults': _faults(draw, 40) if traits.faults else [],
+    }
 
 
 def _faults(draw: Draw, percent: int) -> list[str]:

@@ -20,7 +20,7 @@ def draw_initialization(draw: Draw, cell: Row) -> Row:
         return {}
     tasks: list[Row] = [{'id': 'home', 'task': 'HOME', 'action': '/belt/do', 'once': True}]
     tasks = tasks if draw(st.booleans()) else []
-    names = sorted(cell['components'])
+    names = sorted(cell['components'].keys() - {'reader'})
     often = [name for name in OFTEN_PREPARED if name in names]
     chosen = draw(st.lists(st.sampled_from([*names, *often, *often]), max_size=4))
     for number, name in enumerate(chosen):

@@ -66,6 +66,7 @@ class Plan:
                     if 'fails_unless' in task:  # a repeat has to have one
                         own = f'${{results.{task["id"]}.item_present}}'
                         task['fails_unless'] = {'value': own, 'one_of': [True, False]}
+                    task.pop('identifies', None)
         return replace(self, cell=cell, scripts=scripts)
 
     def without_flags(self, scripts: AbstractSet[str]) -> Plan:

@@ -42,6 +42,8 @@ class DrawnScript:
             else steps
             for n, steps in sorted(self.lists.items())
         }
+        if chance(self.draw, 20):
+            script['lots'] = {'box': '${order.id}'}
         once = [placed for placed in self.tasks if placed[1]['id'] not in self.repeated]
         script['lateral_dependencies'] = draw_flags(self.draw, self.name, once)
         if self.traits.shared:
@@ -63,6 +65,8 @@ class DrawnScript:
             for key in ('when', 'unless', 'runs_for'):
                 place.pop(key, None)
             steps.insert(self.draw(st.integers(0, len(steps))), place)
+        if self.cell['components'].get('reader', {}).get('section') == number:
+            steps.insert(self.draw(st.integers(0, len(steps))), self._scan(number))
         self.lists[number] = steps
         if early and any(self._needs_belt(step) for step in steps) and number != self.sink:
             self.early.add(number)
@@ -135,6 +139,13 @@ class DrawnScript:
         self.tasks.append((number, task))
         return task
 
+    def _scan(self, number: int) -> Row:
+        task: Row = {'id': 'scan', 'task': 'READ', 'action': '/reader/do', 'identifies': 'serial'}
+        task |= {'on_failure': self.draw(st.sampled_from(POLICIES)), 'timeout': 8.03}
+        task['retries'] = self.draw(st.integers(0, 1))
+        self.tasks.append((number, task))
+        return task
+
     def _condition(self, task: Row) -> None:
         draw = self.draw
         if not chance(draw, 25):
@@ -162,7 +173,8 @@ class DrawnScript:
         for task in tasks_of(steps):
             if task in trailing and task['on_failure'] == 'reject':
                 task['on_failure'] = 'continue'
-            if task not in trailing and task.get('runs_for', 'good') != 'rejected':
+            is_scan = 'identifies' in task
+            if not is_scan and task not in trailing and task.get('runs_for') != 'rejected':
                 self.readable.append(task['id'])
 
     def _ways_out(self) -> None:

@@ -73,6 +73,8 @@ def test_9_1_every_line_goes_as_the_second_opinion_says() -> None:
         seen['faults'] += plan.has_faults
         seen['result_refused'] += 'result_refused' in product.run.reasons()
         seen['rounds'] += bool(product.run.all('round.begun'))
+        seen['identified'] += bool(product.run.all('item.identified'))
+        seen['duplicates'] += 'duplicate_serial' in product.run.reasons()
         seen['let pass'] += bool(product.run.all('item.nonconforming'))
         seen['waited'] += bool(product.run.all('job.may_start'))
         seen['out of service'] += bool(product.run.all('component.out_of_service'))
@@ -87,6 +89,8 @@ def test_9_1_every_line_goes_as_the_second_opinion_says() -> None:
     assert seen['aborted'] >= 0.05 * seen['all'], seen
     assert seen['result_refused'] >= 0.1 * seen['all'], seen
     assert seen['rounds'] >= 0.05 * seen['all'], seen
+    assert seen['identified'] >= 0.05 * seen['all'], seen
+    assert seen['duplicates'] >= 0.02 * seen['all'], seen
     assert seen['let pass'] >= 0.05 * seen['all'], seen
     assert seen['faults'] >= 0.3 * seen['all'], seen
     assert seen['waited'] >= 0.05 * seen['all'], seen

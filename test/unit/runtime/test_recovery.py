@@ -12,6 +12,7 @@ from fakes.action_types import FakeActionTypes
 from fakes.clocks import SetClock
 from fakes.line import THREE, Line, with_section
 from fakes.operator import ann
+from fakes.reading import Reading
 from fakes.world import World, begun, killed_at_work
 
 from bt_orchestrator.errors import JournalFailed, JournalMismatch
@@ -147,6 +148,30 @@ def test_3_9_killed_after_any_settle_every_round_is_the_same() -> None:
     rounds = [(one.item, one.n) for one in whole.events(e.RoundBegun)]  # type: ignore[attr-defined]
     assert rounds == [('J/1', 1), ('J/2', 1), ('J/2', 2)]
     assert_killed_anywhere_it_ends_the_same(line, REPEATED, story_of(whole))
+
+
+def test_6_8_killed_after_any_settle_every_serial_is_known() -> None:
+    reading = Reading(faults='"#2=reads:1"')
+    whole = World(reading.cell)
+    ended = begun(whole, reading.script())
+    whole.go(ended)
+    assert [hold.reason for hold in ended.state.holds.values()] == ['duplicate_serial']
+    expected, kills = story_of(whole), 0
+
+    for settles in itertools.count(1):
+        world = World(reading.cell)
+        first = begun(world, reading.script())
+        world.go(first, settles)
+        if first.state.holds:
+            break
+        first.close()
+        second = world.orchestrator()
+        world.go(second)
+        assert story_of(world) == expected, f'killed after {settles}'
+        assert second.state.holds == ended.state.holds
+        second.close()
+        kills += 1
+    assert kills == 10
 
 
 def test_9_2_without_auto_resume_nothing_new_starts_until_resume() -> None:

@@ -77,6 +77,8 @@ class Item {
       h('span', {}, script),
       h('strong', {}, t(`item.is_${record.how || 'on_line'}`)),
       took ? h('span', {}, took) : null,
+      record.serial ? h('span', {}, t('item.serial', { serial: record.serial })) : null,
+      ...Object.entries(record.lots).map(([name, lot]) => h('span', {}, `${name}: ${lot}`)),
       record.rejected ? h('span', {}, t('item.rejected', { why: record.rejected })) : null,
     );
     const now = JSON.stringify(record);

@@ -116,6 +116,7 @@ class Job {
 function itemTable() {
   const columns = [
     { head: t('job.item'), cell: (item) => itemLink(item.id) },
+    { head: t('job.serial'), cell: (item) => item.serial ?? '' },
     { head: t('job.how'), cell: (item) => t(`item.is_${item.how || 'on_line'}`) },
     { head: t('job.started'), cell: (item) => at(item.started) },
     {

@@ -1,9 +1,9 @@
 /** All jobs that the journal knows, newest first, page by page. */
 import { get } from '../core/api.js';
-import { h, show, text } from '../core/dom.js';
+import { children, h, show, text } from '../core/dom.js';
 import { subscribe } from '../core/store.js';
 import { at, duration, number, t } from '../core/text.js';
-import { jobLink } from '../parts/links.js';
+import { inPath, itemLink, jobLink } from '../parts/links.js';
 import { table } from '../parts/table.js';
 
 const MOST = 50;
@@ -47,6 +47,7 @@ class Jobs {
       'div',
       { class: 'screen' },
       h('div', { class: 'screen-head' }, h('h1', {}, t('jobs.title'))),
+      serialSearch(),
       this.note,
       h('section', { class: 'panel' }, this.table.element),
       this.older,
@@ -88,6 +89,31 @@ class Jobs {
     this.table.show(this.jobs);
     show(this.older, Boolean(this.rest));
   }
+}
+
+/** A field for a serial: the items that have it are linked below. */
+function serialSearch() {
+  const field = h('input', { type: 'search', maxlength: 200, 'aria-label': t('jobs.serial') });
+  const found = h('p', { class: 'remark', role: 'status' });
+  const search = async (event) => {
+    event.preventDefault();
+    const serial = field.value.trim();
+    if (!serial) return;
+    try {
+      const { items } = await get(`/api/serials/${inPath(serial)}`);
+      const links = items.flatMap(({ item, time }) => [itemLink(item), ` ${at(time)} `]);
+      children(found, links.length ? links : [t('jobs.no_serial', { serial })]);
+    } catch (refused) {
+      text(found, refused.message || t('jobs.silent'));
+    }
+  };
+  return h(
+    'form',
+    { class: 'screen-head', role: 'search', onsubmit: search },
+    h('label', {}, `${t('jobs.serial')} `, field),
+    h('button', { type: 'submit' }, t('jobs.search')),
+    found,
+  );
 }
 
 function packed({ counts, quantity }) {

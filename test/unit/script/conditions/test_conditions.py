@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 from fakes.mistake_tables import table
-from fakes.mistake_texts import CONDITION, VERDICT
-from fakes.script_texts import line, mistakes
+from fakes.mistake_texts import AROUND, CONDITION, VERDICT
+from fakes.script_texts import line, mistakes, script
 
 from bt_orchestrator.model.condition import Condition
 from bt_orchestrator.model.reference import Reference, Template
@@ -16,6 +16,11 @@ from bt_orchestrator.model.reference import Reference, Template
 @pytest.mark.parametrize(('condition', 'expected'), table('conditions'))
 def test_conditions(condition: str, expected: list[str]) -> None:
     assert mistakes(lambda: line(CONDITION.format(condition))) == expected
+
+
+@pytest.mark.parametrize(('lots', 'expected'), table('lots'))
+def test_lots(lots: str, expected: list[str]) -> None:
+    assert mistakes(lambda: script(AROUND['lots'].whole(lots))) == expected
 
 
 @pytest.mark.parametrize(('verdict', 'expected'), table('verdicts'))

@@ -7,7 +7,7 @@ from itertools import islice
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bt_orchestrator.model.jobs.order_ids import OrderIds
+from bt_orchestrator.model.used_ids import UsedIds
 
 IDS = st.one_of(
     st.from_regex(r'[A-Z]{0,2}-?0{0,2}[0-9]{1,2}', fullmatch=True), st.text(min_size=1, max_size=5)
@@ -16,7 +16,7 @@ IDS = st.one_of(
 
 @given(st.lists(IDS), st.lists(IDS))
 def test_it_holds_what_was_added_and_nothing_else(added: list[str], asked: list[str]) -> None:
-    ids = OrderIds()
+    ids = UsedIds()
     for order in added:
         ids.add(order)
     assert all(order in ids for order in added)
@@ -25,21 +25,21 @@ def test_it_holds_what_was_added_and_nothing_else(added: list[str], asked: list[
 
 @given(st.permutations([f'WO-{n}' for n in range(1, 30)]))
 def test_ids_that_are_counted_up_become_one_run_in_any_order(orders: list[str]) -> None:
-    ids = OrderIds()
+    ids = UsedIds()
     for order in orders:
         ids.add(order)
-    assert ids == OrderIds(runs={'WO-': [[1, 29]]})
+    assert ids == UsedIds(runs={'WO-': [[1, 29]]})
 
 
 def test_leading_zeros_make_another_id() -> None:
-    ids = OrderIds()
+    ids = UsedIds()
     ids.add('WO-7')
     assert 'WO-07' not in ids
     assert '7' not in ids
 
 
 def test_free_ids_leave_out_what_was_used() -> None:
-    ids = OrderIds()
+    ids = UsedIds()
     for number in (1, 2, 4, 7):
         ids.add(f'WO-{number}')
     assert list(islice(ids.free('WO-'), 5)) == ['WO-3', 'WO-5', 'WO-6', 'WO-8', 'WO-9']

@@ -1,4 +1,4 @@
-"""Which order ids were ever used: a set that stays small when ids are counted up."""
+"""Which order ids, or serials, were ever used: a set that stays small when they are counted up."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ _COUNTED = re.compile(r'(?s)(.*?)(0|[1-9][0-9]{0,17})')
 
 
 @dataclass
-class OrderIds:
-    """A set of order ids that only grows.
+class UsedIds:
+    """A set of ids that only grows.
 
     Numbers behind one prefix are kept as runs, so WO-1 to WO-100000 are two numbers and not a
     hundred thousand texts. An id that ends in no number is kept as it is.
@@ -23,20 +23,20 @@ class OrderIds:
     runs: dict[str, list[list[int]]] = field(default_factory=dict)
     """By prefix: first and last number of each run, ascending, with gaps between them."""
 
-    def __contains__(self, order: str) -> bool:
-        counted = _COUNTED.fullmatch(order)
+    def __contains__(self, name: str) -> bool:
+        counted = _COUNTED.fullmatch(name)
         if counted is None:
-            return order in self.others
+            return name in self.others
         runs, number = self.runs.get(counted[1], []), int(counted[2])
         at = _run_at(runs, number)
         return at >= 0 and number <= runs[at][1]
 
-    def add(self, order: str) -> None:
+    def add(self, name: str) -> None:
         """Take an id in."""
-        counted = _COUNTED.fullmatch(order)
+        counted = _COUNTED.fullmatch(name)
         if counted is None:
-            self.others.add(order)
-        elif order not in self:
+            self.others.add(name)
+        elif name not in self:
             _add(self.runs.setdefault(counted[1], []), int(counted[2]))
 
     def free(self, prefix: str) -> Iterator[str]:

@@ -1,0 +1,59 @@
+"""What identifies an item, and what goes into it: serial and lots (semantics 6.8, 6.9)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from bt_orchestrator.errors import MissingResult
+from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.limits import SERIAL, cut
+from bt_orchestrator.model.reference import Scope, as_text, look_up, resolve
+from bt_orchestrator.model.script import Task
+from bt_orchestrator.model.state import CellState
+
+
+def serial_in(task: Task, results: Mapping[str, Any]) -> str:
+    """Return the serial in the results of a task; empty: they have none.
+
+    ROS fields are never absent: an empty text, or the number 0, was not set. Many readers end
+    their texts with a line feed, so white space around it is not part of it.
+    """
+    if not task.own_serial:
+        return ''
+    scope = Scope({}, {}, {}, {task.id: results})
+    try:
+        value = look_up(task.own_serial, scope)
+    except MissingResult:
+        return ''
+    return str(value).strip() if value else ''
+
+
+def too_long(serial: str) -> str:
+    """Say that a serial is too long; empty: it is not."""
+    if len(serial) <= SERIAL:
+        return ''
+    return f'expected a serial of at most {SERIAL} characters; found {len(serial)}'
+
+
+def why_duplicate(state: CellState, item: str, task: Task, serial: str) -> str:
+    """Say that a serial is known, of another item; empty: it is not.
+
+    The serial that an item has already is no duplicate of itself.
+    """
+    if not serial or serial == state.items[item].serial or serial not in state.serials:
+        return ''
+    here = [one.id for one in state.items.values() if one.serial == serial]
+    where = f'of {here[0]}, which is in work' if here else 'in the history'
+    field = '.'.join(task.identifies)
+    return (
+        f'the serial {serial!r} is {where}; if this is the same item again, mark_done with the '
+        f'result {field}={serial}'
+    )
+
+
+def lots_of(job: Job) -> dict[str, str]:
+    """Return what goes into each item of a job; a lot without a value is left out."""
+    scope = Scope(job.params, {'id': job.id, 'quantity': job.quantity}, {}, {})
+    found = ((name, as_text(resolve(lot, scope)).strip()) for name, lot in job.script.lots.items())
+    return {name: cut(lot, SERIAL) for name, lot in found if lot}
