@@ -26,6 +26,7 @@ SCRIPT = Line().script(
     """
     quantity: 3
     params: {label: {type: str, default: none}, least: {type: float, default: 0.5}}
+    lots: {glue: "${params.label}", box: "${order.id}-${params.label}"}
     initialization:
       - {id: home, task: HOME, action: /belt/do, once: true}
       - {id: ready, @a1.PREPARE}
@@ -136,6 +137,8 @@ SAMPLES: dict[str, Any] = {
     'servers': ('/one', '/two'),
     'goals': ('b04965e6-a9bb-591f-8f8a-1adcb2c8dc39',),
     'seconds': -3600.0,
+    'lots': {'glue': 'L-77'},
+    'serial': 'SN-4711',
 }
 """A value for every field of every event."""
 

@@ -17,12 +17,13 @@ import pytest
 from fakes.line import THREE, Line, with_section
 from fakes.long_journal import LongRun
 from fakes.operator import ann
+from fakes.reading import Reading as ReadingLine
 from fakes.virtual_run import snapshot
 
 from bt_orchestrator import model
 from bt_orchestrator.errors import JournalFailed, JournalMismatch
 from bt_orchestrator.model import state_text
-from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.events import Event, ItemIdentified
 from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.jobs.job_commands import AddJobs, ControlJob
 from bt_orchestrator.model.jobs.job_folds import ENDED_KEPT
@@ -264,6 +265,23 @@ def test_live_jobs_keep_all_their_events(path: Path) -> None:
 
 def is_queued(run: LongRun, name: str) -> bool:
     return run.orchestrator.ask(AddJobs((Job(name, run.line.script(THREE), 3),))).accepted
+
+
+def test_6_8_serials_outlive_their_events(path: Path) -> None:
+    reading = ReadingLine(faults='"#*=reads:1"')
+    run = LongRun(path, reading, keep_jobs=0)  # type: ignore[arg-type]
+    run.job('J1', 1, '')
+    run.rest(60)
+    assert run.store.first_seq() > 1
+    assert not any(isinstance(event, ItemIdentified) for event in run.store.read())
+    run.kill()
+    run = LongRun(path, reading, keep_jobs=0)  # type: ignore[arg-type]
+    assert 'S-1' in run.orchestrator.state.serials
+    assert run.orchestrator.ask(AddJobs((Job('J2', reading.script(), 1),))).accepted
+    run.go(lambda: bool(run.orchestrator.state.holds))
+    (hold,) = run.orchestrator.state.holds.values()
+    assert hold.reason == 'duplicate_serial'
+    run.kill()
 
 
 def test_many_events_go_in_small_pieces(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
