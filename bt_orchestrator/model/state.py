@@ -11,6 +11,7 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.events import INDEX_KEY, TaskKey
 from bt_orchestrator.model.goal import Reason
+from bt_orchestrator.model.identity.used_ids import UsedIds
 from bt_orchestrator.model.initialization import Preparation
 from bt_orchestrator.model.jobs.live_jobs import LiveJobs
 from bt_orchestrator.model.jobs.order import Job
@@ -20,7 +21,6 @@ from bt_orchestrator.model.reference import Scope
 from bt_orchestrator.model.script import Script, Task
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.model.uptime import Uptime
-from bt_orchestrator.model.used_ids import UsedIds
 from bt_orchestrator.model.wish import Wish
 
 DERIVED: Mapping[str, bool] = {'derived': True}

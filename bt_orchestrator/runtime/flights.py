@@ -17,7 +17,7 @@ from bt_orchestrator.model.goal import (
     SeenContest,
     StateReading,
 )
-from bt_orchestrator.model.identity import serial_in, too_long, why_duplicate
+from bt_orchestrator.model.identity.serials import serial_in, too_long, why_duplicate
 from bt_orchestrator.model.limits import MESSAGE, RESULT_BYTES, cut, without_longest
 from bt_orchestrator.model.script import Task, index_task
 from bt_orchestrator.model.state import CellState, TaskState

@@ -81,4 +81,6 @@ def _step(step: Step) -> Step:
 def _task(task: Task) -> Task:
     # Nobody rejects an item here; a task for rejected ones is skipped.
     runs_for = RunsFor.REJECTED if task.runs_for is RunsFor.REJECTED else RunsFor.GOOD
-    return replace(task, args={}, condition=None, fails_unless=None, runs_for=runs_for)
+    return replace(
+        task, args={}, condition=None, fails_unless=None, identifies=(), runs_for=runs_for
+    )

@@ -8,7 +8,7 @@ from bt_orchestrator.model.limits import OPERATIONS
 from bt_orchestrator.script.keys import Key, Kind, Table, whole
 from bt_orchestrator.script.names import ID_FORM, NAME_WITHOUT_DOTS
 from bt_orchestrator.script.script_keys import PARAMETER, REPEAT
-from bt_orchestrator.script.task_keys import TASK
+from bt_orchestrator.script.task_keys import NOT_GENERATED, TASK
 
 _OF_EQUIPMENT = ('task', 'action', 'args', 'requires_conveyor', 'qty_change')
 """Keys of a task that are those of the component that does it."""
@@ -57,10 +57,11 @@ OPERATION = Table(
     'an operation',
     (
         *_OWN,
-        *(key for key in TASK.keys if key.name not in (*_OF_EQUIPMENT, 'id')),
+        *(key for key in TASK.keys if key.name not in (*_OF_EQUIPMENT, 'id', 'identifies')),
     ),
     misplaced={
         **TASK.misplaced,
+        'identifies': NOT_GENERATED,
         **{
             key: (
                 f'`{key}` is a matter of the equipment, which a recipe does not name',
@@ -138,7 +139,10 @@ RECIPE = Table(
     },
 )
 
-_NOT_TO_SET = ('id', 'task', 'action', 'args', 'qty_change', 'when', 'unless', 'fails_unless')
+_NOT_TO_SET = (
+    *('id', 'task', 'action', 'args', 'qty_change', 'when', 'unless', 'fails_unless'),
+    'identifies',
+)
 
 CHANGE = Table(
     'a changed operation',

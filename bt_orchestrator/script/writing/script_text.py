@@ -67,6 +67,8 @@ class _ScriptWriter:
             yield from entry('quantity', script.quantity, '')
         params = {one.name: _parameter_row(one) for one in script.params.values()}
         yield from _named('params', params, {})
+        if script.lots:
+            yield from entry('lots', script.lots, '')
         yield from self._initialization()
         yield 'sections:'
         for number in sorted(script.sections):

@@ -42,6 +42,8 @@ def _task_keys(task: Task, cell: Cell | None, default_id: str) -> Iterator[tuple
     if task.repeatable:
         yield 'repeatable', True
     yield from _conditions(task)
+    if task.identifies:
+        yield 'identifies', '.'.join(task.identifies)
     if task.runs_for is not RunsFor.GOOD:
         yield 'runs_for', task.runs_for.value
     if task.once:

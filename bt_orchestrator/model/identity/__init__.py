@@ -1,0 +1,1 @@
+"""What tells items and orders apart: serials, lots, and the ids that were ever used."""
