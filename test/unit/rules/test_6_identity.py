@@ -113,6 +113,29 @@ def test_6_8_the_verdict_comes_first() -> None:
     assert run.ended
 
 
+ROUNDS = """
+script: test
+sections:
+  1: [{id: place, @a1, qty_change: 1}]
+  2:
+    - repeat:
+        - {id: read, @a2.RUN, identifies: code}
+        - {id: weigh, @a2.RUN, fails_unless: {value: "${results.weigh.value}", at_most: 1}}
+      times: 1
+  3: [{id: pack, @a3, qty_change: -1}]
+"""
+
+
+def test_6_8_read_again_in_a_further_round_it_is_no_duplicate() -> None:
+    reading = Reading('S', faults='"#2=reads:5"')
+    script = parse_script(expanded(ROUNDS), 'test.yaml', reading.cell, TYPES)
+    reading.run.submit('J', script, 1)
+    run = reading.run.go()
+    assert run.reasons() == ['result_refused']
+    assert serials(run) == [('J/1', 'S')]
+    assert run.ended
+
+
 def test_6_8_a_serial_of_a_job_that_ended_is_known() -> None:
     reading = Reading(faults='"#*=reads:1"')
     reading.go()
