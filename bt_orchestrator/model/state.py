@@ -11,10 +11,10 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.contest import Contest
 from bt_orchestrator.model.events import INDEX_KEY, TaskKey
 from bt_orchestrator.model.goal import Reason
-from bt_orchestrator.model.identity.used_ids import UsedIds
 from bt_orchestrator.model.initialization import Preparation
 from bt_orchestrator.model.jobs.live_jobs import LiveJobs
 from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.judging.used_ids import UsedIds
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.pauses import NAMED
 from bt_orchestrator.model.reference import Scope

@@ -17,12 +17,12 @@ from bt_orchestrator.model.goal import (
     SeenContest,
     StateReading,
 )
-from bt_orchestrator.model.identity.serials import serial_in, too_long, why_duplicate
+from bt_orchestrator.model.judging.serials import serial_in, too_long, why_duplicate
+from bt_orchestrator.model.judging.verdict import why_refused
 from bt_orchestrator.model.limits import MESSAGE, RESULT_BYTES, cut, without_longest
 from bt_orchestrator.model.script import Task, index_task
 from bt_orchestrator.model.state import CellState, TaskState
 from bt_orchestrator.model.uptime import seconds_between
-from bt_orchestrator.model.verdict import why_refused
 from bt_orchestrator.ports import ActionGateway, Clock, Goal, Timer
 from bt_orchestrator.runtime import contests
 from bt_orchestrator.runtime.ledger import Ledger

@@ -21,7 +21,7 @@ from bt_orchestrator.model.failures import (
     pass_over,
 )
 from bt_orchestrator.model.hold_words import hold_name
-from bt_orchestrator.model.identity.serials import serial_in, too_long
+from bt_orchestrator.model.judging.serials import serial_in, too_long
 from bt_orchestrator.model.limits import listed
 from bt_orchestrator.model.pauses import release_command
 from bt_orchestrator.model.requests import REMARKS

@@ -7,7 +7,7 @@ from itertools import islice
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bt_orchestrator.model.identity.used_ids import UsedIds
+from bt_orchestrator.model.judging.used_ids import UsedIds
 
 IDS = st.one_of(
     st.from_regex(r'[A-Z]{0,2}-?0{0,2}[0-9]{1,2}', fullmatch=True), st.text(min_size=1, max_size=5)

@@ -1,1 +1,0 @@
-"""What tells items and orders apart: serials, lots, and the ids that were ever used."""
