@@ -42,7 +42,7 @@ def refuses(task: Task, results: Row) -> bool:
 
 def serial_in(task: Task, results: Row | None) -> str:
     """Return the serial that a task has read; '': none (6.8)."""
-    return (results or {}).get(task.given.get('identifies', ''), '')
+    return str((results or {}).get(task.given.get('identifies', ''), ''))
 
 
 def named(test: Any) -> list[Any]:
