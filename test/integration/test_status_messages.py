@@ -13,7 +13,13 @@ from rclpy.serialization import deserialize_message, serialize_message
 from bt_orchestrator.model.codec import hints_of
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.state import Hold
-from bt_orchestrator.model.status import CellDescription, CellStatus, ItemStatus, JobStatus
+from bt_orchestrator.model.status import (
+    CellDescription,
+    CellStatus,
+    ComponentStatus,
+    ItemStatus,
+    JobStatus,
+)
 from bt_orchestrator.model.wish import Wish
 from bt_orchestrator.ros.stamps import from_time, to_time
 from bt_orchestrator.ros.types.description_messages import cell_description, description_message
@@ -35,6 +41,7 @@ NAMED: dict[Any, dict[str, st.SearchStrategy[Any]]] = {
         'priority': INT16,
         **dict.fromkeys(('start', 'due', 'started_at', 'ended_at'), st.none() | LATER),
     },
+    ComponentStatus: {'out_of_service_since': st.none() | LATER},
     Hold: {
         'job': st.none() | NAMES,
         'item': st.none() | NAMES,
