@@ -43,7 +43,7 @@ def make_tricky(flag: Path, drawn: random.Random) -> None:
             hurting['message'] = drawn.choice('a☃"\\') * LONG
         return {**plain, **hurting, **({TASK_RESULT: True} if TASK_RESULT in plain else {})}
 
-    def success(controller: Controller[Any], task: str) -> GoalEnd:
+    def success(controller: Controller[Any], task: str, _: int) -> GoalEnd:
         # Made anew for every goal: a controller itself makes it once a task.
         fields_now = result(controller._component, controller._type, task)
         return GoalEnd(GoalStatus.SUCCEEDED, fields_now)
