@@ -298,6 +298,7 @@ class NaiveCell(NaiveState):
             self.begin_job(task.job)
         task.state, task.cancelled, task.busy = 'running', '', True
         task.goals, task.sent = task.goals + 1, (self.deliveries, next(self.numbers))
+        self.last_sent = self.deliveries
         others = [one for one in self.started if one.state != 'done' and one is not task]
         self.started = [*others, task]
         action, name = task.does
@@ -323,7 +324,8 @@ class NaiveCell(NaiveState):
             if self.now < task.deaf_from:
                 delivery, number = task.sent
                 is_on_its_way = delivery == self.deliveries  # then the cancel comes behind it
-                certain = 0.0 if is_on_its_way else CANCELED_FIRST
+                is_behind = self.last_sent == self.deliveries  # so it does behind any other goal
+                certain = 0.0 if is_behind else CANCELED_FIRST
                 self.at(0.0, task, 'canceled', certain, number if is_on_its_way else None)
 
     def end(self, task: Task, end: str) -> None:

@@ -155,6 +155,8 @@ class NaiveRun(ABC):
         self._agenda: list[tuple[float, float, int, Any, int, str]] = []
         self.deliveries = 0
         """Goals that were sent since the last one are on their way."""
+        self.last_sent = -1
+        """Before which delivery a goal was sent last."""
         self.numbers, self._hold_ids = itertools.count(), itertools.count(1)
 
     def say(self, event: str, where: Row, **fields: Any) -> None:
