@@ -174,6 +174,16 @@ MADE_FROM = Table(
     ),
 )
 
+PARAMS = Key(
+    'params',
+    Kind.MAPPING,
+    'what a work order may set',
+    '{lot: {type: str, default: "none"}}',
+    of=(PARAMETER,),
+    name_form=NAME_WITHOUT_DOTS,
+    rule='8.1',
+)
+
 SCRIPT = Table(
     'a script',
     (
@@ -195,15 +205,7 @@ SCRIPT = Table(
             rule='8.1',
         ),
         whole('quantity', 'items of an order that names no quantity', '12', 1, rule='6.2'),
-        Key(
-            'params',
-            Kind.MAPPING,
-            'what a work order may set',
-            '{lot: {type: str, default: "none"}}',
-            of=(PARAMETER,),
-            name_form=NAME_WITHOUT_DOTS,
-            rule='8.1',
-        ),
+        PARAMS,
         Key(
             'lots',
             Kind.MAPPING,

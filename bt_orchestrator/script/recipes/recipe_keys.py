@@ -7,7 +7,7 @@ from dataclasses import replace
 from bt_orchestrator.model.limits import OPERATIONS
 from bt_orchestrator.script.keys import Key, Kind, Table, whole
 from bt_orchestrator.script.names import ID_FORM, NAME_WITHOUT_DOTS
-from bt_orchestrator.script.script_keys import PARAMETER, REPEAT
+from bt_orchestrator.script.script_keys import PARAMS, REPEAT
 from bt_orchestrator.script.task_keys import NOT_GENERATED, TASK
 
 _OF_EQUIPMENT = ('task', 'action', 'args', 'requires_conveyor', 'qty_change')
@@ -110,15 +110,7 @@ RECIPE = Table(
             required=True,
             form=ID_FORM,
         ),
-        Key(
-            'params',
-            Kind.MAPPING,
-            'what a work order may set',
-            '{lot: {type: str, default: "none"}}',
-            of=(PARAMETER,),
-            name_form=NAME_WITHOUT_DOTS,
-            rule='8.1',
-        ),
+        PARAMS,
         Key(
             'operations',
             Kind.LIST,

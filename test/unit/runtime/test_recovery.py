@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -41,13 +41,8 @@ def work_of(world: World) -> list[tuple[str | None, str]]:
     return sorted((event.item or '', event.task) for event in done)
 
 
-@pytest.mark.parametrize('text', [THREE, FLAGS])
-def test_9_2_killed_after_any_settle_the_job_ends_the_same(text: str) -> None:
-    line = Line()
-    whole = World(line.cell)
-    whole.go(begun(whole, line.script(text)))
-    expected, kills = work_of(whole), 0
-
+def killed_after_each_settle(line: Line, text: str) -> Iterator[tuple[int, World, Orchestrator]]:
+    """Run a line anew for each settle, kill it there, and let a successor end the work."""
     for settles in itertools.count(1):
         world = World(line.cell)
         first = begun(world, line.script(text))
@@ -57,6 +52,17 @@ def test_9_2_killed_after_any_settle_the_job_ends_the_same(text: str) -> None:
         first.close()
         second = world.orchestrator()
         world.go(second)
+        yield settles, world, second
+
+
+@pytest.mark.parametrize('text', [THREE, FLAGS])
+def test_9_2_killed_after_any_settle_the_job_ends_the_same(text: str) -> None:
+    line = Line()
+    whole = World(line.cell)
+    whole.go(begun(whole, line.script(text)))
+    expected, kills = work_of(whole), 0
+
+    for settles, world, second in killed_after_each_settle(line, text):
         assert not second.state.jobs, f'killed after {settles} settles'
         assert second.state.ended['J'].progress.packed == 3
         assert work_of(world) == expected
@@ -101,15 +107,7 @@ def assert_killed_anywhere_it_ends_the_same(
 ) -> None:
     """Kill the orchestrator after each settle, one run for each, and compare what became of it."""
     kills = 0
-    for settles in itertools.count(1):
-        world = World(line.cell)
-        first = begun(world, line.script(text))
-        world.go(first, settles)
-        if not first.state.jobs:
-            break
-        first.close()
-        second = world.orchestrator()
-        world.go(second)
+    for settles, world, second in killed_after_each_settle(line, text):
         assert story_of(world) == story, f'killed after {settles} settles'
         second.close()
         kills += 1
