@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
+from bt_orchestrator.model.reference import Template
 from bt_orchestrator.model.script import Parameter
 
 
@@ -54,6 +55,8 @@ class Recipe:
     params: Mapping[str, Parameter] = field(default_factory=dict)
     """What an order may set."""
     reworks: tuple[Rework, ...] = ()
+    lots: Mapping[str, Template] = field(default_factory=dict)
+    """As those of a script."""
 
     @cached_property
     def by_id(self) -> Mapping[str, Operation]:

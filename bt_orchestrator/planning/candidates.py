@@ -12,7 +12,7 @@ from bt_orchestrator.model.capability import Capability
 from bt_orchestrator.model.cell import Cell, Component, OnFailure
 from bt_orchestrator.model.condition import Condition
 from bt_orchestrator.model.recipe import Operation, Overrides, Recipe
-from bt_orchestrator.model.reference import references
+from bt_orchestrator.model.reference import Reference, references
 from bt_orchestrator.model.script import RunsFor
 
 
@@ -104,6 +104,8 @@ def named_results(
     conditions = [one for one in options.values() if isinstance(one, Condition)]
     named = [*references(operation.parameters)]
     named += [one for condition in conditions for one in condition.references]
+    if 'identifies' in options:
+        named.append(Reference('results', operation.id, options['identifies']))
     for one in named:
         if one.source == 'results':
             yield one.name, one.fields

@@ -52,6 +52,7 @@ class _Writer:
             zones=tuple(self._zones()),
             params=self._recipe.params,
             repeats=tuple(self._repeats()),
+            lots=self._recipe.lots,
         )
 
     # --- lists ------------------------------------------------------------------------------

@@ -34,7 +34,12 @@ class Values:
 
     def options(self, candidate: Candidate) -> dict[str, Any]:
         """Return the other fields of a task."""
-        return {name: self.renamed(value) for name, value in candidate.options.items()}
+        options = {name: self.renamed(value) for name, value in candidate.options.items()}
+        given = candidate.operation.options.get('identifies')  # of a capability: a result field
+        if given is not None:
+            own = Reference('results', candidate.operation.id, given)
+            options['identifies'] = self._in_result(own).fields
+        return options
 
     def _given(self, operation: Operation, name: str) -> Reference | None:
         """Return what an earlier operation gives; None: the device keeps it."""

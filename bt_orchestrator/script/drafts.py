@@ -95,6 +95,11 @@ class TaskDraft:
         return self.position.is_beside(other.position)
 
     @property
+    def identifies(self) -> bool:
+        """Tell whether its result has the serial of the item."""
+        return self.fields.has('identifies')
+
+    @property
     def may_reject(self) -> bool:
         """Tell whether a failure rejects the item."""
         return self.task.on_failure is OnFailure.REJECT

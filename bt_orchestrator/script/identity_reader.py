@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from bt_orchestrator.model.reference import Template
 from bt_orchestrator.script.checks.references import ReferenceReader
@@ -37,14 +37,17 @@ def read_serial(task: TaskDraft, references: ReferenceReader, report: Report) ->
     return reference.fields
 
 
-def check_serials(script: ScriptDraft, report: Report) -> None:
+def check_serials(tasks: Iterable[TaskDraft], report: Report) -> None:
     """Report a second task that identifies the item (semantics 6.8)."""
-    reading = [task for task in script.listed if task.fields.has('identifies')]
-    reading = [task for task in reading if not task.task.qty_change]
+    reading = [task for task in tasks if task.identifies and not task.task.qty_change]
     for task in reading[1:]:
         first = reading[0]
         what = f'`{first.id}` (line {first.line}) identifies the item already'
-        report.add(task.fields.key_place('identifies'), what, 'keep one of them')
+        if task.fields.has('identifies'):
+            report.add(task.fields.key_place('identifies'), what, 'keep one of them')
+        else:
+            hint = 'let `do` name a capability without `identifies`'
+            report.add(task.place('do'), what, hint)
 
 
 def read_lots(script: ScriptDraft, report: Report) -> dict[str, Template]:

@@ -85,7 +85,7 @@ class _ScriptReader:
         check_balance(self._draft, self._report)
         check_sections(self._draft, self._report)
         check_repeats(self._draft, self._report)
-        check_serials(self._draft, self._report)
+        check_serials(self._draft.listed, self._report)
         return self._script(name or '', quantity, relations)
 
     def _relations(self) -> _Relations:

@@ -184,6 +184,16 @@ PARAMS = Key(
     rule='8.1',
 )
 
+LOTS = Key(
+    'lots',
+    Kind.MAPPING,
+    'what goes into each item, by name: texts with values of the order',
+    '{glue: "${params.glue_lot}"}',
+    members=Kind.TEXT,
+    name_form=NAME_WITHOUT_DOTS,
+    rule='6.9',
+)
+
 SCRIPT = Table(
     'a script',
     (
@@ -206,15 +216,7 @@ SCRIPT = Table(
         ),
         whole('quantity', 'items of an order that names no quantity', '12', 1, rule='6.2'),
         PARAMS,
-        Key(
-            'lots',
-            Kind.MAPPING,
-            'what goes into each item, by name: texts with values of the order',
-            '{glue: "${params.glue_lot}"}',
-            members=Kind.TEXT,
-            name_form=NAME_WITHOUT_DOTS,
-            rule='6.9',
-        ),
+        LOTS,
         Key(
             'initialization',
             Kind.LIST,

@@ -147,8 +147,6 @@ TASK = Table(
     rivals=(('continue_if_fail', 'on_failure'), ('when', 'unless')),
 )
 
-NOT_GENERATED = ('`identifies` is not in generated scripts', 'remove `identifies`')
-
 _NO_ITEM = 'initialization has no items, so `{}` means nothing there'
 
 INITIALIZATION_TASK = Table(

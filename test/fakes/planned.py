@@ -42,13 +42,14 @@ def cell_of(components: Mapping[str, str], sections: int = 4) -> Cell:
     ]
     type_ = 'type: bt_orchestrator_interfaces/action/Component'
     for name, keys in components.items():
-        lines.append(f'  {name}: {{action: /{name}/do, {type_}, {keys}}}')
+        of_type = '' if 'type: ' in keys else f'{type_}, '
+        lines.append(f'  {name}: {{action: /{name}/do, {of_type}{keys}}}')
     return parse_cell('\n'.join(lines), 'cell.yaml', TYPES)
 
 
-def recipe_of(cell: Cell, operations: str) -> Recipe:
-    """Read a recipe: its operations in YAML, a line each."""
-    text = 'recipe: R\nversion: 1\nscript: made\noperations:\n'
+def recipe_of(cell: Cell, operations: str, head: str = '') -> Recipe:
+    """Read a recipe: its operations in YAML, a line each, and further lines of its head."""
+    text = f'recipe: R\nversion: 1\nscript: made\n{head}operations:\n'
     return parse_recipe(text + indent(dedent(operations).strip('\n'), '  '), 'r.yaml', cell, TYPES)
 
 

@@ -39,6 +39,7 @@ components:
       mark: {task: RUN, args: {name: "item ${item.number}"}, parameters: {text: name, at: pose},
              gives: {size: code}}
       gauge: {task: STOP, gives: {depth: value}, holds: {size: 1}}
+      scan: {task: RUN, identifies: pose.frame}
   press:
     section: 3
     action: /press/task

@@ -6,13 +6,13 @@ from dataclasses import replace
 
 from bt_orchestrator.script.keys import LARGEST_WHOLE, Key, Kind, Table
 from bt_orchestrator.script.names import ID_FORM, NAME_WITHOUT_DOTS
-from bt_orchestrator.script.task_keys import INITIALIZATION_TASK, NOT_GENERATED, TASK
+from bt_orchestrator.script.task_keys import INITIALIZATION_TASK, TASK
 
 _NO_ACTION = ('the component says which action it serves', 'remove `action`')
 
 _CONDITIONS = ('when', 'unless', 'fails_unless')
 
-_MADE_BY_OTHERS = ('id', 'action', 'identifies', *_CONDITIONS)
+_MADE_BY_OTHERS = ('id', 'action', *_CONDITIONS)
 """Keys of a task that are those of the component, or of the operation that uses the capability."""
 
 
@@ -55,7 +55,6 @@ CAPABILITY = Table(
         **TASK.misplaced,
         'id': ('the task is named by the operation of a recipe', 'remove `id`'),
         'action': _NO_ACTION,
-        'identifies': NOT_GENERATED,
         **{
             key: (
                 f'a capability has no `{key}`: only a recipe knows the other operations',

@@ -10,9 +10,11 @@ from bt_orchestrator.model.capability import Capability, Preparation
 from bt_orchestrator.model.reference import Reference
 from bt_orchestrator.model.script import Task
 from bt_orchestrator.script.capabilities.capability_keys import CAPABILITY
+from bt_orchestrator.script.checks.balance import check_unjudged
 from bt_orchestrator.script.checks.references import ReferenceReader
 from bt_orchestrator.script.drafts import Position, ScriptDraft, TaskDraft
 from bt_orchestrator.script.fields import Fields, broken_limit, fields_of
+from bt_orchestrator.script.identity_reader import read_serial
 from bt_orchestrator.script.names import check_id, check_name
 from bt_orchestrator.script.references import Path, ReferenceFault, fixed_reference
 from bt_orchestrator.script.report import did_you_mean, listing
@@ -102,10 +104,21 @@ class CapabilityReader:
             gives=self._named(fields, 'gives', result),
             needs=self._named(fields, 'needs', goal),
             holds=self._holds(fields),
-            options=written_options(fields),
+            options=written_options(fields) | self._identifies(fields),
         )
         self._check_once(fields, capability)
         return capability
+
+    def _identifies(self, fields: Fields) -> dict[str, tuple[str, ...]]:
+        """Return the result field that is the item's serial, if it reads one."""
+        change = fields.whole('qty_change')
+        if change:
+            does = 'places the item' if change > 0 else 'takes the item out'
+            check_unjudged(fields, does, self._report)
+        task = TaskDraft(Task('', '', '', ''), fields, Position(1, 0, 0, 0), None, self._type)
+        references = ReferenceReader(ScriptDraft(fields), task, self._report, of_verdict=True)
+        serial = read_serial(task, references, self._report)
+        return {'identifies': serial} if serial else {}
 
     def _task(self, fields: Fields, missing: str) -> str:
         if self._type is None:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.script import RunsFor
 from bt_orchestrator.script.drafts import ScriptDraft, TaskDraft
+from bt_orchestrator.script.fields import Fields
 from bt_orchestrator.script.report import Report, listing
 
 GOOD, REJECTED = False, True
@@ -176,7 +177,7 @@ def check_placing(task: TaskDraft, report: Report) -> None:
     for key in _conditions(task):
         what = f'a task that places the item cannot have `{key}`'
         report.add(task.fields.key_place(key), what, f'remove `{key}`')
-    _check_unjudged(task, 'places the item', report)
+    check_unjudged(task.fields, 'places the item', report)
     if task.task.runs_for is not RunsFor.GOOD:
         what = 'an item that is rejected before it is placed leaves an empty position'
         report.add(task.place('runs_for'), what, 'remove `runs_for` from this task')
@@ -187,20 +188,20 @@ def check_taking(task: TaskDraft, report: Report) -> None:
     for key in _conditions(task):
         what = f'a task that takes the item out cannot have `{key}`: the item would stay'
         report.add(task.fields.key_place(key), what, f'remove `{key}`, or use `runs_for`')
-    _check_unjudged(task, 'takes the item out', report)
+    check_unjudged(task.fields, 'takes the item out', report)
     if task.task.on_failure is OnFailure.CONTINUE and task.fields.is_sure('on_failure'):
         key = 'continue_if_fail' if task.fields.has('continue_if_fail') else 'on_failure'
         what = 'a task that takes the item out cannot continue after a failure'
         report.add(task.place(key), what, 'use `hold`, `reject` or `abort_job`')
 
 
-def _check_unjudged(task: TaskDraft, does: str, report: Report) -> None:
-    """The item has moved before a verdict, or its serial, could refuse the result (2.8, 6.8)."""
+def check_unjudged(fields: Fields, does: str, report: Report) -> None:
+    """Report a verdict, or a serial: the item has moved before either could refuse (2.8, 6.8)."""
     for key, verb in (('fails_unless', 'judge'), ('identifies', 'identify')):
-        if task.fields.has(key):
+        if fields.has(key):
             what = f'a task that {does} cannot have `{key}`: the item has moved by then'
             hint = f'{verb} it by a task of its own, or by the task before'
-            report.add(task.fields.key_place(key), what, hint)
+            report.add(fields.key_place(key), what, hint)
 
 
 def _conditions(task: TaskDraft) -> Iterator[str]:

@@ -49,6 +49,12 @@ class OperationDraft(TaskDraft):
     after: tuple[str, ...] = ()
     """Ids of those directly before it."""
 
+    @property
+    def identifies(self) -> bool:
+        """Tell whether its result may have the serial: it says so, or one that can do it does."""
+        able = (one.capability.options for one in self.candidates)
+        return super().identifies or any('identifies' in options for options in able)
+
     def precedes(self, other: TaskDraft) -> bool:
         """Tell whether it has ended before the other one starts."""
         return isinstance(other, OperationDraft) and self.id in other.before

@@ -8,6 +8,7 @@ from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.script.checks.arguments import MessageReader
 from bt_orchestrator.script.checks.references import ReferenceReader
 from bt_orchestrator.script.conditions.reader import ConditionReader
+from bt_orchestrator.script.identity_reader import read_serial
 from bt_orchestrator.script.recipes.drafts import Candidate, OperationDraft, RecipeDraft
 from bt_orchestrator.script.report import Report, did_you_mean, listing
 from bt_orchestrator.script.task_options import written_options
@@ -31,8 +32,9 @@ class OperationValues:
         condition = ConditionReader(self._operation, self._references, self._report).read()
         afterwards = ReferenceReader(self._draft, self._operation, self._report, of_verdict=True)
         verdict = ConditionReader(self._operation, afterwards, self._report).verdict()
-        conditions = {'condition': condition, 'fails_unless': verdict}
-        return options | {name: one for name, one in conditions.items() if one is not None}
+        serial = read_serial(self._operation, afterwards, self._report)
+        more = {'condition': condition, 'fails_unless': verdict, 'identifies': serial or None}
+        return options | {name: one for name, one in more.items() if one is not None}
 
     # --- parameters -------------------------------------------------------------------------
 

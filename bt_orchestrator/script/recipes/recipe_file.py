@@ -14,6 +14,7 @@ from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.checks.repeats import check_repeats
 from bt_orchestrator.script.composing import compose
 from bt_orchestrator.script.fields import Fields, file_fields
+from bt_orchestrator.script.identity_reader import check_serials, read_lots
 from bt_orchestrator.script.names import check_id
 from bt_orchestrator.script.parameters import read_parameters
 from bt_orchestrator.script.recipes.balance import check_balance
@@ -70,6 +71,7 @@ def _recipe(fields: Fields, cell: Cell, types: ActionTypes, report: Report) -> R
     operations = tuple(_operation(draft, one, report) for one in draft.operations)
     check_balance(draft, report)
     check_repeats(draft, report)
+    check_serials(draft.operations, report)
     return Recipe(
         name=texts['recipe'] or '',
         version=version or 0,
@@ -79,6 +81,7 @@ def _recipe(fields: Fields, cell: Cell, types: ActionTypes, report: Report) -> R
         reworks=tuple(
             Rework(tuple(one.id for one in repeat.tasks), repeat.times) for repeat in draft.repeats
         ),
+        lots=read_lots(draft, report),
     )
 
 

@@ -7,11 +7,13 @@ from dataclasses import replace
 from bt_orchestrator.model.limits import OPERATIONS
 from bt_orchestrator.script.keys import Key, Kind, Table, whole
 from bt_orchestrator.script.names import ID_FORM, NAME_WITHOUT_DOTS
-from bt_orchestrator.script.script_keys import PARAMS, REPEAT
-from bt_orchestrator.script.task_keys import NOT_GENERATED, TASK
+from bt_orchestrator.script.script_keys import LOTS, PARAMS, REPEAT
+from bt_orchestrator.script.task_keys import TASK
 
 _OF_EQUIPMENT = ('task', 'action', 'args', 'requires_conveyor', 'qty_change')
 """Keys of a task that are those of the component that does it."""
+
+_SERIAL = "what the operation gives that is the item's serial, text or a whole number"
 
 _OWN = (
     Key(
@@ -57,11 +59,14 @@ OPERATION = Table(
     'an operation',
     (
         *_OWN,
-        *(key for key in TASK.keys if key.name not in (*_OF_EQUIPMENT, 'id', 'identifies')),
+        *(
+            replace(key, meaning=_SERIAL, example='code') if key.name == 'identifies' else key
+            for key in TASK.keys
+            if key.name not in (*_OF_EQUIPMENT, 'id')
+        ),
     ),
     misplaced={
         **TASK.misplaced,
-        'identifies': NOT_GENERATED,
         **{
             key: (
                 f'`{key}` is a matter of the equipment, which a recipe does not name',
@@ -111,6 +116,7 @@ RECIPE = Table(
             form=ID_FORM,
         ),
         PARAMS,
+        LOTS,
         Key(
             'operations',
             Kind.LIST,

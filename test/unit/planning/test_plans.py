@@ -8,12 +8,15 @@ import sys
 from pathlib import Path
 
 import pytest
-from fakes.planned import ENDS, cell_of, lists, made_of, recipe_of
+from fakes.planned import ENDS, TYPES, cell_of, lists, made_of, recipe_of
 
 from bt_orchestrator.model.recipe import Overrides
+from bt_orchestrator.model.reference import Reference, Template
 from bt_orchestrator.model.script import Dependency, Release, Repeat, RunsFor, Script, Zone
 from bt_orchestrator.planning.generate import generate
 from bt_orchestrator.planning.outcome import Impossible, Why
+from bt_orchestrator.sim.pace_judge import PaceJudge
+from bt_orchestrator.store.memory import MemoryStore
 
 DRILL = {'drill_a': 'section: 2, capabilities: {drill: {task: TASK_A}}'}
 PRESS = {'press_a': 'section: 3, capabilities: {press: {task: TASK_B}}'}
@@ -304,6 +307,32 @@ def test_results_are_named_as_the_component_calls_them() -> None:
     verdict = found.tasks['w'].fails_unless
     assert verdict is not None
     assert verdict.words == '${results.w.measurement} at least 2.0'
+
+
+@pytest.mark.parametrize(
+    ('capability', 'operation'),
+    [
+        ('{task: READ, gives: {code: serial}}', 'do: read, identifies: code'),
+        ('{task: READ, identifies: serial}', 'do: read'),
+    ],
+)
+def test_the_serial_is_a_field_of_the_component_that_reads_it(
+    capability: str, operation: str
+) -> None:
+    """A recipe calls it by what the capability gives; a capability by the field."""
+    eye = 'type: bt_orchestrator_interfaces/action/Reader'
+    found = made_of(
+        {**LINE, 'eye': f'section: 2, {eye}, capabilities: {{read: {capability}}}'},
+        STEPS + f'- {{id: look, {operation}, after: place}}',
+    )
+    assert found.script.tasks['look'].identifies == ('serial',)
+
+
+def test_lots_are_those_of_the_recipe() -> None:
+    cell = cell_of(LINE)
+    made = recipe_of(cell, STEPS, 'lots: {box: "${order.id}"}\n')
+    script = generate(cell, made, judge=PaceJudge(cell, TYPES, MemoryStore)).script
+    assert script.lots == {'box': Template((Reference('order', 'id'),))}
 
 
 def test_preparations_of_what_is_used_come_with_what_comes_before_them() -> None:

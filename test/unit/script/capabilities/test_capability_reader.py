@@ -56,6 +56,11 @@ def test_options_are_those_that_were_written() -> None:
     assert press.options == {'on_failure': OnFailure.CONTINUE}
 
 
+def test_a_device_may_read_the_serial() -> None:
+    scan = able_cell().components['camera'].capabilities['scan']
+    assert scan.options == {'identifies': ('pose', 'frame')}
+
+
 def test_workspaces_and_preparations_are_read() -> None:
     cell = able_cell()
     assert cell.components['table'].workspaces == ('table',)

@@ -71,6 +71,13 @@ def test_an_operation_is_read_with_all_that_it_says() -> None:
     }
 
 
+def test_the_serial_and_the_lots_of_an_item_are_read() -> None:
+    text = RECIPE.format('  - {id: look, do: locate, identifies: text}')
+    read = recipe(text.replace('operations:', 'lots: {glue: "${params.s}"}\noperations:'))
+    assert read.by_id['look'].options == {'identifies': ('text',)}
+    assert read.lots == {'glue': Template((Reference('params', 's'),))}
+
+
 def test_what_is_repeated_is_in_order() -> None:
     read = with_operations(
         '- repeat:\n'
