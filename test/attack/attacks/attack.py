@@ -18,6 +18,8 @@ class Bounds:
     """The same at the end."""
     journal_mb: float = 8.0
     """Half of it is what SQLite keeps beside the file until it is tidied up."""
+    journal_mb_a_task: float = 0.0
+    """What each task of the line may add to that: a result is kept as it came."""
     stalls_s: float = 0.0
     """How long the node cannot answer, whatever it does: it is stopped."""
     breaks_journal: bool = False

@@ -31,7 +31,7 @@ class Results(Attack):
     """Results with every number and text that ROS 2 can carry, up to 1 MB."""
 
     name = 'results'
-    bounds = Bounds(journal_mb=60.0, peak_mb=150.0, grown_mb=100.0)
+    bounds = Bounds(journal_mb_a_task=0.3, peak_mb=150.0, grown_mb=100.0)
 
     def run(self, peer: Peer) -> None:
         """Let the untrusted controllers do it."""
