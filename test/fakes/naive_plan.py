@@ -12,7 +12,6 @@ from typing import Any
 Row = dict[str, Any]
 
 CHECK_S, CHECKS_OF_A_REQUEST = 2.0, 2
-BEFORE_OTHERS = -1e9
 REASONS = {'abort': 'aborted', 'cancel': 'canceled', 'false': 'task_result_false'}
 
 
@@ -39,7 +38,7 @@ class NaiveDevice:
         self.goals += 1
         kind, _, extra_s = self.faults.get(str(self.goals), '').partition(':')
         if self.dead or kind == 'reject':
-            return 0.0, [(0.0, 'goal_rejected', BEFORE_OTHERS)]
+            return 0.0, [(0.0, 'goal_rejected', 0.0)]
         if kind == 'mute':
             return 0.0, [(CHECK_S * CHECKS_OF_A_REQUEST, 'server_lost', 0.0)]
         self.accepted += 1

@@ -12,6 +12,12 @@ from typing import Any
 
 from fakes.naive_plan import NaiveDevice, Row, plan_of
 
+Order = tuple[float, bool]
+"""When a server decided what it says now, and whether it had to accept the goal before."""
+
+FIRST, LAST = (-inf, False), (inf, False)
+"""Starts of jobs, and limits of time."""
+
 
 @dataclass(eq=False)
 class Job:
@@ -152,11 +158,9 @@ class NaiveRun(ABC):
         self.holds: list[Any] = []
         self.records: list[Row] = []
         self._facts: set[tuple[Any, ...]] = set()
-        self._agenda: list[tuple[float, float, int, Any, int, str]] = []
+        self._agenda: list[tuple[float, Order, int, Any, int, str]] = []
         self.deliveries = 0
         """Goals that were sent since the last one are on their way."""
-        self.last_sent = -1
-        """Before which delivery a goal was sent last."""
         self.numbers, self._hold_ids = itertools.count(), itertools.count(1)
 
     def say(self, event: str, where: Row, **fields: Any) -> None:
@@ -240,19 +244,15 @@ class NaiveRun(ABC):
         return [job for job in self.jobs if self.is_able(job)]
 
     def at(
-        self, after: float, task: Any, end: str, certain: float, number: int | None = None
+        self, after: float, task: Any, end: str, order: Order, number: int | None = None
     ) -> None:
         """Note how an attempt ends after a while, or the wait of a job.
 
-        Of one time what was certain earlier is first.
-
-        :param certain: seconds from now after which nothing but a stop or a cancel can change it
-        :param number: its place among what is certain at the same time; None: the last one
+        :param order: its place at that time
+        :param number: its place among those of the same order; None: the last one
         """
         time, number = round(self.now + after, 6), next(self.numbers) if number is None else number
-        self._agenda.append(
-            (time, self.now + certain, number, task, getattr(task, 'goals', 0), end)
-        )
+        self._agenda.append((time, order, number, task, getattr(task, 'goals', 0), end))
 
     def advance(self, until: float) -> None:
         """Let everything happen up to a time."""
