@@ -66,7 +66,7 @@ def changed_job(state: CellState, name: str, wish: AskedOrder) -> ChangedJob:
         there = listed(state.jobs.queued_names, 'nothing')
         raise NotRead(f'{name} is not there; in the queue: {there}')
     job = now.job
-    return ChangedJob(name, now.digest, job.quantity, job.params, wish, job.terms)
+    return ChangedJob(name, now.digest, job.quantity, job.params, wish, job.terms, job.recipe)
 
 
 def free_ids(wanted: Wanted, state: CellState) -> tuple[str, ...]:
@@ -83,8 +83,11 @@ def size_of(text: str) -> int:
 
 
 def _size(order: AskedOrder) -> int:
-    params, details = order.params, order.terms.details
-    return sum(map(size_of, (order.script, order.order, details, *params, *params.values())))
+    params, details, recipe = order.params, order.terms.details, order.recipe
+    texts = [order.script, order.order, details, *params, *params.values()]
+    if recipe is not None:
+        texts += [*recipe.recipes, *recipe.bind, *recipe.bind.values()]
+    return sum(map(size_of, texts))
 
 
 # --- after that ---------------------------------------------------------------------------------
@@ -134,7 +137,8 @@ def with_each(answer: Answer, jobs: Sequence[Job], state: CellState) -> Answer:
 
 def _name(order: AskedOrder) -> str:
     """Return the words by which a client knows its order."""
-    return order.order or order.script or 'the order'
+    recipe = order.recipe.words if order.recipe else ''
+    return order.order or order.script or recipe or 'the order'
 
 
 class Told:

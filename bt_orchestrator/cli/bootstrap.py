@@ -18,6 +18,7 @@ from bt_orchestrator.ports import ActionTypes, EventSink, EventStore, Foresight,
 from bt_orchestrator.script.admission import admitted
 from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.script.lookup import find_script
+from bt_orchestrator.script.orders.choice import wrong_choice
 from bt_orchestrator.script.orders.order_file import (
     OrderFile,
     OrderPlaces,
@@ -243,6 +244,9 @@ class _ScriptShelf:
         :raises Refused: it cannot be found, or has mistakes
         """
         places = file.places
+        wrong = wrong_choice(file.order.script, file.order.recipe)
+        if wrong is not None:
+            raise Refused([places.finding(wrong)])
         path = find_script(file.order.script, self._folders, places.file, places.place('script'))
         script = self._read(path)
         if self._instead is not None and script.name == self._instead.of:
@@ -260,7 +264,7 @@ def _bind(files: Sequence[OrderFile], shelf: _ScriptShelf, findings: Findings) -
     given = []
     for file in files:
         job_id = file.order.order or next(ids)
-        if not file.places.is_sure('script'):
+        if not file.places.is_sure('script') or not file.places.is_sure('recipe'):
             continue
         job = findings.of(partial(_job, file, job_id, shelf))
         if job is not None:

@@ -126,6 +126,7 @@ def _ordered(job: Job) -> dict[str, Any]:
         'params': job.params,
         'recipe': made_from.recipe if made_from else '',
         'recipe_version': made_from.version if made_from else None,
+        'choice': job.recipe,
         **vars(job.terms),
     }
 

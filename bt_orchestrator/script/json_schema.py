@@ -63,6 +63,8 @@ def _table(table: Table) -> Schema:
         schema['required'] = required
     if table.rivals:
         schema['allOf'] = [{'not': {'required': list(pair)}} for pair in table.rivals]
+    if table.one_of:
+        schema['anyOf'] = [{'required': [name]} for name in table.one_of]
     if table.forms:
         schema['oneOf'] = [
             {'required': list(form), 'maxProperties': len(form)} for form in table.forms

@@ -103,6 +103,8 @@ class Table:
     """Keys that belong elsewhere: why they are wrong here, and what to do."""
     rivals: tuple[tuple[str, str], ...] = ()
     """Pairs of keys that say the same thing; one of each pair may be given."""
+    one_of: tuple[str, ...] = ()
+    """Keys of which one at least is given; none: there is no such demand."""
     forms: tuple[tuple[str, ...], ...] = ()
     """Sets of keys: exactly one of them is given, whole, and no other key; none: any set is."""
     short: str = ''
@@ -116,6 +118,9 @@ class Table:
     @property
     def hint(self) -> str:
         """How to write such a mapping: with the keys that it needs, else with those there are."""
+        if self.one_of:
+            names = ' or '.join(f'`{name}`' for name in self.one_of)
+            return f'write a mapping with the key {names}'
         needed = [key.name for key in self.keys if key.required]
         names = [f'`{name}`' for name in needed or list(self.by_name)[:3]]
         return f'write a mapping with the key{"s" if len(names) > 1 else ""} {", ".join(names)}'

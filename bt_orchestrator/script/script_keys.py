@@ -278,7 +278,23 @@ ORDER = Table(
             Kind.TEXT,
             'name of a script, or a path; for a node, below its folders of scripts',
             'my_process',
-            required=True,
+            rule='8.1',
+        ),
+        Key(
+            'recipe',
+            Kind.NAMES,
+            'in place of `script`: name of a recipe, or of several: the first that can be made',
+            'WM-100',
+            fewest=1,
+            rule='8.1',
+        ),
+        whole('version', 'version of the recipe; absent: the newest', '2', 1, rule='8.1'),
+        Key(
+            'bind',
+            Kind.MAPPING,
+            'component that does an operation of the recipe, by the id of the operation',
+            '{insert: component_3a}',
+            members=Kind.TEXT,
             rule='8.1',
         ),
         whole('quantity', "number of items; absent: the script's", '12', 1, rule='6.2'),
@@ -313,10 +329,6 @@ ORDER = Table(
             rule='6.6',
         ),
     ),
-    misplaced={
-        'recipe': (
-            'an order names a script, not yet a recipe',
-            'make a script with `bt-orchestrator generate`, and name it with `script`',
-        ),
-    },
+    rivals=(('script', 'recipe'), ('script', 'version'), ('script', 'bind')),
+    one_of=('script', 'recipe'),
 )

@@ -7,7 +7,7 @@ its content.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence, Set
 
 from bt_orchestrator.errors import Finding, Refused
 from bt_orchestrator.script.cell_keys import CELL
@@ -66,7 +66,13 @@ def _other_kind(root: Node | None, tables: tuple[Table, ...]) -> Table | None:
         and keys & (other.by_name.keys() - expected)
         and not keys & (expected - other.by_name.keys())
     ]
-    return max(others, key=lambda other: len(keys & other.by_name.keys()), default=None)
+    return max(others, key=lambda other: _likeness(keys, other), default=None)
+
+
+def _likeness(keys: Set[str], table: Table) -> tuple[int, bool]:
+    """Return how many keys of a table a text has, and whether the table needs one of them."""
+    own = table.by_name.keys() & keys
+    return len(own), not own.isdisjoint(key.name for key in table.keys if key.required)
 
 
 def _stranger(text: str, root: Node | None, tables: tuple[Table, ...]) -> str | None:
@@ -84,7 +90,11 @@ def _stranger(text: str, root: Node | None, tables: tuple[Table, ...]) -> str | 
 
 def _are_meant(keys: Sequence[str], tables: tuple[Table, ...]) -> bool:
     known = {name for table in tables for name in (*table.by_name, *table.misplaced)}
-    needed = [key.name for table in tables for key in table.keys if key.required]
+    needed = [
+        name
+        for table in tables
+        for name in (*(key.name for key in table.keys if key.required), *table.one_of)
+    ]
     some = keys[:_COMPARED]
     return not known.isdisjoint(keys) or any(nearest(key, needed, _MISSPELT) for key in some)
 

@@ -77,6 +77,9 @@ class EngineWhatIf:
         wrong = mistakes(order)
         if wrong:
             return _with_mistakes(wrong)
+        if 'recipe' in order:
+            what = 'its script is made when the order is given'
+            return CheckedOrder(True, what, is_checked=False)
         name = str(order['script'])
         try:
             find_below(name, self._trees, ANY_PATH)

@@ -9,6 +9,7 @@ from typing import Any, get_args, get_origin
 
 from bt_orchestrator.model import events
 from bt_orchestrator.model.codec import event_types, hints_of
+from bt_orchestrator.model.jobs.order import RecipeChoice
 from bt_orchestrator.model.script import Script
 from tables import docstrings
 from tables.markdown import cell, table
@@ -54,6 +55,7 @@ KINDS: Mapping[Any, str] = {
     tuple: 'list of text',
     Mapping: 'object',
     Script: 'object',
+    RecipeChoice: 'object',
     str: '',
 }
 """What a field holds, by the origin of its annotation; nothing is said of text."""

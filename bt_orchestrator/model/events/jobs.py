@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from bt_orchestrator.model.events.base import Event
+from bt_orchestrator.model.jobs.order import RecipeChoice
 from bt_orchestrator.model.script import Script
 
 
@@ -52,6 +53,8 @@ class JobQueued(Event):
     record is of an older program."""
     recipe_version: int | None = None
     """Version of the recipe; absent: it has none, or is not known."""
+    choice: RecipeChoice | None = None
+    """What the order named in place of a script; absent: it named a script."""
     unavailable: tuple[str, ...] = ()
     """Components out of service that it needs: it is passed (semantics 7.5)."""
 
@@ -93,6 +96,8 @@ class JobUpdated(Event):
     record is of an older program."""
     recipe_version: int | None = None
     """Version of the recipe; absent: it has none, or is not known."""
+    choice: RecipeChoice | None = None
+    """What the order named in place of a script; absent: it named a script."""
     unavailable: tuple[str, ...] = ()
     """Components out of service that it needs: it is passed (semantics 7.5)."""
 

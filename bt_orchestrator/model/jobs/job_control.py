@@ -48,7 +48,7 @@ REVOKE_START = Method(
 UPDATE = Method(
     'Update',
     'update',
-    'change quantity, parameters or script of a job that has not started',
+    'change quantity, parameters, script or recipe of a job that has not started',
     {NOT_ALLOWED: NOT_ALLOWED, ALLOWED: ALLOWED},
 )
 PAUSE = Method(

@@ -46,16 +46,36 @@ NO_TERMS = Terms()
 
 
 @dataclass(frozen=True)
-class WorkOrder:
-    """A work order, as written by a customer."""
+class RecipeChoice:
+    """What an order names in place of a script: recipes of which the cell makes one."""
 
-    script: str
-    """Name of a script, or a path to one."""
+    recipes: tuple[str, ...]
+    """Names; the first one that can be made is made."""
+    version: int | None = None
+    """None: the newest."""
+    bind: Mapping[str, str] = field(default_factory=dict)
+    """Component that does an operation, by the operation's id; as EquipmentRequirements of ISA-95."""
+
+    @property
+    def words(self) -> str:
+        """The recipes and the version, as messages name them."""
+        version = '' if self.version is None else f' version {self.version}'
+        return f'{" or ".join(self.recipes)}{version}'
+
+
+@dataclass(frozen=True)
+class WorkOrder:
+    """A work order, as written by a customer: of a script, or of a recipe."""
+
+    script: str = ''
+    """Name of a script, or a path to one; empty: it names a recipe."""
     order: str | None = None
     quantity: int | None = None
     """None: the script's default."""
     params: Mapping[str, Any] = field(default_factory=dict)
     terms: Terms = NO_TERMS
+    recipe: RecipeChoice | None = None
+    """None: it names a script."""
 
 
 @dataclass(frozen=True)
@@ -69,6 +89,8 @@ class Job:
     params: Mapping[str, Any] = field(default_factory=dict)
     """Every parameter of the script, defaults filled in."""
     terms: Terms = NO_TERMS
+    recipe: RecipeChoice | None = None
+    """What the order named in place of a script: the job is made anew from it; None: a script."""
 
     def item(self, number: int) -> str:
         """Return the id of an item; numbers count from 1."""

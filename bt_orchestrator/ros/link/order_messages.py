@@ -9,7 +9,7 @@ from bt_orchestrator_interfaces.msg import WorkOrder as WorkOrderMessage
 from bt_orchestrator_interfaces.srv import QueueUpdate
 from diagnostic_msgs.msg import KeyValue
 
-from bt_orchestrator.model.jobs.order import WorkOrder
+from bt_orchestrator.model.jobs.order import RecipeChoice, WorkOrder
 from bt_orchestrator.ros.stamps import to_moment, to_time
 from bt_orchestrator.script.orders.asked import asked_of, change_of
 
@@ -26,6 +26,7 @@ def order_message(order: WorkOrder) -> Any:
         start=to_moment(order.terms.start),
         due=to_moment(order.terms.due),
         details=asked.terms.details,
+        **_choice(order.recipe),
     )
 
 
@@ -45,7 +46,16 @@ def change_message(given: Mapping[str, Any]) -> Any:
         start=[] if terms.start is None else [to_time(terms.start)],
         due=[] if terms.due is None else [to_time(terms.due)],
         details=terms.details,
+        **_choice(wish.recipe),
     )
+
+
+def _choice(recipe: RecipeChoice | None) -> dict[str, Any]:
+    """Return the fields that name a recipe."""
+    if recipe is None:
+        return {}
+    version, bind = recipe.version or 0, _key_values(recipe.bind)
+    return {'recipes': list(recipe.recipes), 'version': version, 'bind': bind}
 
 
 def _key_values(params: Mapping[str, str]) -> list[Any]:

@@ -8,7 +8,7 @@ from typing import Any
 
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model.codec import json_of
-from bt_orchestrator.model.jobs.order import WorkOrder
+from bt_orchestrator.model.jobs.order import RecipeChoice, WorkOrder
 from bt_orchestrator.script.field_types import Misfit
 from bt_orchestrator.script.instants import instant
 from bt_orchestrator.script.orders.desk import AskedOrder
@@ -25,7 +25,8 @@ def asked_of(order: WorkOrder) -> AskedOrder:
     details = json_of(terms.details) if terms.details else ''
     asked = AskedTerms(terms.priority, terms.start or 0.0, terms.due or 0.0, details)
     texts = written(order.params)
-    return AskedOrder(order.script, order.order or '', order.quantity or 0, texts, asked)
+    quantity = order.quantity or 0
+    return AskedOrder(order.script, order.order or '', quantity, texts, asked, order.recipe)
 
 
 def change_of(given: Mapping[str, Any]) -> AskedOrder:
@@ -41,7 +42,22 @@ def change_of(given: Mapping[str, Any]) -> AskedOrder:
         '' if details is None else json_of(details),
     )
     texts = written(given.get('params', {}))
-    return AskedOrder(given.get('script', ''), '', given.get('quantity', 0), texts, terms)
+    quantity, recipe = given.get('quantity', 0), choice_of(given)
+    return AskedOrder(given.get('script', ''), '', quantity, texts, terms, recipe)
+
+
+def choice_of(given: Mapping[str, Any]) -> RecipeChoice | None:
+    """Return the recipe that a queued job is to be made from; None: it names none.
+
+    :raises CommandRefused: a version or a binding is of no recipe
+    """
+    recipes = tuple(given.get('recipe') or ())
+    if recipes:
+        return RecipeChoice(recipes, given.get('version'), given.get('bind') or {})
+    lone = [key for key in ('version', 'bind') if given.get(key)]
+    if lone:
+        raise CommandRefused(f'`{lone[0]}` is about a recipe; name it with `recipe`')
+    return None
 
 
 def written(params: Mapping[str, Any]) -> dict[str, str]:

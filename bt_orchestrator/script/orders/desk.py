@@ -17,12 +17,13 @@ from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.jobs.job_commands import Sharing
-from bt_orchestrator.model.jobs.order import NO_TERMS, Job, Terms, WorkOrder
+from bt_orchestrator.model.jobs.order import NO_TERMS, Job, RecipeChoice, Terms, WorkOrder
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.proof.sharing import examine
 from bt_orchestrator.script.admission import admitted
 from bt_orchestrator.script.lookup import find_below, find_script
+from bt_orchestrator.script.orders.choice import wrong_choice
 from bt_orchestrator.script.orders.order_file import (
     bind_order,
     named_places,
@@ -44,12 +45,14 @@ SCRIPTS_KEPT = 32
 class AskedOrder:
     """A work order as texts, as a client names it."""
 
-    script: str
+    script: str = ''
     order: str = ''
     quantity: int = 0
     params: Mapping[str, str] = field(default_factory=dict)
     """Written as in YAML."""
     terms: AskedTerms = NOTHING_SAID
+    recipe: RecipeChoice | None = None
+    """None: it names a script."""
 
 
 @dataclass(frozen=True)
@@ -90,6 +93,8 @@ class ChangedJob:
     params: Mapping[str, object]
     wish: AskedOrder
     terms: Terms = NO_TERMS
+    recipe: RecipeChoice | None = None
+    """What it was made from; it stays as long as its script does."""
 
     @property
     def named(self) -> Iterator[str]:
@@ -169,6 +174,9 @@ class OrderDesk:
 
     def _asked(self, order: AskedOrder, scripts: _Scripts, ids: Iterator[str]) -> Job | Refused:
         name = order.order or next(ids)
+        wrong = wrong_choice(order.script, order.recipe)
+        if wrong is not None:
+            return Refused([named_places(name).finding(wrong)])
         script = scripts.named(order.script)
         if isinstance(script, Refused):
             return script
@@ -182,8 +190,11 @@ class OrderDesk:
         except Refused as refused:
             return refused
         order, places = draft.order, draft.places
-        if not places.is_sure('script'):
+        if not places.is_sure('script') or not places.is_sure('recipe'):
             return Refused(places.findings)
+        wrong = wrong_choice(order.script, order.recipe)
+        if wrong is not None:
+            return Refused([*places.findings, places.finding(wrong)])
         script = self.script(order.script)
         if isinstance(script, Refused):
             return Refused([*places.findings, *script.findings])
@@ -195,13 +206,18 @@ class OrderDesk:
 
     def _changed(self, wanted: ChangedJob) -> Job | Refused:
         wish = wanted.wish
+        wrong = wrong_choice(wish.script or wanted.script, wish.recipe)
+        if wrong is not None:
+            return Refused([named_places(wanted.job).finding(wrong)])
         script = self.script(wish.script) if wish.script else self._sent[wanted.script]
         if isinstance(script, Refused):
             return script
         kept = {key: value for key, value in wanted.params.items() if key in script.params}
         given = params_from_text(wish.params, script)
         quantity = wish.quantity or wanted.quantity
-        order = WorkOrder(script.name, wanted.job, quantity, {**kept, **given})
+        recipe = None if wish.script else wish.recipe or wanted.recipe
+        params = {**kept, **given}
+        order = WorkOrder(script.name, wanted.job, quantity, params, recipe=recipe)
         return self._bound(order, script, wanted.job, wish.terms.over(wanted.terms))
 
     def _bound(

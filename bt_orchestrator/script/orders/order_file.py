@@ -15,6 +15,7 @@ from bt_orchestrator.script.field_types import PARAMETER_TYPES, misfit
 from bt_orchestrator.script.fields import Fields, file_fields
 from bt_orchestrator.script.keys import LARGEST_WHOLE
 from bt_orchestrator.script.names import check_order_id
+from bt_orchestrator.script.orders.choice import read_choice
 from bt_orchestrator.script.orders.terms import Wrong, read_terms, wrong_terms
 from bt_orchestrator.script.parameter_uses import misfitting_uses
 from bt_orchestrator.script.report import START, Place, Report, did_you_mean, listing, nearest
@@ -98,7 +99,8 @@ def parse_draft(text: str, file: str) -> OrderFile:
     if order_id is not None:
         check_order_id(order_id, fields.place('order'), report)
     script, quantity = fields.text('script') or '', fields.optional_whole('quantity')
-    order = WorkOrder(script, order_id, quantity, params, read_terms(fields))
+    recipe = read_choice(fields)
+    order = WorkOrder(script, order_id, quantity, params, read_terms(fields), recipe)
     doubted |= {(key,) for key in ORDER.by_name if not fields.is_sure(key)}
     if params:
         doubted.discard(('params',))
@@ -145,7 +147,7 @@ def bind_order(
         for use in misfitting_uses(script, order.order or job_id, quantity, params, types):
             report.add(places.place(*use.path), use.what, use.hint)
     report.refuse()
-    return Job(job_id, script, quantity, params, order.terms)
+    return Job(job_id, script, quantity, params, order.terms, order.recipe)
 
 
 def named_places(name: str) -> OrderPlaces:

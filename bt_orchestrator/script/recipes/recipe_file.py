@@ -54,7 +54,8 @@ def is_recipe(path: Path) -> bool:
     except Refused:
         return False
     keys = {entry.key.text for entry in root.entries} if isinstance(root, MapNode) else set()
-    return not keys.isdisjoint({'recipe', 'operations'}) and not keys & {'order', 'sections'}
+    of_others = {'order', 'quantity', 'sections'}
+    return 'operations' in keys or ('recipe' in keys and not keys & of_others)
 
 
 def _recipe(fields: Fields, cell: Cell, types: ActionTypes, report: Report) -> Recipe:

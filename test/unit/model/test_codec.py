@@ -20,6 +20,7 @@ from bt_orchestrator.model.codec import (
     to_text,
 )
 from bt_orchestrator.model.condition import Condition
+from bt_orchestrator.model.jobs.order import RecipeChoice
 from bt_orchestrator.model.reference import Reference, Template
 
 SCRIPT = Line().script(
@@ -120,6 +121,7 @@ SAMPLES: dict[str, Any] = {
     'position': 2,
     'recipe': 'WM-100',
     'recipe_version': 3,
+    'choice': RecipeChoice(('WM-100', 'WM-101'), 3, {'insert': 'component_3a'}),
     'held': True,
     'ranked': True,
     'awaits_start': True,

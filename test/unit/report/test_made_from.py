@@ -15,7 +15,7 @@ from bt_orchestrator.cli.main import main
 from bt_orchestrator.model.codec import digest, from_record
 from bt_orchestrator.model.jobs.job_commands import AddJobs, UpdateJob
 from bt_orchestrator.model.jobs.job_record import JobRecord, record_of
-from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.jobs.order import Job, RecipeChoice
 from bt_orchestrator.model.script import MadeFrom, Script
 from bt_orchestrator.model.snapshot import state_from_plain, state_to_plain
 from bt_orchestrator.report.job_text import job_text
@@ -110,3 +110,27 @@ def test_a_record_of_an_older_program_has_none(name: str) -> None:
     event = from_record({**record, 'time': 0.0})
     assert vars(event)['recipe'] == ''
     assert vars(event)['recipe_version'] is None
+
+
+def test_what_an_order_named_stays_with_its_job(line: Line) -> None:
+    choice = RecipeChoice(('WM-100', 'WM-101'), 2, {'insert': 'component_3a'})
+    run = line.begin()
+    made = of_version(line, 2)
+    run.ask(AddJobs((Job('K', made, 1, recipe=choice), Job('L', made, 1)), BY))
+    queued = {record['job']: record for record in run.all('job.queued')}
+    assert queued['K']['choice'] == {
+        'recipes': ['WM-100', 'WM-101'],
+        'version': 2,
+        'bind': {'insert': 'component_3a'},
+    }
+    assert 'choice' not in queued['L']
+    assert from_record(queued['K']).choice == choice  # type: ignore[attr-defined]
+    assert run.state.jobs['K'].job.recipe == choice
+    again = state_from_plain(run.state.cell, state_to_plain(run.state))
+    assert again.jobs['K'].job.recipe == choice
+    assert again.jobs['L'].job.recipe is None
+
+    run.ask(UpdateJob(Job('K', made, 4, recipe=choice), BY))
+    assert run.state.jobs['K'].job.recipe == choice
+    run.ask(UpdateJob(Job('K', made, 4), BY))
+    assert run.state.jobs['K'].job.recipe is None

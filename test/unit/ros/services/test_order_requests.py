@@ -10,7 +10,11 @@ from bt_orchestrator_interfaces.msg import WorkOrder
 
 from bt_orchestrator.asking.orders import wanted_orders
 from bt_orchestrator.errors import NotRead
-from bt_orchestrator.ros.services.order_requests import AskedOrders
+from bt_orchestrator.model.jobs.order import RecipeChoice
+from bt_orchestrator.model.jobs.order import WorkOrder as Order
+from bt_orchestrator.ros.link.order_messages import change_message, order_message
+from bt_orchestrator.ros.services.order_requests import AskedOrders, asked_change, asked_order
+from bt_orchestrator.script.orders.asked import asked_of, change_of
 
 
 class Unread(SimpleNamespace):
@@ -30,3 +34,20 @@ def test_orders_are_read_one_by_one_and_in_part() -> None:
     assert [one.order for one in orders] == ['WO-0', 'WO-1', 'WO-2']
     assert [one.order for one in orders[1:]] == ['WO-1', 'WO-2']
     assert [one.order for one in wanted_orders(orders).orders] == ['WO-0', 'WO-1', 'WO-2']
+
+
+CHOICE = RecipeChoice(('WM-100', 'WM-101'), 2, {'insert': 'component_3a'})
+
+
+@pytest.mark.parametrize('choice', [None, CHOICE, RecipeChoice(('WM-100',))])
+def test_an_order_by_recipe_is_the_same_in_a_message(choice: RecipeChoice | None) -> None:
+    order = Order('' if choice else 'small', 'WO-1', 3, recipe=choice)
+    assert asked_order(order_message(order)) == asked_of(order)
+    assert asked_order(order_message(order)).recipe == choice
+
+
+def test_a_change_of_the_recipe_is_the_same_in_a_message() -> None:
+    given = {'job': 'J', 'recipe': ['WM-100', 'WM-101'], 'version': 2, 'bind': CHOICE.bind}
+    assert asked_change(change_message(given)) == change_of(given)
+    assert change_of(given).recipe == CHOICE
+    assert asked_change(change_message({'job': 'J'})).recipe is None

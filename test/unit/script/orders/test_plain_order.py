@@ -77,7 +77,7 @@ def test_every_mistake_is_told_at_once() -> None:
 
 def test_mistakes_without_a_script() -> None:
     assert [one.field for one in mistakes({**ORDER, 'priority': 'high'})] == ['priority']
-    assert mistakes({'order': 'WO-7'})[0].what == 'a work order needs the key `script`'
+    assert mistakes({'order': 'WO-7'})[0].what == 'a work order needs the key `script` or `recipe`'
     assert mistakes(ORDER) == ()
     with pytest.raises(Refused):
         order_from({'order': 'WO-7'})
