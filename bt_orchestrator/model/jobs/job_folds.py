@@ -170,9 +170,7 @@ def terms_of(event: e.JobQueued | e.JobUpdated) -> Terms:
 
 
 def _job_of(event: e.JobQueued | e.JobUpdated, script: Script) -> Job:
-    return Job(
-        event.job, script, event.quantity, event.params, terms_of(event), event.choice
-    )
+    return Job(event.job, script, event.quantity, event.params, terms_of(event), event.choice)
 
 
 def _begin_flags(state: CellState, script: Script) -> None:

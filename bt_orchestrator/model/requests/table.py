@@ -137,10 +137,16 @@ UPDATE = _of_method(
     Parameter('quantity', Kind.WHOLE, 'items to make'),
     Parameter('params', Kind.VALUES, 'parameters of the script'),
     Parameter('script', Kind.TEXT, 'name of a script; the node reads it anew', roles=_ENGINEERS),
-    Parameter('recipe', Kind.TEXTS, 'in place of a script: names of recipes, the first that can be '
-              'made', roles=_ENGINEERS),
+    Parameter(
+        'recipe',
+        Kind.TEXTS,
+        'in place of a script: names of recipes, the first that can be made',
+        roles=_ENGINEERS,
+    ),
     Parameter('version', Kind.WHOLE, 'version of the recipe', roles=_ENGINEERS),
-    Parameter('bind', Kind.VALUES, 'component that does an operation, by its id', roles=_ENGINEERS),
+    Parameter(
+        'bind', Kind.VALUES, 'component that does an operation, by its id', roles=_ENGINEERS
+    ),
     Parameter('priority', Kind.WHOLE, 'the higher the more urgent'),
     Parameter('start', Kind.TEXT, 'when it should begin, with time zone; none: take it away'),
     Parameter('due', Kind.TEXT, 'when it should have ended, with time zone; none: take it away'),
