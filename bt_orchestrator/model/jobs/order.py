@@ -54,7 +54,7 @@ class RecipeChoice:
     version: int | None = None
     """None: the newest."""
     bind: Mapping[str, str] = field(default_factory=dict)
-    """Component that does an operation, by the operation's id; as EquipmentRequirements of ISA-95."""
+    """Component that does an operation, by its id; EquipmentRequirements in ISA-95."""
 
     @property
     def words(self) -> str:

@@ -15,7 +15,7 @@ BY_HAND = 'make a script with `bt-orchestrator generate`, and name it with `scri
 
 
 def read_choice(fields: Fields) -> RecipeChoice | None:
-    """Read the keys of an order file, and report every mistake in them; None: it names a script."""
+    """Read the keys of an order, and report every mistake in them; None: it names a script."""
     names = fields.names('recipe')
     version = fields.optional_whole('version')
     bind = _bind(fields)
