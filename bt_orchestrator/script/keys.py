@@ -119,8 +119,8 @@ class Table:
     def hint(self) -> str:
         """How to write such a mapping: with the keys that it needs, else with those there are."""
         if self.one_of:
-            names = ' or '.join(f'`{name}`' for name in self.one_of)
-            return f'write a mapping with the key {names}'
+            any_of = ' or '.join(f'`{name}`' for name in self.one_of)
+            return f'write a mapping with the key {any_of}'
         needed = [key.name for key in self.keys if key.required]
         names = [f'`{name}`' for name in needed or list(self.by_name)[:3]]
         return f'write a mapping with the key{"s" if len(names) > 1 else ""} {", ".join(names)}'
