@@ -30,6 +30,7 @@ from bt_orchestrator.model.requests import (
     words_about,
 )
 from bt_orchestrator.model.status import CellStatus, JobStatus
+from bt_orchestrator.model.status_words import script_words
 from bt_orchestrator.ports import QueuePage
 from bt_orchestrator.screen.words import job_terms
 
@@ -157,7 +158,7 @@ def _job(job: JobStatus) -> str:
     state = '/'.join(word for word in (job.state.value, job.ending) if word)
     end_s = job.expected_end_s
     ends = '' if end_s is None else f', ends in about {_duration(end_s)}'
-    return f'{job.id} ({job.script}, {job.quantity} items): {state}{job_terms(job)}{ends}'
+    return f'{job.id} ({script_words(job)}, {job.quantity} items): {state}{job_terms(job)}{ends}'
 
 
 def _done(job: JobStatus) -> str:

@@ -18,7 +18,7 @@ from bt_orchestrator.model.hold_words import hold_name
 from bt_orchestrator.model.pauses import release_command
 from bt_orchestrator.model.script import INDEX, Script
 from bt_orchestrator.model.status import CellStatus, ItemStatus, JobStatus, SectionStatus
-from bt_orchestrator.model.status_words import job_count_words, wait_words
+from bt_orchestrator.model.status_words import job_count_words, script_words, wait_words
 
 
 class NotThisLine(OrchestratorError):
@@ -116,4 +116,4 @@ class _Reader:
 
 
 def _job(job: JobStatus) -> str:
-    return f'{job.id} ({job.script}): {job.state.state}, {job_count_words(job)}'
+    return f'{job.id} ({script_words(job)}): {job.state.state}, {job_count_words(job)}'

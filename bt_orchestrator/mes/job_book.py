@@ -186,7 +186,10 @@ def _ordered(event: e.JobQueued) -> ListedJob:
 
 
 def _terms(event: e.JobQueued | e.JobUpdated) -> dict[str, Any]:
-    names = ('digest', 'quantity', 'priority', 'start', 'due', 'awaits_start', 'unavailable')
+    names = (
+        *('digest', 'recipe', 'recipe_version', 'quantity', 'priority', 'start', 'due'),
+        *('awaits_start', 'unavailable'),
+    )
     return {name: getattr(event, name) for name in names}
 
 

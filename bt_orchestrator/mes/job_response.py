@@ -33,10 +33,14 @@ class JobResult(IntEnum):
 ENDING = 'Ending'
 """A parameter of our own: stopping or aborting, from the request until the line has drained."""
 
+RECIPE, RECIPE_VERSION = 'RecipeID', 'RecipeVersion'
+
 EXTRAS: Mapping[str, str] = {
     'ScrapQuantity': 'items that left the line rejected',
     'NonconformingQuantity': 'items of which a task failed and was continued',
     'MissingQuantity': 'items that were never placed, or taken off the belt by hand',
+    RECIPE: 'recipe that the script was generated from; not there: none',
+    RECIPE_VERSION: 'version of the recipe; not there: none, or not known',
     ENDING: 'stopping or aborting: it ends when its last item has left the line',
 }
 """Parameters that no standard names, and what they mean."""
@@ -86,6 +90,8 @@ def response_of_record(record: JobRecord) -> JobResponse | None:
         record.job,
         record.script,
         word,
+        recipe=record.recipe,
+        recipe_version=record.recipe_version,
         quantity=record.quantity,
         queued_at=record.queued,
         started_at=record.started,
@@ -123,6 +129,10 @@ def _data(status: JobStatus, reason: str) -> Iterator[Parameter]:
     yield Parameter('NonconformingQuantity', float(status.nonconforming))
     yield Parameter('MissingQuantity', float(status.missing))
     yield Parameter('JobResult', int(_result(status)))
+    if status.recipe:
+        yield Parameter(RECIPE, status.recipe)
+    if status.recipe_version is not None:
+        yield Parameter(RECIPE_VERSION, status.recipe_version)
     if status.expected_end_s is not None:
         yield Parameter('EstimatedRemainingTime', _rounded_ms(status.expected_end_s))
     if reason:

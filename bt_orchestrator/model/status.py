@@ -135,6 +135,10 @@ class JobStatus:
     """ISA-95 job state, with its substate: Interrupted/Held or Interrupted/Suspended."""
     digest: str = ''
     """Of the script."""
+    recipe: str = ''
+    """Name of the recipe that the script was generated from; empty: none."""
+    recipe_version: int | None = None
+    """Version of the recipe; None: it has none, or is not known."""
     position: int = 0
     """Place in the queue, from 1; 0: it has started, or ended."""
     ending: str = ''

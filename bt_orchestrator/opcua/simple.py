@@ -50,6 +50,8 @@ CELL: Mapping[str, Shown] = {
 JOB: Mapping[str, Shown] = {
     'ID': Shown(TEXT, 'id of the job, as it was ordered; empty: there is none'),
     'Script': Shown(TEXT, 'name of its script'),
+    'Recipe': Shown(TEXT, 'recipe that the script was generated from; empty: none'),
+    'RecipeVersion': Shown(COUNT, 'version of the recipe; 0: none, or not known'),
     'State': Shown(
         TEXT, 'ISA-95 state, for instance Running, Interrupted/Held, Interrupted/Suspended, Ended'
     ),
@@ -163,6 +165,8 @@ def _job(name: str, job: JobStatus | None, status: CellStatus) -> Iterator[tuple
     values = (
         found.id,
         found.script,
+        found.recipe,
+        found.recipe_version or 0,
         found.state.value if job else '',
         list(found.unavailable),
         found.ending,

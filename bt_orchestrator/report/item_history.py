@@ -71,6 +71,8 @@ class ItemHistory:
     item: str
     job: str
     script: str = ''
+    recipe: str = ''
+    recipe_version: int | None = None
     started: float | None = None
     ended: float | None = None
     how: str = ''
@@ -106,6 +108,7 @@ class ItemFold:
         if isinstance(event, (e.JobQueued, e.JobUpdated)):
             if event.job == history.job:
                 history.script = event.script
+                history.recipe, history.recipe_version = event.recipe, event.recipe_version
         elif getattr(event, 'item', None) != history.item:
             return
         elif isinstance(event, e.TaskEvent):

@@ -20,6 +20,8 @@ COLUMNS = (
     'failures',
     'rounds',
     'serial',
+    'recipe',
+    'recipe_version',
 )
 """The same for every job; its lots follow, and the results of its tasks, one column a field."""
 
@@ -56,6 +58,8 @@ def _about(job: JobRecord, item: ItemRecord) -> tuple[Any, ...]:
         sum(failure.item == item.item for failure in job.failures),
         sum(item.rounds.values()),
         item.serial,
+        job.recipe,
+        job.recipe_version,
     )
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from datetime import datetime
 
 from bt_orchestrator.model.jobs.job_record import JobRecord
+from bt_orchestrator.model.status_words import script_words
 from bt_orchestrator.report.exports import shown
 from bt_orchestrator.report.tables import table
 
@@ -25,16 +26,8 @@ def _row(job: JobRecord) -> tuple[str, ...]:
     counts = job.counts
     numbers = (counts.packed, counts.rejected, counts.missing, counts.nonconforming)
     failed = str(len(job.failures)) if job.complete else '?'
-    named = (job.job, _made(job), job.status, _when(job.started), _when(job.ended))
+    named = (job.job, script_words(job), job.status, _when(job.started), _when(job.ended))
     return (*named, str(job.quantity), *map(str, numbers), failed)
-
-
-def _made(job: JobRecord) -> str:
-    """Name what a job ran."""
-    if not job.recipe:
-        return job.script
-    version = '' if job.recipe_version is None else f' version {job.recipe_version}'
-    return f'{job.script} ({job.recipe}{version})'
 
 
 def _failures(job: JobRecord, begin: str) -> Iterator[str]:

@@ -26,6 +26,8 @@ def job_status(
         id=id_,
         script=job.job.script.name,
         digest=job.digest,
+        recipe=job.recipe,
+        recipe_version=job.recipe_version,
         state=job_word(state, job),
         position=state.jobs.place(id_),
         ending=job.ending if is_live else '',

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.status import CellStatus, ItemStatus, JobStatus, SectionStatus
-from bt_orchestrator.model.status_words import job_count_words
+from bt_orchestrator.model.status_words import job_count_words, script_words
 from bt_orchestrator.screen import words
 from bt_orchestrator.screen.advice import Shell, hold_advice, next_lines
 
@@ -162,7 +162,7 @@ def _job(job: JobStatus, status: CellStatus) -> JobRow:
     weight = Weight.ENDED if ended else Weight.WORKING if job.started else Weight.WAITING
     return JobRow(
         id=words.one_line(job.id),
-        script=words.one_line(job.script),
+        script=words.one_line(script_words(job)),
         state=job.state.state,
         counts=job_count_words(job)
         + words.start_wait(job)

@@ -21,7 +21,12 @@ from bt_orchestrator.model.status import (
     SectionStatus,
     TaskStatus,
 )
-from bt_orchestrator.model.status_words import component_trouble, job_count_words, wait_words
+from bt_orchestrator.model.status_words import (
+    component_trouble,
+    job_count_words,
+    script_words,
+    wait_words,
+)
 from bt_orchestrator.model.wait import Wait
 from bt_orchestrator.screen.advice import Shell, hold_advice, next_lines
 
@@ -101,7 +106,7 @@ def belt(status: CellStatus) -> str:
 
 def job_name(job: JobStatus) -> str:
     """Return a job with its script."""
-    return f'{one_line(job.id)} ({one_line(job.script)})'
+    return f'{one_line(job.id)} ({one_line(script_words(job))})'
 
 
 def job_terms(job: JobStatus) -> str:

@@ -39,6 +39,7 @@ NAMED: dict[Any, dict[str, st.SearchStrategy[Any]]] = {
     Wish: {'command': NAMES},
     JobStatus: {
         'priority': INT16,
+        'recipe_version': st.none() | st.integers(1, 2**32 - 1),
         **dict.fromkeys(('start', 'due', 'started_at', 'ended_at'), st.none() | LATER),
     },
     ComponentStatus: {'out_of_service_since': st.none() | LATER},

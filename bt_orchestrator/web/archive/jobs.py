@@ -86,6 +86,8 @@ def summary(record: JobRecord, *, is_whole: bool) -> dict[str, Any]:
     return {
         'id': record.job,
         'script': record.script,
+        'recipe': record.recipe,
+        'recipe_version': record.recipe_version,
         'status': record.status,
         'reason': record.reason,
         'quantity': record.quantity,

@@ -26,6 +26,8 @@ def job_part(
     return {
         'id': job.id,
         'script': job.script,
+        'recipe': job.recipe,
+        'recipe_version': job.recipe_version,
         'digest': job.digest,
         'state': job.state.state,
         'substate': job.state.substate,

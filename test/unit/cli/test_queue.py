@@ -64,7 +64,7 @@ def test_running_jobs_stand_apart_from_the_queue() -> None:
         jobs=[
             statuses.job('A', packed=2, ending='stopping', expected_end_s=61.4),
             statuses.job('B', position=1, state=held, priority=7, due=DUE),
-            statuses.job('C', position=2, state=waiting, expected_end_s=7265.0),
+            statuses.job('C', position=2, state=waiting, expected_end_s=7265.0, recipe='P-1'),
             statuses.job('D', state=JobWord.ENDED),
         ],
     )
@@ -75,7 +75,7 @@ def test_running_jobs_stand_apart_from_the_queue() -> None:
         '     A (small, 10 items): Running/stopping, ends in about 1 min 01 s, 2 packed',
         'queue:',
         f'   1 B (small, 10 items): NotAllowedToStart, priority 7, due {due}',
-        '   2 C (small, 10 items): AllowedToStart, ends in about 2 h 01 min',
+        '   2 C (small from P-1, 10 items): AllowedToStart, ends in about 2 h 01 min',
     ]
 
 

@@ -57,6 +57,8 @@ class BookedRun(VirtualRun):
             if not job.started:
                 assert status.awaits_start is job.awaits_start
                 assert (status.held, status.unavailable) == (job.held, job.unavailable)
+            of = (status.recipe, status.recipe_version)
+            assert of == (job.recipe, job.recipe_version)
             found = {name: getattr(status, name) for name in COUNTED}
             assert found == {name: getattr(job.progress, name) for name in COUNTED}
 
@@ -171,6 +173,18 @@ def test_an_item_that_passes_without_its_verdict_is_counted_once() -> None:
     job = book.get('J')
     assert job is not None
     assert job.status.nonconforming == 1
+
+
+def test_the_recipe_of_a_job_is_booked_with_every_change() -> None:
+    line = Line()
+    run = begin(line, f'made_from: {{recipe: P-1, version: 1}}\n{THREE}')
+    newer = line.script(f'made_from: {{recipe: P-1, version: 2}}\n{THREE}')
+    run.add(('K', line.script(THREE)))
+    assert run.ask(UpdateJob(Job('K', newer, 1), BY)).accepted
+    booked = run.book.get('K')
+    assert booked is not None
+    assert (booked.status.recipe, booked.status.recipe_version) == ('P-1', 2)
+    run.go()
 
 
 def test_an_aborted_job_drains() -> None:

@@ -122,6 +122,16 @@ def test_a_journal_tells_the_same_response() -> None:
     assert response_of_record(record) == response_of(ENDED)
 
 
+def test_the_recipe_of_the_script_is_told() -> None:
+    status = replace(ENDED.status, recipe='WM-100', recipe_version=3)
+    told = data(replace(ENDED, status=status))
+    assert (told['RecipeID'], told['RecipeVersion']) == ('WM-100', 3)
+    record = JobRecord('W', 'filling', 4, 1.0, recipe='WM-100', recipe_version=3, status='running')
+    response = response_of_record(record)
+    assert response is not None
+    assert {Parameter('RecipeID', 'WM-100'), Parameter('RecipeVersion', 3)} <= {*response.data}
+
+
 @pytest.mark.parametrize('status', ['queued', 'removed'])
 def test_a_job_that_has_not_started_has_none(status: str) -> None:
     assert response_of_record(JobRecord('WO-7', 'filling', 4, 1.0, status=status)) is None

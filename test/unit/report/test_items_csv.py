@@ -17,7 +17,8 @@ def rows(job: JobRecord) -> list[dict[str, str]]:
 
 def job(*items: ItemRecord, failures: tuple[FailureRecord, ...] = ()) -> JobRecord:
     named = {item.item: item for item in items}
-    return JobRecord('WO-1', 'boxes', 2, 0.0, items=named, failures=list(failures))
+    made_from = {'recipe': 'WM-100', 'recipe_version': 3}
+    return JobRecord('WO-1', 'boxes', 2, 0.0, **made_from, items=named, failures=list(failures))
 
 
 def test_each_item_is_a_row_with_how_it_ended_and_how_long_it_took() -> None:
@@ -31,6 +32,7 @@ def test_each_item_is_a_row_with_how_it_ended_and_how_long_it_took() -> None:
     assert (second['how'], second['ended'], second['seconds']) == ('', '', '')
     assert second['failures'] == '0'
     assert (first['rounds'], second['rounds']) == ('2', '0')
+    assert (first['recipe'], first['recipe_version']) == ('WM-100', '3')
 
 
 def test_results_have_a_column_each_with_the_name_of_a_reference() -> None:

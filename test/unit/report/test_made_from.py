@@ -18,6 +18,8 @@ from bt_orchestrator.model.jobs.job_record import JobRecord, record_of
 from bt_orchestrator.model.jobs.order import Job, RecipeChoice
 from bt_orchestrator.model.script import MadeFrom, Script
 from bt_orchestrator.model.snapshot import state_from_plain, state_to_plain
+from bt_orchestrator.model.status_words import script_words
+from bt_orchestrator.report.item_history import ItemFold
 from bt_orchestrator.report.job_text import job_text
 from bt_orchestrator.report.jobs import JobFold
 from bt_orchestrator.report.xes_export import XesExport
@@ -75,7 +77,7 @@ def test_each_job_keeps_the_version_it_was_ordered_with(run: VirtualRun) -> None
 def test_reports_and_exports_name_it(run: VirtualRun) -> None:
     run.go(until=2e9)
     text = '\n'.join(job_text(list(jobs_of(run).values()), with_items=False))
-    assert [f'test (WM-100 version {n})' in text for n in (1, 2, 3, 4)] == [True] * 3 + [False]
+    assert [f'test from WM-100 version {n}' in text for n in (1, 2, 3, 4)] == [True] * 3 + [False]
     file = io.StringIO()
     export = XesExport(file)
     for record in run.records:
@@ -84,6 +86,17 @@ def test_reports_and_exports_name_it(run: VirtualRun) -> None:
     traces = file.getvalue().split('<trace>')[1:]
     assert ['key="recipe" value="WM-100"' in one for one in traces] == [False, True, True, True]
     assert 'key="recipe_version" value="2"' in traces[2]
+
+
+def test_statuses_messages_and_items_name_it(run: VirtualRun) -> None:
+    run.go(until=2e9)
+    jobs = {job.id: job for job in run.sim.status().jobs}
+    assert script_words(jobs['L']) == 'test from WM-100 version 2'
+    assert script_words(jobs['J']) == 'test'
+    fold = ItemFold('L/1', 'L')
+    for record in run.records:
+        fold.follow(from_record(record))
+    assert script_words(fold.history) == 'test from WM-100 version 2'
 
 
 def test_history_prints_what_a_job_ran(

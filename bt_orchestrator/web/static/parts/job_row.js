@@ -32,7 +32,7 @@ export function jobRow() {
       attribute(element, 'data-substate', job.substate);
       attribute(link, 'href', `#/job/${encodeURIComponent(job.id)}`);
       text(link, job.id);
-      text(script, job.script);
+      text(script, scriptWords(job));
       text(state, jobStateWords(job));
       text(ends, job.ends ? t('overview.ends', { time: about(job.ends) }) : '');
       const waits = job.position > 0;
@@ -44,6 +44,16 @@ export function jobRow() {
       text(preparing, said);
     },
   };
+}
+
+/** Name the script of a job, and the recipe that it was generated from. */
+export function scriptWords(job) {
+  return job.recipe ? t('job.made_from', { script: job.script, recipe: recipeWords(job) }) : job.script;
+}
+
+/** Name the recipe of a job, and its version; empty: its script comes from none. */
+export function recipeWords({ recipe, recipe_version: version }) {
+  return recipe && version ? t('job.of_version', { recipe, version }) : recipe;
 }
 
 /** Say the state of a job, and whether it is being ended. */

@@ -5,6 +5,7 @@ import { subscribe } from '../core/store.js';
 import { duration, t } from '../core/text.js';
 import { happenings } from '../parts/happenings.js';
 import { inPath, jobLink } from '../parts/links.js';
+import { scriptWords } from '../parts/job_row.js';
 import { story } from '../parts/story.js';
 
 const PAUSE_MS = 1000;
@@ -66,7 +67,7 @@ class Item {
 
   #show(record) {
     text(this.note, record.is_whole ? '' : t('jobs.not_whole', { why: record.why_not }));
-    const { job, script } = record;
+    const { job } = record;
     const took =
       record.ended === null || record.started === null
         ? ''
@@ -74,7 +75,7 @@ class Item {
     children(
       this.about,
       jobLink(job),
-      h('span', {}, script),
+      h('span', {}, scriptWords(record)),
       h('strong', {}, t(`item.is_${record.how || 'on_line'}`)),
       took ? h('span', {}, took) : null,
       record.serial ? h('span', {}, t('item.serial', { serial: record.serial })) : null,

@@ -6,6 +6,7 @@ import { at, duration, t } from '../core/text.js';
 import { jobBar } from '../parts/bar.js';
 import { failureTable } from '../parts/failures.js';
 import { inPath, itemLink } from '../parts/links.js';
+import { recipeWords } from '../parts/job_row.js';
 import { offers } from '../parts/offers.js';
 import { table } from '../parts/table.js';
 import { values } from '../parts/values.js';
@@ -95,6 +96,7 @@ class Job {
       ['status', t(`job.is_${job.status}`)],
       ['reason', job.reason],
       ['script', job.script],
+      ['recipe', recipeWords(job)],
       ['quantity', job.quantity],
       ['queued', at(job.queued)],
       ['started', at(job.started)],

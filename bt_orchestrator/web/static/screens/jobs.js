@@ -3,6 +3,7 @@ import { get } from '../core/api.js';
 import { children, h, show, text } from '../core/dom.js';
 import { subscribe } from '../core/store.js';
 import { at, duration, number, t } from '../core/text.js';
+import { scriptWords } from '../parts/job_row.js';
 import { inPath, itemLink, jobLink } from '../parts/links.js';
 import { table } from '../parts/table.js';
 
@@ -19,7 +20,7 @@ export function mount(root) {
 
 const COLUMNS = [
   ['job', (job) => jobLink(job.id)],
-  ['script', (job) => job.script],
+  ['script', (job) => scriptWords(job)],
   ['status', (job) => t(`job.is_${job.status}`)],
   ['queued', (job) => at(job.queued)],
   ['ended', (job) => at(job.ended)],

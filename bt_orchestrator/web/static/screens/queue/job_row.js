@@ -5,6 +5,7 @@ import { may, who } from '../../core/me.js';
 import { about, t } from '../../core/text.js';
 import { everySecond } from '../../core/tick.js';
 import { jobBar } from '../../parts/bar.js';
+import { scriptWords } from '../../parts/job_row.js';
 import { offers } from '../../parts/offers.js';
 import { shape } from '../../core/shape.js';
 import { dueWords, stateWords } from './job_words.js';
@@ -106,7 +107,7 @@ export function jobRow(id, context) {
       'aria-label',
       t('queue.handle', { job: id, place: job.position, count: move.count() }),
     );
-    text(script, t('queue.of_script', { script: job.script, quantity: job.quantity }));
+    text(script, t('queue.of_script', { script: scriptWords(job), quantity: job.quantity }));
     text(state, stateWords(job));
     bar.update(job);
     cells.priority.say(job.priority ? String(job.priority) : '');
