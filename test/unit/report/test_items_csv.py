@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from dataclasses import replace
 from io import StringIO
 
 from bt_orchestrator.model.jobs.job_record import FailureRecord, ItemRecord, JobRecord
@@ -17,8 +18,8 @@ def rows(job: JobRecord) -> list[dict[str, str]]:
 
 def job(*items: ItemRecord, failures: tuple[FailureRecord, ...] = ()) -> JobRecord:
     named = {item.item: item for item in items}
-    made_from = {'recipe': 'WM-100', 'recipe_version': 3}
-    return JobRecord('WO-1', 'boxes', 2, 0.0, **made_from, items=named, failures=list(failures))
+    record = JobRecord('WO-1', 'boxes', 2, 0.0, recipe='WM-100', recipe_version=3)
+    return replace(record, items=named, failures=list(failures))
 
 
 def test_each_item_is_a_row_with_how_it_ended_and_how_long_it_took() -> None:
