@@ -138,7 +138,7 @@ class Reach:
             count, away = reach[here] - here, second[0] - here
             self.reason = (
                 f'{who} holds {count} `{held.name}`, but `{held.takers[-1]}` is {away} sections '
-                'on; bind nearer, or the device must keep more'
+                f'on; bind nearer, or the device must keep {away}'
             )
             return False
         self.sections[giver], self.sections[taker] = fit, near

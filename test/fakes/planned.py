@@ -12,7 +12,7 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.recipe import Overrides, Recipe
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.planning.generate import generate
-from bt_orchestrator.planning.outcome import Generated, Judge
+from bt_orchestrator.planning.outcome import LIMITS, Generated, Judge, Limits
 from bt_orchestrator.script.cell_file import parse_cell
 from bt_orchestrator.script.recipes.overrides_file import parse_overrides
 from bt_orchestrator.script.recipes.recipe_file import parse_recipe
@@ -62,6 +62,7 @@ def made_of(
     keep: Script | None = None,
     judge: Judge | None = None,
     sections: int = 4,
+    limits: Limits = LIMITS,
 ) -> Generated:
     """Generate a script."""
     cell = cell_of(components, sections)
@@ -74,6 +75,7 @@ def made_of(
         without=frozenset(without.split()),
         keep=keep,
         judge=judge or PaceJudge(cell, TYPES, MemoryStore),
+        limits=limits,
     )
 
 

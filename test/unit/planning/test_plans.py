@@ -219,14 +219,6 @@ def test_what_a_device_keeps_is_a_flag_named_after_it() -> None:
     assert found.tasks['fit'].args == {}
 
 
-def test_a_device_that_keeps_too_few_is_told() -> None:
-    far = {**MEASURED, 'press_a': MEASURED['press_a'].replace('3', '4')}
-    assert why_not(far, MEASURE) == (
-        'gauge holds 1 `depth`, but `fit` is 2 sections on; bind nearer, or the device must keep '
-        'more'
-    )
-
-
 def test_the_search_binds_near_enough() -> None:
     """The quicker press is too far from the gauge."""
     two = {
@@ -239,14 +231,25 @@ def test_the_search_binds_near_enough() -> None:
     assert found.made['fit'].why is Why.ONLY
 
 
-def test_one_device_cannot_keep_for_two_operations() -> None:
-    steps = MEASURE.replace('- {id: box', '- {id: again, do: measure, after: [place]}\n- {id: box')
-    steps = steps.replace('after: [place]', 'after: [gauge_it]')
-    text = steps + '- {id: fit_too, do: press, needs: {depth: again}, after: [again]}'
-    assert why_not(MEASURED, text) == (
-        'only gauge can do `gauge_it` and `again`, and it cannot keep `depth` of both; a second '
-        'component, or a name for each'
-    )
+def test_two_devices_that_keep_data_have_a_flag_each() -> None:
+    """Two devices that keep data, one behind the other."""
+    cell = {
+        **ENDS,
+        'gauge': 'section: 2, capabilities: {measure: {task: TASK_A, holds: {depth: 1}}}',
+        'sink': 'section: 3, capabilities: {press: {task: TASK_A, needs: {depth: none}}, '
+        'note: {task: TASK_B, holds: {mark: 1}}}',
+        'reader': 'section: 4, capabilities: {read: {task: TASK_C, needs: {mark: none}}}',
+    }
+    steps = """
+    - {id: place, do: put}
+    - {id: gauge_it, do: measure}
+    - {id: noted, do: note}
+    - {id: fit, do: press, needs: {depth: gauge_it}}
+    - {id: seen, do: read, needs: {mark: noted}}
+    - {id: box, do: pack}
+    """
+    found = made_of(cell, steps)
+    assert {one.flag for one in found.script.dependencies} == {'gauge', 'sink'}
 
 
 ARM = {
@@ -400,38 +403,6 @@ def test_a_script_is_kept_as_far_as_it_can_be() -> None:
     assert kept.claim.moved == ()
     moved = made_of(TWICE, STEPS, keep=old, without='drill_b')
     assert moved.claim.moved == ('bore',)
-
-
-# --- reasons ----------------------------------------------------------------------------------
-
-
-def test_items_move_down_the_belt_only() -> None:
-    turned = STEPS.replace('do: drill', 'do: X').replace('do: press', 'do: drill')
-    assert why_not(LINE, turned.replace('do: X', 'do: press')) == (
-        '`fit` cannot come behind `bore`: that is done in section 3 at the earliest and `fit` '
-        'only at drill_a in section 2; items move down the belt only'
-    )
-
-
-def test_two_devices_that_keep_data_have_a_flag_each() -> None:
-    """Two devices that keep data, one behind the other."""
-    cell = {
-        **ENDS,
-        'gauge': 'section: 2, capabilities: {measure: {task: TASK_A, holds: {depth: 1}}}',
-        'sink': 'section: 3, capabilities: {press: {task: TASK_A, needs: {depth: none}}, '
-        'note: {task: TASK_B, holds: {mark: 1}}}',
-        'reader': 'section: 4, capabilities: {read: {task: TASK_C, needs: {mark: none}}}',
-    }
-    steps = """
-    - {id: place, do: put}
-    - {id: gauge_it, do: measure}
-    - {id: noted, do: note}
-    - {id: fit, do: press, needs: {depth: gauge_it}}
-    - {id: seen, do: read, needs: {mark: noted}}
-    - {id: box, do: pack}
-    """
-    found = made_of(cell, steps)
-    assert {one.flag for one in found.script.dependencies} == {'gauge', 'sink'}
 
 
 # --- the same in every run --------------------------------------------------------------------

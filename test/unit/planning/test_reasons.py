@@ -1,0 +1,140 @@
+"""Why there is no script: the reasons that no file shows alone (others: test/data/mistakes)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import pytest
+from fakes.planned import ENDS, cell_of, made_of, recipe_of
+
+from bt_orchestrator.model.recipe import Overrides
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.planning.generate import generate
+from bt_orchestrator.planning.outcome import Impossible, Limits, NotFound
+
+LINE = {
+    **ENDS,
+    'drill_a': 'section: 2, capabilities: {drill: {task: TASK_A}}',
+    'press_a': 'section: 3, capabilities: {press: {task: TASK_B}}',
+    'gauge_a': 'section: 2, capabilities: {measure: {task: TASK_A, holds: {depth: 1}}}',
+    'fitter': 'section: 3, capabilities: {insert: {task: TASK_A, needs: {depth: none}}}',
+}
+BORE, FIT = '- {id: bore, do: drill}', '- {id: fit, do: press}'
+
+
+def steps(*lines: str) -> str:
+    """Return operations between placing an item and taking it out."""
+    return '\n'.join(('- {id: place, do: put}', *lines, '- {id: box, do: pack}'))
+
+
+def measured(number: int) -> str:
+    """Return so many pairs of operations; a device keeps what the first of each gives."""
+    pairs = (
+        f'- {{id: m{n}, do: measure, after: [place]}}\n'
+        f'- {{id: i{n}, do: insert, needs: {{depth: m{n}}}}}'
+        for n in range(number)
+    )
+    return steps(*pairs)
+
+
+def moved(component: str, section: int) -> dict[str, str]:
+    """Return the line with a component in another section."""
+    _, _, keys = LINE[component].partition(', ')
+    return {**LINE, component: f'section: {section}, {keys}'}
+
+
+def rejected(operation: str) -> str:
+    return f'- {{id: {operation}, do: pack, runs_for: rejected, after: [bore]}}'
+
+
+NOT_KEPT = (
+    'no device could keep what each of `m0`, `m1`, `m2` gives: one keeps it for one operation, '
+    'for so many sections as it has room, and not in a repeat'
+)
+
+
+BACKWARDS = (
+    '`bore` cannot come behind `fit`: that is done in section 3 at the earliest and `bore` only '
+    'at drill_a in section 2; items move down the belt only'
+)
+TOO_EARLY = (
+    'items are placed by `place` in section 3 at the earliest, and `bore` only at drill_a in '
+    'section 2'
+)
+TOO_LATE = (
+    '`fit` is done by press_a in section 3 at the earliest, and `box` takes the item out in '
+    'section 2'
+)
+TOO_FAR = (
+    'gauge_a holds 1 `depth`, but `i0` is 2 sections on; bind nearer, or the device must keep 2'
+)
+TWO_KEPT = (
+    'only gauge_a can do `m0` and `m1`, and it cannot keep `depth` of both; a second component, '
+    'or a name for each'
+)
+OUT_TWICE = 'an item that `bore` rejects is taken out twice, by `out`, `bin`'
+LEAVES = {
+    **moved('packer', 2),
+    'press_a': 'section: 3, capabilities: {press: {task: TASK_B, requires_conveyor: false}}',
+}
+EARLY_BOX = steps(FIT).replace('do: pack', 'do: pack, after: [place]')
+REJECTS = BORE.replace('}', ', on_failure: reject}')
+
+
+@pytest.mark.parametrize(
+    ('line', 'operations', 'reason'),
+    [
+        (LINE, steps(FIT, BORE), BACKWARDS),
+        (moved('feeder', 3), steps(BORE.replace('}', ', after: []}')), TOO_EARLY),
+        (LEAVES, EARLY_BOX, TOO_LATE),
+        (moved('fitter', 4), measured(1), TOO_FAR),
+        (LINE, measured(2), TWO_KEPT),
+        ({**LINE, 'gauge_b': LINE['gauge_a']}, measured(3), NOT_KEPT),
+        (LINE, steps(REJECTS, rejected('out'), rejected('bin')), OUT_TWICE),
+    ],
+)
+def test_it_is_proven_that_there_is_none(
+    line: Mapping[str, str], operations: str, reason: str
+) -> None:
+    with pytest.raises(Impossible) as why:
+        made_of(line, operations)
+    assert why.value.reasons == (reason,)
+
+
+@pytest.mark.parametrize(
+    ('without', 'reason'),
+    [
+        ('press_a', '`fit`: only press_a could, and it is out of service'),
+        ('conveyor', 'the conveyor is out of service, and nothing moves without it'),
+    ],
+)
+def test_what_is_out_of_service_is_named(without: str, reason: str) -> None:
+    with pytest.raises(Impossible) as why:
+        made_of(LINE, steps(BORE, FIT), without=without)
+    assert why.value.reasons == (reason,)
+
+
+def test_what_is_not_proven_is_not_called_impossible() -> None:
+    with pytest.raises(NotFound) as why:
+        made_of({**LINE, 'gauge_b': LINE['gauge_a']}, measured(3), limits=Limits(nodes=3))
+    assert why.value.reasons == (
+        f'not found within 3 steps; not proven impossible; of those that were tried, {NOT_KEPT}',
+    )
+
+
+def test_a_component_that_cannot_do_what_is_bound_to_it_is_named() -> None:
+    cell = cell_of(LINE)
+    with pytest.raises(Impossible) as why:
+        generate(
+            cell, recipe_of(cell, steps(BORE)), Overrides({'bore': 'press_a'}), judge=Silent()
+        )
+    assert why.value.reasons == (
+        '`bore`: no component can do it: it is bound to press_a, which does not have `drill`',
+    )
+
+
+class Silent:
+    """A judge for whom nothing gets to its end."""
+
+    def pace_s(self, script: Script) -> float | None:
+        return None
