@@ -20,6 +20,7 @@ from tables import (
     event_stream,
     job_control,
     keys,
+    losses,
     opcua,
     page_api,
     programs,
@@ -33,11 +34,13 @@ from bt_orchestrator.script.cell_keys import CELL
 from bt_orchestrator.script.json_schema import SCHEMA_FILES, json_schema
 from bt_orchestrator.script.recipes.recipe_keys import OVERRIDES, RECIPE
 from bt_orchestrator.script.script_keys import ORDER, SCRIPT
+from bt_orchestrator.script.shifts.shifts_keys import SHIFTS
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = (
     'README.md',
     'docs/semantics.md',
+    'docs/account.md',
     'docs/formats.md',
     'docs/script_reference.md',
     'docs/opcua.md',
@@ -54,6 +57,8 @@ PARTS: Mapping[str, Callable[[], Iterator[str]]] = {
     'keys of overrides': partial(keys.keys_of, OVERRIDES),
     **{f'keys of {table.name}': partial(keys.keys_in, table) for table in SCRIPT.tree()},
     'keys of a work order': partial(keys.keys_of, ORDER),
+    'keys of a file of shifts': partial(keys.keys_of, SHIFTS),
+    'losses': losses.losses,
     'kinds of faults': states.kinds_of_faults,
     'methods of a job': states.methods_of_a_job,
     'states of a job': states.states_of_a_job,

@@ -8,16 +8,16 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
-from typing import IO
 
 from bt_orchestrator.cli.door import STEP_S, Ignoring, open_door
 from bt_orchestrator.cli.journal_file import open_records, say_damage
 from bt_orchestrator.cli.moments import add_period_options
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.numbers import whole
+from bt_orchestrator.cli.output import opened
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.events import Event
@@ -150,7 +150,7 @@ def _say_removed(first: int, last: int) -> None:
 
 
 def _of_journal(args: argparse.Namespace, stop: StopSignals) -> int:
-    with closing(open_records(args.journal)) as records, _opened(args.output) as file:
+    with closing(open_records(args.journal)) as records, opened(args.output) as file:
         reading = Reading(records, say_damage)
         output = OUTPUTS[args.format or 'jsonl'](file)
         for text in itertools.islice(_records(reading, args, stop), args.count):
@@ -180,20 +180,3 @@ def _records(reading: Reading, args: argparse.Namespace, stop: StopSignals) -> I
         yield from (record.text for record in page.records)
         if page.is_last and (not args.follow or stopped.wait(POLL_S)):
             return
-
-
-@contextmanager
-def _opened(path: Path | None) -> Iterator[IO[str]]:
-    """Give the file to write to, or the standard output.
-
-    :raises WrongUse: it cannot be written
-    """
-    if path is None:
-        yield sys.stdout
-        return
-    try:
-        file = path.open('w', encoding='utf-8', newline='')
-    except OSError as error:
-        raise WrongUse(f'cannot write {path}: {error.strerror}') from error
-    with file:
-        yield file

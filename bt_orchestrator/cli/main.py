@@ -40,6 +40,10 @@ VERBS: Mapping[str, tuple[str, str]] = {
     'opcua': ('opcua.verb', 'the OPC UA server of a running node, for an MES or a SCADA'),
     'events': ('events', 'what happens at a running node, or what a journal says happened'),
     'history': ('history', 'the jobs of a journal and what became of them'),
+    'report': (
+        'reporting.verb',
+        'what a shift, a day or a job made, and where the time went',
+    ),
     'journal': ('journal', 'bring a backup of a journal back'),
     'answer': ('answer', 'decide about something that is held'),
     'reset': ('cell_command', ''),

@@ -19,6 +19,7 @@ from bt_orchestrator.script.recipes.recipe_keys import OVERRIDES, RECIPE
 from bt_orchestrator.script.references import OPEN
 from bt_orchestrator.script.report import Report
 from bt_orchestrator.script.script_keys import ORDER, SCRIPT
+from bt_orchestrator.script.shifts.shifts_keys import SHIFTS
 from bt_orchestrator.script.yaml_nodes import as_data
 
 Schema = dict[str, Any]
@@ -31,6 +32,7 @@ SCHEMA_FILES: Mapping[str, Table] = {
     'work_order.schema.json': ORDER,
     'recipe.schema.json': RECIPE,
     'overrides.schema.json': OVERRIDES,
+    'shifts.schema.json': SHIFTS,
 }
 """What `schemas/` holds."""
 

@@ -30,6 +30,7 @@ from bt_orchestrator.script.recipes.overrides_file import parse_overrides
 from bt_orchestrator.script.recipes.recipe_file import parse_recipe
 from bt_orchestrator.script.script_file import parse_script, read_script
 from bt_orchestrator.script.script_keys import SCRIPT
+from bt_orchestrator.script.shifts.shifts_file import parse_shifts
 
 TYPES = FakeActionTypes()
 _LINES = re.MULTILINE | re.DOTALL
@@ -101,6 +102,9 @@ class PageReader:
             assert self.recipe is not None, block.place
             parse_overrides(block.text, block.place, self.recipe, self.cell)
             return 'overrides'
+        if block.starts('shifts'):
+            parse_shifts(block.text, block.place)
+            return 'shifts'
         if not block.starts('script'):
             self._read_script(laid_over(self.whole, block.text), block.place)
             return 'part'
@@ -156,8 +160,12 @@ WITHOUT_RULES = {
     'an operation',
     'a repeat of operations',
     'an overrides file',
+    'a file of shifts',
+    'a shift',
+    'a break',
 }
-"""Mappings with keys from which scripts are generated: the rules are about scripts."""
+"""Mappings with keys that nothing of a line obeys: scripts are generated from them, or reports
+made."""
 
 
 def test_an_option_names_a_rule_that_exists() -> None:
@@ -174,7 +182,7 @@ def test_an_option_names_a_rule_that_exists() -> None:
 
 
 def test_every_kind_of_file_is_shown() -> None:
-    for key in ('cell', 'sections', 'order', 'recipe', 'bind'):
+    for key in ('cell', 'sections', 'order', 'recipe', 'bind', 'shifts'):
         assert any(block.starts(key) for block in yaml_blocks()), key
 
 

@@ -17,6 +17,7 @@ FILES = {
     'script.schema.json': list((ROOT / 'trees').glob('*.yaml')),
     'recipe.schema.json': RECIPES,
     'overrides.schema.json': OVERRIDES,
+    'shifts.schema.json': list((ROOT / 'config' / 'shifts').glob('*.yaml')),
     'work_order.schema.json': list((ROOT / 'config' / 'orders').glob('*.yaml')),
 }
 

@@ -1,0 +1,1 @@
+"""The verb `report`: accounts of shifts, days and jobs."""

@@ -1,0 +1,124 @@
+"""Which period is meant, by the options of the verb `report`."""
+
+from __future__ import annotations
+
+import argparse
+import time
+from dataclasses import replace
+from datetime import date
+from pathlib import Path
+
+from bt_orchestrator.cli.moments import add_period_options
+from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.model.plant.shifts import DAYS, WHOLE_DAY, Shift, Shifts
+from bt_orchestrator.report.account.account import of_job, whole
+from bt_orchestrator.report.account.calendar import last_begun, planned_within, shift_on, zone_of
+from bt_orchestrator.report.account.period import Period
+from bt_orchestrator.report.account.planned import us_of
+from bt_orchestrator.report.reading import Reading
+from bt_orchestrator.script.report import did_you_mean, listing
+from bt_orchestrator.script.shifts.shifts_file import read_shifts
+
+
+class NoShift(OrchestratorError):
+    """There is no such shift, or not on that day."""
+
+
+def add_which_options(parser: argparse.ArgumentParser) -> None:
+    """Declare which period is meant; without any it is all that the journal has."""
+    add_period_options(parser, 'the account of what happened')
+    parser.add_argument('--job', metavar='JOB', help='from the start of this job to its end')
+    parser.add_argument(
+        '--shift', metavar='NAME', help='this shift; the one that began last, or see --day'
+    )
+    parser.add_argument(
+        '--day',
+        type=_day,
+        metavar='DATE',
+        help='with --shift: the one that began on this day; else this whole day',
+    )
+    parser.add_argument(
+        '--shifts',
+        type=Path,
+        metavar='FILE',
+        help='file of shifts (YAML); without it all time counts as planned',
+    )
+
+
+def period_of(args: argparse.Namespace, reading: Reading) -> Period:
+    """Return the period that the options name.
+
+    :raises WrongUse: the options contradict each other
+    :raises NoShift: there is no such shift
+    :raises NothingToReport: the journal has nothing of it
+    :raises Refused: the file of shifts has mistakes
+    """
+    _refuse_contradictions(args)
+    shifts = None if args.shifts is None else read_shifts(args.shifts)
+    if args.shift is not None:
+        assert shifts is not None
+        return _of_shift(args, shifts)
+    period = _without_shift(args, reading, shifts)
+    if shifts is None:
+        return period
+    planned = planned_within(shifts, period.begin_us, period.end_us)
+    return Period(period.name, period.begin_us, period.end_us, planned, zone_of(shifts))
+
+
+def _refuse_contradictions(args: argparse.Namespace) -> None:
+    named = {
+        '--from or --to': args.since is not None or args.until is not None,
+        '--job': args.job is not None,
+        '--shift or --day': args.shift is not None or args.day is not None,
+    }
+    given = [name for name, is_given in named.items() if is_given]
+    if len(given) > 1:
+        raise WrongUse(f'{" and ".join(given)} name a period each; leave one of them out')
+    if args.shift is not None and args.shifts is None:
+        raise WrongUse('--shift needs the file in which the shifts are: --shifts FILE')
+    if args.since is not None and args.until is not None and args.since >= args.until:
+        raise WrongUse('--from has to be before --to; exchange them')
+
+
+def _without_shift(args: argparse.Namespace, reading: Reading, shifts: Shifts | None) -> Period:
+    journal = f'the journal {args.journal}'
+    if args.job is not None:
+        return of_job(reading, args.job, journal)
+    if args.day is not None:
+        zone = None if shifts is None else zone_of(shifts)
+        return shift_on(Shift(str(args.day), WHOLE_DAY), args.day, zone, time.time())
+    known = whole(reading, journal)
+    if args.since is None and args.until is None:
+        return known
+    begin = known.begin_us if args.since is None else us_of(args.since)
+    end = min(us_of(time.time()), known.end_us if args.until is None else us_of(args.until))
+    return Period.all_planned('period', begin, end)
+
+
+def _of_shift(args: argparse.Namespace, shifts: Shifts) -> Period:
+    """Return the period of a shift.
+
+    :raises NoShift: there is none of this name, or none on this day
+    """
+    shift = shifts.shifts.get(args.shift)
+    if shift is None:
+        hint = did_you_mean(args.shift, shifts.shifts, f'it has {listing(shifts.shifts)}')
+        raise NoShift(f'{args.shifts} has no shift {args.shift}; {hint}')
+    zone, now = zone_of(shifts), time.time()
+    day = last_begun(shift, zone, now) if args.day is None else args.day
+    assert day is not None, 'a shift begins on some day of every week'
+    if day.weekday() not in shift.days:
+        days = ', '.join(DAYS[number] for number in shift.days)
+        raise NoShift(f'shift {shift.name} does not begin on {day:%a} {day}, only on {days}')
+    period = shift_on(shift, day, zone, now)
+    if period.begin_us >= period.end_us:
+        raise NoShift(f'shift {shift.name} of {day} has not begun yet')
+    return replace(period, name=f'shift {shift.name} of {day}')
+
+
+def _day(text: str) -> date:
+    try:
+        return date.fromisoformat(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f'{text!r} is not a day; write 2026-05-17') from error

@@ -1,0 +1,72 @@
+"""The verb `report`: what a shift, a day or a job was worth, and where its time went."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from contextlib import closing
+from pathlib import Path
+from typing import IO
+
+from bt_orchestrator.cli import bootstrap
+from bt_orchestrator.cli.journal_file import open_records, say_damage
+from bt_orchestrator.cli.output import opened
+from bt_orchestrator.cli.reporting.periods import add_which_options, period_of
+from bt_orchestrator.report.account.account import Account, account
+from bt_orchestrator.report.account.plain import account_plain
+from bt_orchestrator.report.account.rows import write_csv
+from bt_orchestrator.report.account.text import account_text
+from bt_orchestrator.report.reading import Reading
+
+DESCRIPTION = """\
+Print the account of a shift, a day, a job, or of all that a journal has: quantities, the rate
+against the pace, OEE with every loss of time down to its holds, stop reasons, failing tasks,
+MTBF and MTTR. The journal is only read; its node may run or not. docs/account.md has the
+definitions."""
+
+EPILOG = """\
+exit status: 0 done, 1 refused, nothing to report, or a record is damaged, 2 wrong use"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options of the verb."""
+    parser.description = DESCRIPTION
+    parser.epilog = EPILOG
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.add_argument('--journal', type=Path, required=True, metavar='FILE', help='the journal')
+    parser.add_argument(
+        '--cell',
+        type=Path,
+        metavar='CELL',
+        help='cell file (YAML), whose durations give the pace; without it there is no performance '
+        'and no OEE',
+    )
+    add_which_options(parser)
+    form = parser.add_mutually_exclusive_group()
+    form.add_argument('--json', action='store_true', help='as one JSON object')
+    form.add_argument('--csv', action='store_true', help='as one table for a spreadsheet')
+    parser.add_argument(
+        '-o', '--output', type=Path, metavar='FILE', help='where (default: the screen)'
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    """Carry out the verb; returns 1 if a record is damaged."""
+    cell = None
+    if args.cell is not None:
+        cell = bootstrap.load_cell(args.cell, bootstrap.installed_types())
+    with closing(open_records(args.journal)) as records:
+        reading = Reading(records, say_damage)
+        made = account(reading, period_of(args, reading), cell)
+    with opened(args.output) as file:
+        _write(made, args, file)
+    return 1 if reading.lost else 0
+
+
+def _write(made: Account, args: argparse.Namespace, file: IO[str]) -> None:
+    if args.csv:
+        write_csv(made, file)
+    elif args.json:
+        file.write(json.dumps(account_plain(made), ensure_ascii=False) + '\n')
+    else:
+        file.writelines(f'{line}\n' for line in account_text(made))

@@ -1,0 +1,47 @@
+"""Named shifts of a plant: when the cell is meant to work. No part of a cell's definition."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+DAY_MIN = 24 * 60
+EVERY_DAY = tuple(range(7))
+DAYS = ('mon', 'tue', 'wed', 'thu', 'fri', 'sat', 'sun')
+
+
+@dataclass(frozen=True)
+class Hours:
+    """From one time of the clock to another, in minutes after midnight."""
+
+    begin_min: int
+    end_min: int
+    """Where it is not later than the begin: on the next day."""
+
+    @property
+    def minutes(self) -> int:
+        """How long it is by the clock; the same time twice is a whole day."""
+        return (self.end_min - self.begin_min - 1) % DAY_MIN + 1
+
+
+WHOLE_DAY = Hours(0, 0)
+
+
+@dataclass(frozen=True)
+class Shift:
+    """One shift."""
+
+    name: str
+    hours: Hours
+    breaks: tuple[Hours, ...] = ()
+    days: tuple[int, ...] = EVERY_DAY
+    """Days of the week on which it begins, from 0 for Monday."""
+
+
+@dataclass(frozen=True)
+class Shifts:
+    """All shifts of a file."""
+
+    shifts: Mapping[str, Shift]
+    zone: str = ''
+    """Name of the time zone (IANA); empty: that of the computer."""

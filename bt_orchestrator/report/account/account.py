@@ -1,0 +1,142 @@
+"""An account of a journal: its period, its figures, and the events that it was made from."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+
+from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.codec import digest, known_event
+from bt_orchestrator.model.records import Extent, Wanted
+from bt_orchestrator.report.account.figures import Figures, figures
+from bt_orchestrator.report.account.fold import FOLLOWED, AccountFold
+from bt_orchestrator.report.account.period import Period
+from bt_orchestrator.report.account.planned import US, us_of
+from bt_orchestrator.report.reading import Reading
+
+
+class NothingToReport(OrchestratorError):
+    """A journal has nothing of a period, or of a job."""
+
+
+@dataclass(frozen=True)
+class Source:
+    """The events that an account was made from."""
+
+    extent: Extent
+    first_seq: int
+    last_seq: int
+    """Of the events in the period, those that an account needs."""
+    unreadable: int
+    """Damaged records: what they said is not in it."""
+
+    def lines(self) -> tuple[str, ...]:
+        """Say it for a person."""
+        history, first = self.extent.history, self.extent.first_seq
+        said = [f'made from events {self.first_seq} to {self.last_seq} of history {history}']
+        if first > 1:
+            said.append(f'events 1 to {first - 1} were removed from the journal')
+        if self.unreadable:
+            said.append(f'{self.unreadable} damaged records are missing in it')
+        return tuple(said)
+
+
+@dataclass(frozen=True)
+class Account:
+    """Everything that a report says."""
+
+    period: Period
+    figures: Figures
+    source: Source
+    cell_differs: bool
+    """The node ran with another cell file than the one that the pace is of."""
+
+    def notes(self) -> tuple[str, ...]:
+        """Say what it was made from, and what limits it."""
+        said = [*self.source.lines()]
+        shown = self.figures
+        if shown.unpaced:
+            named = ', '.join(shown.unpaced)
+            said.append(f'no pace is known of {named}: performance and OEE need --cell CELL')
+        if self.cell_differs:
+            said.append('the pace is by a cell file that is not the one that the node ran with')
+        loose = (one.period for one in shown.paces.values() if not one.is_exact)
+        said += [f'the pace is no exact one: {period}' for period in loose]
+        return tuple(dict.fromkeys(said))
+
+
+def account(reading: Reading, period: Period, cell: Cell | None) -> Account:
+    """Make the account of a period.
+
+    :param cell: for the pace; None: there is none
+    :raises NothingToReport: no planned time is in the period, or no event
+    """
+    period = period.cut()
+    if period.begin_us >= period.end_us:
+        raise NothingToReport(f'the journal has no event of {_span(period)}{_reach(reading)}')
+    if not period.planned.total_us:
+        raise NothingToReport(f'no time of {_span(period)} is planned, by the file of shifts')
+    extent = reading.records.extent()
+    fold = AccountFold(period.planned, is_whole=extent.first_seq == 1)
+    first, last = 0, 0
+    for record in reading.each(Wanted(events=FOLLOWED, until=period.end_us / US)):
+        event = known_event(json.loads(record.text))
+        if event is None:
+            continue
+        if us_of(event.time) >= period.begin_us:
+            first, last = first or record.seq, record.seq
+        fold.follow(event)
+    if not first:
+        raise NothingToReport(f'the journal has no event of {_span(period)}{_reach(reading)}')
+    times = fold.until(period.end_us)
+    named = digest(cell) if cell is not None else ''
+    return Account(
+        period,
+        figures(times, cell),
+        Source(extent, first, last, reading.lost),
+        bool(named) and any(one != named for one in times.cells),
+    )
+
+
+def of_job(reading: Reading, job: str, journal: str) -> Period:
+    """Return the period of a job: from its start to its end, or to the last event.
+
+    :raises NothingToReport: it has none
+    """
+    begin = end = None
+    for record in reading.each(Wanted(job=job, events=('job.',))):
+        plain = json.loads(record.text)
+        if plain['event'] == 'job.started':
+            begin = us_of(plain['time'])
+        elif plain['event'] in ('job.completed', 'job.aborted'):
+            end = us_of(plain['time'])
+    if begin is None:
+        known = any(one.job == job for one in reading.summaries())
+        why = 'keeps only a summary of' if known else 'knows no start of'
+        raise NothingToReport(f'{journal} {why} job {job}; history --job {job} shows what it has')
+    return Period.all_planned(f'job {job}', begin, end or whole(reading, journal).end_us)
+
+
+def whole(reading: Reading, journal: str) -> Period:
+    """Return the period from the first event that is kept to the last.
+
+    :raises NothingToReport: there is none
+    """
+    ends = [list(reading.each(Wanted(newest_first=newest), 1)) for newest in (False, True)]
+    if not all(ends):
+        raise NothingToReport(f'{journal} has no event')
+    begin, end = (us_of(json.loads(records[0].text)['time']) for records in ends)
+    return Period.all_planned('all that the journal has', begin, end)
+
+
+def _span(period: Period) -> str:
+    return f'{period.name} ({period.when(period.begin_us)} to {period.when(period.end_us)})'
+
+
+def _reach(reading: Reading) -> str:
+    try:
+        known = whole(reading, '')
+    except NothingToReport:
+        return ': it has none at all'
+    return f'; it has events from {known.when(known.begin_us)} to {known.when(known.end_us)}'

@@ -1,0 +1,128 @@
+"""An account as plain data, as JSON carries it."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+from bt_orchestrator.report.account.account import Account
+from bt_orchestrator.report.account.figures import Figures
+from bt_orchestrator.report.account.planned import US
+from bt_orchestrator.report.account.stops import Held, Stop
+from bt_orchestrator.report.account.troubles import FailingTask
+
+
+def account_plain(account: Account) -> dict[str, Any]:
+    """Return everything that a report says; times in seconds, null: not known."""
+    shown = account.figures
+    times = shown.times
+    return {
+        'period': _period(account),
+        'made_from': _source(account),
+        'notes': list(account.notes()),
+        'oee': {
+            'availability': _number(shown.availability),
+            'performance': _number(shown.performance),
+            'quality': _number(shown.quality),
+            'oee': _number(shown.oee),
+        },
+        'quantities': {'produced': shown.produced, 'good': shown.good},
+        'rate': {'per_item_s': _s(shown.per_item_us), 'pace_s': _s(shown.pace_us)},
+        'waterfall': [
+            {
+                'title': bar.title,
+                'loss': bar.loss.value if bar.loss else None,
+                'seconds': _s(bar.us),
+            }
+            for bar in shown.waterfall()
+        ],
+        'losses': {bar.loss.value: _s(bar.us) for bar in shown.waterfall() if bar.loss},
+        'jobs': [_job(shown, number) for number in range(len(times.made))],
+        'stops': [{**_summed(one), 'loss': one.loss.value} for one in times.stops],
+        'holds': [_held(account, held) for held in times.holds],
+        'holds_left_out': {
+            'count': times.holds_left_out,
+            'seconds': {loss.value: _s(us) for loss, us in times.left_out_us.items()},
+        },
+        'failed_attempts': [_summed(one) for one in times.failing],
+        'components': [
+            {
+                'component': one.component,
+                'failures': one.failures,
+                'down_s': _s(one.down_us),
+                'mtbf_s': _s(shown.mtbf_us(one)),
+                'mttr_s': _s(shown.mttr_us(one)),
+            }
+            for one in times.repairs
+        ],
+    }
+
+
+def _period(account: Account) -> dict[str, Any]:
+    period = account.period
+    return {
+        'name': period.name,
+        'from': period.iso(period.begin_us),
+        'to': period.iso(period.end_us),
+        'planned_s': _s(period.planned.total_us),
+        'planned': [[period.iso(begin), period.iso(end)] for begin, end in period.planned.pieces],
+    }
+
+
+def _source(account: Account) -> dict[str, Any]:
+    source = account.source
+    return {
+        'history': source.extent.history,
+        'first_seq': source.first_seq,
+        'last_seq': source.last_seq,
+        'removed_before_seq': source.extent.first_seq,
+        'damaged': source.unreadable,
+    }
+
+
+def _job(shown: Figures, number: int) -> dict[str, Any]:
+    one = shown.times.made[number]
+    pace = shown.paces.get(one.digest)
+    return {
+        'job': one.job,
+        'script': one.script,
+        'recipe': one.recipe or None,
+        'recipe_version': one.recipe_version,
+        'pace_s': None if pace is None else pace.per_item_s,
+        'produced': one.produced,
+        'good': one.good,
+        'nonconforming': one.nonconforming,
+        'rejected': one.rejected,
+        'by_hand': one.by_hand,
+        'outside_planned_time': one.outside,
+    }
+
+
+def _summed(one: Stop | FailingTask) -> dict[str, Any]:
+    plain = one._asdict()
+    seconds = _s(plain.pop('us'))
+    return {**plain, 'seconds': seconds}
+
+
+def _held(account: Account, held: Held) -> dict[str, Any]:
+    when = account.period.iso
+    return {
+        'hold': held.hold,
+        'loss': held.loss.value if held.loss else None,
+        'words': held.words,
+        'raised': when(held.raised_us),
+        'released': None if held.released_us is None else when(held.released_us),
+        'stood_s': _s(held.stood_us),
+        'lost_s': _s(held.lost_us),
+        'answer': held.answer or None,
+        'who': held.who or None,
+        'reason': held.reason or None,
+    }
+
+
+def _s(us: Fraction | int | None) -> float | None:
+    return None if us is None else round(float(us) / US, 6)
+
+
+def _number(ratio: Fraction | None) -> float | None:
+    return None if ratio is None else round(float(ratio), 6)

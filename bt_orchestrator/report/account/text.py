@@ -1,0 +1,140 @@
+"""An account as text for a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+
+from bt_orchestrator.report.account.account import Account
+from bt_orchestrator.report.account.figures import Figures
+from bt_orchestrator.report.account.losses import WORDS, Step
+from bt_orchestrator.report.account.stops import Held
+from bt_orchestrator.report.account.words import UNKNOWN, duration, percent, rate
+from bt_orchestrator.report.tables import table
+
+MOST_ROWS = 10
+"""Lines of a Pareto; a page and JSON have all."""
+
+
+def account_text(account: Account) -> Iterator[str]:
+    """Yield the lines of an account; each part is left out where it has nothing to say."""
+    period, shown = account.period, account.figures
+    yield f'{period.name}, {period.when(period.begin_us)} to {period.when(period.end_us)}'
+    yield from (f'  {note}' for note in account.notes())
+    yield ''
+    yield from _head(shown)
+    yield from _titled('where the time went', _waterfall(shown))
+    yield from _titled('made', _made(shown))
+    yield from _titled('stops, the longest first', _stops(shown))
+    yield from _titled('holds', _holds(account))
+    yield from _titled('failed attempts', _failing(shown))
+    yield from _titled('components that failed', _repairs(shown))
+
+
+def _titled(title: str, lines: Iterator[str]) -> Iterator[str]:
+    first = next(lines, None)
+    if first is not None:
+        yield ''
+        yield f'{title}:'
+        yield f'  {first}'
+        yield from (f'  {line}' for line in lines)
+
+
+def _head(shown: Figures) -> Iterator[str]:
+    parts = (
+        f'availability {percent(shown.availability)}',
+        f'performance {percent(shown.performance)}',
+        f'quality {percent(shown.quality)}',
+    )
+    yield f'OEE  {percent(shown.oee)} = {" x ".join(parts)}'
+    yield f'made {shown.produced}, {shown.good} of them good'
+    if shown.produced:
+        yield f'rate {rate(shown.per_item_us)} of production; the pace is {rate(shown.pace_us)}'
+
+
+def _waterfall(shown: Figures) -> Iterator[str]:
+    rows = []
+    whole = shown.times.planned.total_us
+    for bar in shown.waterfall():
+        name = f'- {bar.title}' if bar.loss else bar.title
+        rows.append((name, duration(bar.us), percent(Fraction(bar.us) / whole)))
+    yield from table(('', 'time', 'of planned'), rows)
+
+
+def _made(shown: Figures) -> Iterator[str]:
+    rows = []
+    for one in shown.times.made:
+        pace = shown.paces.get(one.digest)
+        per_item = UNKNOWN if pace is None else f'{pace.per_item_s:.1f} s'
+        counts = (one.good, one.nonconforming, one.rejected, one.by_hand, one.outside)
+        rows.append((one.job, one.script, per_item, *map(str, counts)))
+    if rows:
+        titles = ('good', 'nonconforming', 'rejected', 'by hand', 'outside planned time')
+        yield from table(('job', 'script', 'pace', *titles), rows)
+
+
+def _stops(shown: Figures) -> Iterator[str]:
+    rows = [
+        (
+            ', '.join(filter(None, (WORDS[one.loss].title, one.component, one.detail))),
+            str(one.times),
+            duration(one.us),
+        )
+        for one in shown.times.stops
+        if WORDS[one.loss].step is Step.AVAILABILITY
+    ]
+    yield from _pareto(('', 'times', 'time'), rows)
+
+
+def _holds(account: Account) -> Iterator[str]:
+    times = account.figures.times
+    for held in times.holds:
+        yield f'{_from_to(account, held)}  {held.words}'
+        if held.answer:
+            said = f': {held.reason}' if held.reason else ''
+            yield f'  {held.answer} by {held.who}{said}'
+    if times.holds_left_out:
+        us = sum(times.left_out_us.values())
+        yield f'and {times.holds_left_out} others, {duration(us)} together'
+
+
+def _from_to(account: Account, held: Held) -> str:
+    period = account.period
+    end = period.clock(held.released_us) if held.released_us is not None else 'now'
+    begun = period.clock(held.raised_us)
+    return f'{begun} to {end}, {duration(held.lost_us)} lost'
+
+
+def _failing(shown: Figures) -> Iterator[str]:
+    rows = [
+        (
+            f'{one.component or "nothing sent"}: {one.task}, {one.reason}',
+            str(one.times),
+            duration(one.us),
+        )
+        for one in shown.times.failing
+    ]
+    yield from _pareto(('', 'times', 'took'), rows)
+
+
+def _repairs(shown: Figures) -> Iterator[str]:
+    rows = []
+    for one in shown.times.repairs:
+        between, repair = shown.mtbf_us(one), shown.mttr_us(one)
+        rows.append(
+            (
+                one.component,
+                str(one.failures),
+                duration(one.down_us),
+                duration(between),
+                duration(repair),
+            )
+        )
+    yield from _pareto(('', 'failures', 'down', 'MTBF', 'MTTR'), rows)
+
+
+def _pareto(titles: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> Iterator[str]:
+    if rows:
+        yield from table(titles, rows[:MOST_ROWS])
+    if len(rows) > MOST_ROWS:
+        yield f'and {len(rows) - MOST_ROWS} more'

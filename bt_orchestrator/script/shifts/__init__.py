@@ -1,0 +1,1 @@
+"""The file of shifts: when the cell is meant to work."""

@@ -1,0 +1,106 @@
+"""Reading a file of shifts."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from zoneinfo import ZoneInfo
+
+from bt_orchestrator.model.plant.shifts import DAYS, EVERY_DAY, Hours, Shift, Shifts
+from bt_orchestrator.script.fields import Fields, fields_of, file_fields
+from bt_orchestrator.script.names import check_id
+from bt_orchestrator.script.report import Report, did_you_mean, listing
+from bt_orchestrator.script.shifts.shifts_keys import CLOCK_FORM, SHIFT, SHIFTS
+from bt_orchestrator.script.source_text import read_text
+from bt_orchestrator.script.yaml_nodes import quoted
+
+
+def read_shifts(path: Path) -> Shifts:
+    """Read a file of shifts.
+
+    :raises Refused: with every mistake in it
+    """
+    return parse_shifts(read_text(path), str(path))
+
+
+def parse_shifts(text: str, file: str) -> Shifts:
+    """Read the text of a file of shifts; its name stands in the findings.
+
+    :raises Refused: with every mistake in it
+    """
+    report = Report(file)
+    fields = file_fields(text, SHIFTS, report)
+    shifts = Shifts(_shifts(fields), _zone(fields))
+    report.refuse()
+    return shifts
+
+
+def _shifts(fields: Fields) -> dict[str, Shift]:
+    node = fields.mapping('shifts')
+    found = {}
+    for entry in (*node.entries, *node.repeated) if node else ():
+        name = entry.key.text
+        check_id(name, 'name of a shift', entry.key.place, fields.report)
+        shift = fields_of(entry.value, SHIFT, fields.report)
+        if shift is not None:
+            found[name] = _shift(name, shift)
+    if node is not None and not node.entries:
+        fields.refuse('shifts', 'no shift is named', SHIFTS.by_name['shifts'].hint)
+    return found
+
+
+def _shift(name: str, fields: Fields) -> Shift:
+    hours = _hours(fields)
+    breaks = []
+    for pause in fields.tables('breaks'):
+        found = _hours(pause)
+        if hours is not None and found is not None:
+            if not _is_within(found, hours):
+                pause.refuse('from', f'the break is not within shift {name}', 'change its times')
+            breaks.append(found)
+    return Shift(name, hours or Hours(0, 0), tuple(breaks), _days(fields))
+
+
+def _is_within(pause: Hours, hours: Hours) -> bool:
+    after = (pause.begin_min - hours.begin_min) % (24 * 60)
+    return after + pause.minutes <= hours.minutes
+
+
+def _hours(fields: Fields) -> Hours | None:
+    begin, end = _minutes(fields, 'from'), _minutes(fields, 'to')
+    return None if begin is None or end is None else Hours(begin % (24 * 60), end % (24 * 60))
+
+
+def _minutes(fields: Fields, key: str) -> int | None:
+    text = fields.text(key)
+    if text is None:
+        return None
+    if re.fullmatch(CLOCK_FORM, text) is None:
+        what = f'`{key}` must be a time of the clock, not {quoted(text)}'
+        fields.refuse(key, what, 'write for instance 06:00; hours have two digits')
+        return None
+    hour, _, minute = text.partition(':')
+    return int(hour) * 60 + int(minute)
+
+
+def _days(fields: Fields) -> tuple[int, ...]:
+    found = []
+    for node in fields.names('days'):
+        if node.text in DAYS:
+            found.append(DAYS.index(node.text))
+        else:
+            hint = did_you_mean(node.text, DAYS, f'write some of {listing(DAYS, longest=7)}')
+            fields.report.add(node.place, f'no day is named {quoted(node.text)}', hint)
+    return tuple(sorted(set(found))) or EVERY_DAY
+
+
+def _zone(fields: Fields) -> str:
+    name = fields.text('zone') or ''
+    if name:
+        try:
+            ZoneInfo(name)
+        except (LookupError, OSError, ValueError):
+            what = f'this computer knows no time zone {quoted(name)}'
+            hint = 'write for instance `zone: Europe/Berlin`; the package tzdata has them all'
+            fields.refuse('zone', what, hint)
+    return name

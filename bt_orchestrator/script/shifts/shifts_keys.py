@@ -1,0 +1,72 @@
+"""The keys of a file of shifts."""
+
+from __future__ import annotations
+
+from bt_orchestrator.model.plant.shifts import DAYS
+from bt_orchestrator.script.keys import Key, Kind, Table
+from bt_orchestrator.script.names import ID_FORM
+
+CLOCK_FORM = '(?:[01][0-9]|2[0-3]):[0-5][0-9]|24:00'
+
+_HOURS = (
+    Key(
+        'from',
+        Kind.TEXT,
+        'time of the clock at which it begins',
+        '06:00',
+        required=True,
+        form=CLOCK_FORM,
+    ),
+    Key(
+        'to',
+        Kind.TEXT,
+        'time of the clock at which it ends; not later than `from`: on the next day',
+        '14:00',
+        required=True,
+        form=CLOCK_FORM,
+    ),
+)
+
+BREAK = Table('a break', _HOURS)
+
+SHIFT = Table(
+    'a shift',
+    (
+        *_HOURS,
+        Key(
+            'breaks',
+            Kind.LIST,
+            'times within it that are not planned',
+            '[{from: 09:00, to: 09:15}]',
+            of=(BREAK,),
+        ),
+        Key(
+            'days',
+            Kind.NAMES,
+            f'days of the week on which it begins ({", ".join(DAYS)}); absent: every day',
+            '[mon, tue, wed, thu, fri]',
+        ),
+    ),
+)
+
+SHIFTS = Table(
+    'a file of shifts',
+    (
+        Key(
+            'shifts',
+            Kind.MAPPING,
+            'the shifts by name',
+            '{early: {from: 06:00, to: 14:00}}',
+            required=True,
+            of=(SHIFT,),
+            name_form=ID_FORM,
+            fewest=1,
+        ),
+        Key(
+            'zone',
+            Kind.TEXT,
+            'time zone of all times in the file (IANA name); absent: that of the computer',
+            'Europe/Berlin',
+        ),
+    ),
+)

@@ -1,0 +1,129 @@
+"""The verb `report`, on a journal file."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import pytest
+from fakes.hand_made_shift import LINE, SHIFTS, the_day
+
+from bt_orchestrator.cli.main import main
+from bt_orchestrator.store.sqlite.store import SqliteStore
+
+
+@pytest.fixture(scope='module')
+def journal(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A journal of one shift, with a file of shifts and a cell file beside it."""
+    folder = tmp_path_factory.mktemp('journal')
+    store = SqliteStore(folder / 'cell.db')
+    store.append(the_day().events)
+    store.close()
+    (folder / 'shifts.yaml').write_text(SHIFTS)
+    (folder / 'cell.yaml').write_text(LINE.text)
+    return folder / 'cell.db'
+
+
+def report(journal: Path, *words: str) -> int:
+    return main(('report', '--journal', str(journal), *words))
+
+
+def of_shift(journal: Path, name: str = 'early', day: str = '2026-05-18') -> tuple[str, ...]:
+    return '--shifts', str(journal.parent / 'shifts.yaml'), '--shift', name, '--day', day
+
+
+def plain(journal: Path, capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, object]:
+    assert report(journal, '--json', *words) == 0
+    found: dict[str, object] = json.loads(capsys.readouterr().out)
+    return found
+
+
+def test_a_shift_as_text(journal: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert report(journal, *of_shift(journal), '--cell', str(journal.parent / 'cell.yaml')) == 0
+    text = capsys.readouterr().out
+    lines = text.splitlines()
+    assert lines[0] == 'shift early of 2026-05-18, 2026-05-18 06:00:00 to 2026-05-18 14:00:00'
+    assert lines[1].startswith('  made from events 2 to ')
+    assert lines[2] == '  the pace is by a cell file that is not the one that the node ran with'
+    assert '  - own fault             0:22:00       4.9 %' in lines
+    assert '  07:00:00 to 07:20:00, 0:20:00 lost  section 2, work (TASK_A) of J/1 at a2' in text
+    assert '    retry by ann: cleared the jam' in lines
+
+
+def test_without_a_cell_file_there_is_no_oee_but_all_else(
+    journal: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    found = plain(journal, capsys, *of_shift(journal))
+    assert found['oee'] == {
+        'availability': 0.813561, 'performance': None, 'quality': 0.965251, 'oee': None,
+    }  # fmt: skip
+    assert 'no pace is known of test: performance and OEE need --cell CELL' in found['notes']  # type: ignore[operator]
+    assert found['waterfall'][-1]['title'] == 'actual production time'  # type: ignore[index]
+
+
+def test_other_periods(journal: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    whole = plain(journal, capsys)['period']
+    job = plain(journal, capsys, '--job', 'J')['period']
+    assert (whole['planned_s'], job['planned_s']) == (29700.0, 28200.0)  # type: ignore[index]
+    part = plain(journal, capsys, '--from', '2026-05-18T07:00Z', '--to', '2026-05-18T07:30Z')
+    assert part['losses'] == {'own_fault': 1200.0, 'rework': 300.0, 'slow': 300.0}
+    shifts = ('--shifts', str(journal.parent / 'shifts.yaml'))
+    day = plain(journal, capsys, '--day', '2026-05-18', *shifts)['period']
+    assert day['planned_s'] == 27000.0  # type: ignore[index]
+
+
+def test_a_table_in_a_file(journal: Path, tmp_path: Path) -> None:
+    out = tmp_path / 'shift.csv'
+    assert report(journal, *of_shift(journal), '--csv', '-o', str(out)) == 0
+    with out.open(encoding='utf-8', newline='') as file:
+        rows = list(csv.DictReader(file))
+    lost = {row['name']: float(row['seconds']) for row in rows if row['part'] == 'loss'}
+    assert lost['own_fault'] == 1320.0
+    assert {row['part'] for row in rows} >= {'period', 'oee', 'job', 'stop', 'hold', 'component'}
+
+
+MISTAKES = {
+    ('--from', '2026-05-18T14:00Z', '--to', '2026-05-18T06:00Z'): (
+        '--from has to be before --to; exchange them'
+    ),
+    ('--job', 'J', '--day', '2026-05-18'): (
+        '--job and --shift or --day name a period each; leave one of them out'
+    ),
+    ('--shift', 'early'): '--shift needs the file in which the shifts are: --shifts FILE',
+    (
+        '--shifts',
+        'none.yaml',
+        '--day',
+        '2026-05-18',
+    ): 'none.yaml:1:1: the file does not exist; check the path',
+    ('--job', 'K'): 'knows no start of job K; history --job K shows what it has',
+    ('--day', '2026-05-17'): 'the journal has no event of 2026-05-17',
+    ('--day', '18.5.2026'): "'18.5.2026' is not a day; write 2026-05-17",
+}
+
+
+@pytest.mark.parametrize(('words', 'what'), MISTAKES.items())
+def test_a_mistake_of_a_user_is_a_sentence(
+    journal: Path, capsys: pytest.CaptureFixture[str], words: tuple[str, ...], what: str
+) -> None:
+    try:
+        status = report(journal, *words)
+    except SystemExit as ended:
+        status = int(str(ended.code))
+    assert status in (1, 2)
+    assert what in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ('name', 'day', 'what'),
+    [
+        ('erly', '2026-05-18', 'shifts.yaml has no shift erly; did you mean `early`?'),
+        ('early', '2100-01-04', 'shift early of 2100-01-04 has not begun yet'),
+    ],
+)
+def test_a_shift_that_is_none(
+    journal: Path, capsys: pytest.CaptureFixture[str], name: str, day: str, what: str
+) -> None:
+    assert report(journal, *of_shift(journal, name, day)) == 1
+    assert what in capsys.readouterr().err
