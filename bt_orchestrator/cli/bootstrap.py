@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import NamedTuple, TypeVar
 
 from bt_orchestrator.cli.foresight_process import ForesightProcess
+from bt_orchestrator.cli.generating.ordered import RecipeMaker
 from bt_orchestrator.errors import Finding, Refused
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.jobs.order import Job
@@ -18,7 +19,6 @@ from bt_orchestrator.ports import ActionTypes, EventSink, EventStore, Foresight,
 from bt_orchestrator.script.admission import admitted
 from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.script.lookup import find_script
-from bt_orchestrator.script.orders.choice import wrong_choice
 from bt_orchestrator.script.orders.order_file import (
     OrderFile,
     OrderPlaces,
@@ -160,12 +160,16 @@ def load_jobs(
     folders: Sequence[Path],
     types: ActionTypes,
     instead: Replacement | None = None,
+    recipes: Sequence[Path] = (),
 ) -> tuple[Cell, list[Given]]:
     """Read a cell, work orders and their scripts, and bind them to jobs.
+
+    The script of an order by recipe is generated here.
 
     An order without id is called WO-1, WO-2 and so on, whatever is free.
 
     :param instead: used for all orders of the script that it replaces
+    :param recipes: folders in which recipes are looked up
     :raises Refused: with every mistake in all files
     """
     findings = Findings()
@@ -175,11 +179,10 @@ def load_jobs(
     findings.of(partial(_refuse_duplicates, files))
     for file in files:
         findings.add(file.places.findings)
-    jobs = (
-        None
-        if cell is None
-        else _bind(files, _ScriptShelf(cell, folders, types, instead), findings)
-    )
+    jobs = None
+    if cell is not None:
+        maker = RecipeMaker(cell, types, recipes)
+        jobs = _bind(files, _ScriptShelf(cell, folders, types, instead, maker), findings)
     findings.refuse()
     assert cell is not None
     assert jobs is not None
@@ -230,28 +233,32 @@ class _ScriptShelf:
         folders: Sequence[Path],
         types: ActionTypes,
         instead: Replacement | None,
+        maker: RecipeMaker,
     ) -> None:
         self._cell = cell
         self._folders = folders
         self._types = types
         self._instead = instead
+        self._maker = maker
         self._scripts: dict[Path, Script] = {}
         self.types_by_component = action_types(cell, types)
 
     def script_of(self, file: OrderFile) -> Script:
-        """Return the script that an order names.
+        """Return the script that an order names, or that is generated for it.
 
-        :raises Refused: it cannot be found, or has mistakes
+        :raises Refused: it cannot be found, or has mistakes; or there is none for the recipe
         """
-        places = file.places
-        wrong = wrong_choice(file.order.script, file.order.recipe)
-        if wrong is not None:
-            raise Refused([places.finding(wrong)])
-        path = find_script(file.order.script, self._folders, places.file, places.place('script'))
-        script = self._read(path)
+        script = self._named_or_made(file)
         if self._instead is not None and script.name == self._instead.of:
             return self._read(self._instead.path)
         return script
+
+    def _named_or_made(self, file: OrderFile) -> Script:
+        places, recipe = file.places, file.order.recipe
+        if recipe is not None:
+            return self._maker.make(recipe, places).generated.script
+        place = places.place('script')
+        return self._read(find_script(file.order.script, self._folders, places.file, place))
 
     def _read(self, path: Path) -> Script:
         if path not in self._scripts:
@@ -264,7 +271,7 @@ def _bind(files: Sequence[OrderFile], shelf: _ScriptShelf, findings: Findings) -
     given = []
     for file in files:
         job_id = file.order.order or next(ids)
-        if not file.places.is_sure('script') or not file.places.is_sure('recipe'):
+        if not all(file.places.is_sure(key) for key in ('script', 'recipe', 'version', 'bind')):
             continue
         job = findings.of(partial(_job, file, job_id, shelf))
         if job is not None:

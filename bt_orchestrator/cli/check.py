@@ -12,25 +12,33 @@ from pathlib import Path
 from typing import Any
 
 from bt_orchestrator.cli import bootstrap
-from bt_orchestrator.cli.folders import add_trees_option, script_folders
+from bt_orchestrator.cli.folders import (
+    add_recipes_option,
+    add_trees_option,
+    recipe_folders,
+    script_folders,
+)
 from bt_orchestrator.errors import Finding, Refused, counted
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.recipe import Recipe
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.report.pace_text import script_pace
 from bt_orchestrator.script.checks.warnings import ReadScript, warnings
 from bt_orchestrator.script.lookup import find_script
+from bt_orchestrator.script.orders.order_file import is_order
 from bt_orchestrator.script.recipes.recipe_file import is_recipe
 
 DESCRIPTION = """\
-Read scripts and recipes against the cell they are for, and print every mistake in them as
-FILE:LINE:COLUMN: WHAT; HINT. Moves nothing and needs no node.
+Read scripts, recipes and work orders against the cell they are for, and print every mistake in
+them as FILE:LINE:COLUMN: WHAT; HINT. Moves nothing and needs no node.
 
 Of scripts without mistakes it says how long a full line takes from one item to the next, by the
 durations of the cell file: what has to happen one after the other, and what a quicker task would
 bring. Of recipes it says that the cell can do each operation; whether one script can do all of
-them in a row is what `generate` finds out.
+them in a row is what `generate` finds out. Of a work order it reads the script as well, or
+generates that of its recipe.
 
 What is probably not meant is printed as FILE:LINE:COLUMN: warning: WHAT; HINT on the standard
 error, and changes nothing, but with --strict."""
@@ -46,13 +54,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         'scripts',
         nargs='+',
         metavar='SCRIPT',
-        help='name or path of a script, or path of a recipe (YAML)',
+        help='name or path of a script, or path of a recipe or of a work order (YAML)',
     )
     add_cell_options(parser)
+    add_recipes_option(parser)
     parser.add_argument(
         '--json',
         action='store_true',
-        help='one JSON object: findings, warnings, ok, paces, recipes',
+        help='one JSON object: findings, warnings, ok, paces, recipes, orders',
     )
     parser.add_argument('--strict', action='store_true', help='take warnings for mistakes')
 
@@ -77,10 +86,14 @@ def check(args: argparse.Namespace, types: ActionTypes) -> int:
     """
     folders = script_folders(args.trees)
     recipe_files = [path for name in args.scripts if is_recipe(path := Path(name))]
-    names = [name for name in args.scripts if Path(name) not in recipe_files]
+    order_files = [path for name in args.scripts if is_order(path := Path(name))]
+    names = [name for name in args.scripts if Path(name) not in (*recipe_files, *order_files)]
     findings = bootstrap.Findings()
     recipes = findings.of(partial(bootstrap.load_recipes, recipe_files, args.cell, types))
     loaded = findings.of(partial(bootstrap.load_scripts, names, args.cell, folders, types))
+    shelf = recipe_folders(args.recipes)
+    bind = partial(bootstrap.load_jobs, order_files, args.cell, folders, types, recipes=shelf)
+    bound = findings.of(bind)
     try:
         findings.refuse()
     except Refused as refused:
@@ -90,22 +103,27 @@ def check(args: argparse.Namespace, types: ActionTypes) -> int:
         return 1
     assert recipes is not None
     assert loaded is not None
+    assert bound is not None
     cell, scripts = loaded
+    jobs = [one.job for one in bound[1]]
     paths = [find_script(name, folders) for name in names]
     given = [ReadScript(path, script) for path, script in zip(paths, scripts, strict=True)]
     found = warnings(args.cell, cell, given, folders, types)
     is_fine = not (args.strict and found)
     if args.json:
-        paces = [script_pace(script, cell).plain() for script in scripts]
+        of_orders = {job.script.name: job.script for job in jobs}.values()
+        paces = [script_pace(script, cell).plain() for script in (*scripts, *of_orders)]
         fine = {'findings': [], 'warnings': _plain(found), 'ok': is_fine, 'paces': paces}
-        print(json.dumps({**fine, 'recipes': [_plain_recipe(one, cell) for one in recipes]}))
+        fine['recipes'] = [_plain_recipe(one, cell) for one in recipes]
+        print(json.dumps({**fine, 'orders': [_plain_order(job) for job in jobs]}))
         return int(not is_fine)
     for warning in found:
         what = f'warning: {warning.what}'
         print(dataclasses.replace(warning, what=what), file=sys.stderr)
     if is_fine:
         lines = [line for script in scripts for line in summary(script, cell)]
-        print('\n'.join([*lines, *(_recipe_line(recipe, cell) for recipe in recipes)]))
+        lines += [_recipe_line(recipe, cell) for recipe in recipes]
+        print('\n'.join([*lines, *(line for job in jobs for line in _order_lines(job, cell))]))
     return int(not is_fine)
 
 
@@ -152,4 +170,24 @@ def _plain_recipe(recipe: Recipe, cell: Cell) -> dict[str, Any]:
         'version': recipe.version,
         'operations': len(able),
         'with_choice': sum(number > 1 for number in able),
+    }
+
+
+def _order_lines(job: Job, cell: Cell) -> Iterator[str]:
+    """Yield that an order is fine, what its script is made from, and how fast the line is."""
+    made_from = job.script.made_from
+    of = f', made from recipe {made_from.recipe} version {made_from.version}' if made_from else ''
+    items = counted(job.quantity, 'item')
+    yield f'{job.id}: {items} of {job.script.name}{of}, fits cell {cell.name}'
+    yield from (f'  {line}' for line in script_pace(job.script, cell).lines())
+
+
+def _plain_order(job: Job) -> dict[str, Any]:
+    made_from = job.script.made_from
+    return {
+        'order': job.id,
+        'quantity': job.quantity,
+        'script': job.script.name,
+        'recipe': made_from.recipe if made_from else None,
+        'version': made_from.version if made_from else None,
     }

@@ -26,14 +26,36 @@ def add_trees_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_recipes_option(parser: argparse.ArgumentParser) -> None:
+    """Declare where recipes are looked up; `recipe_folders` takes what is given."""
+    parser.add_argument(
+        '--recipes',
+        action='append',
+        type=Path,
+        default=[],
+        metavar='DIR',
+        help='folder of recipes, with NAME.overrides.yaml beside NAME.yaml; may be repeated '
+        '(default: recipes/ here, then the installed ones)',
+    )
+
+
 def script_folders(asked: Sequence[Path]) -> list[Path]:
     """Return the folders in which scripts are looked up by name, in order.
 
     Without any asked for: `trees/` in the working directory, then the installed one (formats).
     """
+    return _folders(asked, 'trees')
+
+
+def recipe_folders(asked: Sequence[Path]) -> list[Path]:
+    """Return the folders in which recipes are looked up, as `script_folders` does for scripts."""
+    return _folders(asked, 'recipes')
+
+
+def _folders(asked: Sequence[Path], name: str) -> list[Path]:
     if asked:
         return list(asked)
-    return [folder for folder in (Path('trees'), *_shares('trees')) if folder.is_dir()]
+    return [folder for folder in (Path(name), *_shares(name)) if folder.is_dir()]
 
 
 def shipped(*path: str) -> Path:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.virtual_run import Run, lines_of, plain
@@ -17,13 +17,27 @@ from bt_orchestrator.script.script_file import read_script
 from bt_orchestrator.sim.simulation import Outcome
 
 
+class OrderFiles(NamedTuple):
+    """Work orders, and where what they need is found."""
+
+    orders: Sequence[Path]
+    cell: Path
+    trees: Sequence[Path]
+    recipes: Sequence[Path]
+
+    def jobs(
+        self, types: ActionTypes, instead: bootstrap.Replacement | None = None
+    ) -> tuple[Cell, list[bootstrap.Given]]:
+        """Read them, and bind them to jobs.
+
+        :raises Refused: with every mistake in all files
+        """
+        trees, recipes = self.trees, self.recipes
+        return bootstrap.load_jobs(self.orders, self.cell, trees, types, instead, recipes)
+
+
 def what_if_jobs(
-    file: Path,
-    orders: Sequence[Path],
-    cell_file: Path,
-    folders: Sequence[Path],
-    types: ActionTypes,
-    scripts: Sequence[str],
+    file: Path, orders: OrderFiles, types: ActionTypes, scripts: Sequence[str]
 ) -> tuple[Cell, list[bootstrap.Given]]:
     """Read the orders again, for the cell or with the script that a file describes.
 
@@ -32,8 +46,8 @@ def what_if_jobs(
     :raises WrongUse: it is not clear which script it would take the place of
     """
     if file_kind(file) is FileKind.CELL:
-        return bootstrap.load_jobs(orders, file, folders, types)
-    name = read_script(file, bootstrap.load_cell(cell_file, types), types).name
+        return orders._replace(cell=file).jobs(types)
+    name = read_script(file, bootstrap.load_cell(orders.cell, types), types).name
     asked = list(dict.fromkeys(scripts))
     if name not in asked and len(asked) > 1:
         raise WrongUse(
@@ -41,7 +55,7 @@ def what_if_jobs(
             'give it the name of the one whose place it takes'
         )
     instead = bootstrap.Replacement(name if name in asked else asked[0], file)
-    return bootstrap.load_jobs(orders, cell_file, folders, types, instead)
+    return orders.jobs(types, instead)
 
 
 def change_lines(before: Run, after: Run) -> Iterator[str]:

@@ -9,10 +9,10 @@ from pathlib import Path
 
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.check import add_cell_options, as_json
-from bt_orchestrator.cli.folders import script_folders
+from bt_orchestrator.cli.folders import add_recipes_option, recipe_folders, script_folders
 from bt_orchestrator.cli.moments import moment
 from bt_orchestrator.cli.numbers import seconds
-from bt_orchestrator.cli.side_by_side import change_lines, plain_change, what_if_jobs
+from bt_orchestrator.cli.side_by_side import OrderFiles, change_lines, plain_change, what_if_jobs
 from bt_orchestrator.cli.virtual_run import RunOptions, lines_of, plain, run_jobs
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.errors import Refused
@@ -39,6 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.add_argument('orders', nargs='+', type=Path, metavar='ORDER', help='work order (YAML)')
     add_cell_options(parser)
+    add_recipes_option(parser)
     parser.add_argument(
         '--trace',
         type=Path,
@@ -127,18 +128,16 @@ def simulate(args: argparse.Namespace, types: ActionTypes) -> int:
 
 
 def _run(args: argparse.Namespace, types: ActionTypes) -> int:
-    folders = script_folders(args.trees)
-    cell, given = bootstrap.load_jobs(args.orders, args.cell, folders, types)
+    cell, given = _order_files(args).jobs(types)
     done = run_jobs(cell, given, types, _options(args))
     print(json.dumps(plain(done)) if args.json else '\n'.join(lines_of(done)))
     return 0 if done.outcome is Outcome.FINISHED else 1
 
 
 def _compare(args: argparse.Namespace, types: ActionTypes) -> int:
-    folders = script_folders(args.trees)
-    cell, given = bootstrap.load_jobs(args.orders, args.cell, folders, types)
+    cell, given = _order_files(args).jobs(types)
     scripts = [one.job.script.name for one in given]
-    changed = what_if_jobs(args.what_if, args.orders, args.cell, folders, types, scripts)
+    changed = what_if_jobs(args.what_if, _order_files(args), types, scripts)
     before = run_jobs(cell, given, types, _options(args))
     after = run_jobs(*changed, types, _options(args))
     if args.json:
@@ -146,6 +145,11 @@ def _compare(args: argparse.Namespace, types: ActionTypes) -> int:
     else:
         print('\n'.join(change_lines(before, after)))
     return 0 if before.outcome is after.outcome is Outcome.FINISHED else 1
+
+
+def _order_files(args: argparse.Namespace) -> OrderFiles:
+    trees, recipes = script_folders(args.trees), recipe_folders(args.recipes)
+    return OrderFiles(args.orders, args.cell, trees, recipes)
 
 
 def _options(args: argparse.Namespace) -> RunOptions:

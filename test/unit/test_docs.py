@@ -95,6 +95,11 @@ class PageReader:
         if block.starts('cell'):
             self.cell = parse_cell(block.text, block.place, TYPES)
             return 'cell'
+        if block.starts('recipe') and block.starts('quantity'):
+            choice = parse_order(block.text, block.place).order.recipe
+            assert choice is not None, block.place
+            assert {*choice.recipes} & {'WM-100'}, block.place
+            return 'work_order'
         if block.starts('recipe'):
             self.recipe = parse_recipe(block.text, block.place, self.cell, TYPES)
             return 'recipe'

@@ -11,6 +11,7 @@ from bt_orchestrator.errors import Finding, Refused
 from bt_orchestrator.model.action_type import ActionType
 from bt_orchestrator.model.jobs.order import Job, WorkOrder
 from bt_orchestrator.model.script import Parameter, Script
+from bt_orchestrator.script.composing import compose
 from bt_orchestrator.script.field_types import PARAMETER_TYPES, misfit
 from bt_orchestrator.script.fields import Fields, file_fields
 from bt_orchestrator.script.keys import LARGEST_WHOLE
@@ -21,7 +22,14 @@ from bt_orchestrator.script.parameter_uses import misfitting_uses
 from bt_orchestrator.script.report import START, Place, Report, did_you_mean, listing, nearest
 from bt_orchestrator.script.script_keys import ORDER
 from bt_orchestrator.script.source_text import read_text
-from bt_orchestrator.script.yaml_nodes import Scalar, found, found_value, plain_value, quoted
+from bt_orchestrator.script.yaml_nodes import (
+    MapNode,
+    Scalar,
+    found,
+    found_value,
+    plain_value,
+    quoted,
+)
 
 
 @dataclass(frozen=True)
@@ -105,6 +113,18 @@ def parse_draft(text: str, file: str) -> OrderFile:
     if params:
         doubted.discard(('params',))
     return OrderFile(order, OrderPlaces(file, places, report.findings, frozenset(doubted)))
+
+
+def is_order(path: Path) -> bool:
+    """Tell whether a file is meant as a work order; one that cannot be read is none."""
+    try:
+        root = compose(read_text(path), Report(str(path)))
+    except Refused:
+        return False
+    keys = {entry.key.text for entry in root.entries} if isinstance(root, MapNode) else set()
+    if keys & {'sections', 'operations', 'conveyor', 'components', 'set'}:
+        return False
+    return 'order' in keys or {'script', 'quantity'} <= keys or {'recipe', 'quantity'} <= keys
 
 
 def _without_mistakes(order: OrderFile) -> OrderFile:

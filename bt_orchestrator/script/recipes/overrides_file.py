@@ -11,11 +11,12 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.recipe import Overrides, Recipe
 from bt_orchestrator.script.circles import circles
 from bt_orchestrator.script.fields import Fields, fields_of, file_fields
+from bt_orchestrator.script.recipes.bindings import misfit, unknown_operation
 from bt_orchestrator.script.recipes.recipe_keys import CHANGE, OVERRIDES
-from bt_orchestrator.script.report import Report, did_you_mean, listing
+from bt_orchestrator.script.report import Report
 from bt_orchestrator.script.source_text import read_text
 from bt_orchestrator.script.task_options import written_options
-from bt_orchestrator.script.yaml_nodes import Entry, ListNode, Node, Scalar, found, quoted
+from bt_orchestrator.script.yaml_nodes import Entry, ListNode, Node, Scalar, found
 
 
 def read_overrides(path: Path, recipe: Recipe, cell: Cell) -> Overrides:
@@ -63,20 +64,9 @@ class _OverridesReader:
         return bound
 
     def _check_bound(self, entry: Entry, name: str) -> None:
-        operation = self._recipe.by_id[entry.key.text]
-        able = [
-            one.name
-            for one in self._cell.components.values()
-            if not one.capabilities.keys().isdisjoint(operation.do)
-        ]
-        if name in able:
-            return
-        what = f'bind {operation.id}: there is no component {quoted(name)}'
-        if name in self._cell.components:
-            does = ' or '.join(f'`{one}`' for one in operation.do)
-            what = f'bind {operation.id}: `{name}` does not have {does}'
-        hint = did_you_mean(name, able, f'only {listing(able)} can do it')
-        self._report.add(entry.value.place, what, hint)
+        wrong = misfit(entry.key.text, name, self._recipe, self._cell)
+        if wrong is not None:
+            self._report.add(entry.value.place, *wrong)
 
     def _options(self) -> dict[str, dict[str, Any]]:
         changed = {}
@@ -117,14 +107,7 @@ class _OverridesReader:
 
     def _is_known(self, name: Scalar) -> bool:
         """Tell whether the recipe has an operation; an override of nothing is a mistake."""
-        if name.text in self._recipe.by_id:
-            return True
-        what = f'override for {quoted(name.text)}: no such operation in {self._version}'
-        self._report.add(
-            name.place, what, did_you_mean(name.text, self._recipe.by_id, 'remove it')
-        )
-        return False
-
-    @property
-    def _version(self) -> str:
-        return f'version {self._recipe.version} of {self._recipe.name}'
+        wrong = unknown_operation(name.text, self._recipe, 'override for')
+        if wrong is not None:
+            self._report.add(name.place, *wrong)
+        return wrong is None

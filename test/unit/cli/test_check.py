@@ -179,7 +179,7 @@ def test_no_findings_as_json(capsys: pytest.CaptureFixture[str]) -> None:
     assert checked(TREES / 'reference_process.yaml', '--json') == 0
     found = json.loads(capsys.readouterr().out)
     assert len(found.pop('paces')) == 1
-    assert found == {'findings': [], 'warnings': [], 'ok': True, 'recipes': []}
+    assert found == {'findings': [], 'warnings': [], 'ok': True, 'recipes': [], 'orders': []}
 
 
 # --- warnings ---------------------------------------------------------------------------------

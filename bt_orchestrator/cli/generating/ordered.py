@@ -1,0 +1,108 @@
+"""The scripts of orders by recipe: found, bound as the order says, and generated."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from bt_orchestrator.cli.generating.inputs import NO_OVERRIDES, Inputs
+from bt_orchestrator.cli.generating.making import Made, NotVouchedFor, make
+from bt_orchestrator.errors import Finding, Refused
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.codec import digest_of, to_plain
+from bt_orchestrator.model.jobs.order import RecipeChoice
+from bt_orchestrator.model.recipe import Recipe
+from bt_orchestrator.planning.outcome import NotMade
+from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.script.orders.order_file import OrderPlaces
+from bt_orchestrator.script.orders.terms import Wrong
+from bt_orchestrator.script.recipes.bindings import Unbound, misfit, unknown_operation
+from bt_orchestrator.script.recipes.overrides_file import read_overrides
+from bt_orchestrator.script.recipes.recipe_file import read_recipe
+from bt_orchestrator.script.recipes.shelf import Shelved, find_recipe
+
+SCRIPTS_KEPT = 32
+"""Scripts that need not be generated again while what they are made from stays the same."""
+
+
+class RecipeMaker:
+    """Makes the scripts of orders by recipe for one cell."""
+
+    def __init__(self, cell: Cell, types: ActionTypes, folders: Sequence[Path]) -> None:
+        """Begin with none made.
+
+        :param folders: where recipes are looked up, in order
+        """
+        self._cell = cell
+        self._types = types
+        self._folders = folders
+        self._made: OrderedDict[str, Made | NotMade | NotVouchedFor] = OrderedDict()
+
+    def make(
+        self, choice: RecipeChoice, places: OrderPlaces, without: frozenset[str] = frozenset()
+    ) -> Made:
+        """Make the first of the recipes that can be made.
+
+        :param places: of the order
+        :param without: components that are out of service
+        :raises Refused: with the reasons of all: none can be made, or there is no such recipe
+        """
+        files = [find_recipe(name, choice, self._folders, places) for name in choice.recipes]
+        reasons: list[Finding] = []
+        for file in files:
+            try:
+                return self._one(file, choice, places, without)
+            except Refused as refused:
+                reasons += refused.findings
+        raise Refused(reasons)
+
+    def _one(
+        self, file: Shelved, choice: RecipeChoice, places: OrderPlaces, without: frozenset[str]
+    ) -> Made:
+        inputs = self._inputs(file, choice, places)
+        key = digest_of([to_plain(inputs.made_from), sorted(without)])
+        if key not in self._made:
+            self._made[key] = _made(inputs, without)
+        self._made.move_to_end(key)
+        if len(self._made) > SCRIPTS_KEPT:
+            self._made.popitem(last=False)
+        made = self._made[key]
+        if isinstance(made, Made):
+            return made
+        reasons = made.reasons if isinstance(made, NotMade) else (str(made),)
+        recipe = f'recipe {file.name} version {file.version} cannot be made'
+        raise Refused([places.finding(Wrong('recipe', f'{recipe}: {why}', '')) for why in reasons])
+
+    def _inputs(self, file: Shelved, choice: RecipeChoice, places: OrderPlaces) -> Inputs:
+        """Read the files; what the order binds goes before what the overrides do.
+
+        :raises Refused: with every mistake in them, or in what the order binds
+        """
+        recipe = read_recipe(file.path, self._cell, self._types)
+        given = file.overrides
+        overrides = NO_OVERRIDES
+        if given is not None:
+            overrides = read_overrides(given, recipe, self._cell)
+        wrong = [places.finding(Wrong('bind', *one)) for one in self._unbound(choice, recipe)]
+        if wrong:
+            raise Refused(wrong)
+        if choice.bind:
+            overrides = replace(overrides, bind={**overrides.bind, **choice.bind})
+        return Inputs(self._cell, recipe, overrides, self._types)
+
+    def _unbound(self, choice: RecipeChoice, recipe: Recipe) -> Iterator[Unbound]:
+        for operation, component in choice.bind.items():
+            wrong = unknown_operation(operation, recipe, 'bind') or misfit(
+                operation, component, recipe, self._cell
+            )
+            if wrong is not None:
+                yield wrong
+
+
+def _made(inputs: Inputs, without: frozenset[str]) -> Made | NotMade | NotVouchedFor:
+    try:
+        return make(inputs, without)
+    except (NotMade, NotVouchedFor) as fault:
+        return fault
