@@ -17,6 +17,8 @@ from fakes.shipped import ROOT
 
 from bt_orchestrator.cli import bootstrap, check, simulate
 from bt_orchestrator.cli.generating import ordered
+from bt_orchestrator.cli.generating.inputs import Inputs
+from bt_orchestrator.cli.generating.making import Made, make
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.jobs.order import RecipeChoice
 from bt_orchestrator.script.cell_file import parse_cell
@@ -89,8 +91,13 @@ def test_what_is_out_of_service_is_left_out() -> None:
 
 
 def test_it_is_made_once_until_something_of_it_changes(monkeypatch: pytest.MonkeyPatch) -> None:
-    whole, times = ordered.make, []
-    monkeypatch.setattr(ordered, 'make', lambda *given: times.append(given) or whole(*given))
+    times: list[frozenset[str]] = []
+
+    def counted(inputs: Inputs, without: frozenset[str]) -> Made:
+        times.append(without)
+        return make(inputs, without)
+
+    monkeypatch.setattr(ordered, 'make', counted)
     shelf = maker()
     first = shelf.make(NEWEST, HERE)
     assert shelf.make(NEWEST, HERE) is first
