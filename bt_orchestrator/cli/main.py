@@ -39,7 +39,7 @@ VERBS: Mapping[str, tuple[str, str]] = {
     'page': ('page.verb', 'the operator page of a running node, for any browser'),
     'opcua': ('opcua.verb', 'the OPC UA server of a running node, for an MES or a SCADA'),
     'events': ('events', 'what happens at a running node, or what a journal says happened'),
-    'history': ('history', 'the jobs of a journal and what became of them'),
+    'history': ('history.verb', 'the jobs of a journal and what became of them'),
     'report': (
         'reporting.verb',
         'what a shift, a day or a job made, and where the time went',

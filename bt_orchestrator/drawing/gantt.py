@@ -74,6 +74,12 @@ class Row:
             lane.append(bar)
         return found or [[]]
 
+    def within(self, begin_s: float, end_s: float) -> Row:
+        """Return what of it is in a stretch of time."""
+        tasks = [bar for bar in self.tasks if bar.end_s > begin_s and bar.start_s < end_s]
+        holds = [bar for bar in self.holds if bar.end_s > begin_s and bar.start_s < end_s]
+        return Row(self.title, tasks, [], holds)
+
 
 @dataclass(frozen=True)
 class Gantt:
@@ -84,19 +90,34 @@ class Gantt:
     jobs: tuple[str, ...]
     """In the order queued."""
     rows: tuple[Row, ...]
-    """Initialization, if there is any, the sections in the order of the belt, the belt."""
+    """Initialization, if there is any, the sections in the order of the belt, the belt; or one a
+    component."""
+    begin_s: float = 0.0
+    """Time of its left edge: of an event, or from the begin of a virtual run."""
+    is_past: bool = False
+    """It is of what really happened: times are seconds since the epoch."""
+    title: str = ''
+    """Empty: the cell and its jobs."""
 
     @property
     def items(self) -> int:
         """Count the items that were worked on."""
-        return len({bar.item for row in self.rows for bar in row.cycles})
+        worked = {bar.item for row in self.rows for bar in row.cycles}
+        return len(
+            worked | {bar.key.item for row in self.rows for bar in row.tasks if bar.key.item}
+        )
 
 
 class GanttFold:
     """Takes in one event after another. Implements `ports.EventSink`."""
 
-    def __init__(self) -> None:
-        self._jobs: list[str] = []
+    def __init__(self, *, by_component: bool = False) -> None:
+        """Begin a chart.
+
+        :param by_component: a row is a component, wherever it works; else a section
+        """
+        self._by_component = by_component
+        self._jobs: dict[str, None] = {}
         self._spans = TaskSpans()
         self._open_cycles: dict[int, e.CycleStarted] = {}
         self._open_holds: dict[str, e.HoldRaised] = {}
@@ -107,16 +128,17 @@ class GanttFold:
     def publish(self, events: Sequence[e.Event]) -> None:
         """Take in the next events."""
         for event in events:
-            self._follow(event)
+            self.follow(event)
 
-    def _follow(self, event: e.Event) -> None:
+    def follow(self, event: e.Event) -> None:
+        """Take in the next event."""
         span = self._spans.follow(event)
         if span is not None:
             ended = span.ended
             outcome = ended.reason if isinstance(ended, e.TaskFailed) else 'succeeded'
             self._add_task(span.started, ended.time, outcome)
         elif isinstance(event, e.JobQueued):
-            self._jobs.append(event.job)
+            self._jobs[event.job] = None
         elif isinstance(event, e.CycleStarted):
             self._open_cycles[event.section] = event
         elif isinstance(event, e.CycleCompleted):
@@ -128,30 +150,86 @@ class GanttFold:
 
     def _add_task(self, begun: e.TaskStarted, end_s: float, outcome: str) -> None:
         again = again_words(begun.round, begun.attempt)
-        self._tasks[_row(begun.job, begun.section)].append(
+        place = begun.component if self._by_component else _row(begun.job, begun.section)
+        self._tasks[place].append(
             TaskBar(begun.key, begun.name, begun.component, again, begun.time, end_s, outcome)
         )
 
     def _end_cycle(self, section: int, end_s: float) -> None:
-        begun = self._open_cycles.pop(section)
-        self._cycles[section].append(CycleBar(begun.job, begun.item, begun.time, end_s))
+        begun = self._open_cycles.pop(section, None)
+        if begun is not None:
+            self._cycles[section].append(CycleBar(begun.job, begun.item, begun.time, end_s))
 
     def _end_hold(self, hold: str, end_s: float) -> None:
-        raised = self._open_holds.pop(hold)
+        raised = self._open_holds.pop(hold, None)
+        if raised is None:
+            return
         bar = HoldBar(hold, hold_words(raised), raised.time, end_s)
-        self._holds[_row(raised.job, raised.section)].append(bar)
+        place = (
+            raised.component or CELL if self._by_component else _row(raised.job, raised.section)
+        )
+        self._holds[place].append(bar)
 
-    def chart(self, cell: str, sections: int, waits: Waits, total_s: float) -> Gantt:
-        """Return everything up to now; what has not ended goes on to the end of the chart."""
+    def end(self, end_s: float) -> None:
+        """Let everything that has not ended go on to the end of the chart."""
         for begun in self._spans.open():
-            self._add_task(begun, total_s, 'runs')
+            self._add_task(begun, end_s, 'runs')
         self._spans.forget()
         for section in list(self._open_cycles):
-            self._end_cycle(section, total_s)
+            self._end_cycle(section, end_s)
         for hold in list(self._open_holds):
-            self._end_hold(hold, total_s)
-        rows = tuple(self._rows(sections, waits))
-        return Gantt(cell, total_s, tuple(self._jobs), rows)
+            self._end_hold(hold, end_s)
+
+    def chart(
+        self,
+        cell: str,
+        sections: int,
+        waits: Waits,
+        total_s: float,
+        components: Sequence[str] = (),
+    ) -> Gantt:
+        """Return everything of a virtual run up to now.
+
+        :param components: their order, where a row is a component
+        """
+        self.end(total_s)
+        if self._by_component:
+            rows = [
+                self._row(name, waits.of_component(name)) for name in self._in_order(components)
+            ]
+        else:
+            rows = list(self._rows(sections, waits))
+        return Gantt(cell, total_s, tuple(self._jobs), tuple(rows))
+
+    def past(self, begin_s: float, end_s: float) -> Gantt:
+        """Return what happened at each component in a stretch of time."""
+        self.end(end_s)
+        rows = [self._row(name, ()).within(begin_s, end_s) for name in self._in_order(())]
+        rows = [row for row in rows if row.tasks or row.holds]
+        keys = (bar.key for row in rows for bar in row.tasks)
+        jobs = {key.job for key in keys if key.job is not None}
+        order = [job for job in self._jobs if job in jobs]
+        return Gantt(
+            '',
+            end_s - begin_s,
+            (*order, *sorted(jobs - set(order))),
+            tuple(rows),
+            begin_s,
+            is_past=True,
+        )
+
+    def _in_order(self, components: Sequence[str]) -> list[str]:
+        """Return the components that worked, those of the first sections first, the belt last."""
+        first = {
+            name: min((bar.key.section or 0 for bar in bars if bar.key.job), default=_LAST)
+            for name, bars in self._tasks.items()
+            if isinstance(name, str)
+        }
+        known = list(components) or sorted(first, key=lambda name: (first[name], name))
+        worked = [name for name in known if name in first]
+        others = [name for name in first if name not in worked]
+        held = [name for name in self._holds if isinstance(name, str) and name not in first]
+        return [*sorted(held), *worked, *others]
 
     def _rows(self, sections: int, waits: Waits) -> Iterator[Row]:
         if self._tasks[_INITIALIZATION]:
@@ -166,7 +244,9 @@ class GanttFold:
         return Row(title, self._tasks[place], cycles, self._holds[place], waits)
 
 
-_INITIALIZATION, _BELT = 'initialization', 'belt'
+_INITIALIZATION, _BELT, CELL = 'initialization', 'belt', 'cell'
+_LAST = 1_000_000
+"""Of a component that works in no section: behind all others."""
 
 
 def _row(job: str | None, section: int | None) -> int | str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
+from bt_orchestrator.drawing.box import Point
 from bt_orchestrator.drawing.gantt import Gantt
 from bt_orchestrator.drawing.gantt_style import (
     JOB_COLOURS,
@@ -26,17 +27,23 @@ class _Entry(NamedTuple):
     look: Mapping[str, Any]
 
 
-def add_legend(svg: Svg, gantt: Gantt, letters: Mapping[str, str], left: float, y: float) -> None:
-    """Draw the legend, line after line."""
+def add_legend(
+    svg: Svg, gantt: Gantt, letters: Mapping[str, str], place: Point, width: float
+) -> None:
+    """Draw the legend, line after line.
+
+    :param width: of the page
+    """
     group = svg.add('g', id='legend')
-    x = left
+    left, y = place
+    x, widest = left, min(WIDEST, width - left)
     for entry in _entries(gantt, letters):
-        width = 34.0 + len(entry.text) * SIZES['legend'] * CHARACTER + 14.0
-        if x + width > WIDEST and x > left:
+        room = 34.0 + len(entry.text) * SIZES['legend'] * CHARACTER + 14.0
+        if x + room > widest and x > left:
             x, y = left, y + 21.0
         group.add('rect', x=x, y=y, width=26, height=12, **entry.look)
         add_text(group, x + 32.0, y + 10.0, entry.text, 'legend')
-        x += width
+        x += room
 
 
 def _entries(gantt: Gantt, letters: Mapping[str, str]) -> Iterator[_Entry]:
@@ -46,9 +53,11 @@ def _entries(gantt: Gantt, letters: Mapping[str, str]) -> Iterator[_Entry]:
         short = f' (items {letters[job]}.1 …)' if letters[job] else ''
         yield _Entry(f'task of {job}{short}', look)
     outline = {'fill': PAPER, 'stroke': FAINT, 'rx': 3, 'class_': 'cycle'}
-    yield _Entry('item in hand', outline)
-    yield _Entry('index move', {'class_': 'move'})
+    if any(row.cycles for row in gantt.rows) or not gantt.is_past:
+        yield _Entry('item in hand', outline)
     bars = [bar for row in gantt.rows for bar in row.tasks]
+    if any(bar.key.job is None for bar in bars) or not gantt.is_past:
+        yield _Entry('index move', {'class_': 'move'})
     if any(bar.failed for bar in bars):
         failed = {'fill': PAPER, 'class_': 'work failed'}
         yield _Entry('attempt that failed', failed)

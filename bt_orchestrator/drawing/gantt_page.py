@@ -12,17 +12,19 @@ from typing import Any
 
 from bt_orchestrator.drawing.box import Box
 from bt_orchestrator.drawing.gantt import CycleBar, Gantt, HoldBar, Row, TaskBar
+from bt_orchestrator.drawing.gantt_axis import marks, span_words
 from bt_orchestrator.drawing.gantt_legend import add_legend
 from bt_orchestrator.drawing.gantt_style import (
     JOB_COLOURS,
     JOB_LINES,
+    SIZES,
     add_style,
     add_text,
     fill_of_wait,
     fitting,
 )
 from bt_orchestrator.drawing.style import PAPER
-from bt_orchestrator.drawing.svg import Svg
+from bt_orchestrator.drawing.svg import CHARACTER, Svg
 from bt_orchestrator.report.causes import cause_words
 from bt_orchestrator.report.wait_log import WaitSpan
 
@@ -31,50 +33,32 @@ STRIP, LANE, GAP = 15.0, 18.0, 9.0
 """Heights of a row's items, of a lane of tasks, and of the space to the next row."""
 
 LEGEND_HEIGHT = 72.0
-TICK_ROOM = 64.0
-"""Least pixels between two ticks."""
-
 ITEM_ROOM = 110.0
 """Pixels for the time of one item, as far as the widest page allows."""
 
 WIDTHS = (1200.0, 12000.0)
 """Narrowest and widest plot."""
 
-_STEPS_S = (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600, 1200, 1800, 3600, 7200, 14400)
 
+def gantt_svg(gantt: Gantt, narrowest: float = WIDTHS[0]) -> str:
+    """Draw a chart; the same chart gives the same text.
 
-def gantt_svg(gantt: Gantt) -> str:
-    """Draw a chart; the same chart gives the same text."""
-    return str(_Page(gantt).drawn())
-
-
-def ticks(total_s: float, room_px: float) -> tuple[float, ...]:
-    """Return the times to mark, at round distances, in a plot of a width."""
-    least_s = total_s * TICK_ROOM / room_px
-    step_s = next((s for s in _STEPS_S if s >= least_s), None) or -(-least_s // 86400) * 86400
-    return tuple(step_s * n for n in range(int(total_s / step_s + 1e-9) + 1))
-
-
-def time_label(time_s: float, step_s: float) -> str:
-    """Write a time as the axis does: seconds, or hours, minutes and seconds."""
-    if step_s < 60:
-        return f'{time_s:g} s'
-    minutes, seconds = divmod(round(time_s), 60)
-    hours, minutes = divmod(minutes, 60)
-    return f'{hours}:{minutes:02}:{seconds:02}' if hours else f'{minutes}:{seconds:02}'
+    :param narrowest: the least width of its plot, in pixels
+    """
+    return str(_Page(gantt, narrowest).drawn())
 
 
 class _Page:
-    def __init__(self, gantt: Gantt) -> None:
+    def __init__(self, gantt: Gantt, narrowest: float) -> None:
         self._gantt = gantt
         self._total_s = gantt.total_s or 1.0
-        narrow, wide = WIDTHS
-        self._plot = max(narrow, min(wide, ITEM_ROOM * gantt.items))
+        self._left = _room_of_titles(gantt)
+        self._plot = max(narrowest, min(WIDTHS[1], ITEM_ROOM * gantt.items))
         heights = [_height(row) for row in gantt.rows]
         self._tops = [*itertools.accumulate(heights, initial=TOP)]
         self._bottom = self._tops[-1]
         height = self._bottom + 26.0 + LEGEND_HEIGHT
-        self._size = (LEFT + self._plot + RIGHT, height)
+        self._size = (self._left + self._plot + RIGHT, height)
         self._svg = Svg.page(Box(0.0, 0.0, *self._size), f'Gantt chart of cell {gantt.cell}')
         self._letters = _letters(gantt.jobs)
 
@@ -89,24 +73,28 @@ class _Page:
         self._axis()
         for row, top in zip(self._gantt.rows, self._tops, strict=False):
             self._row(row, top)
-        add_legend(self._svg, self._gantt, self._letters, 12.0, self._bottom + 40.0)
+        add_legend(self._svg, self._gantt, self._letters, (12.0, self._bottom + 40.0), width)
         return self._svg
 
     def _headline(self) -> str:
+        if self._gantt.title:
+            return self._gantt.title
         jobs = ', '.join(self._gantt.jobs)
         return f'cell {self._gantt.cell}: {jobs}; {self._gantt.total_s:g} s in virtual time'
 
     def _x(self, time_s: float) -> float:
-        return LEFT + time_s / self._total_s * self._plot
+        share = (time_s - self._gantt.begin_s) / self._total_s
+        return self._left + max(0.0, min(1.0, share)) * self._plot
 
     def _axis(self) -> None:
-        marks = ticks(self._total_s, self._plot)
-        step_s = marks[1] if len(marks) > 1 else self._total_s
-        for mark in marks:
+        for mark, label in marks(self._gantt, self._plot):
             x = self._x(mark)
             self._svg.add('line', x1=x, y1=TOP - 6, x2=x, y2=self._bottom, class_='grid')
             for y in (TOP - 11.0, self._bottom + 14.0):
-                add_text(self._svg, x, y, time_label(mark, step_s), 'tick')
+                add_text(self._svg, x, y, label, 'tick')
+
+    def _when(self, bar: TaskBar | CycleBar | HoldBar | WaitSpan) -> str:
+        return span_words(self._gantt, bar.start_s, bar.end_s)
 
     # --- rows -------------------------------------------------------------------------------
 
@@ -135,15 +123,13 @@ class _Page:
         bar = self._bar(
             group, wait.start_s, wait.end_s, y + 4, height=LANE - 8, fill=fill, class_='wait'
         )
-        bar.add(
-            'title', f'waits for {cause_words(wait.causes)}\n{_span(wait.start_s, wait.end_s)}'
-        )
+        bar.add('title', f'waits for {cause_words(wait.causes)}\n{self._when(wait)}')
 
     def _cycle(self, group: Svg, cycle: CycleBar, y: float) -> None:
         colour = self._colour(cycle.job)
         style = {'fill': PAPER, 'stroke': JOB_LINES[colour], 'class_': 'cycle'}
         bar = self._bar(group, cycle.start_s, cycle.end_s, y, height=STRIP - 2, rx=3, **style)
-        bar.add('title', f'{cycle.item}\n{_span(cycle.start_s, cycle.end_s)}')
+        bar.add('title', f'{cycle.item}\n{self._when(cycle)}')
         room = self._x(cycle.end_s) - self._x(cycle.start_s) - 4
         number = cycle.item.rpartition('/')[2]
         for text in (cycle.item, self._short(cycle.job, number), number):
@@ -152,7 +138,7 @@ class _Page:
 
     def _hold(self, group: Svg, hold: HoldBar, y: float) -> None:
         bar = self._bar(group, hold.start_s, hold.end_s, y + 1, height=LANE - 2, class_='hold')
-        bar.add('title', f'hold {hold.hold}: {hold.words}\n{_span(hold.start_s, hold.end_s)}')
+        bar.add('title', f'hold {hold.hold}: {hold.words}\n{self._when(hold)}')
         room = self._x(hold.end_s) - self._x(hold.start_s) - 4
         add_text(group, self._x(hold.start_s) + 3, y + 12, f'HOLD {hold.hold}', 'task', room)
 
@@ -161,7 +147,7 @@ class _Page:
         end = '' if bar.outcome == 'succeeded' else f'\n{bar.outcome}'
         what = f'{bar.key}: {bar.name} at {bar.component}'
         what += f', {bar.again}' if bar.again else ''
-        drawn.add('title', f'{what}\n{_span(bar.start_s, bar.end_s)}{end}')
+        drawn.add('title', f'{what}\n{self._when(bar)}{end}')
         if bar.failed:
             group.add('path', d=self._cross(bar, y), class_='cross')
         room = self._x(bar.end_s) - self._x(bar.start_s) - 4
@@ -192,8 +178,9 @@ def _height(row: Row) -> float:
     return GAP + (STRIP if row.cycles else 0.0) + LANE * len(row.lanes())
 
 
-def _span(start_s: float, end_s: float) -> str:
-    return f'{start_s:g} to {end_s:g} s, {end_s - start_s:g} s'
+def _room_of_titles(gantt: Gantt) -> float:
+    longest = max((len(row.title) for row in gantt.rows), default=0)
+    return max(LEFT, 13.0 + longest * SIZES['row'] * CHARACTER)
 
 
 def _letters(jobs: tuple[str, ...]) -> dict[str, str]:

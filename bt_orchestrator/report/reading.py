@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 
 from bt_orchestrator.model.codec import known_event
-from bt_orchestrator.model.events import ScriptLoaded
+from bt_orchestrator.model.events import Event, ScriptLoaded
 from bt_orchestrator.model.jobs.job_record import JobRecord
 from bt_orchestrator.model.records import Damage, Page, Record, Wanted
 from bt_orchestrator.model.script import Script
@@ -77,6 +77,23 @@ class Reading:
             wanted, is_last = page.rest, page.is_last
             most -= len(page.records)
 
+    def events(
+        self, wanted: Wanted, may_be: Callable[[str], bool] = lambda _: True
+    ) -> Iterator[Event]:
+        """Yield the wanted events that this program knows.
+
+        :param may_be: looks at the text of a record, before it is read
+        """
+        for record in self.each(wanted):
+            event = known_event(json.loads(record.text)) if may_be(record.text) else None
+            if event is not None:
+                yield event
+
+    def first(self, wanted: Wanted) -> Event | None:
+        """Return the first wanted event; None: there is none."""
+        record = next(self.each(wanted, 1), None)
+        return None if record is None else known_event(json.loads(record.text))
+
     def summaries(self) -> Iterator[JobRecord]:
         """Yield what is kept of jobs that ended, as they were queued."""
         after, is_first = None, True
@@ -92,16 +109,13 @@ class Reading:
         :param job: this one alone; None: all of them
         """
         fold = JobFold(self.summaries())
-        for record in self.each(Wanted(job=job, events=FOLLOWED)):
-            event = known_event(json.loads(record.text))
-            if event is not None:
-                fold.follow(event)
+        for event in self.events(Wanted(job=job, events=FOLLOWED)):
+            fold.follow(event)
         return fold
 
     def script(self, digest: str) -> Script | None:
         """Return a script by its digest; None: its event is not there, or not to be read."""
-        for record in self.each(Wanted(events=(ScriptLoaded.event,))):
-            event = known_event(json.loads(record.text))
+        for event in self.events(Wanted(events=(ScriptLoaded.event,))):
             if isinstance(event, ScriptLoaded) and event.digest == digest:
                 return event.definition
         return None

@@ -10,7 +10,8 @@ from fakes.action_types import FakeActionTypes
 from fakes.shipped import REFERENCE_CELL, TREES
 
 from bt_orchestrator.drawing.gantt import Gantt, GanttFold, HoldBar, Row, TaskBar
-from bt_orchestrator.drawing.gantt_page import gantt_svg, ticks, time_label
+from bt_orchestrator.drawing.gantt_axis import ticks, time_label
+from bt_orchestrator.drawing.gantt_page import gantt_svg
 from bt_orchestrator.drawing.gantt_style import WAITS, fitting
 from bt_orchestrator.model.events import TaskKey
 from bt_orchestrator.model.jobs.order import Job

@@ -10,7 +10,7 @@ from fakes.line import Line, with_section
 from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.model.codec import from_record
-from bt_orchestrator.report.item_history import ItemFold
+from bt_orchestrator.report.item.fold import ItemFold
 from bt_orchestrator.report.job_text import job_text
 from bt_orchestrator.report.jobs import JobFold
 from bt_orchestrator.report.xes_export import XesExport

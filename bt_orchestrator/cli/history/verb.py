@@ -1,4 +1,4 @@
-"""The verb `history`: which jobs a journal knows, and what became of them."""
+"""The verb `history`: which jobs and items a journal knows, and what became of them."""
 
 from __future__ import annotations
 
@@ -9,8 +9,15 @@ from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
+from bt_orchestrator.cli.history.item_records import (
+    as_html,
+    as_json,
+    histories,
+    refuse_too_many,
+)
 from bt_orchestrator.cli.journal_file import open_records, say_damage
 from bt_orchestrator.cli.moments import add_period_options
+from bt_orchestrator.cli.output import opened
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.mes.job_response import b2mml, response_of_record
@@ -35,6 +42,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = DESCRIPTION
     parser.add_argument('--journal', type=Path, required=True, metavar='FILE', help='the journal')
     parser.add_argument('--job', metavar='JOB', help='this job only')
+    parser.add_argument(
+        '--item',
+        action='append',
+        metavar='ITEM',
+        help='this item only, and its job, as WO-7/3; may be repeated',
+    )
     parser.add_argument('--items', action='store_true', help='also every item, with its results')
     parser.add_argument(
         '--serial', metavar='SERIAL', help='items of this serial only, and their jobs'
@@ -53,10 +66,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     as_json.add_argument('--json', action='store_true', help='one JSON object a job and line')
     as_json.add_argument(
+        '--html',
+        action='store_true',
+        help='with --item, --serial, --lot or --job: the whole record of each item as a document, '
+        'for a browser and for paper: attempts, results, waits and why, holds and who answered',
+    )
+    as_json.add_argument(
+        '--record', action='store_true', help='the same as JSON, one object an item and line'
+    )
+    as_json.add_argument(
         '--b2mml',
         action='store_true',
         help='the same as job responses for an MES, with the names of B2MML; jobs that have '
         'started',
+    )
+    parser.add_argument(
+        '-o', '--output', type=Path, metavar='FILE', help='where; else the standard output'
     )
     add_period_options(parser, 'jobs queued')
 
@@ -65,22 +90,81 @@ def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns 1 if a job is not there, or a record is damaged."""
     if args.script and args.job is None:
         raise WrongUse('--script prints what one job ran; say which: --job JOB')
+    is_record = args.html or args.record
+    if is_record and not (args.item or args.serial or args.lot or args.job):
+        raise WrongUse(
+            '--html and --record are about items; say which: --item ITEM, --serial SERIAL, '
+            '--lot NAME=LOT or --job JOB'
+        )
+    lacks: list[str] = []
+
+    def say(sentence: str) -> None:
+        lacks.append(sentence)
+        say_damage(sentence)
+
     with closing(open_records(args.journal)) as records:
-        reading = Reading(records, say_damage)
-        fold = reading.jobs(args.job)
-        jobs = [job for job in fold.jobs.values() if _is_wanted(job, args)]
+        reading = Reading(records, say)
+        jobs = _jobs(reading, args)
         if args.job is not None and not jobs:
             print(f'the journal {args.journal} knows no job {args.job}', file=sys.stderr)
             return 1
-        if args.serial is not None or args.lot is not None:
+        if args.item or args.serial or args.lot:
             args.items, jobs = True, list(_with_items(jobs, args))
             if not jobs:
-                print(f'the journal {args.journal} has no such item any more', file=sys.stderr)
+                print(f'the journal {args.journal} {_none(args)}', file=sys.stderr)
                 return 1
-        lines = _script(jobs[0], reading, args.journal) if args.script else _lines(jobs, args)
-        for line in lines:
-            print(line)
+        text = _records(jobs, reading, args, lacks) if is_record else _table(jobs, reading, args)
+        with opened(args.output) as file:
+            file.write(text)
     return 1 if reading.lost else 0
+
+
+def _jobs(reading: Reading, args: argparse.Namespace) -> list[JobRecord]:
+    """Read the jobs that may be meant; for items that are named, theirs alone."""
+    names = {one.rpartition('/')[0] for one in args.item or ()}
+    job = args.job or (names.pop() if len(names) == 1 else None)
+    return [one for one in reading.jobs(job).jobs.values() if _is_wanted(one, args)]
+
+
+def _none(args: argparse.Namespace) -> str:
+    if not args.item:
+        return 'has no such item any more'
+    named = ' and no '.join(args.item)
+    return (
+        f'knows no item {named}: it never was, or its events are not kept any more; '
+        'history --job JOB --items names the items of a job'
+    )
+
+
+def _table(jobs: Sequence[JobRecord], reading: Reading, args: argparse.Namespace) -> str:
+    lines = _script(jobs[0], reading, args.journal) if args.script else _lines(jobs, args)
+    return ''.join(f'{line}\n' for line in lines)
+
+
+def _records(
+    jobs: Sequence[JobRecord], reading: Reading, args: argparse.Namespace, lacks: Sequence[str]
+) -> str:
+    """Return the whole records of items.
+
+    :raises NoItem: the journal has one of them no more
+    :raises WrongUse: they are too many for a document
+    """
+    names = [name for job in jobs for name in job.items]
+    if args.html:
+        refuse_too_many(names)
+    items = histories(reading, args.journal, names)
+    if args.record:
+        return as_json(items)
+    return as_html(items, args.journal, _title(args, names), lacks)
+
+
+def _title(args: argparse.Namespace, names: Sequence[str]) -> str:
+    if len(names) == 1:
+        return f'Item {names[0]}'
+    chosen = [f'serial {args.serial}'] if args.serial else []
+    chosen += [f'lot {args.lot[1]} of {args.lot[0]}'] if args.lot else []
+    chosen += [f'job {args.job}'] if args.job else []
+    return ', '.join(chosen).capitalize() if chosen else 'Items'
 
 
 def _script(job: JobRecord, reading: Reading, journal: Path) -> Iterator[str]:
@@ -112,7 +196,7 @@ def _lot(text: str) -> tuple[str, str]:
 
 
 def _with_items(jobs: Sequence[JobRecord], args: argparse.Namespace) -> Iterator[JobRecord]:
-    """Yield the jobs that have items of a serial, or a lot, with these items only."""
+    """Yield the jobs that have the items chosen, with these items only."""
     for job in jobs:
         items = {name: item for name, item in job.items.items() if _is_meant(item, args)}
         if items:
@@ -122,7 +206,8 @@ def _with_items(jobs: Sequence[JobRecord], args: argparse.Namespace) -> Iterator
 
 def _is_meant(item: ItemRecord, args: argparse.Namespace) -> bool:
     is_lot = args.lot is None or item.lots.get(args.lot[0]) == args.lot[1]
-    return is_lot and args.serial in (None, item.serial)
+    is_named = args.item is None or item.item in args.item
+    return is_lot and is_named and args.serial in (None, item.serial)
 
 
 def _is_wanted(job: JobRecord, args: argparse.Namespace) -> bool:

@@ -1,0 +1,1 @@
+"""Documents: self-contained HTML for screens, light and dark, and for paper."""

@@ -1,0 +1,94 @@
+"""The writer of HTML: elements with escaped text, and the page around them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from datetime import datetime
+from typing import Any
+from xml.etree import ElementTree as ET
+
+from bt_orchestrator.drawing.documents.style import STYLE
+from bt_orchestrator.report.xml_text import xml_text
+
+_SVG = '{http://www.w3.org/2000/svg}'
+
+
+class Html:
+    """An element that others are put into."""
+
+    def __init__(self, element: ET.Element) -> None:
+        self._element = element
+
+    def add(self, name: str, text: str = '', **attributes: Any) -> Html:
+        """Add an element.
+
+        In attribute names an underscore becomes a hyphen (`aria_label`); a trailing one is dropped
+        (`class_`).
+        """
+        named = {
+            key.rstrip('_').replace('_', '-'): xml_text(str(value))
+            for key, value in attributes.items()
+        }
+        child = ET.SubElement(self._element, name, named)
+        child.text = xml_text(text) or None
+        return Html(child)
+
+    def say(self, text: str) -> Html:
+        """Add text behind everything that is in it; returns the same element."""
+        children = list(self._element)
+        if children:
+            children[-1].tail = (children[-1].tail or '') + xml_text(text)
+        else:
+            self._element.text = (self._element.text or '') + xml_text(text)
+        return self
+
+    def draw(self, svg: str) -> None:
+        """Add a drawing (`drawing.svg`); its names must be unique in the page."""
+        drawing = ET.fromstring(svg.partition('?>')[2])
+        for element in drawing.iter():
+            element.tag = element.tag.removeprefix(_SVG)
+        self._element.append(drawing)
+
+
+def document(title: str, write: Callable[[Html], None]) -> str:
+    """Return a whole page, which needs no other file.
+
+    :param write: writes what is in it
+    """
+    page = ET.Element('html', {'lang': 'en'})
+    head = ET.SubElement(page, 'head')
+    ET.SubElement(head, 'meta', {'charset': 'utf-8'})
+    ET.SubElement(
+        head, 'meta', {'name': 'viewport', 'content': 'width=device-width, initial-scale=1'}
+    )
+    ET.SubElement(head, 'meta', {'name': 'color-scheme', 'content': 'light dark'})
+    ET.SubElement(head, 'title').text = xml_text(title)
+    ET.SubElement(head, 'style').text = STYLE
+    body = ET.SubElement(page, 'body')
+    write(Html(ET.SubElement(body, 'main')))
+    text = ET.tostring(page, encoding='unicode', method='html', short_empty_elements=False)
+    return f'<!doctype html>\n{text}\n'
+
+
+def clock(time: float) -> str:
+    """Write the time of day, as the clock on the wall of this computer shows it."""
+    return datetime.fromtimestamp(time).strftime('%H:%M:%S.%f')[:-5]
+
+
+def day(time: float) -> str:
+    """Write the day and the time of day, to the second."""
+    return datetime.fromtimestamp(time).strftime('%Y-%m-%d %H:%M:%S')
+
+
+def period(begin: float, end: float | None) -> str:
+    """Write from when to when something was; the day once, if it is one."""
+    if end is None:
+        return f'from {day(begin)}'
+    is_one_day = day(begin)[:10] == day(end)[:10]
+    return f'{day(begin)} to {day(end)[11:] if is_one_day else day(end)}'
+
+
+def zone(time: float) -> str:
+    """Name the time zone of this computer, as UTC+01:00."""
+    offset = datetime.fromtimestamp(time).astimezone().strftime('%z')
+    return f'UTC{offset[:3]}:{offset[3:]}'

@@ -1,0 +1,220 @@
+"""The record of one item: it tells the story to somebody who was not there."""
+
+from __future__ import annotations
+
+import json
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+from fakes.journal_reading import journal_reading
+from fakes.line import Line
+from fakes.told_item import ITEM, ToldItem
+from fakes.virtual_run import VirtualRun
+
+from bt_orchestrator.cli.main import main
+from bt_orchestrator.model.wait import WaitKind
+from bt_orchestrator.report.causes import cause_of
+from bt_orchestrator.report.item.fold import ItemFold
+from bt_orchestrator.report.item.history import ItemHistory
+from bt_orchestrator.report.item.reader import item_history
+from bt_orchestrator.report.item.story import Entry, chapters, time_uses
+
+WAITING = """
+sections:
+  1: [{id: place, @a1, qty_change: 1}]
+  2:
+    - {id: fetch, @arm}
+    - parallel: [{id: left, @a2}, [{id: right, @b2}, {id: turn, @arm.TASK_B}]]
+  3:
+    - {id: join, @a3}
+    - {id: stamp, @arm.TASK_C}
+    - {id: pack, @b3, qty_change: -1}
+lateral_dependencies:
+  - {flag: room, upstream: join, downstream: fetch, initial: 1}
+zones: {table: [left, pack]}
+"""
+
+
+@pytest.fixture(scope='module')
+def journal(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return ToldItem().write(tmp_path_factory.mktemp('told') / 'cell.sqlite3')
+
+
+@pytest.fixture(scope='module')
+def told(journal: Path) -> ItemHistory:
+    with journal_reading(journal) as reading:
+        history = item_history(reading, ITEM)
+    assert history is not None
+    return history
+
+
+def entries(history: ItemHistory, kind: str) -> list[Entry]:
+    return [one for chapter in chapters(history) for one in chapter.entries if one.kind == kind]
+
+
+def test_every_attempt_stands_there_with_its_wait_and_how_it_ended(told: ItemHistory) -> None:
+    press = [one for one in entries(told, 'task') if one.what.startswith('press')]
+    assert [(one.what, one.seconds, one.words) for one in press] == [
+        ('press', 1.0, 'failed: aborted (aborted by the simulated controller)'),
+        ('press, attempt 2', 1.0, 'failed: aborted (aborted by the simulated controller)'),
+        ('press, attempt 3', 12.0, 'done'),
+    ]
+    assert [[(round(w.seconds, 3), w.words) for w in one.waited] for one in press] == [
+        [(3.0, 'the turn of section 2'), (2.0, 'the belt, which moves')],
+        [(2.0, 'the delay before a retry')],
+        [(41.0, 'an answer to hold 1')],
+    ]
+    assert ('arguments', 'special_argument_1: deep') in press[0].details
+
+
+def test_who_answered_and_why_and_the_restart_are_told(told: ItemHistory) -> None:
+    assert [(one.what, one.words) for one in entries(told, 'decision')] == [
+        ('Ann, engineer, decided retry of hold 1', 'the part sat askew'),
+        ('Ben, engineer, decided resume for the whole cell', 'belt and gripper looked at'),
+    ]
+    assert [(one.what, one.seconds) for one in entries(told, 'hold')] == [
+        ('hold 1, press', 41.0),
+        ('hold 2, the whole cell', 20.0),
+    ]
+    (restart,) = entries(told, 'restart')
+    assert restart.what.startswith('the orchestrator was started again, 12.0 s after')
+
+
+def test_the_end_says_why(told: ItemHistory) -> None:
+    assert (told.how, told.lots) == ('rejected', {'grease': 'L-77'})
+    assert 'found 7.5' in told.rejected
+    weigh = next(one for one in entries(told, 'task') if one.what == 'weigh')
+    assert ('refused', 'item_present: true, measurement: 7.5') in weigh.details
+
+
+def test_what_stood_and_worked_beside_it_is_told(told: ItemHistory) -> None:
+    assert [(one.title, one.beside) for one in chapters(told)] == [
+        ('Section 1', 'section 2: WO-7/1'),
+        ('Section 2', 'section 1: WO-7/3'),
+        ('Section 3', 'section 2: WO-7/3'),
+    ]
+    place = entries(told, 'task')[0]
+    assert ('at work at the same time', 'a2 TASK_A (WO-7/1)') in place.details
+
+
+def test_all_of_its_time_is_accounted_for(told: ItemHistory) -> None:
+    assert told.started is not None
+    assert told.ended is not None
+    uses = time_uses(told)
+    assert sum(use.seconds for use in uses) == pytest.approx(told.ended - told.started)
+    assert 'something that the journal does not tell' not in ' '.join(use.words for use in uses)
+
+
+def test_what_an_item_waited_for_is_what_the_line_said_at_the_time() -> None:
+    """The second opinion is the tree, at every moment of a run with an arm, a flag and a zone."""
+    line = Line(3, seconds={'a2': 3.0, 'b3': 4.0, 'arm': 1.5})
+    script = line.script(WAITING)
+    run = VirtualRun(line.cell, line.types)
+    run.submit('J', script, 4)
+    said: dict[int, list[tuple[float, set[str]]]] = {2: [], 3: []}
+    until = 0.0
+    while not run.ended:
+        run.go(until=until)
+        waits = run.sim.waits()
+        belt = [one.wait for one in waits if one.part == 'belt']
+        for section, found in said.items():
+            kinds = {w.wait.kind for w in waits if w.section == section}
+            kinds |= {w.kind for w in belt} if WaitKind.BELT in kinds else set()
+            found.append((run.now, {kind.value for kind in kinds}))
+            assert all(cause_of(wait, ()).text for wait in belt)
+        until = run.sim.clock.next_deadline() or until + 1.0
+    kinds_told = set()
+    for number in range(1, 5):
+        fold = ItemFold(f'J/{number}', 'J', lambda _: script)
+        for event in run.store.read():
+            fold.follow(event)
+        for attempt in fold.history.tasks:
+            for one in attempt.waited:
+                assert one.words, (fold.history.item, attempt)
+                kinds_told.add(one.kind)
+                if attempt.section in said and one.kind not in ('belt', 'turn'):
+                    kinds = [k for at, k in said[attempt.section] if one.start <= at < one.end]
+                    assert all(one.kind in found for found in kinds), (attempt, one, kinds)
+    assert kinds_told >= {'belt', 'turn', 'component', 'flag', 'zone'}
+
+
+# --- the verb -----------------------------------------------------------------------------------
+
+
+class _Text(HTMLParser):
+    """Reads a document: its words, and what it would load."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.words: list[str] = []
+        self.loads: list[str] = []
+        self.feed(text)
+
+    def handle_data(self, data: str) -> None:
+        self.words.append(data)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.loads += [value or '' for name, value in attrs if name in ('src', 'href')]
+        assert tag not in ('script', 'link')
+
+
+@pytest.fixture
+def words(journal: Path) -> list[str]:
+    return ['history', '--journal', str(journal)]
+
+
+def test_a_document_has_the_story_and_needs_no_other_file(
+    words: list[str], tmp_path: Path
+) -> None:
+    file = tmp_path / 'item.html'
+    assert main([*words, '--item', ITEM, '--html', '-o', str(file)]) == 0
+    text = file.read_text()
+    page = _Text(text)
+    assert page.loads == []
+    assert 'http' not in text.replace('http://www.w3.org', '')
+    told = ' '.join(page.words)
+    for said in ('rejected', 'the part sat askew', 'aborted by the simulated controller', 'L-77'):
+        assert said in told
+    assert '@media print' in text
+
+
+def test_json_has_the_same(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([*words, '--item', ITEM, '--record']) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert (record['item'], record['how'], len(record['restarts'])) == (ITEM, 'rejected', 1)
+    assert record['tasks'][1]['waited'][0]['words'] == 'the turn of section 2'
+
+
+def test_a_lot_has_a_list_and_a_record_of_each_item(
+    words: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([*words, '--lot', 'grease=L-77', '--html']) == 0
+    page = _Text(capsys.readouterr().out)
+    assert page.loads == ['#WO-7/1', '#WO-7/2', '#WO-7/3']
+    assert page.words.count('Item record') == 3
+
+
+def test_mistakes_are_sentences(
+    words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([*words, '--item', 'WO-7/9', '--html']) == 1
+    assert 'knows no item WO-7/9' in capsys.readouterr().err
+    assert main([*words, '--html']) == 2
+    assert 'say which: --item ITEM' in capsys.readouterr().err
+    assert main([*words, '--item', ITEM, '--html', '-o', str(tmp_path / 'no' / 'x.html')]) == 2
+    assert 'cannot write' in capsys.readouterr().err
+
+
+def test_what_devices_and_people_write_breaks_no_document() -> None:
+    from bt_orchestrator.drawing.documents.item_page import Source, item_page
+    from bt_orchestrator.report.item.history import Attempt, Decision
+
+    bad = '<script>alert(1)</script>\x00\ud800&"'
+    item = ItemHistory('A/1', 'A', started=0.0, ended=2.0, how='packed', params={'p': bad})
+    item.tasks.append(Attempt(1, bad, 'failed', bad, bad, started=0.0, ended=1.0, message=bad))
+    item.decisions.append(Decision(1.0, bad, bad, bad))
+    text = item_page([item], Source(bad, 3.0, 'test'), bad)
+    assert '<script' not in text
+    assert '\x00' not in text
+    assert text.encode()
