@@ -19,7 +19,7 @@ from bt_orchestrator.model.jobs.order import Job, RecipeChoice
 from bt_orchestrator.model.script import MadeFrom, Script
 from bt_orchestrator.model.snapshot import state_from_plain, state_to_plain
 from bt_orchestrator.model.status_words import script_words
-from bt_orchestrator.report.item_history import ItemFold
+from bt_orchestrator.report.item.fold import ItemFold
 from bt_orchestrator.report.job_text import job_text
 from bt_orchestrator.report.jobs import JobFold
 from bt_orchestrator.report.xes_export import XesExport
