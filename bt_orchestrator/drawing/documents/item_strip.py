@@ -47,7 +47,8 @@ def item_strip(history: ItemHistory, until: float) -> Gantt:
 
 
 def _sections(history: ItemHistory) -> set[int]:
-    numbers = [one.section for one in (*history.tasks, *history.stays)]
+    numbers = [task.section for task in history.tasks]
+    numbers += [stay.section for stay in history.stays]
     return {number for number in numbers if number is not None}
 
 

@@ -134,8 +134,8 @@ def test_what_an_item_waited_for_is_what_the_line_said_at_the_time() -> None:
                 assert one.words, (fold.history.item, attempt)
                 kinds_told.add(one.kind)
                 if attempt.section in said and one.kind not in ('belt', 'turn'):
-                    kinds = [k for at, k in said[attempt.section] if one.start <= at < one.end]
-                    assert all(one.kind in found for found in kinds), (attempt, one, kinds)
+                    then = [k for at, k in said[attempt.section] if one.start <= at < one.end]
+                    assert all(one.kind in kind for kind in then), (attempt, one, then)
     assert kinds_told >= {'belt', 'turn', 'component', 'flag', 'zone'}
 
 
