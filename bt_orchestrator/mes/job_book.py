@@ -182,7 +182,7 @@ def _ordered(event: e.JobQueued) -> ListedJob:
         held=event.held,
         **_terms(event),
     )
-    return ListedJob(status, event.params, event.details)
+    return ListedJob(status, event.params, event.details, choice=event.choice)
 
 
 def _terms(event: e.JobQueued | e.JobUpdated) -> dict[str, Any]:
@@ -195,7 +195,8 @@ def _terms(event: e.JobQueued | e.JobUpdated) -> dict[str, Any]:
 
 def _updated(entry: _Entry, event: e.JobUpdated) -> None:
     _queued(entry, script=event.script, **_terms(event))
-    entry.job = replace(entry.job, params=event.params, details=event.details)
+    told = {'params': event.params, 'details': event.details, 'choice': event.choice}
+    entry.job = replace(entry.job, **told)
 
 
 def _queued(entry: _Entry, **values: Any) -> None:

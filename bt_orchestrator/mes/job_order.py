@@ -15,6 +15,7 @@ from bt_orchestrator.mes.machinery import (
     named_to_plain,
     wrong_value,
 )
+from bt_orchestrator.mes.masters import SCRIPTS_ONLY, Masters
 from bt_orchestrator.mes.parts import (
     Parameter,
     Resource,
@@ -25,7 +26,7 @@ from bt_orchestrator.mes.parts import (
 )
 from bt_orchestrator.mes.return_status import Finding, ReturnStatus, Unfit
 from bt_orchestrator.model.codec import json_of
-from bt_orchestrator.model.jobs.order import Terms, WorkOrder, order_id_fault
+from bt_orchestrator.model.jobs.order import RecipeChoice, Terms, WorkOrder, order_id_fault
 from bt_orchestrator.model.status import ListedJob
 
 DESCRIPTION = 'Description'
@@ -39,6 +40,12 @@ RESOURCES = {
     MATERIAL: 'material',
 }
 """Names in the standard, and fields of a `JobOrder`."""
+
+RECIPE_VERSION = 'RecipeVersion'
+"""A parameter of an order by recipe: the version; without it the newest is made."""
+
+USE = 'EquipmentUse'
+"""Of an equipment in an order by recipe: the operation that it is to do."""
 
 OTHER = 'Details'
 """A parameter with what else the details of an order have, as JSON."""
@@ -68,42 +75,45 @@ class JobOrder:
 # --- from a job order ---------------------------------------------------------------------------
 
 
-def work_order(order: JobOrder, components: Collection[str] = ()) -> WorkOrder:
+def work_order(
+    order: JobOrder, components: Collection[str] = (), masters: Masters = SCRIPTS_ONLY
+) -> WorkOrder:
     """Return the work order that a job order asks for.
 
     :param components: of the cell, that EquipmentRequirements may name; empty: not known
+    :param masters: what WorkMasterID can name; it is a script, unless a recipe is known
     :raises Unfit: with every finding
     """
-    read = _Reading(order, components)
-    findings = tuple(read.findings())
-    if findings:
-        raise Unfit(findings)
+    read = _read(order, components, masters)
     (master,) = order.work_masters
+    recipe = RecipeChoice((master.id,), read.version, read.bind) if read.of_recipe else None
     return WorkOrder(
-        master.id,
+        '' if recipe else master.id,
         order.id,
         read.quantity,
         read.params,
         Terms(order.priority or 0, order.start, order.end, read.details),
+        recipe,
     )
 
 
 def changes(
-    order: JobOrder, now: ListedJob | None, components: Collection[str] = ()
+    order: JobOrder,
+    now: ListedJob | None,
+    components: Collection[str] = (),
+    masters: Masters = SCRIPTS_ONLY,
 ) -> dict[str, object]:
     """Return the arguments of the request job.update; what the order does not name stays.
 
     :param now: the job as it is; None: it is not listed, and the cell will say so
+    :param masters: as of a new order
     :raises Unfit: with every finding
     """
-    read = _Reading(order, components, is_whole=False)
-    findings = tuple(read.findings())
-    if findings:
-        raise Unfit(findings)
+    was = now.choice if now is not None else None
+    read = _read(order, components, masters, is_whole=False, was=was)
     asked: dict[str, object] = {'job': order.id}
-    masters = order.work_masters
-    if masters and now is not None and masters[0].id != now.status.script:
-        asked['script'] = masters[0].id
+    if now is not None:
+        asked |= _other_source(order, now, read)
     if read.quantity is not None:
         asked['quantity'] = read.quantity
     if read.params:
@@ -118,18 +128,66 @@ def changes(
     return asked
 
 
+def _other_source(order: JobOrder, now: ListedJob, read: _Reading) -> dict[str, object]:
+    """Return what names the script or recipe of a job, if it is to be another one."""
+    name, was = next((one.id for one in order.work_masters), ''), now.choice
+    if not read.of_recipe:
+        is_same = not name or (was is None and name == now.status.script)
+        return {} if is_same else {'script': name}
+    kept = was if was is not None and (not name or name in was.recipes) else None
+    if kept is None:
+        wanted = RecipeChoice((name,), read.version, read.bind)
+    else:
+        version = kept.version if read.version is None else read.version
+        wanted = RecipeChoice(kept.recipes, version, {**kept.bind, **read.bind})
+    if wanted == was:
+        return {}
+    named = {'version': wanted.version, 'bind': dict(wanted.bind)}
+    return {'recipe': list(wanted.recipes)} | {key: one for key, one in named.items() if one}
+
+
 def reason_in(order: JobOrder) -> str:
     """Return the reason that an order carries as a parameter; empty: none."""
     found = (one.value for one in order.parameters if one.id == REASON)
     return next((one.text if isinstance(one, Text) else str(one) for one in found), '')
 
 
+def _read(
+    order: JobOrder,
+    components: Collection[str],
+    masters: Masters,
+    *,
+    is_whole: bool = True,
+    was: RecipeChoice | None = None,
+) -> _Reading:
+    """Read an order.
+
+    :param was: what the job that it changes was made from
+    :raises Unfit: with every finding
+    """
+    name = next((one.id for one in order.work_masters), '')
+    of_recipe = masters.is_recipe(name)
+    if was is not None:
+        of_recipe = of_recipe or not name or name in was.recipes
+    read = _Reading(order, components, masters, is_whole, of_recipe)
+    findings = tuple(read.findings())
+    if findings:
+        raise Unfit(findings)
+    return read
+
+
 @dataclass
 class _Reading:
     order: JobOrder
     components: Collection[str]
-    is_whole: bool = True
+    masters: Masters
+    is_whole: bool
     """False: it changes a job, and may leave everything out."""
+    of_recipe: bool
+    version: int | None = None
+    """Of the recipe; None: the newest, or as it was."""
+    bind: dict[str, str] = field(default_factory=dict)
+    """Component that does an operation, by the operation's id."""
     quantity: int | None = None
     params: dict[str, str | int | float | bool] = field(default_factory=dict)
     details: dict[str, object] = field(default_factory=dict)
@@ -153,7 +211,11 @@ class _Reading:
             yield Finding('WorkMasterID', f'expected exactly one, found {named}')
         for master in masters[:1]:
             if not master.id:
-                yield Finding('WorkMasterID', 'its ID is empty; name a script', _MALFORMED)
+                what = 'its ID is empty; name a script, or a recipe'
+                yield Finding('WorkMasterID', what, _MALFORMED)
+            unclear = self.masters.fault(master.id)
+            if unclear is not None:
+                yield Finding('WorkMasterID', unclear)
             yield from self._read_params('WorkMasterID.Parameters', master.parameters)
 
     def _read_parameters(self) -> Iterator[Finding]:
@@ -161,6 +223,8 @@ class _Reading:
         for one in self.order.parameters:
             if one.id == RUNS_PLANNED:
                 yield from self._read_quantity(f'{where}.{one.id}', one.value)
+            elif one.id == RECIPE_VERSION and self.of_recipe:
+                yield from self._read_version(f'{where}.{one.id}', one.value)
             elif one.id in KINDS:
                 yield from self._read_named(f'{where}.{one.id}', one)
             elif one.id == OTHER:
@@ -175,6 +239,14 @@ class _Reading:
             yield Finding(where, f'expected the number of items, at least 1; found {value}')
         else:
             self.quantity = value
+
+    def _read_version(self, where: str, value: object) -> Iterator[Finding]:
+        if not isinstance(value, int) or isinstance(value, bool):
+            yield Finding(where, f'expected a whole number, found {value!r}', _MALFORMED)
+        elif value < 1:
+            yield Finding(where, f'versions count from 1; found {value}')
+        else:
+            self.version = value
 
     def _read_named(self, where: str, parameter: Parameter) -> Iterator[Finding]:
         wrong = wrong_value(parameter)
@@ -220,6 +292,14 @@ class _Reading:
             if self.components and id_ not in self.components:
                 there = ', '.join(sorted(self.components))
                 yield Finding(EQUIPMENT, f'there is no {id_!r} in this cell; it has {there}')
+            elif self.of_recipe:
+                yield from self._read_use(str(id_ or ''), str(one.get(USE) or ''))
+
+    def _read_use(self, component: str, operation: str) -> Iterator[Finding]:
+        """Bind an operation; what only has to be there says no use."""
+        if operation and self.bind.setdefault(operation, component) != component:
+            found = f'{self.bind[operation]}, {component}'
+            yield Finding(EQUIPMENT, f'`{operation}` is to be done by two: {found}')
 
 
 def _scalar(value: object) -> str | int | float | bool | None:
@@ -240,16 +320,22 @@ def job_order(job: ListedJob) -> JobOrder:
     params = tuple(Parameter(name, value) for name, value in job.params.items())
     named = tuple(named_parameters(details))
     told = {*_STANDARD, *(one.id for one in named)}
+    choice = job.choice
+    version = choice.version if choice is not None else None
     others = {key: value for key, value in details.items() if key not in told}
     return JobOrder(
         status.id,
         texts_from_plain(details.get(DESCRIPTION)),
-        (WorkMaster(status.script, parameters=params),),
+        tuple(
+            WorkMaster(name, parameters=params)
+            for name in (choice.recipes if choice is not None else (status.script,))
+        ),
         status.start,
         status.due,
         status.priority,
         (
             Parameter(RUNS_PLANNED, status.quantity),
+            *([] if version is None else [Parameter(RECIPE_VERSION, version)]),
             *named,
             *([Parameter(OTHER, json_of(others))] if others else []),
         ),

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from enum import IntEnum
 
-from bt_orchestrator.mes.job_order import DESCRIPTION
+from bt_orchestrator.mes.job_order import DESCRIPTION, RECIPE_VERSION
 from bt_orchestrator.mes.job_states import State, states_of
 from bt_orchestrator.mes.machinery import IN_RESPONSE, REASON, named_parameters
 from bt_orchestrator.mes.parts import Parameter, Text, texts_from_plain
@@ -33,7 +33,7 @@ class JobResult(IntEnum):
 ENDING = 'Ending'
 """A parameter of our own: stopping or aborting, from the request until the line has drained."""
 
-RECIPE, RECIPE_VERSION = 'RecipeID', 'RecipeVersion'
+RECIPE = 'RecipeID'
 
 EXTRAS: Mapping[str, str] = {
     'ScrapQuantity': 'items that left the line rejected',

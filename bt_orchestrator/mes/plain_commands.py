@@ -6,7 +6,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from bt_orchestrator.errors import OrchestratorError
-from bt_orchestrator.model.jobs.order import WorkOrder, order_id_fault
+from bt_orchestrator.mes.masters import SCRIPTS_ONLY, Masters
+from bt_orchestrator.model.jobs.order import RecipeChoice, WorkOrder, order_id_fault
 from bt_orchestrator.model.requests import (
     ACKNOWLEDGE,
     COMMENT,
@@ -37,17 +38,30 @@ class Wanted(NamedTuple):
 # --- orders -------------------------------------------------------------------------------------
 
 
-def order_of(id_: str, script: str, quantity: int, parameters: Sequence[str]) -> WorkOrder:
+def order_of(
+    id_: str,
+    script: str,
+    quantity: int,
+    parameters: Sequence[str],
+    masters: Masters = SCRIPTS_ONLY,
+) -> WorkOrder:
     """Return a work order.
 
+    :param script: name of a script, or of a recipe that is known
     :param quantity: 0: the default of the script
     :param parameters: of the script, as in `speed=12`
     :raises Unclear: with every mistake
     """
     params: dict[str, str] = {}
     findings = list(_mistakes(id_, script, parameters, params))
+    unclear = masters.fault(script)
+    if unclear is not None:
+        findings.append(f'Script: {unclear}')
     if findings:
         raise Unclear(findings)
+    if masters.is_recipe(script):
+        recipe = RecipeChoice((script,))
+        return WorkOrder('', id_, quantity or None, params, recipe=recipe)
     return WorkOrder(script, id_, quantity or None, params)
 
 
@@ -58,7 +72,7 @@ def _mistakes(
     if fault is not None:
         yield f'Id: {id_!r} cannot be one: {fault}'
     if not script:
-        yield 'Script: it is empty; name a script'
+        yield 'Script: it is empty; name a script, or a recipe'
     for text in parameters:
         name, equals, value = (part.strip() for part in text.partition('='))
         if not name or not equals:

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from bt_orchestrator.model.jobs.isa95 import JobWord
+from bt_orchestrator.model.jobs.order import RecipeChoice
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.state import End, Hold
@@ -201,6 +202,8 @@ class ListedJob:
     """The customer's JSON, as given."""
     reason: str = ''
     """Why it was stopped or aborted."""
+    choice: RecipeChoice | None = None
+    """What its order named in place of a script; None: it named a script."""
 
 
 @dataclass(frozen=True)

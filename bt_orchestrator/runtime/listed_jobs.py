@@ -42,7 +42,8 @@ def page(state: CellState, overview: Overview, after: str = '', most: int = 0) -
 def told_of(job: JobState, overview: Overview) -> ListedJob:
     """Return what is told of a job that is asked for."""
     order = job.job
-    return ListedJob(overview.job(job), order.params, order.terms.details, job.end_reason)
+    details = order.terms.details
+    return ListedJob(overview.job(job), order.params, details, job.end_reason, order.recipe)
 
 
 def _behind(state: CellState, after: str, most: int) -> list[JobState]:

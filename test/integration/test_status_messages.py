@@ -6,12 +6,15 @@ import typing
 from collections.abc import Mapping
 from typing import Any
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from rclpy.serialization import deserialize_message, serialize_message
 
 from bt_orchestrator.model.codec import hints_of
 from bt_orchestrator.model.frozen import changed
+from bt_orchestrator.model.jobs.isa95 import JobWord
+from bt_orchestrator.model.jobs.order import RecipeChoice
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import (
     CellDescription,
@@ -19,10 +22,12 @@ from bt_orchestrator.model.status import (
     ComponentStatus,
     ItemStatus,
     JobStatus,
+    ListedJob,
 )
 from bt_orchestrator.model.wish import Wish
 from bt_orchestrator.ros.stamps import from_time, to_time
 from bt_orchestrator.ros.types.description_messages import cell_description, description_message
+from bt_orchestrator.ros.types.job_messages import listed_job, listed_message
 from bt_orchestrator.ros.types.status_messages import StatusWriter, cell_status
 
 TEXTS = st.text(st.characters(exclude_categories=['Cs'], exclude_characters='\0'), max_size=8)
@@ -111,6 +116,13 @@ def test_a_writer_that_wrote_others_before_writes_the_same(
 @settings(max_examples=50, deadline=None)
 def test_a_description_comes_back_as_it_was(description: CellDescription) -> None:
     assert cell_description(sent(description_message(description))) == description
+
+
+@pytest.mark.parametrize('choice', [None, RecipeChoice(('A', 'B'), 2, {'insert': 'arm'})])
+def test_a_listed_job_comes_back_as_it_was(choice: RecipeChoice | None) -> None:
+    status = JobStatus('WO-1', 'box', JobWord.RUNNING, recipe='A', recipe_version=2)
+    job = ListedJob(status, {'lot': 'A7'}, {'for': 'ACME'}, 'why', choice)
+    assert listed_job(sent(listed_message(job))) == job
 
 
 @given(st.floats(0.0, 2.0**31 - 2.0))

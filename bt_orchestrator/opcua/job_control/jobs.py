@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import Callable, Coroutine
+from dataclasses import replace
 
 from bt_orchestrator.errors import CommandRefused, NodeUnreachable
 from bt_orchestrator.mes.job_book import JobBook, News
@@ -87,11 +88,7 @@ class Jobs:
         found = {}
         for job in status.jobs:
             known = self.book.get(job.id)
-            found[job.id] = (
-                ListedJob(job)
-                if known is None
-                else ListedJob(job, known.params, known.details, known.reason)
-            )
+            found[job.id] = ListedJob(job) if known is None else replace(known, status=job)
         return found
 
     async def ask(self, name: str) -> ListedJob | None:

@@ -7,10 +7,10 @@ from typing import Any
 
 from bt_orchestrator_interfaces.msg import WorkOrder as WorkOrderMessage
 from bt_orchestrator_interfaces.srv import QueueUpdate
-from diagnostic_msgs.msg import KeyValue
 
-from bt_orchestrator.model.jobs.order import RecipeChoice, WorkOrder
+from bt_orchestrator.model.jobs.order import WorkOrder
 from bt_orchestrator.ros.stamps import to_moment, to_time
+from bt_orchestrator.ros.types.choice_messages import choice_fields, key_values
 from bt_orchestrator.script.orders.asked import asked_of, change_of
 
 
@@ -21,12 +21,12 @@ def order_message(order: WorkOrder) -> Any:
         order=asked.order,
         script=asked.script,
         quantity=asked.quantity,
-        params=_key_values(asked.params),
+        params=key_values(asked.params),
         priority=order.terms.priority,
         start=to_moment(order.terms.start),
         due=to_moment(order.terms.due),
         details=asked.terms.details,
-        **_choice(order.recipe),
+        **choice_fields(order.recipe),
     )
 
 
@@ -41,22 +41,10 @@ def change_message(given: Mapping[str, Any]) -> Any:
         job=given['job'],
         script=wish.script,
         quantity=wish.quantity,
-        params=_key_values(wish.params),
+        params=key_values(wish.params),
         priority=[] if terms.priority is None else [terms.priority],
         start=[] if terms.start is None else [to_time(terms.start)],
         due=[] if terms.due is None else [to_time(terms.due)],
         details=terms.details,
-        **_choice(wish.recipe),
+        **choice_fields(wish.recipe),
     )
-
-
-def _choice(recipe: RecipeChoice | None) -> dict[str, Any]:
-    """Return the fields that name a recipe."""
-    if recipe is None:
-        return {}
-    version, bind = recipe.version or 0, _key_values(recipe.bind)
-    return {'recipes': list(recipe.recipes), 'version': version, 'bind': bind}
-
-
-def _key_values(params: Mapping[str, str]) -> list[Any]:
-    return [KeyValue(key=key, value=value) for key, value in params.items()]

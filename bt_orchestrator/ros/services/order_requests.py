@@ -8,8 +8,8 @@ from typing import Any, overload
 from bt_orchestrator.asking.orders import size_of
 from bt_orchestrator.deadlines import NS_PER_S
 from bt_orchestrator.errors import NotRead
-from bt_orchestrator.model.jobs.order import RecipeChoice
 from bt_orchestrator.model.limits import REQUEST_BYTES
+from bt_orchestrator.ros.types.choice_messages import choice_from
 from bt_orchestrator.script.orders.desk import AskedOrder, WrittenOrder
 from bt_orchestrator.script.orders.terms import AskedTerms
 
@@ -56,15 +56,7 @@ def asked_change(request: Any) -> AskedOrder:
 
 def _asked(order: Any, name: str, terms: AskedTerms) -> AskedOrder:
     params = {param.key: param.value for param in order.params}
-    return AskedOrder(order.script, name, order.quantity, params, terms, _choice(order))
-
-
-def _choice(order: Any) -> RecipeChoice | None:
-    """Return the recipe that is named; a version or a binding without one is told by the desk."""
-    bind = {one.key: one.value for one in order.bind}
-    if not order.recipes and not order.version and not bind:
-        return None
-    return RecipeChoice(tuple(order.recipes), order.version or None, bind)
+    return AskedOrder(order.script, name, order.quantity, params, terms, choice_from(order))
 
 
 def _seconds(time: Any) -> float:

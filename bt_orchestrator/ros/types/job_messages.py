@@ -10,6 +10,7 @@ from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.status import JobStatus, ListedJob
 from bt_orchestrator.ros.stamps import from_moment, from_time, to_moment, to_time
+from bt_orchestrator.ros.types.choice_messages import choice_fields, choice_from
 from bt_orchestrator.ros.types.task_messages import (
     from_seconds,
     passed_message,
@@ -99,6 +100,7 @@ def listed_message(job: ListedJob) -> msg.ListedJob:
         params=json_of(job.params),
         details=json_of(job.details) if job.details else '',
         reason=job.reason,
+        **choice_fields(job.choice),
     )
 
 
@@ -109,4 +111,5 @@ def listed_job(message: msg.ListedJob) -> ListedJob:
         json.loads(message.params),
         json.loads(message.details or '{}'),
         message.reason,
+        choice_from(message),
     )

@@ -11,11 +11,12 @@ import pytest
 
 from bt_orchestrator.mes.job_book import JobBook
 from bt_orchestrator.mes.job_order import JobOrder, changes, job_order, reason_in, work_order
+from bt_orchestrator.mes.masters import Masters
 from bt_orchestrator.mes.parts import Parameter, Text, WorkMaster
 from bt_orchestrator.mes.return_status import ReturnStatus, Unfit
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import known_event, to_text
-from bt_orchestrator.model.jobs.order import Terms
+from bt_orchestrator.model.jobs.order import RecipeChoice, Terms
 from bt_orchestrator.model.status import ListedJob
 
 MALFORMED, NOT_ACCEPTED = ReturnStatus.MALFORMED, ReturnStatus.NOT_ACCEPTED
@@ -43,14 +44,25 @@ WHOLE = JobOrder(
 )
 
 
+KNOWN = Masters(scripts={'filling'}, recipes={'WM-100', 'WM-200'})
+
+BY_RECIPE = dataclasses.replace(
+    WHOLE,
+    work_masters=(WorkMaster('WM-100', parameters=(Parameter('lot', 'A7'),)),),
+    parameters=(Parameter('RunsPlanned', 12), Parameter('RecipeVersion', 3)),
+    equipment=({'ID': 'arm', 'EquipmentUse': 'insert'}, {'ID': 'camera'}),
+)
+
+
 def listed(order: JobOrder) -> ListedJob:
     """Return the job that an order becomes, as the journal tells of it."""
-    made = work_order(order)
+    made = work_order(order, masters=KNOWN)
     terms = {one.name: getattr(made.terms, one.name) for one in dataclasses.fields(Terms)}
     queued = e.JobQueued(
         job=made.order or '',
-        script=made.script,
+        script=made.script or 'generated',
         digest='d',
+        choice=made.recipe,
         quantity=made.quantity or 1,
         params=made.params,
         seq=1,
@@ -180,6 +192,90 @@ def test_everything_that_is_wrong_is_told_at_once() -> None:
         work_order(order)
     assert caught.value.status == MALFORMED | NOT_ACCEPTED
     assert len(caught.value.findings) == 3
+
+
+# --- by recipe ----------------------------------------------------------------------------------
+
+
+def test_a_work_master_may_be_a_recipe_and_equipment_binds_its_operations() -> None:
+    made = work_order(BY_RECIPE, ['arm', 'camera'], KNOWN)
+    assert made.script == ''
+    assert made.recipe == RecipeChoice(('WM-100',), 3, {'insert': 'arm'})
+    assert (made.quantity, made.params) == (12, {'lot': 'A7'})
+
+
+def test_what_is_not_known_as_a_recipe_is_a_script_for_the_cell_to_find() -> None:
+    made = work_order(BY_RECIPE)
+    assert (made.script, made.recipe) == ('WM-100', None)
+    assert made.params == {'lot': 'A7', 'RecipeVersion': 3}
+
+
+def test_a_name_that_a_script_and_a_recipe_have_is_refused() -> None:
+    twice = Masters(scripts={'WM-100'}, recipes={'WM-100'})
+    assert statuses(BY_RECIPE, masters=twice) == {('WorkMasterID', NOT_ACCEPTED)}
+
+
+@pytest.mark.parametrize(
+    ('changed', 'found'),
+    [
+        ({'equipment': ({'ID': 'drill'},)}, ('EquipmentRequirements', NOT_ACCEPTED)),
+        (
+            {
+                'equipment': (
+                    {'ID': 'arm', 'EquipmentUse': 'insert'},
+                    {'ID': 'camera', 'EquipmentUse': 'insert'},
+                )
+            },
+            ('EquipmentRequirements', NOT_ACCEPTED),
+        ),
+        (
+            {'parameters': (Parameter('RecipeVersion', '3'),)},
+            ('JobOrderParameters.RecipeVersion', MALFORMED),
+        ),
+        (
+            {'parameters': (Parameter('RecipeVersion', 0),)},
+            ('JobOrderParameters.RecipeVersion', NOT_ACCEPTED),
+        ),
+    ],
+)
+def test_mistakes_of_an_order_by_recipe(
+    changed: dict[str, Any], found: tuple[str, ReturnStatus]
+) -> None:
+    order = dataclasses.replace(BY_RECIPE, **changed)
+    assert statuses(order, components=['arm', 'camera'], masters=KNOWN) == {found}
+
+
+def test_an_order_by_recipe_is_told_as_it_was_given() -> None:
+    assert job_order(listed(BY_RECIPE)) == BY_RECIPE
+
+
+@pytest.mark.parametrize(
+    ('changed', 'asked'),
+    [
+        ({}, {}),
+        ({'work_masters': ()}, {}),
+        ({'parameters': ()}, {}),
+        (
+            {'work_masters': (WorkMaster('WM-200'),), 'parameters': (), 'equipment': ()},
+            {'recipe': ['WM-200']},
+        ),
+        (
+            {'work_masters': (), 'equipment': ({'ID': 'camera', 'EquipmentUse': 'look'},)},
+            {'recipe': ['WM-100'], 'version': 3, 'bind': {'insert': 'arm', 'look': 'camera'}},
+        ),
+        ({'work_masters': (WorkMaster('filling'),), 'parameters': ()}, {'script': 'filling'}),
+    ],
+)
+def test_an_update_of_a_job_by_recipe_names_what_it_is_to_be_made_from(
+    changed: dict[str, Any], asked: dict[str, object]
+) -> None:
+    order = dataclasses.replace(BY_RECIPE, **changed)
+    found = changes(order, listed(BY_RECIPE), masters=KNOWN)
+    named = {key: found[key] for key in ('script', 'recipe', 'version', 'bind') if key in found}
+    assert named == asked
+
+
+# --- updates ------------------------------------------------------------------------------------
 
 
 def test_an_update_names_only_what_it_changes() -> None:

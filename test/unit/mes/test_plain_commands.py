@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from bt_orchestrator.mes.masters import Masters
 from bt_orchestrator.mes.plain_commands import Unclear, answer_of, command_of, order_of, verbs
-from bt_orchestrator.model.jobs.order import WorkOrder
+from bt_orchestrator.model.jobs.order import RecipeChoice, WorkOrder
 from bt_orchestrator.model.requests import REQUESTS, About
 from bt_orchestrator.model.state import Hold
 
@@ -23,12 +24,21 @@ def test_a_quantity_of_zero_leaves_it_to_the_script() -> None:
     assert order_of('WO-1', 'mix', 0, []).quantity is None
 
 
+def test_an_order_may_name_a_recipe() -> None:
+    known = Masters(scripts={'mix', 'P-2'}, recipes={'P-1', 'P-2'})
+    made = order_of('WO-1', 'P-1', 2, ['lot=7'], known)
+    assert (made.script, made.recipe) == ('', RecipeChoice(('P-1',)))
+    assert order_of('WO-1', 'mix', 2, [], known).script == 'mix'
+    with pytest.raises(Unclear, match="'P-2' is the name of a script and of a recipe"):
+        order_of('WO-1', 'P-2', 2, [], known)
+
+
 def test_every_mistake_of_an_order_is_told() -> None:
     with pytest.raises(Unclear) as error:
         order_of('', '', 1, ['lot', '=1', 'a=1', 'a=2'])
     assert error.value.findings == (
         "Id: '' cannot be one: it is empty",
-        'Script: it is empty; name a script',
+        'Script: it is empty; name a script, or a recipe',
         "Parameters: expected name=value, found 'lot'",
         "Parameters: expected name=value, found '=1'",
         'Parameters: a is given twice',
