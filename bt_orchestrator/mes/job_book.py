@@ -195,8 +195,7 @@ def _terms(event: e.JobQueued | e.JobUpdated) -> dict[str, Any]:
 
 def _updated(entry: _Entry, event: e.JobUpdated) -> None:
     _queued(entry, script=event.script, **_terms(event))
-    told = {'params': event.params, 'details': event.details, 'choice': event.choice}
-    entry.job = replace(entry.job, **told)
+    entry.job = replace(entry.job, params=event.params, details=event.details, choice=event.choice)
 
 
 def _queued(entry: _Entry, **values: Any) -> None:
