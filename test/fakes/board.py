@@ -2,11 +2,27 @@
 
 from __future__ import annotations
 
+import weakref
 from typing import Any
 
 from py_trees.blackboard import Blackboard
 
 from bt_orchestrator.model.state import CellState
+from bt_orchestrator.runtime.orchestrator import Orchestrator
+
+_left: list[str] = []
+"""The places of cells that nobody knows any more."""
+
+
+def tidy_after(orchestrator: Orchestrator) -> None:
+    """Let what is said of a cell go with it: the blackboard is global, and each check reads it.
+
+    Not at once, because somebody may be reading; when the next one is told of.
+    """
+    while _left:
+        for key in shown(f'{_left.pop()}/'):
+            Blackboard.unset(key)
+    weakref.finalize(orchestrator, _left.append, orchestrator._projection.space).atexit = False
 
 
 def check_board(space: str, state: CellState) -> None:

@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable, Container
 from typing import Any
 
-from fakes.board import check_board
+from fakes.board import check_board, tidy_after
 from fakes.full_tree import check_view
 from fakes.invariants import Invariants
 from fakes.operator import ann, engineer
@@ -64,6 +64,7 @@ class VirtualRun:
         self._viewed = viewed
         self.store = MemoryStore(history='')  # nothing random
         self.sim = Simulation(cell, types, self.store, duration=duration, auto_start=auto_start)
+        tidy_after(self.sim.orchestrator)
         self._invariants = Invariants(cell)
         self._replay = CellState(cell)
         self._rebuild = rebuild
