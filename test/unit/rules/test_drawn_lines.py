@@ -40,6 +40,7 @@ def verdicts(kind: type[NaiveBench | ProductBench], plan: Plan, script: str) -> 
     return [not operate(kind(replace(alone, seconds=seconds)), ()) for seconds in DRAWS]
 
 
+@pytest.mark.long
 def test_9_1_every_line_goes_as_the_second_opinion_says() -> None:
     """Event for event, whatever fails, whoever answers what, and whenever the tree is rebuilt.
 

@@ -20,6 +20,7 @@ PATIENCE = 400
 """Rounds in which an operator answers everything: far more than any drawn line needs."""
 
 
+@pytest.mark.long
 @examples(40, 300)
 @given(lines(Traits(most_sections=5)), st.randoms())
 def test_drawn_queues_end(plan: Plan, chance: Random) -> None:
