@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Sequence
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from bt_orchestrator.cli.wrong_use import WrongUse
@@ -63,11 +62,4 @@ def as_html(items: Sequence[ItemHistory], journal: Path, title: str, lacks: Sequ
 
     :param lacks: what of the journal could not be read
     """
-    return item_page(items, Source(str(journal), time.time(), _program(), lacks), title)
-
-
-def _program() -> str:
-    try:
-        return f'bt-orchestrator {version("bt_orchestrator")}'
-    except PackageNotFoundError:
-        return 'bt-orchestrator'
+    return item_page(items, Source(f'the journal {journal}', time.time(), lacks), title)

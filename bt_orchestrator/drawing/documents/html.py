@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from datetime import datetime
+from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 from xml.etree import ElementTree as ET
 
@@ -68,6 +69,14 @@ def document(title: str, write: Callable[[Html], None]) -> str:
     write(Html(ET.SubElement(body, 'main')))
     text = ET.tostring(page, encoding='unicode', method='html', short_empty_elements=False)
     return f'<!doctype html>\n{text}\n'
+
+
+def program() -> str:
+    """Return name and version of the program that makes documents."""
+    try:
+        return f'bt-orchestrator {version("bt_orchestrator")}'
+    except PackageNotFoundError:
+        return 'bt-orchestrator'
 
 
 def clock(time: float) -> str:

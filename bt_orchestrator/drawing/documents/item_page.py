@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from bt_orchestrator.drawing.documents.html import Html, clock, day, document, period, zone
+from bt_orchestrator.drawing.documents.html import (
+    Html,
+    clock,
+    day,
+    document,
+    period,
+    program,
+    zone,
+)
 from bt_orchestrator.drawing.documents.item_strip import item_strip
 from bt_orchestrator.drawing.gantt_page import gantt_svg
 from bt_orchestrator.report.exports import shown
@@ -53,10 +61,9 @@ class Source:
     """Where a record comes from, for its last lines."""
 
     journal: str
+    """In words, as in `the journal cell.sqlite3`."""
     made: float
     """When the document was made, seconds since the epoch."""
-    program: str
-    """Its name and version."""
     lacks: Sequence[str] = ()
     """What of the journal could not be read, in sentences."""
 
@@ -247,5 +254,5 @@ def _entry(body: Html, entry: Entry) -> None:
 
 
 def _foot(sheet: Html, source: Source) -> None:
-    made = f'Made {day(source.made)} from the journal {source.journal} by {source.program}'
+    made = f'Made {day(source.made)} from {source.journal} by {program()}'
     sheet.add('footer', f'{made}. Times are those of this computer, {zone(source.made)}.')

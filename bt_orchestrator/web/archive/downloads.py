@@ -1,7 +1,8 @@
-"""The items of a job as files, all of them."""
+"""The items of a job as files, all of them; the record of one item as a document."""
 
 from __future__ import annotations
 
+import time
 from collections.abc import Awaitable, Callable
 from io import StringIO
 from typing import NamedTuple
@@ -10,11 +11,14 @@ from urllib.parse import quote
 from starlette.requests import Request
 from starlette.responses import Response
 
+from bt_orchestrator.drawing.documents.item_page import Source, item_page
 from bt_orchestrator.errors import JournalUnusable
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.jobs.job_record import JobRecord, job_to_plain
+from bt_orchestrator.report.item.reader import item_history
 from bt_orchestrator.report.items_csv import write_items
 from bt_orchestrator.web.archive.archive import Archive, Look
+from bt_orchestrator.web.archive.items import reading
 from bt_orchestrator.web.archive.jobs import job_record
 from bt_orchestrator.web.endpoint import Endpoint
 from bt_orchestrator.web.replies import Problem
@@ -49,17 +53,66 @@ KINDS = (Kind('csv', 'text/csv', _csv), Kind('json', 'application/json', _json))
 
 def endpoints(archive: Archive) -> tuple[Endpoint, ...]:
     """Return the endpoints."""
-    return tuple(
-        Endpoint(
-            'GET',
-            f'/api/jobs/{{job}}/items.{kind.ending}',
-            _answer(archive, kind),
-            f'returns all items of a job as a {kind.ending.upper()} file',
-            refusals=_REFUSALS,
-            media=kind.media,
-        )
-        for kind in KINDS
+    return (*(_of_job(archive, kind) for kind in KINDS), _of_item(archive))
+
+
+def _of_job(archive: Archive, kind: Kind) -> Endpoint:
+    return Endpoint(
+        'GET',
+        f'/api/jobs/{{job}}/items.{kind.ending}',
+        _answer(archive, kind),
+        f'returns all items of a job as a {kind.ending.upper()} file',
+        refusals=_REFUSALS,
+        media=kind.media,
     )
+
+
+def _of_item(archive: Archive) -> Endpoint:
+    return Endpoint(
+        'GET',
+        '/api/items/{item:path}/record.html',
+        _document(archive),
+        'returns the whole record of an item as a document, for a browser and for paper',
+        refusals={
+            404: 'nothing is known of the item',
+            503: 'the journal cannot be read now: the message says why',
+        },
+        media='text/html',
+    )
+
+
+def _document(archive: Archive) -> Callable[[Request], Awaitable[Response]]:
+    def asked(look: Look, item: str) -> str:
+        history = item_history(reading(look), item)
+        if history is None:
+            raise Problem(404, f'nothing is known here of item {item}')
+        begun = history.started is not None
+        lacks = [archive.why_not_whole(look.extent, has_beginning=begun), *look.damage]
+        journal = f'journal {look.extent.history}'.strip()
+        source = Source(f'the {journal}', time.time(), [one for one in lacks if one])
+        return item_page([history], source, f'Item {item}')
+
+    async def answer(request: Request) -> Response:
+        name = request.path_params['item']
+        try:
+            text = await archive.read(lambda look: asked(look, name))
+        except JournalUnusable as error:
+            raise Problem(503, str(error)) from error
+        return Response(
+            text.encode(), media_type='text/html', headers=_attached(f'{_plain(name)}.html')
+        )
+
+    return answer
+
+
+def _attached(name: str) -> dict[str, str]:
+    named = quote(name, safe='')
+    return {'content-disposition': f"attachment; filename*=UTF-8''{named}"}
+
+
+def _plain(item: str) -> str:
+    """Return an item's id as a part of a file name."""
+    return item.replace('/', '-')
 
 
 def _answer(archive: Archive, kind: Kind) -> Callable[[Request], Awaitable[Response]]:
@@ -71,8 +124,7 @@ def _answer(archive: Archive, kind: Kind) -> Callable[[Request], Awaitable[Respo
             raise Problem(503, str(error)) from error
         # a file cannot say what it lacks in a way that every reader sees; its name can
         lacks = '' if is_whole else '-incomplete'
-        named = quote(f'{name}-items{lacks}.{kind.ending}', safe='')
-        headers = {'content-disposition': f"attachment; filename*=UTF-8''{named}"}
+        headers = _attached(f'{name}-items{lacks}.{kind.ending}')
         return Response(text.encode(), media_type=kind.media, headers=headers)
 
     return answer

@@ -18,12 +18,16 @@ _IDENTIFIED = (e.ItemIdentified.event,)
 
 def item_record(look: Look, item: str) -> dict[str, Any] | None:
     """Return everything about an item; None: nothing is known of it."""
-    reading = Reading(look.records, look.damage.append)
-    history = item_history(reading, item)
+    history = item_history(reading(look), item)
     if history is None:
         return None
     begun = history.started is not None
     return {**plain_item(history), 'damage': look.damage, 'has_beginning': begun}
+
+
+def reading(look: Look) -> Reading:
+    """Return what reads the records; damage is noted in the look."""
+    return Reading(look.records, look.damage.append)
 
 
 def items_of(look: Look, serial: str) -> dict[str, Any]:

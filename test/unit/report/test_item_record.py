@@ -214,7 +214,7 @@ def test_what_devices_and_people_write_breaks_no_document() -> None:
     item = ItemHistory('A/1', 'A', started=0.0, ended=2.0, how='packed', params={'p': bad})
     item.tasks.append(Attempt(1, bad, 'failed', bad, bad, started=0.0, ended=1.0, message=bad))
     item.decisions.append(Decision(1.0, bad, bad, bad))
-    text = item_page([item], Source(bad, 3.0, 'test'), bad)
+    text = item_page([item], Source(bad, 3.0), bad)
     assert '<script' not in text
     assert '\x00' not in text
     assert text.encode()

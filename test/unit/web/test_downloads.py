@@ -105,3 +105,15 @@ def test_a_file_that_lacks_something_says_so_in_its_name(run: VirtualRun, tmp_pa
     answer = bench.browser().get('/api/jobs/WO-%C3%A4/items.csv')
     assert 'items-incomplete.csv' in answer.headers['content-disposition']
     bench.close()
+
+
+def test_the_record_of_an_item_is_a_document(bench: Bench) -> None:
+    browser = bench.browser()
+    answer = browser.get('/api/items/WO-%C3%A4/1/record.html')
+    assert (answer.status, answer.headers['content-type']) == (200, 'text/html; charset=utf-8')
+    named = "attachment; filename*=UTF-8''WO-%C3%A4-1.html"
+    assert answer.headers['content-disposition'] == named
+    text = answer.body.decode()
+    assert 'Item record' in text
+    assert 'it looked so' in text
+    assert browser.get('/api/items/WO-%C3%A4/9/record.html').status == 404

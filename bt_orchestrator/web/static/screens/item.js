@@ -35,6 +35,11 @@ class Item {
         h('h1', {}, t('item.title', { item: id })),
         h(
           'a',
+          { class: 'button', href: `/api/items/${inPath(id)}/record.html`, download: '' },
+          t('item.document'),
+        ),
+        h(
+          'a',
           {
             class: 'button',
             href: `/api/items/${inPath(id)}`,
