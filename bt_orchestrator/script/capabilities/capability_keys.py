@@ -24,6 +24,7 @@ def _fields(name: str, meaning: str, example: str) -> Key:
         example,
         members=Kind.TEXT,
         name_form=NAME_WITHOUT_DOTS,
+        rule='8.5',
     )
 
 
@@ -45,6 +46,7 @@ _OWN = (
         maximum=LARGEST_WHOLE,
         members=Kind.WHOLE,
         name_form=NAME_WITHOUT_DOTS,
+        rule='8.5',
     ),
 )
 
@@ -81,6 +83,7 @@ PREPARATION = Table(
             Kind.NAMES,
             'components, or the conveyor, that are prepared before',
             'conveyor',
+            rule='8.5',
         ),
     ),
     misplaced={**INITIALIZATION_TASK.misplaced, 'action': _NO_ACTION},
@@ -94,6 +97,7 @@ CAPABILITIES = Key(
     '{drill: {task: TASK_A}}',
     of=(CAPABILITY,),
     name_form=ID_FORM,
+    rule='8.5',
 )
 
 WORKSPACES = Key(
@@ -104,6 +108,7 @@ WORKSPACES = Key(
     '[left]',
     members=Kind.TEXT,
     fewest=1,
+    rule='8.5',
 )
 
 PREPARE = Key(
@@ -112,4 +117,5 @@ PREPARE = Key(
     'its initialization in generated scripts',
     '{id: ready_arm, task: PREPARE}',
     of=(PREPARATION,),
+    rule='8.5',
 )

@@ -23,6 +23,7 @@ _OWN = (
         'insert',
         required=True,
         form=ID_FORM,
+        rule='8.5',
     ),
     Key(
         'do',
@@ -31,12 +32,14 @@ _OWN = (
         '[glue, tape]',
         required=True,
         fewest=1,
+        rule='8.5',
     ),
     Key(
         'after',
         Kind.NAMES,
         'operations that come directly before; absent: the one above',
         '[drill, deburr]',
+        rule='8.5',
     ),
     Key(
         'parameters',
@@ -44,6 +47,7 @@ _OWN = (
         'values for the parameters of the capability; references are allowed',
         '{text: "${params.label}"}',
         name_form=NAME_WITHOUT_DOTS,
+        rule='8.5',
     ),
     Key(
         'needs',
@@ -52,6 +56,7 @@ _OWN = (
         '{pose: locate}',
         members=Kind.TEXT,
         name_form=NAME_WITHOUT_DOTS,
+        rule='8.5',
     ),
 )
 
@@ -105,8 +110,11 @@ RECIPE = Table(
             'WM-100',
             required=True,
             form=ID_FORM,
+            rule='8.5',
         ),
-        replace(whole('version', 'a new number for each change', '1', 1), required=True),
+        replace(
+            whole('version', 'a new number for each change', '1', 1, rule='8.5'), required=True
+        ),
         Key(
             'script',
             Kind.TEXT,
@@ -114,6 +122,7 @@ RECIPE = Table(
             'my_process',
             required=True,
             form=ID_FORM,
+            rule='8.5',
         ),
         PARAMS,
         LOTS,
@@ -126,6 +135,7 @@ RECIPE = Table(
             required=True,
             of=(OPERATION, REWORK),
             fewest=1,
+            rule='8.5',
         ),
     ),
     misplaced={
@@ -165,6 +175,7 @@ OVERRIDES = Table(
             '{insert: component_3a}',
             members=Kind.TEXT,
             name_form=ID_FORM,
+            rule='8.5',
         ),
         Key(
             'set',
@@ -173,6 +184,7 @@ OVERRIDES = Table(
             '{deburr: {timeout: 20.0}}',
             of=(CHANGE,),
             name_form=ID_FORM,
+            rule='8.5',
         ),
         Key(
             'order',
@@ -180,6 +192,7 @@ OVERRIDES = Table(
             'lists of operations, each done in the order given',
             '[[drill, deburr]]',
             members=Kind.LIST,
+            rule='8.5',
         ),
     ),
 )

@@ -39,14 +39,14 @@ def why_not(*args: object, **more: object) -> str:
 # --- lists ------------------------------------------------------------------------------------
 
 
-def test_operations_go_down_the_belt() -> None:
+def test_8_5_operations_go_down_the_belt() -> None:
     found = made_of(LINE, STEPS)
     assert lists(found.script) == {1: ['place'], 2: ['bore'], 3: ['fit'], 4: ['box']}
     assert found.claim.is_fastest
     assert str(found.claim) == '2.0 s for each item, no faster binding exists'
 
 
-def test_what_needs_no_belt_leads() -> None:
+def test_8_5_what_needs_no_belt_leads() -> None:
     found = made_of(
         {
             **LINE,
@@ -65,14 +65,14 @@ CLEANER = {
 }
 
 
-def test_what_nothing_builds_on_trails_and_the_belt_is_released_early() -> None:
+def test_8_5_what_nothing_builds_on_trails_and_the_belt_is_released_early() -> None:
     found = made_of(CLEANER, STEPS + '- {id: tidy, do: clean, after: [bore]}')
     assert lists(found.script)[2] == ['bore', 'tidy']
     assert found.script.sections[2].release is Release.AFTER_LAST_CONVEYOR_TASK
 
 
 @pytest.mark.parametrize('more', ['on_failure: reject', 'after: [bore]'])
-def test_the_belt_waits_for_what_may_reject_and_for_what_others_build_on(more: str) -> None:
+def test_8_5_the_belt_waits_for_what_may_reject_and_for_what_others_build_on(more: str) -> None:
     """A trail that may reject is a mistake, and the item of one that is built on has left."""
     rejects = more.startswith('on_failure')
     steps = STEPS.replace(
@@ -84,7 +84,7 @@ def test_the_belt_waits_for_what_may_reject_and_for_what_others_build_on(more: s
     assert found.script.sections[2].release is Release.END_OF_CYCLE
 
 
-def test_a_task_that_may_reject_comes_before_the_last_that_needs_the_belt_if_it_can() -> None:
+def test_8_5_what_may_reject_comes_before_the_last_task_on_the_belt_if_it_can() -> None:
     found = made_of(
         {
             **CLEANER,
@@ -109,7 +109,7 @@ def test_a_task_that_may_reject_comes_before_the_last_that_needs_the_belt_if_it_
         ('', '', ['bore', 'fit']),
     ],
 )
-def test_only_different_workspaces_run_side_by_side(
+def test_8_5_only_different_workspaces_run_side_by_side(
     left: str, right: str, expected: list[object]
 ) -> None:
     found = made_of(
@@ -126,13 +126,13 @@ def test_only_different_workspaces_run_side_by_side(
 # --- rejected items ---------------------------------------------------------------------------
 
 
-def test_rejected_items_are_taken_out_as_soon_as_something_rejects() -> None:
+def test_8_5_rejected_items_are_taken_out_as_soon_as_something_rejects() -> None:
     assert made_of(LINE, STEPS).script.tasks['box'].runs_for is RunsFor.GOOD
     steps = STEPS.replace('do: drill', 'do: drill, on_failure: reject')
     assert made_of(LINE, steps).script.tasks['box'].runs_for is RunsFor.ALL
 
 
-def test_an_item_that_is_rejected_too_late_is_no_plan() -> None:
+def test_8_5_an_item_that_is_rejected_too_late_is_no_plan() -> None:
     binned = {**LINE, 'bin': 'section: 2, capabilities: {drop: {task: TASK_B, qty_change: -1}}'}
     steps = STEPS.replace('do: press', 'do: press, on_failure: reject')
     text = steps.replace('- {id: fit', '- {id: out, do: drop, runs_for: rejected}\n- {id: fit')
@@ -156,7 +156,7 @@ AGAIN = """
 """
 
 
-def test_operations_that_repeat_are_one_step_of_one_section() -> None:
+def test_8_5_operations_that_repeat_are_one_step_of_one_section() -> None:
     found = made_of(JUDGED, AGAIN)
     assert found.script.repeats == (Repeat(('fit', 'see'), 2),)
     (step,) = found.script.sections[3].steps
@@ -164,12 +164,12 @@ def test_operations_that_repeat_are_one_step_of_one_section() -> None:
     assert found.made['see'].why is Why.ONLY
 
 
-def test_operations_that_repeat_are_done_in_one_section_or_not_at_all() -> None:
+def test_8_5_operations_that_repeat_are_done_in_one_section_or_not_at_all() -> None:
     far = {**JUDGED, 'probe': JUDGED['probe'].replace('[2, 3]', '2')}
     assert why_not(far, AGAIN) == 'no section has components for all of `fit`, `see`, which repeat'
 
 
-def test_what_a_device_keeps_is_not_repeated() -> None:
+def test_8_5_what_a_device_keeps_is_not_repeated() -> None:
     steps = MEASURE.replace(
         '- {id: fit, do: press, needs: {depth: gauge_it}}',
         '- repeat:\n'
@@ -185,7 +185,7 @@ def test_what_a_device_keeps_is_not_repeated() -> None:
 # --- what sections share ----------------------------------------------------------------------
 
 
-def test_a_workspace_of_two_sections_is_a_zone() -> None:
+def test_8_5_a_workspace_of_two_sections_is_a_zone() -> None:
     found = made_of(
         {
             **ENDS,
@@ -213,13 +213,13 @@ MEASURE = """
 """
 
 
-def test_what_a_device_keeps_is_a_flag_named_after_it() -> None:
+def test_8_5_what_a_device_keeps_is_a_flag_named_after_it() -> None:
     found = made_of(MEASURED, MEASURE).script
     assert found.dependencies == (Dependency('gauge', 'gauge_it', 'fit', 1),)
     assert found.tasks['fit'].args == {}
 
 
-def test_the_search_binds_near_enough() -> None:
+def test_8_5_the_search_binds_near_enough() -> None:
     """The quicker press is too far from the gauge."""
     two = {
         **MEASURED,
@@ -231,7 +231,7 @@ def test_the_search_binds_near_enough() -> None:
     assert found.made['fit'].why is Why.ONLY
 
 
-def test_two_devices_that_keep_data_have_a_flag_each() -> None:
+def test_8_5_two_devices_that_keep_data_have_a_flag_each() -> None:
     """Two devices that keep data, one behind the other."""
     cell = {
         **ENDS,
@@ -270,7 +270,7 @@ class Says:
 
 
 @pytest.mark.parametrize(('split_s', 'expected'), [(2.5, 1), (9.0, 2), (None, 2)])
-def test_the_engine_decides_where_sections_share_something(
+def test_8_5_the_engine_decides_where_sections_share_something(
     split_s: float | None, expected: int
 ) -> None:
     """On paper it is quicker to share the arm: 2 s an item, and 3 s if it stays where it is."""
@@ -284,7 +284,7 @@ def test_the_engine_decides_where_sections_share_something(
 # --- values -----------------------------------------------------------------------------------
 
 
-def test_results_are_named_as_the_component_calls_them() -> None:
+def test_8_5_results_are_named_as_the_component_calls_them() -> None:
     found = made_of(
         {
             **ENDS,
@@ -319,7 +319,7 @@ def test_results_are_named_as_the_component_calls_them() -> None:
         ('{task: READ, identifies: serial}', 'do: read'),
     ],
 )
-def test_the_serial_is_a_field_of_the_component_that_reads_it(
+def test_8_5_the_serial_is_a_field_of_the_component_that_reads_it(
     capability: str, operation: str
 ) -> None:
     """A recipe calls it by what the capability gives; a capability by the field."""
@@ -331,14 +331,14 @@ def test_the_serial_is_a_field_of_the_component_that_reads_it(
     assert found.script.tasks['look'].identifies == ('serial',)
 
 
-def test_lots_are_those_of_the_recipe() -> None:
+def test_8_5_lots_are_those_of_the_recipe() -> None:
     cell = cell_of(LINE)
     made = recipe_of(cell, STEPS, 'lots: {box: "${order.id}"}\n')
     script = generate(cell, made, judge=PaceJudge(cell, TYPES, MemoryStore)).script
     assert script.lots == {'box': Template((Reference('order', 'id'),))}
 
 
-def test_preparations_of_what_is_used_come_with_what_comes_before_them() -> None:
+def test_8_5_preparations_of_what_is_used_come_with_what_comes_before_them() -> None:
     found = made_of(
         {
             **LINE,
@@ -361,7 +361,7 @@ TWICE = {
 }
 
 
-def test_overrides_bind_set_and_order() -> None:
+def test_8_5_overrides_bind_set_and_order() -> None:
     steps = STEPS.replace('do: press', 'do: press, after: [place]')
     free = made_of(TWICE, steps)
     assert free.made['bore'].component == 'drill_a'
@@ -375,7 +375,7 @@ def test_overrides_bind_set_and_order() -> None:
     assert lists(found.script)[3] == ['fit', 'bore']
 
 
-def test_orders_that_contradict_the_recipe_are_told() -> None:
+def test_8_5_orders_that_contradict_the_recipe_are_told() -> None:
     cell = cell_of(TWICE)
     order = Overrides(order=(('fit', 'bore'),))
     with pytest.raises(Impossible) as why:
@@ -383,7 +383,7 @@ def test_orders_that_contradict_the_recipe_are_told() -> None:
     assert str(why.value) == 'operations wait for each other: bore, fit, bore'
 
 
-def test_out_of_service_others_do_it_or_the_only_one_is_named() -> None:
+def test_8_5_out_of_service_others_do_it_or_the_only_one_is_named() -> None:
     found = made_of(TWICE, STEPS, without='drill_a')
     assert found.made['bore'].component == 'drill_b'
     said = why_not(TWICE, STEPS, without='drill_a drill_b')
@@ -393,7 +393,7 @@ def test_out_of_service_others_do_it_or_the_only_one_is_named() -> None:
     )
 
 
-def test_a_script_is_kept_as_far_as_it_can_be() -> None:
+def test_8_5_a_script_is_kept_as_far_as_it_can_be() -> None:
     """Without it the drill that spreads the load is taken again."""
     old = made_of(TWICE, STEPS, overrides='bind: {bore: drill_b}').script
     anew, kept = made_of(TWICE, STEPS), made_of(TWICE, STEPS, keep=old)
@@ -403,6 +403,13 @@ def test_a_script_is_kept_as_far_as_it_can_be() -> None:
     assert kept.claim.moved == ()
     moved = made_of(TWICE, STEPS, keep=old, without='drill_b')
     assert moved.claim.moved == ('bore',)
+
+
+def test_8_5_a_script_that_is_kept_keeps_its_components_even_if_others_stand_beside_them() -> None:
+    twins = {**LINE, 'drill_b': LINE['drill_a']}
+    old = made_of(twins, STEPS, overrides='bind: {bore: drill_b}').script
+    assert made_of(twins, STEPS).made['bore'].component == 'drill_a'
+    assert made_of(twins, STEPS, keep=old).made['bore'].component == 'drill_b'
 
 
 # --- the same in every run --------------------------------------------------------------------
@@ -428,7 +435,7 @@ for seed in range(12):
 """
 
 
-def test_equal_inputs_give_equal_scripts_whatever_the_hashes() -> None:
+def test_8_5_equal_inputs_give_equal_scripts_whatever_the_hashes() -> None:
     paths = os.pathsep.join(str(Path(__file__).parents[2 + up]) for up in (0, 1))
 
     def printed(hash_seed: str) -> str:

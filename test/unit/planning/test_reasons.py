@@ -93,7 +93,7 @@ REJECTS = BORE.replace('}', ', on_failure: reject}')
         (LINE, steps(REJECTS, rejected('out'), rejected('bin')), OUT_TWICE),
     ],
 )
-def test_it_is_proven_that_there_is_none(
+def test_8_5_it_is_proven_that_there_is_none(
     line: Mapping[str, str], operations: str, reason: str
 ) -> None:
     with pytest.raises(Impossible) as why:
@@ -108,13 +108,13 @@ def test_it_is_proven_that_there_is_none(
         ('conveyor', 'the conveyor is out of service, and nothing moves without it'),
     ],
 )
-def test_what_is_out_of_service_is_named(without: str, reason: str) -> None:
+def test_8_5_what_is_out_of_service_is_named(without: str, reason: str) -> None:
     with pytest.raises(Impossible) as why:
         made_of(LINE, steps(BORE, FIT), without=without)
     assert why.value.reasons == (reason,)
 
 
-def test_what_is_not_proven_is_not_called_impossible() -> None:
+def test_8_5_what_is_not_proven_is_not_called_impossible() -> None:
     with pytest.raises(NotFound) as why:
         made_of({**LINE, 'gauge_b': LINE['gauge_a']}, measured(3), limits=Limits(nodes=3))
     assert why.value.reasons == (
@@ -122,7 +122,7 @@ def test_what_is_not_proven_is_not_called_impossible() -> None:
     )
 
 
-def test_a_component_that_cannot_do_what_is_bound_to_it_is_named() -> None:
+def test_8_5_a_component_that_cannot_do_what_is_bound_to_it_is_named() -> None:
     cell = cell_of(LINE)
     with pytest.raises(Impossible) as why:
         generate(
