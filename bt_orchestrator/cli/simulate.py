@@ -13,7 +13,7 @@ from bt_orchestrator.cli.folders import add_recipes_option, recipe_folders, scri
 from bt_orchestrator.cli.moments import moment
 from bt_orchestrator.cli.numbers import seconds
 from bt_orchestrator.cli.side_by_side import OrderFiles, change_lines, plain_change, what_if_jobs
-from bt_orchestrator.cli.virtual_run import RunOptions, lines_of, plain, run_jobs
+from bt_orchestrator.cli.virtual_run import ROWS, RunOptions, lines_of, plain, run_jobs
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.ports import ActionTypes
@@ -51,6 +51,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         metavar='FILE.svg',
         help='draw who works, moves, waits and is held when, up to wherever the run gets',
+    )
+    parser.add_argument(
+        '--gantt-rows',
+        choices=ROWS,
+        default=ROWS[0],
+        help='with --gantt: a row a section, or a row a component wherever it works (default: '
+        f'{ROWS[0]})',
     )
     parser.add_argument(
         '--fail',
@@ -161,4 +168,5 @@ def _options(args: argparse.Namespace) -> RunOptions:
         args.trace,
         args.gantt,
         args.result,
+        args.gantt_rows,
     )

@@ -33,6 +33,9 @@ from bt_orchestrator.sim.standing_answers import StandingAnswers
 from bt_orchestrator.sim.standstill import standstill
 from bt_orchestrator.store.trace import TraceFile
 
+ROWS = ('sections', 'components')
+"""What a row of a chart may be."""
+
 WHO = 'simulate --on-hold'
 """Who answered, in the records of the run."""
 
@@ -49,6 +52,8 @@ class RunOptions:
     trace: Path | None = None
     gantt: Path | None = None
     results: Sequence[str] = ()
+    rows: str = ROWS[0]
+    """What a row of the chart is; one of ROWS."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +86,7 @@ def run_jobs(
     scripts = [one.job.script for one in given]
     results = standing_results(options.results, scripts, cell, types)
     cell = with_faults(cell, options.faults, types)
-    fold, gantt = ForecastFold(), GanttFold()
+    fold, gantt = ForecastFold(), GanttFold(by_component=options.rows == ROWS[1])
     with ExitStack() as stack:
         cost = CostWatch(sum(one.job.quantity for one in given))
         sinks: list[EventSink] = [fold, gantt, cost]
@@ -98,7 +103,8 @@ def run_jobs(
         outcome = simulation.run(_looks(simulation, log, answering, cost))
         waits, now_s = log.end(simulation.clock.now()), simulation.clock.now()
         if options.gantt is not None:
-            _draw(gantt.chart(cell.name, cell.conveyor.sections, waits, now_s), options.gantt)
+            sections, names = cell.conveyor.sections, list(cell.components)
+            _draw(gantt.chart(cell.name, sections, waits, now_s, names), options.gantt)
         paces = (script_pace(one, cell) for one in {one.name: one for one in scripts}.values())
         return _result(simulation, outcome, fold.forecast(cell, waits), operator, tuple(paces))
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.hold_words import again_words, hold_words
@@ -98,6 +98,12 @@ class Gantt:
     """It is of what really happened: times are seconds since the epoch."""
     title: str = ''
     """Empty: the cell and its jobs."""
+    by_component: bool = False
+    """A row is a component; else a section."""
+
+    def named(self, title: str) -> Gantt:
+        """Return the same chart under a title."""
+        return replace(self, title=title)
 
     @property
     def items(self) -> int:
@@ -199,7 +205,8 @@ class GanttFold:
             ]
         else:
             rows = list(self._rows(sections, waits))
-        return Gantt(cell, total_s, tuple(self._jobs), tuple(rows))
+        jobs, is_so = tuple(self._jobs), self._by_component
+        return Gantt(cell, total_s, jobs, tuple(rows), by_component=is_so)
 
     def past(self, begin_s: float, end_s: float) -> Gantt:
         """Return what happened at each component in a stretch of time."""
@@ -216,6 +223,7 @@ class GanttFold:
             tuple(rows),
             begin_s,
             is_past=True,
+            by_component=True,
         )
 
     def _in_order(self, components: Sequence[str]) -> list[str]:
@@ -223,13 +231,12 @@ class GanttFold:
         first = {
             name: min((bar.key.section or 0 for bar in bars if bar.key.job), default=_LAST)
             for name, bars in self._tasks.items()
-            if isinstance(name, str)
         }
-        known = list(components) or sorted(first, key=lambda name: (first[name], name))
-        worked = [name for name in known if name in first]
-        others = [name for name in first if name not in worked]
-        held = [name for name in self._holds if isinstance(name, str) and name not in first]
-        return [*sorted(held), *worked, *others]
+        first |= dict.fromkeys(self._holds.keys() - first, 0) | {CELL: -1}
+        names = [name for name in first if isinstance(name, str)]
+        place = {name: number for number, name in enumerate(components)}
+        names.sort(key=lambda name: (place.get(name, -1), first[name], name))
+        return [name for name in names if self._tasks.get(name) or self._holds.get(name)]
 
     def _rows(self, sections: int, waits: Waits) -> Iterator[Row]:
         if self._tasks[_INITIALIZATION]:

@@ -53,7 +53,7 @@ def _entries(gantt: Gantt, letters: Mapping[str, str]) -> Iterator[_Entry]:
         short = f' (items {letters[job]}.1 …)' if letters[job] else ''
         yield _Entry(f'task of {job}{short}', look)
     outline = {'fill': PAPER, 'stroke': FAINT, 'rx': 3, 'class_': 'cycle'}
-    if any(row.cycles for row in gantt.rows) or not gantt.is_past:
+    if not gantt.by_component:
         yield _Entry('item in hand', outline)
     bars = [bar for row in gantt.rows for bar in row.tasks]
     if any(bar.key.job is None for bar in bars) or not gantt.is_past:

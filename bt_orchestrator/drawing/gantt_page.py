@@ -151,9 +151,19 @@ class _Page:
         if bar.failed:
             group.add('path', d=self._cross(bar, y), class_='cross')
         room = self._x(bar.end_s) - self._x(bar.start_s) - 4
-        if bar.key.job is not None:
-            text = bar.key.task if bar.key.item else self._short(bar.key.job, bar.key.task)
-            add_text(group, self._x(bar.start_s) + 3, y + 12, fitting(text, 'task', room), 'task')
+        text = fitting(self._text(bar), 'task', room)
+        add_text(group, self._x(bar.start_s) + 3, y + 12, text, 'task')
+
+    def _text(self, bar: TaskBar) -> str:
+        """Return what stands on a bar; the row of a section names its items above."""
+        if bar.key.job is None:
+            return ''
+        if not bar.key.item:
+            return self._short(bar.key.job, bar.key.task)
+        if not self._gantt.by_component:
+            return bar.key.task
+        number = bar.key.item.rpartition('/')[2]
+        return f'{self._short(bar.key.job, number)}: {bar.key.task}'
 
     def _short(self, job: str, what: str) -> str:
         letter = self._letters[job]

@@ -9,6 +9,7 @@ from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
+from bt_orchestrator.cli.history.chart import chart_svg
 from bt_orchestrator.cli.history.item_records import (
     as_html,
     as_json,
@@ -80,6 +81,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help='the same as job responses for an MES, with the names of B2MML; jobs that have '
         'started',
     )
+    as_json.add_argument(
+        '--gantt',
+        action='store_true',
+        help='draw what each component really did, as SVG: in the time of --job, or of --from and '
+        '--to, which then name times of the work',
+    )
     parser.add_argument(
         '-o', '--output', type=Path, metavar='FILE', help='where; else the standard output'
     )
@@ -96,6 +103,8 @@ def run(args: argparse.Namespace) -> int:
             '--html and --record are about items; say which: --item ITEM, --serial SERIAL, '
             '--lot NAME=LOT or --job JOB'
         )
+    if args.gantt and args.job is not None and not (args.since is args.until is None):
+        raise WrongUse('--job, or --from and --to, name the time of the chart; leave one out')
     lacks: list[str] = []
 
     def say(sentence: str) -> None:
@@ -104,6 +113,8 @@ def run(args: argparse.Namespace) -> int:
 
     with closing(open_records(args.journal)) as records:
         reading = Reading(records, say)
+        if args.gantt:
+            return _draw(reading, args)
         jobs = _jobs(reading, args)
         if args.job is not None and not jobs:
             print(f'the journal {args.journal} knows no job {args.job}', file=sys.stderr)
@@ -116,6 +127,13 @@ def run(args: argparse.Namespace) -> int:
         text = _records(jobs, reading, args, lacks) if is_record else _table(jobs, reading, args)
         with opened(args.output) as file:
             file.write(text)
+    return 1 if reading.lost else 0
+
+
+def _draw(reading: Reading, args: argparse.Namespace) -> int:
+    svg = chart_svg(reading, args)
+    with opened(args.output) as file:
+        file.write(svg)
     return 1 if reading.lost else 0
 
 

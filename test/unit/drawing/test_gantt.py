@@ -155,3 +155,26 @@ def test_nothing_has_a_chart_too(tmp_path: Path) -> None:
 @pytest.mark.parametrize(('room', 'text'), [(100.0, 'assemble'), (30.0, 'asse…'), (12.0, '')])
 def test_a_text_is_shortened_before_it_runs_over(room: float, text: str) -> None:
     assert fitting('assemble', 'task', room) == text
+
+
+def test_a_shared_arm_is_one_row_where_a_row_is_a_component() -> None:
+    cell = read_cell(REFERENCE_CELL, TYPES)
+    fold, log = GanttFold(by_component=True), WaitLog()
+    simulation = Simulation(cell, TYPES, MemoryStore(), [fold])
+    script = read_script(TREES / 'reference_process.yaml', cell, TYPES)
+    values = {key: parameter.default for key, parameter in script.params.items()}
+    simulation.submit([Job('WO', script, 2, values)])
+    simulation.run(lambda: log.look(simulation.state, simulation.waits(), simulation.clock.now()))
+    now = simulation.clock.now()
+    found = fold.chart(cell.name, 5, log.end(now), now, list(cell.components))
+    simulation.close()
+    assert [row.title for row in found.rows] == list(cell.components)
+    svg = gantt_svg(found)
+    assert [title(bar).split(':')[0] for bar in bars(svg, 'component_3b', 'work')] == [
+        '4.2 of WO/1',
+        '4.3 of WO/1',
+        '4.2 of WO/2',
+        '4.3 of WO/2',
+    ]
+    assert bars(svg, 'component_1a', 'wait')
+    assert '1: 2.1' in words(svg)

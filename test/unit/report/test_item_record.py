@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import json
+from datetime import datetime
 from html.parser import HTMLParser
 from pathlib import Path
+from xml.etree import ElementTree as ET
 
 import pytest
 from fakes.journal_reading import journal_reading
 from fakes.line import Line
-from fakes.told_item import ITEM, ToldItem
+from fakes.told_item import BEGIN, ITEM, ToldItem
 from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.cli.main import main
@@ -218,3 +220,50 @@ def test_what_devices_and_people_write_breaks_no_document() -> None:
     assert '<script' not in text
     assert '\x00' not in text
     assert text.encode()
+
+
+# --- the chart of what happened -----------------------------------------------------------------
+
+
+def test_a_chart_shows_what_each_component_really_did(
+    words: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([*words, '--gantt', '--job', 'WO-7']) == 0
+    svg = ET.fromstring(capsys.readouterr().out.partition('?>')[2])
+    rows = {one.get('id'): one for one in svg.iter() if one.tag.endswith('}g')}
+    assert list(rows) == ['cell', 'a1', 'a2', 'arm', 'b2', 'a3', 'conveyor', 'legend']
+    told = [one.text or '' for one in rows['a2'].iter() if one.tag.endswith('}title')]
+    assert len(told) == 6
+    assert told[2].splitlines()[0] == 'press of WO-7/2: TASK_A at a2'
+    assert told[2].splitlines()[2] == 'aborted'
+    assert told[0].startswith('hold 1: section 2, press (TASK_A) of WO-7/2 at a2')
+    arm = [one.text or '' for one in rows['arm'].iter() if one.tag.endswith('}title')]
+    assert {'screw_right of WO-7/1', 'weigh of WO-7/1'} <= {one.split(':')[0] for one in arm}
+
+
+def test_a_chart_of_a_stretch_of_time_is_cut_there(
+    words: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    begin, end = (datetime.fromtimestamp(BEGIN + s).isoformat() for s in (20.0, 60.0))
+    assert main([*words, '--gantt', '--from', begin, '--to', end]) == 0
+    svg = ET.fromstring(capsys.readouterr().out.partition('?>')[2])
+    assert [one.get('id') for one in svg.iter() if one.tag.endswith('}g')] == ['a2', 'legend']
+
+
+@pytest.mark.parametrize(
+    ('options', 'status', 'said'),
+    [
+        (['--job', 'WO-9'], 1, 'knows no job WO-9'),
+        (['--from', '2001-01-01', '--to', '2001-01-02'], 1, 'no component worked'),
+        (['--job', 'WO-7', '--from', '2001-01-01'], 2, 'leave one out'),
+    ],
+)
+def test_a_chart_of_nothing_is_a_sentence(
+    words: list[str],
+    options: list[str],
+    status: int,
+    said: str,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main([*words, '--gantt', *options]) == status
+    assert said in capsys.readouterr().err
