@@ -53,7 +53,7 @@ def opcua_stand(
 def served(stand: StandCell, port: int = 0) -> Iterator[OpcUaServer]:
     """Serve a cell that there is."""
     from fakes.opcua_access import access_in, with_login
-    from fakes.shipped import TREES
+    from fakes.shipped import RECIPES, TREES
 
     from bt_orchestrator.opcua.bridge import Bridge, Sources
     from bt_orchestrator.opcua.server import OpcUaServer
@@ -63,7 +63,7 @@ def served(stand: StandCell, port: int = 0) -> Iterator[OpcUaServer]:
         def address(self) -> str:
             return with_login(super().address)
 
-    bridge = Bridge(stand.node.name, stand.open_door, Sources(trees=(TREES,)))
+    bridge = Bridge(stand.node.name, stand.open_door, Sources((TREES,), (RECIPES,)))
     with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
         access = access_in(Path(folder), stand.node.name, port=port, insecure=True)
         server = WithLogin(bridge, access)

@@ -15,10 +15,11 @@ from bt_orchestrator.drawing.task_marks import (
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.hold_words import hold_name
+from bt_orchestrator.model.jobs.script_words import script_words
 from bt_orchestrator.model.pauses import release_command
 from bt_orchestrator.model.script import INDEX, Script
 from bt_orchestrator.model.status import CellStatus, ItemStatus, JobStatus, SectionStatus
-from bt_orchestrator.model.status_words import job_count_words, script_words, wait_words
+from bt_orchestrator.model.status_words import job_count_words, wait_words
 
 
 class NotThisLine(OrchestratorError):

@@ -15,7 +15,6 @@ from bt_orchestrator.mes.machinery import (
     named_to_plain,
     wrong_value,
 )
-from bt_orchestrator.mes.masters import SCRIPTS_ONLY, Masters
 from bt_orchestrator.mes.parts import (
     Parameter,
     Resource,
@@ -76,15 +75,15 @@ class JobOrder:
 
 
 def work_order(
-    order: JobOrder, components: Collection[str] = (), masters: Masters = SCRIPTS_ONLY
+    order: JobOrder, components: Collection[str] = (), recipes: Collection[str] = ()
 ) -> WorkOrder:
     """Return the work order that a job order asks for.
 
     :param components: of the cell, that EquipmentRequirements may name; empty: not known
-    :param masters: what WorkMasterID can name; it is a script, unless a recipe is known
+    :param recipes: names that WorkMasterID can have of recipes; every other is that of a script
     :raises Unfit: with every finding
     """
-    read = _read(order, components, masters)
+    read = _read(order, components, recipes)
     (master,) = order.work_masters
     recipe = RecipeChoice((master.id,), read.version, read.bind) if read.of_recipe else None
     return WorkOrder(
@@ -101,16 +100,16 @@ def changes(
     order: JobOrder,
     now: ListedJob | None,
     components: Collection[str] = (),
-    masters: Masters = SCRIPTS_ONLY,
+    recipes: Collection[str] = (),
 ) -> dict[str, object]:
     """Return the arguments of the request job.update; what the order does not name stays.
 
     :param now: the job as it is; None: it is not listed, and the cell will say so
-    :param masters: as of a new order
+    :param recipes: as of a new order
     :raises Unfit: with every finding
     """
     was = now.choice if now is not None else None
-    read = _read(order, components, masters, is_whole=False, was=was)
+    read = _read(order, components, recipes, is_whole=False, was=was)
     asked: dict[str, object] = {'job': order.id}
     if now is not None:
         asked |= _other_source(order, now, read)
@@ -155,7 +154,7 @@ def reason_in(order: JobOrder) -> str:
 def _read(
     order: JobOrder,
     components: Collection[str],
-    masters: Masters,
+    recipes: Collection[str],
     *,
     is_whole: bool = True,
     was: RecipeChoice | None = None,
@@ -166,10 +165,10 @@ def _read(
     :raises Unfit: with every finding
     """
     name = next((one.id for one in order.work_masters), '')
-    of_recipe = masters.is_recipe(name)
+    of_recipe = name in recipes
     if was is not None:
         of_recipe = of_recipe or not name or name in was.recipes
-    read = _Reading(order, components, masters, is_whole, of_recipe)
+    read = _Reading(order, components, is_whole, of_recipe)
     findings = tuple(read.findings())
     if findings:
         raise Unfit(findings)
@@ -180,7 +179,6 @@ def _read(
 class _Reading:
     order: JobOrder
     components: Collection[str]
-    masters: Masters
     is_whole: bool
     """False: it changes a job, and may leave everything out."""
     of_recipe: bool
@@ -213,9 +211,6 @@ class _Reading:
             if not master.id:
                 what = 'its ID is empty; name a script, or a recipe'
                 yield Finding('WorkMasterID', what, _MALFORMED)
-            unclear = self.masters.fault(master.id)
-            if unclear is not None:
-                yield Finding('WorkMasterID', unclear)
             yield from self._read_params('WorkMasterID.Parameters', master.parameters)
 
     def _read_parameters(self) -> Iterator[Finding]:

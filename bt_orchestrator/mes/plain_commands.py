@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from bt_orchestrator.errors import OrchestratorError
-from bt_orchestrator.mes.masters import SCRIPTS_ONLY, Masters
 from bt_orchestrator.model.jobs.order import RecipeChoice, WorkOrder, order_id_fault
 from bt_orchestrator.model.requests import (
     ACKNOWLEDGE,
@@ -43,23 +42,21 @@ def order_of(
     script: str,
     quantity: int,
     parameters: Sequence[str],
-    masters: Masters = SCRIPTS_ONLY,
+    recipes: Collection[str] = (),
 ) -> WorkOrder:
     """Return a work order.
 
-    :param script: name of a script, or of a recipe that is known
+    :param script: name of a script, or of a recipe
     :param quantity: 0: the default of the script
     :param parameters: of the script, as in `speed=12`
+    :param recipes: names that are those of recipes; every other is that of a script
     :raises Unclear: with every mistake
     """
     params: dict[str, str] = {}
     findings = list(_mistakes(id_, script, parameters, params))
-    unclear = masters.fault(script)
-    if unclear is not None:
-        findings.append(f'Script: {unclear}')
     if findings:
         raise Unclear(findings)
-    if masters.is_recipe(script):
+    if script in recipes:
         recipe = RecipeChoice((script,))
         return WorkOrder('', id_, quantity or None, params, recipe=recipe)
     return WorkOrder(script, id_, quantity or None, params)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from typing import Protocol
 
 from bt_orchestrator.model.status import ComponentStatus, JobStatus
 from bt_orchestrator.model.wait import Wait
@@ -25,30 +24,6 @@ def task_label(task: str, name: str) -> str:
 def wait_words(waits: Iterable[Wait]) -> tuple[str, ...]:
     """Say what something waits for, each sentence once."""
     return tuple(dict.fromkeys(wait.reason for wait in waits))
-
-
-class Made(Protocol):
-    """A job, as far as it is told what it runs."""
-
-    @property
-    def script(self) -> str:
-        """Name of its script."""
-
-    @property
-    def recipe(self) -> str:
-        """Name of the recipe that this was generated from; empty: none."""
-
-    @property
-    def recipe_version(self) -> int | None:
-        """Version of the recipe; None: not known."""
-
-
-def script_words(job: Made) -> str:
-    """Name what a job runs: its script, and the recipe that this was generated from."""
-    if not job.recipe:
-        return job.script
-    version = '' if job.recipe_version is None else f' version {job.recipe_version}'
-    return f'{job.script} from {job.recipe}{version}'
 
 
 def job_count_words(job: JobStatus) -> str:

@@ -16,6 +16,7 @@ from bt_orchestrator.doors.open_door import OpenDoor
 from bt_orchestrator.errors import NodeUnreachable
 from bt_orchestrator.model.status import CellDescription, CellStatus
 from bt_orchestrator.opcua.calls import Calls
+from bt_orchestrator.opcua.orderable import Orderable
 from bt_orchestrator.opcua.part import Part
 from bt_orchestrator.opcua.values import Values
 from bt_orchestrator.ports import Records
@@ -32,6 +33,8 @@ class Sources:
 
     trees: Sequence[Path] = ()
     """Folders in which scripts are looked up by name."""
+    recipes: Sequence[Path] = ()
+    """Folders in which recipes are looked up by name."""
     nodesets: Path | None = None
     """Folder of a site's own nodesets."""
     open_records: Callable[[], Records] | None = None
@@ -49,6 +52,7 @@ class Bridge(CellClient):
         super().__init__('opcua', node, open_door)
         self.sources = sources or Sources()
         self.known = Known()
+        self.orderable = Orderable(self.sources.trees, self.sources.recipes)
         self.history = ''
         """Empty: nothing was heard yet."""
         self.newest = 0

@@ -35,7 +35,7 @@ def _words(requests: Iterable[Request]) -> str:
 
 SUBMIT_ORDER = (
     Argument('Id', TEXT, 'of the order, given once; its job has the same id'),
-    Argument('Script', TEXT, 'name of the script that it runs'),
+    Argument('Script', TEXT, 'name of the script that it runs, or of the recipe'),
     Argument('Quantity', COUNT, 'items to make; 0: the default of the script'),
     Argument('Parameters', TEXT, 'of the script, each as in speed=12', is_list=True),
 )
@@ -91,7 +91,8 @@ class SimpleCommands:
         self, id_: str, script: str, quantity: int, parameters: Sequence[str]
     ) -> list[ua.Variant]:
         try:
-            order = order_of(id_, script, quantity, parameters)
+            recipes = await self._bridge.orderable.recipe_names(script)
+            order = order_of(id_, script, quantity, parameters, recipes)
         except Unclear as error:
             return _told(Outcome(False, 'the order was not sent', error.findings), findings=True)
         outcome = await self._bridge.calls.ask(ADD, {'orders': [order]}, '')

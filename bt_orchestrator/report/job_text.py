@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from datetime import datetime
 
 from bt_orchestrator.model.jobs.job_record import JobRecord
-from bt_orchestrator.model.status_words import script_words
+from bt_orchestrator.model.jobs.script_words import script_words
 from bt_orchestrator.report.exports import shown
 from bt_orchestrator.report.tables import table
 

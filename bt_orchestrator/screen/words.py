@@ -11,6 +11,7 @@ from datetime import datetime
 
 from bt_orchestrator.model.hold_words import again_words, hold_words
 from bt_orchestrator.model.jobs.needs import on_the_line_words
+from bt_orchestrator.model.jobs.script_words import script_words
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import (
     CellStatus,

@@ -6,6 +6,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 TREES = ROOT / 'trees'
+RECIPES = ROOT / 'recipes'
 REFERENCE_CELL = ROOT / 'config' / 'reference_cell.yaml'
 REFERENCE_ORDER = ROOT / 'config' / 'orders' / 'wo_1001.yaml'
 STUCK = ROOT / 'test' / 'data' / 'stuck.yaml'

@@ -9,7 +9,12 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from bt_orchestrator.cli.door import open_door
-from bt_orchestrator.cli.folders import add_trees_option, script_folders
+from bt_orchestrator.cli.folders import (
+    add_recipes_option,
+    add_trees_option,
+    recipe_folders,
+    script_folders,
+)
 from bt_orchestrator.cli.journal_file import open_records
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.opcua.trust import run_trust
@@ -61,6 +66,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         'only at an address that other computers cannot reach',
     )
     add_trees_option(parser)
+    add_recipes_option(parser)
     parser.add_argument(
         '--journal',
         type=Path,
@@ -115,6 +121,7 @@ def _serve(args: argparse.Namespace, pki: Path) -> None:
     journal = args.journal
     sources = Sources(
         trees=script_folders(args.trees),
+        recipes=recipe_folders(args.recipes),
         nodesets=args.nodesets,
         open_records=None if journal is None else partial(open_records, journal),
     )

@@ -80,7 +80,7 @@ class JobControl:
         await self._link(RECEIVER, _METHODS_TYPE, orders.calls())
         await self._link(RESULTS, _RESULTS_TYPE, answers.calls())
         await Records(self._bridge).build(space, RESULTS)
-        await self._masters.look()
+        await self._bridge.orderable.look()
         await self._jobs.begin()
         self._put_constants()
 
@@ -129,7 +129,7 @@ class JobControl:
         self._jobs.show(status)
         self._put(status)
         self._shown.reached(status.seq)
-        if self._masters.is_due and (self._looking is None or self._looking.done()):
+        if self._bridge.orderable.is_due and (self._looking is None or self._looking.done()):
             self._looking = asyncio.ensure_future(self._look())
 
     def hear(self, event: Event) -> None:
@@ -161,5 +161,5 @@ class JobControl:
         return list(self._jobs.listed(self._bridge.status).values())
 
     async def _look(self) -> None:
-        await self._masters.look()
+        await self._bridge.orderable.look()
         self._show_again()

@@ -73,10 +73,12 @@ class Receiver:
         """
         description = self._bridge.description
         components = [description.conveyor, *(one.name for one in description.components)]
+        name = next((one.id for one in order.work_masters), '')
+        recipes = await self._bridge.orderable.recipe_names(name)
         if method is job_control.UPDATE:
-            return changes(order, await self._now(order.id), components)
+            return changes(order, await self._now(order.id), components, recipes)
         held = {'held': True} if method is job_control.STORE else {}
-        return {'orders': (work_order(order, components),), **held}
+        return {'orders': (work_order(order, components, recipes),), **held}
 
     async def _with_id(self, method: Method, job: object, comment: str) -> ua.CallMethodResult:
         fault = order_id_fault(job) if isinstance(job, str) else 'it is none'

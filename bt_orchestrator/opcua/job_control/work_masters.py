@@ -1,11 +1,8 @@
-"""The work masters: the scripts that an order can name, with their parameters."""
+"""The work masters: the scripts and recipes that an order can name, with their parameters."""
 
 from __future__ import annotations
 
-import asyncio
-import time
-from collections.abc import Iterable, Mapping
-from pathlib import Path
+from collections.abc import Iterable
 
 from asyncua import ua
 
@@ -13,52 +10,40 @@ from bt_orchestrator.mes.parts import Parameter, Text, WorkMaster
 from bt_orchestrator.model.script import Parameter as Declared
 from bt_orchestrator.opcua.bridge import Bridge
 from bt_orchestrator.opcua.job_control.structures import listed, work_master
-from bt_orchestrator.script.declared import readable
-
-LOOK_AGAIN_S = 30.0
-"""Between two looks at the folders of scripts."""
 
 
 class WorkMasters:
-    """All calls come from the server's loop; the folders are read in another thread."""
+    """The value of `WorkMaster`; it is made anew when another one is known."""
 
     def __init__(self, bridge: Bridge) -> None:
         self._bridge = bridge
-        self._in_folders: Mapping[str, WorkMaster] = {}
-        self._looked_at: float | None = None
         self._value = listed([])
         self._made_from: object = None
 
-    @property
-    def is_due(self) -> bool:
-        """Tell whether it is time to look again."""
-        return self._looked_at is None or time.monotonic() >= self._looked_at + LOOK_AGAIN_S
-
-    async def look(self) -> None:
-        """Read the folders."""
-        self._looked_at = time.monotonic()
-        self._in_folders = await asyncio.to_thread(_read, tuple(self._bridge.sources.trees))
-
     def value(self) -> ua.Variant:
-        """Return them by name: those in the folders, and those of jobs that are known."""
-        scripts = self._bridge.known.scripts
-        made_from = (self._looked_at, tuple(scripts))
+        """Return them by name: those in the folders, and the scripts of jobs that are known."""
+        files, scripts = self._bridge.orderable, self._bridge.known.scripts
+        made_from = (files.looked_at, tuple(scripts))
         if made_from != self._made_from:
             heard = {one.name: _master(one.name, one.params.values()) for one in scripts.values()}
-            found = {**heard, **self._in_folders}
+            read = {
+                name: _master(name, one.params.values()) for name, one in files.scripts.items()
+            }
+            recipes = {
+                name: _master(name, one.params.values(), f'recipe, version {one.versions[-1]}')
+                for name, one in files.recipes.items()
+            }
+            found = {**heard, **recipes, **read}
             self._made_from = made_from
             self._value = listed([work_master(found[name]) for name in sorted(found)])
         return self._value
 
 
-def _read(folders: tuple[Path, ...]) -> Mapping[str, WorkMaster]:
-    return {one.name: _master(one.name, one.params.values()) for one in readable(folders)}
-
-
-def _master(name: str, params: Iterable[Declared]) -> WorkMaster:
+def _master(name: str, params: Iterable[Declared], about: str = '') -> WorkMaster:
     return WorkMaster(
         name,
-        parameters=tuple(
+        about,
+        tuple(
             Parameter(
                 one.name,
                 one.default,

@@ -11,7 +11,6 @@ import pytest
 
 from bt_orchestrator.mes.job_book import JobBook
 from bt_orchestrator.mes.job_order import JobOrder, changes, job_order, reason_in, work_order
-from bt_orchestrator.mes.masters import Masters
 from bt_orchestrator.mes.parts import Parameter, Text, WorkMaster
 from bt_orchestrator.mes.return_status import ReturnStatus, Unfit
 from bt_orchestrator.model import events as e
@@ -44,7 +43,7 @@ WHOLE = JobOrder(
 )
 
 
-KNOWN = Masters(scripts={'filling'}, recipes={'WM-100', 'WM-200'})
+RECIPES = ('WM-100', 'WM-200')
 
 BY_RECIPE = dataclasses.replace(
     WHOLE,
@@ -56,7 +55,7 @@ BY_RECIPE = dataclasses.replace(
 
 def listed(order: JobOrder) -> ListedJob:
     """Return the job that an order becomes, as the journal tells of it."""
-    made = work_order(order, masters=KNOWN)
+    made = work_order(order, recipes=RECIPES)
     terms = {one.name: getattr(made.terms, one.name) for one in dataclasses.fields(Terms)}
     queued = e.JobQueued(
         job=made.order or '',
@@ -198,7 +197,7 @@ def test_everything_that_is_wrong_is_told_at_once() -> None:
 
 
 def test_a_work_master_may_be_a_recipe_and_equipment_binds_its_operations() -> None:
-    made = work_order(BY_RECIPE, ['arm', 'camera'], KNOWN)
+    made = work_order(BY_RECIPE, ['arm', 'camera'], RECIPES)
     assert made.script == ''
     assert made.recipe == RecipeChoice(('WM-100',), 3, {'insert': 'arm'})
     assert (made.quantity, made.params) == (12, {'lot': 'A7'})
@@ -208,11 +207,6 @@ def test_what_is_not_known_as_a_recipe_is_a_script_for_the_cell_to_find() -> Non
     made = work_order(BY_RECIPE)
     assert (made.script, made.recipe) == ('WM-100', None)
     assert made.params == {'lot': 'A7', 'RecipeVersion': 3}
-
-
-def test_a_name_that_a_script_and_a_recipe_have_is_refused() -> None:
-    twice = Masters(scripts={'WM-100'}, recipes={'WM-100'})
-    assert statuses(BY_RECIPE, masters=twice) == {('WorkMasterID', NOT_ACCEPTED)}
 
 
 @pytest.mark.parametrize(
@@ -242,7 +236,7 @@ def test_mistakes_of_an_order_by_recipe(
     changed: dict[str, Any], found: tuple[str, ReturnStatus]
 ) -> None:
     order = dataclasses.replace(BY_RECIPE, **changed)
-    assert statuses(order, components=['arm', 'camera'], masters=KNOWN) == {found}
+    assert statuses(order, components=['arm', 'camera'], recipes=RECIPES) == {found}
 
 
 def test_an_order_by_recipe_is_told_as_it_was_given() -> None:
@@ -270,7 +264,7 @@ def test_an_update_of_a_job_by_recipe_names_what_it_is_to_be_made_from(
     changed: dict[str, Any], asked: dict[str, object]
 ) -> None:
     order = dataclasses.replace(BY_RECIPE, **changed)
-    found = changes(order, listed(BY_RECIPE), masters=KNOWN)
+    found = changes(order, listed(BY_RECIPE), recipes=RECIPES)
     named = {key: found[key] for key in ('script', 'recipe', 'version', 'bind') if key in found}
     assert named == asked
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pytest
 
-from bt_orchestrator.mes.masters import Masters
 from bt_orchestrator.mes.plain_commands import Unclear, answer_of, command_of, order_of, verbs
 from bt_orchestrator.model.jobs.order import RecipeChoice, WorkOrder
 from bt_orchestrator.model.requests import REQUESTS, About
@@ -25,12 +24,9 @@ def test_a_quantity_of_zero_leaves_it_to_the_script() -> None:
 
 
 def test_an_order_may_name_a_recipe() -> None:
-    known = Masters(scripts={'mix', 'P-2'}, recipes={'P-1', 'P-2'})
-    made = order_of('WO-1', 'P-1', 2, ['lot=7'], known)
+    made = order_of('WO-1', 'P-1', 2, ['lot=7'], ['P-1'])
     assert (made.script, made.recipe) == ('', RecipeChoice(('P-1',)))
-    assert order_of('WO-1', 'mix', 2, [], known).script == 'mix'
-    with pytest.raises(Unclear, match="'P-2' is the name of a script and of a recipe"):
-        order_of('WO-1', 'P-2', 2, [], known)
+    assert order_of('WO-1', 'mix', 2, [], ['P-1']).script == 'mix'
 
 
 def test_every_mistake_of_an_order_is_told() -> None:

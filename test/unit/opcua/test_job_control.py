@@ -211,6 +211,7 @@ def test_what_is_wrong_with_an_order_is_a_status_and_an_event(script: str, url: 
             (order('a/b', script), MALFORMED, 'slash'),
             (order('X-1', 'no_such_script'), NOT_ACCEPTED, 'no_such_script'),
             (order('X-1', script, parameters=[unknown]), NOT_ACCEPTED, 'nonsense'),
+            (order('X-1', 'WM-100'), NOT_ACCEPTED, 'recipe'),
             (order('X-1', script, 0), NOT_ACCEPTED, 'RunsPlanned'),
             (ua.ISA95JobOrderDataType(JobOrderID='X-1'), NOT_ACCEPTED, 'exactly one'),
             (ua.EUInformation(), MALFORMED, 'ISA95JobOrderDataType'),
@@ -379,6 +380,8 @@ def test_work_masters_and_limits_are_told(script: str, url: str) -> None:
     async def look(mes: Mes) -> None:
         masters = {one.ID: one for one in await mes.value('JobOrderControl/WorkMaster')}
         assert script in masters
+        assert masters['GM-37'].Description.Text.startswith('recipe, version ')
+        assert [one.ID for one in masters['WM-100'].Parameters] == ['label']
         assert await mes.value('JobOrderControl/MaxDownloadableJobOrders') == 100
         assert 'conveyor' in await mes.value('JobOrderControl/EquipmentID')
         assert await mes.value('JobOrderControl/PersonnelID') == []
