@@ -25,7 +25,6 @@ from bt_orchestrator.model.status import (
 from bt_orchestrator.model.status_words import (
     component_trouble,
     job_count_words,
-    script_words,
     wait_words,
 )
 from bt_orchestrator.model.wait import Wait
