@@ -49,6 +49,13 @@ class NodeParameters:
         tuple[Path, ...],
         Words('folders in which scripts are looked up by name, in order', metavar='DIR'),
     ] = ()
+    recipes: Annotated[
+        tuple[Path, ...],
+        Words(
+            'folders of recipes, with NAME.overrides.yaml beside NAME.yaml, for orders by recipe',
+            metavar='DIR',
+        ),
+    ] = ()
     script_paths: Annotated[
         bool,
         Words(

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple, Protocol, TypeVar
 
+from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.action_type import ActionType
 from bt_orchestrator.model.branch import Branch
 from bt_orchestrator.model.cell import Cell
@@ -15,6 +16,7 @@ from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.goal import GoalEnd, GoalRequest, SeenContest, StateReading
 from bt_orchestrator.model.jobs.job_record import JobRecord
+from bt_orchestrator.model.jobs.order import RecipeChoice
 from bt_orchestrator.model.records import Extent, JobPlace, Page, Summaries, Wanted
 from bt_orchestrator.model.requests import Asked
 from bt_orchestrator.model.status import CellDescription, CellStatus, JobStatus, ListedJob
@@ -349,6 +351,30 @@ class Foresight(Protocol):
     @property
     def ends_s(self) -> Mapping[str, float]:
         """When each live job will end, by the last forecast; unknown ones are left out."""
+
+    def close(self) -> None:
+        """Stop working."""
+
+
+class MadeScript(NamedTuple):
+    """A script that was generated for an order by recipe."""
+
+    name: str
+    """As findings call it."""
+    text: str
+
+
+class Generating(Protocol):
+    """Generates the scripts of orders by recipe, outside the tick thread."""
+
+    async def make(
+        self, choices: Sequence[RecipeChoice], without: frozenset[str]
+    ) -> Sequence[MadeScript | Refused]:
+        """Return the script of each, or why there is none. Only replies are awaited.
+
+        :param without: components that are out of service
+        :raises NotRead: says why nothing could be generated
+        """
 
     def close(self) -> None:
         """Stop working."""

@@ -107,6 +107,17 @@ class RequestHandler:
         except NotRead as why:
             return await self._refuse(UPDATE.word, by, str(why), job)
 
+    async def make_anew(self, job: str, by: By) -> Answer:
+        """Generate the script of a queued job by recipe again, without what is out of service.
+
+        Everything else of the job stays.
+        """
+        queued = self._engine.state.jobs.get(job)
+        recipe = None if queued is None else queued.job.recipe
+        if recipe is None:
+            return await self._refuse(UPDATE.word, by, f'{job} is no job by recipe', job)
+        return await self.update(job, AskedOrder(recipe=recipe), by)
+
     async def _update_as_asked(self, asked: Asked) -> Answer:
         job = str(asked.arguments['job'])
         try:

@@ -10,12 +10,20 @@ from typing import NamedTuple, TypeVar
 
 from bt_orchestrator.cli.foresight_process import ForesightProcess
 from bt_orchestrator.cli.generating.ordered import RecipeMaker
+from bt_orchestrator.cli.generating.process import GeneratingProcess
 from bt_orchestrator.errors import Finding, Refused
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.recipe import Recipe
 from bt_orchestrator.model.script import Script
-from bt_orchestrator.ports import ActionTypes, EventSink, EventStore, Foresight, Journal
+from bt_orchestrator.ports import (
+    ActionTypes,
+    EventSink,
+    EventStore,
+    Foresight,
+    Generating,
+    Journal,
+)
 from bt_orchestrator.script.admission import admitted
 from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.script.lookup import find_script
@@ -148,6 +156,13 @@ def load_script(
 def build_foresight(cell: Cell) -> Foresight:
     """Build what forecasts the ends of jobs, in a process that starts with the first question."""
     return ForesightProcess(cell)
+
+
+def build_generating(
+    cell: Cell, recipes: Sequence[Path], soon: Callable[[Callable[[], None]], None]
+) -> Generating:
+    """Build what generates scripts, in a process that starts with the first order by recipe."""
+    return GeneratingProcess(cell, recipes, soon)
 
 
 def _admitted(path: Path, cell: Cell, types: ActionTypes) -> Script:

@@ -14,6 +14,7 @@ from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.limits import GENERATING_S
 from bt_orchestrator.model.requests import Asked, BadArguments, ask
 from bt_orchestrator.model.status import CellStatus
 
@@ -25,16 +26,22 @@ if TYPE_CHECKING:  # it needs rclpy, which takes its time
 
 
 def open_door(
-    node: str, timeout_s: float, meanwhile: Callable[[], object] | None = None
+    node: str,
+    timeout_s: float,
+    meanwhile: Callable[[], object] | None = None,
+    answer_s: float | None = None,
 ) -> RosLink:
     """Open the door to a node (`ports.CellLink`); a context that closes it.
 
     :param timeout_s: longest time to wait for the node and for each of its answers
     :param meanwhile: called again and again while it waits; what it raises ends the waiting
+    :param answer_s: longest time to wait for an answer, if it is longer
     """
     from bt_orchestrator.ros.link.ros_link import RosLink
 
-    return RosLink(node, timeout_s, meanwhile) if _other is None else cast('RosLink', _other)
+    if _other is not None:
+        return cast('RosLink', _other)
+    return RosLink(node, timeout_s, meanwhile, answer_s)
 
 
 _other: object | None = None
@@ -67,11 +74,22 @@ def ask_and_print(
 ) -> int:
     """Ask something of a node and print its answer; returns 1 if it was refused."""
     request = asked(args, name, **given)
-    with open_door(args.node, args.timeout) as door:
+    with open_door(args.node, args.timeout, answer_s=answer_within_s(request)) as door:
         answer = door.ask(request)
         # Print before leaving the graph: the answer must not be lost if leaving fails.
         _show(answer, as_json=as_json)
     return 0 if answer.accepted else 1
+
+
+def answer_within_s(request: Asked) -> float | None:
+    """Return how long the answer to a request may take; None: as long as any other.
+
+    A script is generated first for an order by recipe.
+    """
+    given = request.arguments
+    orders: Any = given.get('orders', ())
+    is_made = bool(given.get('recipe')) or any(one.recipe for one in orders)
+    return GENERATING_S if is_made else None
 
 
 def _show(answer: Answer, *, as_json: bool) -> None:

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from bt_orchestrator.cli.numbers import whole_32
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.jobs.order import Terms
 from bt_orchestrator.script.field_types import Misfit
@@ -87,3 +88,45 @@ def _details(text: str) -> Mapping[str, object]:
 
 def _first_mistake(terms: Terms) -> Wrong | None:
     return next(wrong_terms(terms), None)
+
+
+def add_recipe_options(parser: argparse.ArgumentParser) -> None:
+    """Declare the recipe of a queued job."""
+    parser.add_argument(
+        '--recipe',
+        action='append',
+        default=[],
+        metavar='RECIPE',
+        help='update: recipe in place of a script; repeated: the first that can be made',
+    )
+    parser.add_argument(
+        '--version', type=whole_32, metavar='N', help='update: version of the recipe'
+    )
+    parser.add_argument(
+        '--bind',
+        action='append',
+        default=[],
+        metavar='OPERATION=COMPONENT',
+        help='update: who does an operation of the recipe; may be given several times',
+    )
+
+
+def changed_recipe(args: argparse.Namespace) -> dict[str, Any]:
+    """Return the arguments of job.update that name a recipe."""
+    given = {
+        'recipe': args.recipe,
+        'version': args.version,
+        'bind': dict(pair('--bind', text) for text in args.bind),
+    }
+    return {key: value for key, value in given.items() if value}
+
+
+def pair(option: str, text: str) -> tuple[str, str]:
+    """Return name and value of an option of `queue update`.
+
+    :raises WrongUse: it has not both
+    """
+    name, equals, value = text.partition('=')
+    if not name or not equals:
+        raise WrongUse(f'queue update: {option} is NAME=VALUE; found {text!r}')
+    return name, value

@@ -9,11 +9,17 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from bt_orchestrator.cli.asked_verbs import in_one_line
-from bt_orchestrator.cli.door import ask_and_print, asked, open_door
+from bt_orchestrator.cli.door import answer_within_s, ask_and_print, asked, open_door
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options
 from bt_orchestrator.cli.numbers import whole_32
 from bt_orchestrator.cli.order_request import orders_in, script_name, show_orders
-from bt_orchestrator.cli.order_terms import add_term_options, changed_terms
+from bt_orchestrator.cli.order_terms import (
+    add_recipe_options,
+    add_term_options,
+    changed_recipe,
+    changed_terms,
+    pair,
+)
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model.codec import to_plain
@@ -87,6 +93,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--script', default='', metavar='SCRIPT', help='update: script, read anew by the node'
     )
+    add_recipe_options(parser)
     add_term_options(parser)
     parser.add_argument('--json', action='store_true', help='print JSON')
     add_who_options(parser, required=False)
@@ -183,7 +190,7 @@ def _add(args: argparse.Namespace) -> int:
         raise WrongUse('queue add: name at least one order')
     orders = orders_in([Path(name) for name in args.what])
     request = asked(args, 'queue.add', orders=orders, position=args.at or None, held=args.held)
-    with open_door(args.node, args.timeout) as door:
+    with open_door(args.node, args.timeout, answer_s=answer_within_s(request)) as door:
         answer = door.ask(request)
     return show_orders(answer, as_json=args.json)
 
@@ -199,12 +206,12 @@ def _move(args: argparse.Namespace) -> int:
 
 def _update(args: argparse.Namespace) -> int:
     (job,) = _expect(args, 1, 'one job')
-    params = dict(_pair(text) for text in args.param)
-    terms = changed_terms(args)
+    params = dict(pair('--param', text) for text in args.param)
+    terms = {**changed_terms(args), **changed_recipe(args)}
     if not (params or args.quantity or args.script or terms):
         raise WrongUse(
-            'queue update: say what to change: --quantity, --param, --script, --priority, '
-            '--start, --due or --details'
+            'queue update: say what to change: --quantity, --param, --script, --recipe, '
+            '--priority, --start, --due or --details'
         )
     changes = {
         'quantity': args.quantity or None,
@@ -240,13 +247,6 @@ def _expect(args: argparse.Namespace, count: int, what: str) -> list[str]:
         found = ' '.join(args.what) or 'nothing'
         raise WrongUse(f'queue {args.action}: expected {what}, found {found}')
     return list(args.what)
-
-
-def _pair(text: str) -> tuple[str, str]:
-    name, equals, value = text.partition('=')
-    if not name or not equals:
-        raise WrongUse(f'queue update: --param is NAME=VALUE; found {text!r}')
-    return name, value
 
 
 def _ask(args: argparse.Namespace, name: str, **given: Any) -> int:

@@ -7,7 +7,12 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from bt_orchestrator.cli.folders import add_trees_option, script_folders
+from bt_orchestrator.cli.folders import (
+    add_recipes_option,
+    add_trees_option,
+    recipe_folders,
+    script_folders,
+)
 from bt_orchestrator.node_parameters import NodeParameters, Words, described
 from bt_orchestrator.stop_signals import StopSignals
 
@@ -39,6 +44,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for name, words in described():
         if name == 'trees':
             add_trees_option(parser)
+        elif name == 'recipes':
+            add_recipes_option(parser)
         else:
             _add_parameter(parser, name, words)
 
@@ -69,6 +76,7 @@ def _run(args: argparse.Namespace, stop: StopSignals) -> int:
     # Imported here, so that --help needs no ROS.
     from bt_orchestrator.cli.bootstrap import (
         build_foresight,
+        build_generating,
         memory_store,
         open_journal,
     )
@@ -76,9 +84,10 @@ def _run(args: argparse.Namespace, stop: StopSignals) -> int:
 
     told = {name: getattr(args, name) for name, _ in described()}
     told['trees'] = tuple(script_folders(args.trees))
+    told['recipes'] = tuple(recipe_folders(args.recipes))
     defaults = NodeParameters(**told)
     ros_args = getattr(args, 'ros_args', ())
-    parts = Parts(open_journal, memory_store, build_foresight)
+    parts = Parts(open_journal, memory_store, build_foresight, build_generating)
     left = run_node(defaults, parts, stop, _say, namespace=args.namespace, ros_args=ros_args)
     for task in left:
         print(f'still running at its server: {task}', file=sys.stderr)

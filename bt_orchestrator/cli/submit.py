@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from bt_orchestrator.cli.door import asked, open_door
+from bt_orchestrator.cli.door import answer_within_s, asked, open_door
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options
 from bt_orchestrator.cli.order_request import orders_in, show_orders
 
@@ -26,6 +26,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns 1 when the orders were refused."""
     request = asked(args, 'queue.add', orders=orders_in(args.orders))
-    with open_door(args.node, args.timeout) as door:
+    with open_door(args.node, args.timeout, answer_s=answer_within_s(request)) as door:
         answer = door.ask(request)
     return show_orders(answer, as_json=args.json)

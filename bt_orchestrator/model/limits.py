@@ -32,6 +32,9 @@ repeatedly."""
 OPERATIONS = 1_000
 """Maximum number of operations of a recipe: what comes before each is known of all of them."""
 
+GENERATING_S = 120.0
+"""Longest time to generate the scripts of one request; 30 operations take about a second."""
+
 DETAILS_BYTES = 8_000
 """Longest details of a work order, as JSON."""
 

@@ -345,6 +345,8 @@ class CellState:
     """The last jobs that ended, oldest first."""
     order_ids: UsedIds = field(default_factory=UsedIds)
     """Ids of all jobs ever queued: an id is used once."""
+    recipe_digests: dict[str, str] = field(default_factory=dict)
+    """Of each version of a recipe that a job was ever made from, what it said (semantics 8.6)."""
     serials: UsedIds = field(default_factory=UsedIds)
     """Serials of all items that ever had one (semantics 6.8)."""
     stop_after: str | None = None

@@ -17,13 +17,14 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import get_rmw_implementation_identifier
 
 from bt_orchestrator.asking.handler import RequestHandler
+from bt_orchestrator.asking.recipes import RecipeOrders
 from bt_orchestrator.diagnosis.ros_says import ros_says
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.commands import FoundTwin, Shutdown
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.node_parameters import NodeParameters
-from bt_orchestrator.ports import EventStore, Foresight, Journal
+from bt_orchestrator.ports import EventStore, Foresight, Generating, Journal
 from bt_orchestrator.replies import begin
 from bt_orchestrator.ros.actions.gateway import RosGateway
 from bt_orchestrator.ros.clock import RosClock
@@ -79,6 +80,9 @@ class NoCell(OrchestratorError):
     """The node was not told which cell it runs."""
 
 
+Soon = Callable[[Callable[[], None]], None]
+
+
 class Parts(NamedTuple):
     """What the node is given from other rooms."""
 
@@ -87,6 +91,9 @@ class Parts(NamedTuple):
     make_memory_store: Callable[[], EventStore]
     """Makes one that is gone with the process, where no file is named."""
     make_foresight: Callable[[Cell], Foresight]
+    make_generating: Callable[[Cell, Sequence[Path], Soon], Generating]
+    """Makes what generates the scripts of orders by recipe, from recipes in some folders; what it
+    is given lets the tick thread call something."""
 
 
 class TreeNode:
@@ -126,7 +133,9 @@ class TreeNode:
         self._housekeeping = self._keep_house()
         pulse = Pulse(node)
         self._expected = self._look_ahead(parts, pulse, store)
-        self._orders = self._read_orders()
+        self._order_process = self._read_orders()
+        self._generating = self._generate(parts)
+        self._orders = RecipeOrders(self._order_process, self._generating, self.orchestrator.state)
         self._run_job = self._take_requests(types, store)
         self._status = self._show(pulse)
         self._ticks = TickStatistics()
@@ -176,7 +185,8 @@ class TreeNode:
     def close(self) -> None:
         """Let go of everything."""
         self._expected.close()
-        self._orders.close()
+        self._generating.close()
+        self._order_process.close()
         if self._housekeeping is not None and self._is_durable:
             self._housekeeping.finish()
         self.orchestrator.close()
@@ -218,6 +228,10 @@ class TreeNode:
         parameters, state = self.parameters, self.orchestrator.state
         process = order_process(state.cell, parameters.trees, any_path=parameters.script_paths)
         return OrderReader(state, process, partial(soon, self.executor))
+
+    def _generate(self, parts: Parts) -> Generating:
+        cell = self.orchestrator.state.cell
+        return parts.make_generating(cell, self.parameters.recipes, partial(soon, self.executor))
 
     def _take_requests(self, types: InstalledActionTypes, store: EventStore) -> RunJobServer:
         """Offer the services and the action, which has to be destroyed."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from bt_orchestrator.errors import CommandRefused
@@ -11,6 +11,7 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.jobs.job_commands import Sharing
+from bt_orchestrator.model.jobs.job_folds import recipe_key
 from bt_orchestrator.model.jobs.needs import unavailable_to
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.script import Script
@@ -38,7 +39,8 @@ def queue(
     :param now: time on the wall clock
     :param position: place of the first, from 1; None: each gets its place by its urgency
     :param sharing: known result of the check of their scripts against the live ones
-    :raises CommandRefused: an id was used, or flags contradict those of a live job
+    :raises CommandRefused: an id was used, flags contradict those of a live job, or a version of
+        a recipe was another one before
     """
     _refuse_unless_all_fit(state, jobs, sharing)
     events: list[e.Event] = []
@@ -65,12 +67,13 @@ def change(
     """Replace the order of a queued job.
 
     :param now: time on the wall clock
-    :raises CommandRefused: its flags contradict those of another live job
+    :raises CommandRefused: its flags contradict those of another live job, or the version of its
+        recipe was another one before
     """
     live = state.jobs[job.id]
     is_shared = state.jobs.users(live.digest) > 1
     others = {n: one for n, one in state.scripts.items() if n != live.digest or is_shared}
-    why = contradiction(job.script, others, sharing)
+    why = contradiction(job.script, others, sharing) or _other_recipe(job, state.recipe_digests)
     if why is not None:
         raise CommandRefused(why)
     updated = e.JobUpdated(
@@ -126,6 +129,7 @@ def _ordered(job: Job) -> dict[str, Any]:
         'params': job.params,
         'recipe': made_from.recipe if made_from else '',
         'recipe_version': made_from.version if made_from else None,
+        'recipe_digest': made_from.recipe_digest if made_from else '',
         'choice': job.recipe,
         **vars(job.terms),
     }
@@ -154,6 +158,7 @@ def _reasons(
     """Yield for each job why it does not fit the live jobs and the given jobs before it."""
     ids: set[str] = set()
     known = dict(state.scripts)
+    recipes = dict(state.recipe_digests)
     why_not: dict[str, str | None] = {}
     for job in jobs:
         script = digest(job.script)
@@ -162,6 +167,29 @@ def _reasons(
         else:
             if script not in why_not:
                 why_not[script] = contradiction(job.script, known, sharing)
-            yield why_not[script]
+            yield why_not[script] or _other_recipe(job, recipes)
         ids.add(job.id)
+        _note_recipe(job, recipes)
         known[script] = job.script
+
+
+def _other_recipe(job: Job, known: Mapping[str, str]) -> str | None:
+    """Say that a version of a recipe was another one before (semantics 8.6); None: it was not."""
+    made_from = job.script.made_from
+    if made_from is None or not made_from.recipe_digest:
+        return None
+    now = made_from.recipe_digest
+    before = known.get(recipe_key(made_from.recipe, made_from.version), now)
+    if before == now:
+        return None
+    return (
+        f'recipe {made_from.recipe} version {made_from.version} was another one before: it is '
+        f'{now} now, and was {before}; give the recipe another version'
+    )
+
+
+def _note_recipe(job: Job, known: dict[str, str]) -> None:
+    made_from = job.script.made_from
+    if made_from is not None and made_from.recipe_digest:
+        key = recipe_key(made_from.recipe, made_from.version)
+        known.setdefault(key, made_from.recipe_digest)

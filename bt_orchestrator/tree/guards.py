@@ -14,7 +14,7 @@ from py_trees.common import Status
 from bt_orchestrator.model import effects
 from bt_orchestrator.model.cell import StateTopic
 from bt_orchestrator.model.initialization import Preparation
-from bt_orchestrator.model.preparing import may_not_prepare, remains_done, waits_for_its_turn
+from bt_orchestrator.model.jobs.preparing import may_not_prepare, remains_done, waits_for_its_turn
 from bt_orchestrator.model.script import Dependency, Step
 from bt_orchestrator.model.wait import Wait, WaitKind
 from bt_orchestrator.tree.blackboard import name_keys

@@ -22,6 +22,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from bt_orchestrator.cli.bootstrap import (
     build_foresight,
+    build_generating,
     memory_store,
     open_journal,
 )
@@ -90,7 +91,7 @@ def tree_node(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[TreeNo
     node = TreeNode(
         Node(NODE_NAME),
         parameters,
-        Parts(open_journal, memory_store, build_foresight),
+        Parts(open_journal, memory_store, build_foresight, build_generating),
     )
     yield node
     node.close()

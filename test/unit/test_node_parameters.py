@@ -17,7 +17,7 @@ def parsed(*words: str) -> argparse.Namespace:
 
 def test_without_options_a_node_has_the_defaults() -> None:
     args = vars(parsed())
-    told = {name: args[name] for name, _ in described() if name != 'trees'}
+    told = {name: args[name] for name, _ in described() if name not in ('trees', 'recipes')}
     assert NodeParameters(**told) == NodeParameters()
 
 

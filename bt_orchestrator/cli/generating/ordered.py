@@ -15,7 +15,7 @@ from bt_orchestrator.model.codec import digest_of, to_plain
 from bt_orchestrator.model.jobs.order import RecipeChoice
 from bt_orchestrator.model.recipe import Recipe
 from bt_orchestrator.planning.outcome import NotMade
-from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.ports import ActionTypes, MadeScript
 from bt_orchestrator.script.orders.order_file import OrderPlaces
 from bt_orchestrator.script.orders.terms import Wrong
 from bt_orchestrator.script.recipes.bindings import Unbound, misfit, unknown_operation
@@ -57,6 +57,14 @@ class RecipeMaker:
             except Refused as refused:
                 reasons += refused.findings
         raise Refused(reasons)
+
+    def script(self, choice: RecipeChoice, without: frozenset[str]) -> MadeScript | Refused:
+        """Return the text of what is made, or why nothing is."""
+        try:
+            made = self.make(choice, OrderPlaces(f'recipe {choice.words}'), without)
+        except Refused as refused:
+            return refused
+        return MadeScript(f'the script of {choice.words}', made.text)
 
     def _one(
         self, file: Shelved, choice: RecipeChoice, places: OrderPlaces, without: frozenset[str]

@@ -53,6 +53,8 @@ class JobQueued(Event):
     record is of an older program."""
     recipe_version: int | None = None
     """Version of the recipe; absent: it has none, or is not known."""
+    recipe_digest: str = ''
+    """Name of the recipe by what it says; empty: as `recipe`, or the script does not tell it."""
     choice: RecipeChoice | None = None
     """What the order named in place of a script; absent: it named a script."""
     unavailable: tuple[str, ...] = ()
@@ -96,6 +98,8 @@ class JobUpdated(Event):
     record is of an older program."""
     recipe_version: int | None = None
     """Version of the recipe; absent: it has none, or is not known."""
+    recipe_digest: str = ''
+    """Name of the recipe by what it says; empty: as `recipe`, or the script does not tell it."""
     choice: RecipeChoice | None = None
     """What the order named in place of a script; absent: it named a script."""
     unavailable: tuple[str, ...] = ()

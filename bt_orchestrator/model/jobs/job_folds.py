@@ -42,6 +42,7 @@ def job_queued(event: e.JobQueued, state: CellState) -> None:
     )
     state.jobs.add(queued, event.position)
     state.order_ids.add(event.job)
+    _note_recipe(event, state)
     note_work(state, queued)
 
 
@@ -65,6 +66,7 @@ def job_updated(event: e.JobUpdated, state: CellState) -> None:
     if event.position is not None:
         state.jobs.move(event.job, event.position, ranked=True)
     _forget_unused(state, before)
+    _note_recipe(event, state)
     note_work(state, state.jobs.queued(event.job))
 
 
@@ -171,6 +173,17 @@ def terms_of(event: e.JobQueued | e.JobUpdated) -> Terms:
 
 def _job_of(event: e.JobQueued | e.JobUpdated, script: Script) -> Job:
     return Job(event.job, script, event.quantity, event.params, terms_of(event), event.choice)
+
+
+def recipe_key(recipe: str, version: int | None) -> str:
+    """Return what a version of a recipe is known by; a name has no spaces."""
+    return f'{recipe} {version}'
+
+
+def _note_recipe(event: e.JobQueued | e.JobUpdated, state: CellState) -> None:
+    if event.recipe_digest:
+        key = recipe_key(event.recipe, event.recipe_version)
+        state.recipe_digests.setdefault(key, event.recipe_digest)
 
 
 def _begin_flags(state: CellState, script: Script) -> None:

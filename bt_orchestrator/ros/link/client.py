@@ -30,14 +30,20 @@ class NodeClient:
     """A client of one tree node. A context: entering joins the ROS graph, leaving leaves it."""
 
     def __init__(
-        self, node: str, timeout_s: float, meanwhile: Callable[[], object] | None = None
+        self,
+        node: str,
+        timeout_s: float,
+        meanwhile: Callable[[], object] | None = None,
+        answer_s: float | None = None,
     ) -> None:
         """Prepare a client.
 
         :param node: the tree node's full name, for instance /bt_orchestrator
         :param timeout_s: longest time to wait for the node and for each of its answers
         :param meanwhile: called again and again while it waits; what it raises ends the waiting
+        :param answer_s: longest time to wait for an answer, if it is longer
         """
+        self._answer_s = timeout_s if answer_s is None else max(answer_s, timeout_s)
         self._name = '/' + node.strip('/')
         self._timeout_s = timeout_s
         self._meanwhile = meanwhile
@@ -98,7 +104,8 @@ class NodeClient:
             self.wait_until(client.service_is_ready, f'the service {self._name}/{service}')
             self._be_known()
             future = client.call_async(request)
-            self.wait_until(future.done, f'an answer of {self._name}/{service}')
+            what = f'an answer of {self._name}/{service}'
+            self.wait_until(future.done, what, self._answer_s)
             return future.result()
         finally:
             self._node.destroy_client(client)
@@ -173,16 +180,20 @@ class NodeClient:
     def _subscribe(self, kind: Any, topic: str, callback: Callable[[Any], None]) -> Any:
         return self._node.create_subscription(kind, f'{self._name}/{topic}', callback, LATCHED)
 
-    def wait_until(self, condition: Callable[[], bool], what: str) -> None:
+    def wait_until(
+        self, condition: Callable[[], bool], what: str, within_s: float | None = None
+    ) -> None:
         """Spin until a condition holds.
 
+        :param within_s: None: the time-out
         :raises NodeUnreachable: it does not within the time-out; names `what` was waited for
         """
-        deadline = time.monotonic() + self._timeout_s
+        within_s = self._timeout_s if within_s is None else within_s
+        deadline = time.monotonic() + within_s
         while not condition():
             if time.monotonic() > deadline:
                 raise NodeUnreachable(
-                    f'{what} did not come within {self._timeout_s:g} s; is the tree node running '
+                    f'{what} did not come within {within_s:g} s; is the tree node running '
                     '(bt-orchestrator run), with this ROS_DOMAIN_ID and name?'
                 )
             self.spin()

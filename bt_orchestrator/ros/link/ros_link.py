@@ -40,15 +40,20 @@ class RosLink:
     """
 
     def __init__(
-        self, node: str, timeout_s: float, meanwhile: Callable[[], object] | None = None
+        self,
+        node: str,
+        timeout_s: float,
+        meanwhile: Callable[[], object] | None = None,
+        answer_s: float | None = None,
     ) -> None:
         """Join the ROS graph.
 
         :param node: the tree node's full name, for instance /bt_orchestrator
         :param timeout_s: longest time to wait for the node and for each of its answers
         :param meanwhile: called again and again while it waits; what it raises ends the waiting
+        :param answer_s: longest time to wait for an answer, if it is longer
         """
-        self._client = NodeClient(node, timeout_s, meanwhile)
+        self._client = NodeClient(node, timeout_s, meanwhile, answer_s)
         self._client.__enter__()
         self._fetches: EventFetches | None = None
         """None: nobody follows."""

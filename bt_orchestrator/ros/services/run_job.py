@@ -16,6 +16,7 @@ from bt_orchestrator_interfaces.msg import FailureReport, ItemReport, JobStatus
 from rclpy.action.server import ActionServer, CancelResponse, GoalResponse
 from rclpy.node import Node
 
+from bt_orchestrator.asking.handler import OrderReading
 from bt_orchestrator.asking.orders import (
     answer_to_refused,
     check_sender,
@@ -37,7 +38,6 @@ from bt_orchestrator.replies import begin
 from bt_orchestrator.report.jobs import JobFold
 from bt_orchestrator.ros.qos import SERVICES
 from bt_orchestrator.ros.services.expected_ends import ExpectedEnds
-from bt_orchestrator.ros.services.order_reader import OrderReader
 from bt_orchestrator.ros.services.order_requests import asked_order, written_order
 from bt_orchestrator.ros.services.senders import Senders
 from bt_orchestrator.ros.stamps import to_time
@@ -77,7 +77,7 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
         node: Node,
         orchestrator: Orchestrator,
         overview: Overview,
-        orders: OrderReader,
+        orders: OrderReading,
         expected: ExpectedEnds,
         senders: Senders,
     ) -> None:

@@ -11,7 +11,11 @@ from bt_orchestrator.script.yaml_nodes import Scalar, found
 BOTH = 'the order names recipe and script'
 NEITHER = 'a work order needs the key `script` or `recipe`'
 NAME_ONE = 'write for instance `script: my_process`, or `recipe: WM-100`'
-BY_HAND = 'make a script with `bt-orchestrator generate`, and name it with `script`'
+NOT_MADE_HERE = Wrong(
+    'recipe',
+    'no script can be made from a recipe here',
+    'make it with `bt-orchestrator generate`, and name it with `script`',
+)
 
 
 def read_choice(fields: Fields) -> RecipeChoice | None:
@@ -41,7 +45,7 @@ def wrong_choice(script: str, recipe: RecipeChoice | None) -> Wrong | None:
     if not recipe.recipes:
         key = 'bind' if recipe.version is None else 'version'
         return Wrong(key, *_of_recipe(key))
-    return Wrong('recipe', 'an order by recipe cannot be carried out here', BY_HAND)
+    return None
 
 
 def _of_recipe(key: str) -> tuple[str, str]:

@@ -8,23 +8,24 @@ from __future__ import annotations
 import hashlib
 import pickle
 from collections import OrderedDict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
-from bt_orchestrator.errors import Refused
+from bt_orchestrator.errors import Finding, Refused
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.jobs.job_commands import Sharing
 from bt_orchestrator.model.jobs.order import NO_TERMS, Job, RecipeChoice, Terms, WorkOrder
 from bt_orchestrator.model.script import Script
-from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.ports import ActionTypes, MadeScript
 from bt_orchestrator.proof.sharing import examine
 from bt_orchestrator.script.admission import admitted
 from bt_orchestrator.script.lookup import find_below, find_script
-from bt_orchestrator.script.orders.choice import wrong_choice
+from bt_orchestrator.script.orders.choice import NOT_MADE_HERE, wrong_choice
 from bt_orchestrator.script.orders.order_file import (
+    OrderPlaces,
     bind_order,
     named_places,
     params_from_text,
@@ -60,6 +61,7 @@ class Orders:
     """Make a job of each of these."""
 
     orders: tuple[AskedOrder, ...]
+    made: tuple[Made, ...] = ()
 
     @property
     def named(self) -> Iterator[str]:
@@ -72,6 +74,7 @@ class WrittenOrder:
     """Make a job of a work order as it stands in a file."""
 
     text: str
+    made: tuple[Made, ...] = ()
 
     @property
     def named(self) -> Iterator[str]:
@@ -95,6 +98,7 @@ class ChangedJob:
     terms: Terms = NO_TERMS
     recipe: RecipeChoice | None = None
     """What it was made from; it stays as long as its script does."""
+    made: tuple[Made, ...] = ()
 
     @property
     def named(self) -> Iterator[str]:
@@ -102,7 +106,22 @@ class ChangedJob:
         return iter((self.job,))
 
 
+class NotMadeYet(Refused):
+    """An order by recipe cannot be read before its script is made."""
+
+    def __init__(self, findings: Sequence[Finding], choice: RecipeChoice) -> None:
+        """Say what has to be made; the findings are told where nothing can be."""
+        super().__init__(findings)
+        self.choice = choice
+
+    def __reduce__(self) -> tuple[type, tuple[Sequence[Finding], RecipeChoice]]:
+        return type(self), (self.findings, self.choice)
+
+
 Wanted = Orders | WrittenOrder | ChangedJob
+
+Made = MadeScript | Refused | None
+"""What was generated for an order; None: it names a script, or nothing was generated yet."""
 
 
 @dataclass(frozen=True)
@@ -126,6 +145,11 @@ class Reading:
 
     read: tuple[Job | Refused, ...]
     sharing: Sharing
+
+    @property
+    def choices(self) -> tuple[RecipeChoice | None, ...]:
+        """Of each order, the recipe that has to be made into a script before it can be read."""
+        return tuple(one.choice if isinstance(one, NotMadeYet) else None for one in self.read)
 
 
 class OrderDesk:
@@ -166,59 +190,77 @@ class OrderDesk:
         match wanted:
             case Orders(orders):
                 scripts = _Scripts(self)
-                yield from (self._asked(order, scripts, ids) for order in orders)
+                made = wanted.made or (None,) * len(orders)
+                for order, one in zip(orders, made, strict=True):
+                    yield self._asked(order, one, scripts, ids)
             case WrittenOrder(text):
-                yield self._written(text, ids)
+                yield self._written(text, *(wanted.made or (None,)), ids=ids)
             case ChangedJob():
-                yield self._changed(wanted)
+                yield self._changed(wanted, *(wanted.made or (None,)))
 
-    def _asked(self, order: AskedOrder, scripts: _Scripts, ids: Iterator[str]) -> Job | Refused:
-        name = order.order or next(ids)
-        wrong = wrong_choice(order.script, order.recipe)
-        if wrong is not None:
-            return Refused([named_places(name).finding(wrong)])
-        script = scripts.named(order.script)
+    def _asked(
+        self, order: AskedOrder, made: Made, scripts: _Scripts, ids: Iterator[str]
+    ) -> Job | Refused:
+        name, recipe = order.order or next(ids), order.recipe
+        script = self._script_of(order, made, named_places(name), scripts.named)
         if isinstance(script, Refused):
             return script
         params = params_from_text(order.params, script)
-        wanted = WorkOrder(order.script, order.order or None, order.quantity or None, params)
+        quantity = order.quantity or None
+        wanted = WorkOrder(order.script, order.order or None, quantity, params, recipe=recipe)
         return self._bound(wanted, script, name, order.terms.over(NO_TERMS))
 
-    def _written(self, text: str, ids: Iterator[str]) -> Job | Refused:
+    def _written(self, text: str, made: Made, ids: Iterator[str]) -> Job | Refused:
         try:
             draft = parse_draft(text, 'order')
         except Refused as refused:
             return refused
         order, places = draft.order, draft.places
-        if not places.is_sure('script') or not places.is_sure('recipe'):
+        if not all(places.is_sure(key) for key in ('script', 'recipe', 'version', 'bind')):
             return Refused(places.findings)
-        wrong = wrong_choice(order.script, order.recipe)
-        if wrong is not None:
-            return Refused([*places.findings, places.finding(wrong)])
-        script = self.script(order.script)
+        script = self._script_of(order, made, places, self.script)
         if isinstance(script, Refused):
-            return Refused([*places.findings, *script.findings])
+            return Refused([*places.findings, *script.findings]) if places.findings else script
         try:
             name = order.order or next(ids)
             return bind_order(order, script, name, places, types=self._types_by_component)
         except Refused as refused:
             return refused
 
-    def _changed(self, wanted: ChangedJob) -> Job | Refused:
-        wish = wanted.wish
-        wrong = wrong_choice(wish.script or wanted.script, wish.recipe)
-        if wrong is not None:
-            return Refused([named_places(wanted.job).finding(wrong)])
-        script = self.script(wish.script) if wish.script else self._sent[wanted.script]
+    def _changed(self, wanted: ChangedJob, made: Made) -> Job | Refused:
+        wish, places = wanted.wish, named_places(wanted.job)
+        is_other = bool(wish.script) or wish.recipe is not None
+        script: Script | Refused = self._sent[wanted.script]
+        if is_other:
+            script = self._script_of(wish, made, places, self.script)
         if isinstance(script, Refused):
             return script
         kept = {key: value for key, value in wanted.params.items() if key in script.params}
         given = params_from_text(wish.params, script)
         quantity = wish.quantity or wanted.quantity
-        recipe = None if wish.script else wish.recipe or wanted.recipe
+        recipe = wish.recipe if is_other else wanted.recipe
         params = {**kept, **given}
         order = WorkOrder(script.name, wanted.job, quantity, params, recipe=recipe)
         return self._bound(order, script, wanted.job, wish.terms.over(wanted.terms))
+
+    def _script_of(
+        self,
+        order: AskedOrder | WorkOrder,
+        made: Made,
+        places: OrderPlaces,
+        named: Callable[[str], Script | Refused],
+    ) -> Script | Refused:
+        """Return the script that an order names, or that was generated for it."""
+        wrong = wrong_choice(order.script, order.recipe)
+        if wrong is not None:
+            return Refused([places.finding(wrong)])
+        if order.recipe is None:
+            return named(order.script)
+        if made is None:
+            return NotMadeYet([places.finding(NOT_MADE_HERE)], order.recipe)
+        if isinstance(made, Refused):
+            return made
+        return self._known(Path(made.name), made.text)
 
     def _bound(
         self, order: WorkOrder, script: Script, name: str, terms: Terms | Wrong
@@ -240,6 +282,9 @@ class OrderDesk:
             text = read_text(path)
         except Refused as refused:
             return refused
+        return self._known(path, text)
+
+    def _known(self, path: Path, text: str) -> Script | Refused:
         key = (path, hashlib.sha256(text.encode()).digest())
         if key not in self._read:
             self._read[key] = self._admitted(text, path)

@@ -121,6 +121,7 @@ SAMPLES: dict[str, Any] = {
     'position': 2,
     'recipe': 'WM-100',
     'recipe_version': 3,
+    'recipe_digest': '1c2d3e4f5a6b',
     'choice': RecipeChoice(('WM-100', 'WM-101'), 3, {'insert': 'component_3a'}),
     'held': True,
     'ranked': True,

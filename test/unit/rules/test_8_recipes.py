@@ -1,0 +1,205 @@
+"""Orders by recipe: generated first, queued together, and a version says one thing (8.6)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import pytest
+from fakes.action_types import FakeActionTypes
+from fakes.operator import ann
+from fakes.script_texts import LINE, cell
+
+from bt_orchestrator.asking.desk_here import DeskHere
+from bt_orchestrator.asking.handler import RequestHandler
+from bt_orchestrator.asking.recipes import RecipeOrders
+from bt_orchestrator.errors import Finding, NotRead, Refused
+from bt_orchestrator.model.commands import Answer, SetService
+from bt_orchestrator.model.events import Event, JobQueued
+from bt_orchestrator.model.jobs.order import RecipeChoice, WorkOrder
+from bt_orchestrator.model.requests import ask
+from bt_orchestrator.ports import MadeScript
+from bt_orchestrator.replies import Reply, begin
+from bt_orchestrator.runtime.orchestrator import Orchestrator
+from bt_orchestrator.sim.simulation import Simulation
+from bt_orchestrator.store.memory import MemoryStore
+
+TYPES = FakeActionTypes()
+BOX = RecipeChoice(('BOX-7',))
+LID = RecipeChoice(('LID-1',), 2, {'glue': 'robot_a'})
+
+
+def made(version: int = 1, says: str = 'aa11') -> MadeScript:
+    origin = f'made_from: {{recipe: BOX-7, version: {version}, recipe_digest: {says}}}\n'
+    return MadeScript('BOX-7', LINE + origin)
+
+
+class Appends(MemoryStore):
+    """Notes what was made durable together."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.together: list[list[str]] = []
+
+    def append(self, events: Sequence[Event]) -> None:
+        super().append(events)
+        jobs = [one.job for one in events if isinstance(one, JobQueued)]
+        self.together += [jobs] if jobs else []
+
+
+class Bench:
+    """A cell whose scripts are generated when the test says so. Implements `ports.Generating`."""
+
+    def __init__(self, folder: Path) -> None:
+        (folder / 'test.yaml').write_text(LINE)
+        self.store = Appends()
+        self.sim = Simulation(cell(), TYPES, self.store)
+        self.engine: Orchestrator = self.sim.orchestrator
+        desk = DeskHere(cell(), TYPES, [folder], self.engine.state)
+        orders = RecipeOrders(desk, self, self.engine.state)
+        self.handler = RequestHandler(self.engine, TYPES, orders)
+        self.asked: list[tuple[tuple[RecipeChoice, ...], frozenset[str]]] = []
+        self.replies: list[Reply[object]] = []
+
+    async def make(
+        self, choices: Sequence[RecipeChoice], without: frozenset[str]
+    ) -> Sequence[MadeScript | Refused]:
+        self.asked.append((tuple(choices), without))
+        self.replies.append(reply := Reply())
+        outcome = await reply
+        if isinstance(outcome, NotRead):
+            raise outcome
+        assert isinstance(outcome, tuple)
+        return outcome
+
+    def close(self) -> None:
+        """Nothing works."""
+
+    def give(self, *outcome: MadeScript | Refused) -> None:
+        """Say what was generated for the oldest request."""
+        self.replies.pop(0).give(outcome)
+
+    def order(self, *names: str, recipe: RecipeChoice | None = BOX) -> Reply[Answer]:
+        script = '' if recipe else 'test'
+        orders = [WorkOrder(script, name, 1, recipe=recipe) for name in names]
+        return begin(self.handler.carry_out(ask('queue.add', ann(), orders=orders, held=True)))
+
+    @property
+    def queue(self) -> list[str]:
+        return [*self.engine.state.jobs]
+
+
+@pytest.fixture
+def bench(tmp_path: Path) -> Iterator[Bench]:
+    bench = Bench(tmp_path)
+    yield bench
+    bench.sim.close()
+
+
+def test_8_6_orders_by_script_do_not_wait_for_those_by_recipe(bench: Bench) -> None:
+    first = bench.order('A')
+    second = bench.order('B', recipe=None)
+    assert second.value.accepted
+    assert not first.is_there
+    bench.give(made())
+    assert first.value.accepted
+    assert bench.queue == ['B', 'A']
+
+
+def test_8_6_all_of_a_request_are_queued_at_once_whatever_they_name(bench: Bench) -> None:
+    orders = [WorkOrder('', 'A', 1, recipe=BOX), WorkOrder('test', 'B', 1)]
+    orders += [WorkOrder('', 'C', 1, recipe=LID), WorkOrder('', 'D', 1, recipe=BOX)]
+    answer = begin(bench.handler.carry_out(ask('queue.add', ann(), orders=orders, held=True)))
+    assert bench.asked == [((BOX, LID), frozenset())]
+    assert (bench.store.together, bench.queue) == ([], [])
+    bench.give(made(), made(2, 'bb22'))
+    assert answer.value.accepted, answer.value.message
+    assert bench.store.together == [['A', 'B', 'C', 'D']]
+    jobs = [job.job for job in bench.engine.state.jobs.values()]
+    assert [job.recipe for job in jobs] == [BOX, None, LID, BOX]
+
+
+@pytest.mark.parametrize('kind', ['one cannot be made', 'nothing is made', 'one does not fit'])
+def test_8_6_if_one_of_a_request_cannot_be_queued_none_is(bench: Bench, kind: str) -> None:
+    answer = bench.order('A', 'B', recipe=BOX)
+    if kind == 'one cannot be made':
+        bench.give(Refused([Finding('recipe BOX-7', 1, 1, 'no component has `glue`')]))
+    elif kind == 'nothing is made':
+        bench.replies.pop(0).give(NotRead('generating took too long'))
+    else:
+        bench.give(MadeScript('BOX-7', 'script: test\n'))
+    assert not answer.value.accepted
+    assert bench.queue == []
+    assert bench.store.together == []
+
+
+def test_8_6_what_goes_out_of_service_meanwhile_is_left_out_as_well(bench: Bench) -> None:
+    answer = bench.order('A')
+    begin(bench.engine.carry_out(SetService('press', False, ann())))
+    bench.give(made())
+    assert [without for _, without in bench.asked] == [frozenset(), frozenset({'press'})]
+    assert not answer.is_there
+    bench.give(made())
+    assert answer.value.accepted
+
+
+def test_8_6_a_version_of_a_recipe_says_one_thing(bench: Bench) -> None:
+    def give(name: str, script: MadeScript) -> Answer:
+        answer = bench.order(name)
+        bench.give(script)
+        return answer.value
+
+    assert give('A', made(1, 'aa11')).accepted
+    assert give('B', made(1, 'aa11')).accepted
+    why = (
+        'recipe BOX-7 version 1 was another one before: it is bb22 now, and was aa11; '
+        'give the recipe another version'
+    )
+    assert give('C', made(1, 'bb22')).message == why
+    assert give('D', made(2, 'bb22')).accepted
+    orders = [WorkOrder('', name, 1, recipe=one) for name, one in (('E', BOX), ('F', LID))]
+    both = begin(bench.handler.carry_out(ask('queue.add', ann(), orders=orders, held=True)))
+    bench.give(made(3, 'cc33'), made(3, 'dd44'))
+    assert 'version 3 was another one before' in both.value.message
+    assert bench.queue == ['A', 'B', 'D']
+
+
+def test_8_6_a_version_that_ended_long_ago_is_not_forgotten(bench: Bench) -> None:
+    answer = bench.order('A')
+    bench.give(made(1, 'aa11'))
+    assert answer.value.accepted
+    begin(bench.handler.carry_out(ask('job.cancel', ann(), job='A')))
+    assert bench.queue == []
+    answer = bench.order('B')
+    bench.give(made(1, 'bb22'))
+    assert 'was aa11' in answer.value.message
+
+
+def test_8_6_a_queued_job_is_made_anew_from_what_was_ordered(bench: Bench) -> None:
+    answer = bench.order('A', recipe=LID)
+    bench.give(made(1, 'aa11'))
+    assert answer.value.accepted
+    begin(bench.engine.carry_out(SetService('press', False, ann())))
+    answer = begin(bench.handler.make_anew('A', ann()))
+    assert bench.asked[-1] == ((LID,), frozenset({'press'}))
+    other = MadeScript('BOX-7', made().text.replace('script: test', 'script: test_2'))
+    bench.give(other)
+    assert answer.value.accepted, answer.value.message
+    job = bench.engine.state.jobs['A'].job
+    assert (job.script.name, job.recipe, job.quantity) == ('test_2', LID, 1)
+
+
+def test_8_6_a_change_may_name_a_recipe_and_takes_one_away(bench: Bench) -> None:
+    assert bench.order('A', recipe=None).value.accepted
+    given = {'job': 'A', 'recipe': ['BOX-7'], 'version': 2}
+    answer = begin(bench.handler.carry_out(ask('job.update', ann(), **given)))
+    bench.give(made(2))
+    assert answer.value.accepted, answer.value.message
+    assert bench.engine.state.jobs['A'].job.recipe == RecipeChoice(('BOX-7',), 2)
+    assert bench.engine.state.jobs['A'].recipe_version == 2
+    update = ask('job.update', ann(), job='A', quantity=5)
+    assert begin(bench.handler.carry_out(update)).value.accepted
+    assert bench.engine.state.jobs['A'].job.recipe == RecipeChoice(('BOX-7',), 2)
+    update = ask('job.update', ann(), job='A', script='test')
+    assert begin(bench.handler.carry_out(update)).value.accepted
+    assert bench.engine.state.jobs['A'].job.recipe is None
