@@ -5,6 +5,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 
 class OrchestratorError(Exception):
@@ -46,7 +47,7 @@ class Refused(OrchestratorError):
         self.findings = tuple(findings)
         super().__init__('\n'.join(str(finding) for finding in self.findings))
 
-    def __reduce__(self) -> tuple[type[Refused], tuple[Sequence[Finding]]]:
+    def __reduce__(self) -> tuple[Any, Any]:
         """Make it picklable: by default an exception is rebuilt from its text alone."""
         return Refused, (self.findings,)
 

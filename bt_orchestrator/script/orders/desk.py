@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from bt_orchestrator.errors import Finding, Refused
 from bt_orchestrator.model.cell import Cell
@@ -114,7 +115,7 @@ class NotMadeYet(Refused):
         super().__init__(findings)
         self.choice = choice
 
-    def __reduce__(self) -> tuple[type, tuple[Sequence[Finding], RecipeChoice]]:
+    def __reduce__(self) -> tuple[Any, Any]:
         return type(self), (self.findings, self.choice)
 
 
@@ -194,9 +195,11 @@ class OrderDesk:
                 for order, one in zip(orders, made, strict=True):
                     yield self._asked(order, one, scripts, ids)
             case WrittenOrder(text):
-                yield self._written(text, *(wanted.made or (None,)), ids=ids)
+                (one,) = wanted.made or (None,)
+                yield self._written(text, one, ids)
             case ChangedJob():
-                yield self._changed(wanted, *(wanted.made or (None,)))
+                (one,) = wanted.made or (None,)
+                yield self._changed(wanted, one)
 
     def _asked(
         self, order: AskedOrder, made: Made, scripts: _Scripts, ids: Iterator[str]

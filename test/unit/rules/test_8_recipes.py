@@ -65,7 +65,8 @@ class Bench:
         self, choices: Sequence[RecipeChoice], without: frozenset[str]
     ) -> Sequence[MadeScript | Refused]:
         self.asked.append((tuple(choices), without))
-        self.replies.append(reply := Reply())
+        reply: Reply[object] = Reply()
+        self.replies.append(reply)
         outcome = await reply
         if isinstance(outcome, NotRead):
             raise outcome
