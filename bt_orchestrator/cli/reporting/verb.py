@@ -11,8 +11,15 @@ from typing import IO
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.journal_file import open_records, say_damage
 from bt_orchestrator.cli.output import opened
+from bt_orchestrator.cli.reporting.durations import (
+    add_duration_options,
+    are_wanted,
+    durations_text,
+)
 from bt_orchestrator.cli.reporting.periods import add_which_options, period_of
+from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.report.account.account import Account, account
+from bt_orchestrator.report.account.period import Period
 from bt_orchestrator.report.account.plain import account_plain
 from bt_orchestrator.report.account.rows import write_csv
 from bt_orchestrator.report.account.text import account_text
@@ -45,6 +52,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     form = parser.add_mutually_exclusive_group()
     form.add_argument('--json', action='store_true', help='as one JSON object')
     form.add_argument('--csv', action='store_true', help='as one table for a spreadsheet')
+    add_duration_options(parser)
     parser.add_argument(
         '-o', '--output', type=Path, metavar='FILE', help='where (default: the screen)'
     )
@@ -52,14 +60,27 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns 1 if a record is damaged."""
+    tells_durations = are_wanted(args)
     cell = None
     if args.cell is not None:
         cell = bootstrap.load_cell(args.cell, bootstrap.installed_types())
     with closing(open_records(args.journal)) as records:
         reading = Reading(records, say_damage)
-        made = account(reading, period_of(args, reading), cell)
+        period = period_of(args, reading)
+        if tells_durations:
+            return _tell_durations(reading, period, args, cell)
+        made = account(reading, period, cell)
     with opened(args.output) as file:
         _write(made, args, file)
+    return 1 if reading.lost else 0
+
+
+def _tell_durations(
+    reading: Reading, period: Period, args: argparse.Namespace, cell: Cell | None
+) -> int:
+    text = durations_text(reading, period, args, cell)
+    with opened(args.output) as file:
+        file.write(text)
     return 1 if reading.lost else 0
 
 
