@@ -21,6 +21,7 @@ from bt_orchestrator.web.book import Book
 from bt_orchestrator.web.cell_show import CellShow
 from bt_orchestrator.web.people import People
 from bt_orchestrator.web.planning.questions import Questions
+from bt_orchestrator.web.scripts.recipe_shelf import RecipeShelf
 from bt_orchestrator.web.scripts.shelf import Shelf
 from bt_orchestrator.web.seams import Show, Sources
 from bt_orchestrator.web.stream import BEAT_S, Streams
@@ -74,6 +75,7 @@ class Page(CellClient):
         self.tree = TreeWatch(self._following.do)
         trees = self.sources.trees
         self.shelf = Shelf(self.known, self.archive, trees, self._ask_moment)
+        self.recipes = RecipeShelf(self.sources.recipes)
         self._spawn(self._beat())
 
     def _leave(self, door: CellLink) -> None:

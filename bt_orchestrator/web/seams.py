@@ -20,6 +20,8 @@ class Sources:
     """Opens the journal; raises JournalUnusable. None: the past is what the node tells."""
     trees: Sequence[Path] = ()
     """Folders in which scripts are looked up by name."""
+    recipes: Sequence[Path] = ()
+    """Folders in which recipes are looked up by name."""
     planning: Planning | None = None
     """Works out what-if and checks orders; the page closes it."""
 

@@ -7,7 +7,7 @@ import time
 from pathlib import Path
 
 from fakes.quick_users import write_users
-from fakes.shipped import TREES
+from fakes.shipped import RECIPES, TREES
 from web.stand_cell import StandCell
 
 from bt_orchestrator.cli.planning_process import PlanningProcess
@@ -38,7 +38,7 @@ def stand_page(folder: Path, args: argparse.Namespace) -> tuple[StandCell, PageS
         local_user='' if args.login else 'stand',
     )
     trees = (TREES if args.sections == 5 else folder,)
-    sources = Sources(trees=trees, planning=PlanningProcess(trees))
+    sources = Sources(trees=trees, recipes=(RECIPES,), planning=PlanningProcess(trees))
     return stand, PageServer(Page(stand.node.name, stand.open_door, access, sources))
 
 

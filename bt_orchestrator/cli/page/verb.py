@@ -8,7 +8,12 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from bt_orchestrator.cli.door import open_door
-from bt_orchestrator.cli.folders import add_trees_option, script_folders
+from bt_orchestrator.cli.folders import (
+    add_recipes_option,
+    add_trees_option,
+    recipe_folders,
+    script_folders,
+)
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.page.access_options import access_of, add_access_options
 from bt_orchestrator.cli.planning_process import PlanningProcess
@@ -29,6 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = DESCRIPTION
     add_access_options(parser)
     add_trees_option(parser)
+    add_recipes_option(parser)
     parser.add_argument(
         '--journal',
         type=Path,
@@ -53,6 +59,7 @@ def run(args: argparse.Namespace) -> int:
     sources = Sources(
         open_records=None if journal is None else partial(open_records, journal),
         trees=script_folders(args.trees),
+        recipes=recipe_folders(args.recipes),
         planning=PlanningProcess(script_folders(args.trees)),
     )
     with StopSignals() as stop, server_log(ROOM):

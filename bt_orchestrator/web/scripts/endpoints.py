@@ -21,6 +21,7 @@ from bt_orchestrator.web.endpoint import Endpoint
 from bt_orchestrator.web.parts.tasks import TaskParts
 from bt_orchestrator.web.replies import Json, Problem
 from bt_orchestrator.web.scripts.drawing import Drawings
+from bt_orchestrator.web.scripts.recipe_shelf import RecipeShelf
 from bt_orchestrator.web.scripts.shelf import Shelf, parameters
 
 _UNKNOWN = {404: 'no script with this digest is known here', 503: 'the message says why not now'}
@@ -38,15 +39,22 @@ class Cell(Protocol):
         """What exists in the cell; None: not known yet."""
 
 
-def endpoints(shelf: Shelf, cell: Cell) -> tuple[Endpoint, ...]:
+def endpoints(shelf: Shelf, recipes: RecipeShelf, cell: Cell) -> tuple[Endpoint, ...]:
     """Return the endpoints."""
-    routes = _Routes(shelf, cell)
+    routes = _Routes(shelf, recipes, cell)
     return (
         Endpoint(
             'GET',
             '/api/scripts',
             routes.scripts,
             'returns the scripts that an order can name, with their parameters',
+        ),
+        Endpoint(
+            'GET',
+            '/api/recipes',
+            routes.recipes,
+            'returns the recipes that an order can name, with the parameters of their newest '
+            'versions',
         ),
         Endpoint(
             'GET',
@@ -68,13 +76,17 @@ def endpoints(shelf: Shelf, cell: Cell) -> tuple[Endpoint, ...]:
 
 
 class _Routes:
-    def __init__(self, shelf: Shelf, cell: Cell) -> None:
+    def __init__(self, shelf: Shelf, recipes: RecipeShelf, cell: Cell) -> None:
         self._shelf = shelf
+        self._recipes = recipes
         self._cell = cell
         self._drawings = Drawings()
 
     async def scripts(self, _: Request) -> Response:
         return Json(await self._shelf.listed())
+
+    async def recipes(self, _: Request) -> Response:
+        return Json(await self._recipes.listed())
 
     async def script(self, request: Request) -> Response:
         digest = request.path_params['digest']

@@ -21,6 +21,7 @@ from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.web.archive.archive import Archive
 from bt_orchestrator.web.archive.heard import Heard, HeardRecords
 from bt_orchestrator.web.scripts.drawing import Drawings, Drawn
+from bt_orchestrator.web.scripts.recipe_shelf import RecipeShelf
 from bt_orchestrator.web.scripts.shelf import Shelf
 
 WITH_PARAMS = """
@@ -114,3 +115,16 @@ def test_the_state_of_another_cell_is_not_drawn(run: VirtualRun) -> None:
 
     with pytest.raises(NotThisLine):
         drawn(Drawings(), run, replace(status_of(run), cell='another'))
+
+
+def test_recipes_of_the_folders_are_read_again_when_a_file_has_changed(tmp_path: Path) -> None:
+    text = 'recipe: P-1\nversion: {}\nscript: s\nparams: {{lot: {{type: str}}}}\noperations: []\n'
+    (tmp_path / 'p.yaml').write_text(text.format(1))
+    recipes = RecipeShelf([tmp_path])
+    first = asyncio.run(recipes.listed())
+    assert asyncio.run(recipes.listed()) is first
+    (one,) = first
+    assert (one['name'], one['versions']) == ('P-1', [1])
+    assert [field['name'] for field in one['parameters']] == ['lot']
+    (tmp_path / 'p_2.yaml').write_text(text.format(2))
+    assert [one['versions'] for one in asyncio.run(recipes.listed())] == [[1, 2]]

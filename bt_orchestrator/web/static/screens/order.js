@@ -1,4 +1,4 @@
-/** A new order: a script, its parameters and terms; checked while it is written, then queued. */
+/** A new order: a script or a recipe, its parameters and terms; checked while it is written, then queued. */
 
 import { Refused, get } from '../core/api.js';
 import { ask } from '../asking/ask.js';
@@ -67,7 +67,7 @@ export function mount(root) {
 
 async function load(form, said) {
   try {
-    form.setScripts(await get('/api/scripts'));
+    form.setSources(...(await Promise.all([get('/api/scripts'), get('/api/recipes')])));
   } catch (refused) {
     if (!(refused instanceof Refused)) throw refused;
     text(said, refused.message || t('order.no_scripts'));

@@ -30,7 +30,7 @@ export function checking(form, said) {
   async function check(isAll) {
     const mine = (turn += 1);
     const { order } = form.value();
-    if (!order.script) {
+    if (!order.script && !order.recipe) {
       const rest = isAll ? [{ field: 'script', what: t('order.script_missing'), hint: '' }] : [];
       form.warn(rest, isAll);
       say('open', isAll ? t('order.mend') : '');

@@ -7,6 +7,7 @@ import { jsonField } from '../../asking/json_field.js';
 import { scriptParams } from '../../asking/script_params.js';
 import { timeField } from '../../asking/time_field.js';
 import { newOrderId } from './order_id.js';
+import { sourceField } from './source_field.js';
 
 /**
  * Make it: an element, `value()`, `warn(findings)` and what fills it.
@@ -14,10 +15,7 @@ import { newOrderId } from './order_id.js';
  * @param {function(): void} left is called when a field is left for the first time
  */
 export function orderForm(changed, left) {
-  const script = fieldWith(
-    t('order.script'),
-    h('select', { name: 'script' }, h('option', { value: '' }, t('order.choose'))),
-  );
+  const source = sourceField(choose);
   const quantity = fieldWith(
     t('order.quantity'),
     h('input', { type: 'text', inputmode: 'numeric', name: 'quantity', autocomplete: 'off' }),
@@ -48,13 +46,12 @@ export function orderForm(changed, left) {
   const held = h('input', { type: 'checkbox', name: 'held' });
   const params = h('div', { class: 'order-params' });
   const touched = new Set();
-  let scripts = [];
   let entries = scriptParams([]);
 
   const element = h(
     'div',
     { class: 'order-parts' },
-    group('order.what', script.element, quantity.element, params),
+    group('order.what', source.field.element, quantity.element, params),
     group('order.when', priority.element, start.element, due.element),
     h(
       'div',
@@ -81,11 +78,10 @@ export function orderForm(changed, left) {
     touched.add(target.name);
     left();
   });
-  script.input.addEventListener('input', choose);
   order.input.value = newOrderId();
 
   function choose() {
-    const chosen = scripts.find((one) => one.name === script.value());
+    const chosen = source.chosen();
     entries = scriptParams(chosen?.parameters ?? []);
     children(params, entries.element);
     quantity.input.placeholder = chosen?.quantity ?? '';
@@ -93,7 +89,7 @@ export function orderForm(changed, left) {
 
   const fields = () =>
     new Map([
-      ['script', script],
+      ['script', source.field],
       ['quantity', quantity],
       ['order', order],
       ['priority', priority],
@@ -106,7 +102,7 @@ export function orderForm(changed, left) {
 
   function value() {
     const said = {
-      script: script.value(),
+      ...source.value(),
       order: order.value(),
       quantity: whole(quantity.value()),
       priority: whole(priority.value()),
@@ -131,7 +127,7 @@ export function orderForm(changed, left) {
       const known = fields();
       const words = new Map();
       for (const { field, what, hint } of findings) {
-        const name = known.has(field) ? field : '';
+        const name = known.has(field) ? field : source.tells(field);
         words.set(
           name,
           [words.get(name), hint ? `${what}; ${hint}` : what].filter(Boolean).join('. '),
@@ -144,17 +140,7 @@ export function orderForm(changed, left) {
 
     focusMistake: () => element.querySelector('[aria-invalid="true"]')?.focus(),
 
-    setScripts(found) {
-      scripts = found;
-      const names = [...new Set(found.map((one) => one.name))];
-      children(
-        script.input,
-        script.input.firstChild,
-        names.map((name) => h('option', { value: name }, name)),
-      );
-      if (names.length === 1) script.input.value = names[0];
-      choose();
-    },
+    setSources: source.set,
 
     setQueued(queued) {
       position.input.placeholder = t('order.by_urgency', { place: queued + 1 });
@@ -163,7 +149,7 @@ export function orderForm(changed, left) {
     /** Be ready for another order like this one. */
     another() {
       order.input.value = newOrderId();
-      script.input.focus();
+      source.field.input.focus();
       touched.clear();
     },
   };
