@@ -16,7 +16,7 @@ DOMAINS = range(1, 102)
 """Free of clashes with the ephemeral ports of Linux, and without 0, where people work."""
 
 APART = 37
-"""Workers, whose process ids are neighbours, begin as far from each other as three can."""
+"""Workers, whose process ids are neighbours, begin far from each other."""
 
 
 PROFILES = ('FASTDDS_DEFAULT_PROFILES_FILE', 'FASTRTPS_DEFAULT_PROFILES_FILE')

@@ -121,6 +121,7 @@ def jobs(start_line: StartLine) -> Jobs:
     return Jobs(start_line(fail=['worker.TASK_B#*=reject']))
 
 
+@pytest.mark.long
 def test_every_cell_answers_as_documented_and_changes_what_it_says(jobs: Jobs) -> None:
     jobs.command('pause')  # what may start waits, until its cells are tried
     for state in (NONE, 'NotAllowedToStart', 'AllowedToStart'):

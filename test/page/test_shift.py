@@ -85,6 +85,7 @@ def shift(tmp_path: Path, start_page: StartPage, sit: Sit) -> Iterator[Shift]:
         cell.close()
 
 
+@pytest.mark.long
 def test_a_shift(shift: Shift) -> None:
     shift.picture('nothing_to_do')
     shift.tab.log_in('engineer')

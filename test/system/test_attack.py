@@ -16,6 +16,7 @@ import pytest
 TEST = Path(__file__).parents[1]
 
 
+@pytest.mark.long
 @pytest.mark.timeout(600)
 def test_9_1_attacked_by_every_peer_nothing_is_lost_and_nothing_done_twice(tmp_path: Path) -> None:
     file = tmp_path / 'figures.json'

@@ -8,6 +8,7 @@ from __future__ import annotations
 import random
 from pathlib import Path
 
+import pytest
 from chaos.campaign import Campaign
 from chaos.crashing_node import POINTS
 from chaos.plan import BOTH, Restart, Shot, forgotten
@@ -15,6 +16,7 @@ from chaos.plan import BOTH, Restart, Shot, forgotten
 BACK = Restart(clock_step_s=-120.0, auto_resume=False)
 
 
+@pytest.mark.long
 def test_9_2_killed_at_every_step_nothing_is_lost_and_nothing_done_twice(tmp_path: Path) -> None:
     restarts = [Restart(), BACK, forgotten(random.Random(7)), Restart(clock_step_s=60.0)]
     restarts += [Restart()] * (len(POINTS) - len(restarts))

@@ -18,8 +18,6 @@ from program_process import PATIENCE_S, ProgramProcess
 from bt_orchestrator.cli.demo.folder import stop_process
 from bt_orchestrator.cli.demo.opcua_user import NAME, PASSWORD
 
-pytestmark = pytest.mark.every_distro
-
 INTERRUPTED = 130
 
 ALL_PACKED = r'^WO-1001 +reference_process( +3){2}( +0){3} '
@@ -59,6 +57,7 @@ def is_there(pid: int) -> bool:
     return stat.exists() and stat.read_text().rpartition(')')[2].split()[0] != 'Z'
 
 
+@pytest.mark.every_distro
 def test_the_demo_packs_its_order_and_leaves_nothing(demo: ProgramProcess) -> None:
     assert demo.wait(2 * PATIENCE_S) == 0, demo.errors
     assert re.search(ALL_PACKED, demo.output, re.MULTILINE)
@@ -94,6 +93,7 @@ def test_a_demo_with_page_and_opc_ua_goes_on_until_somebody_ends_it(tmp_path: Pa
         demo.kill()
 
 
+@pytest.mark.every_distro
 @pytest.mark.parametrize('with_signal', [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupted_demo_leaves_nothing(
     demo: ProgramProcess, with_signal: signal.Signals
@@ -109,6 +109,7 @@ def test_an_interrupted_demo_leaves_nothing(
     assert [pid for pid in pids if is_there(pid)] == []
 
 
+@pytest.mark.every_distro
 def test_a_killed_demo_is_resumed_and_finishes_its_order(
     demo: ProgramProcess, tmp_path: Path
 ) -> None:

@@ -92,6 +92,7 @@ def node_pid(terminal: PseudoTerminal) -> int:
     return int(found[1])
 
 
+@pytest.mark.long
 def test_a_hold_a_kill_and_a_coffee(cell: Path, folder: Path) -> None:
     demo = ['demo', '--folder', str(folder)]
     first = PseudoTerminal(

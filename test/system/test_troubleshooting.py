@@ -7,6 +7,7 @@ import re
 import subprocess
 from pathlib import Path
 
+import pytest
 from cell_processes import ROOT, StartCell, run_verb
 from program_process import program_in
 
@@ -29,6 +30,7 @@ def test_every_entry_has_a_symptom_a_cause_and_a_command() -> None:
             assert entry.count(part) == 1, (entry.partition('\n')[0], part)
 
 
+@pytest.mark.long
 def test_every_command_does_what_it_is_for(start_cell: StartCell, tmp_path: Path) -> None:
     journal = ['--journal', str(tmp_path / 'cell' / 'journal.db')]
     cell = start_cell(fail=['worker.#1=abort'], run_options=journal)
