@@ -281,7 +281,7 @@ class ProductBench:
 
 def text_of(data: Row) -> str:
     """Return a file of plain data."""
-    return str(yaml.safe_dump(data, sort_keys=False, width=99))
+    return str(yaml.dump(data, Dumper=yaml.CSafeDumper, sort_keys=False, width=99))
 
 
 def product_cell(plan: Plan) -> Cell:
