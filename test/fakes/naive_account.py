@@ -1,0 +1,159 @@
+"""A second opinion on the account of a period, written from docs/account.md.
+
+It shares nothing with the product's account: for each stretch between two events it looks through
+all that was recorded before it, and asks the questions of the page one after another.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+Records = Sequence[Mapping[str, Any]]
+
+BEGINS = ('Execute', 'Suspending', 'Suspended', 'Unsuspending')
+UNPLANNED = ('not_recorded', 'no_order')
+PRODUCES = ('production', 'rework')
+JOB_ENDS = ('job.completed', 'job.aborted', 'job.removed')
+
+
+class NaiveAccount(NamedTuple):
+    """What the period was worth."""
+
+    times: Counter[str]
+    """Microseconds of each loss, and of `production`."""
+    good: int
+    produced: int
+    oee: Fraction | None
+
+
+def naive_account(
+    records: Records, planned: Sequence[tuple[int, int]], pace_us: Callable[[str], Fraction]
+) -> NaiveAccount:
+    """Return the account of some stretches of time.
+
+    :param records: of a whole journal
+    :param pace_us: of a job
+    """
+    times: Counter[str] = Counter()
+    for number, record in enumerate(records):
+        begin = us(record)
+        end = us(records[number + 1]) if number + 1 < len(records) else planned[-1][1]
+        if overlap(begin, end, planned):
+            after = records[number + 1]['event'] if number + 1 < len(records) else ''
+            times[what_is_it(records[: number + 1], after)] += overlap(begin, end, planned)
+    times['not_recorded'] += overlap(0, us(records[0]), planned)
+    out = [one for one in records if one['event'] == 'item.removed']
+    counted = [one for one in out if any(here < us(one) <= there for here, there in planned)]
+    good = [one for one in counted if is_good(one, records)]
+    busy = sum(times.values()) - sum(times[name] for name in UNPLANNED)
+    value = sum((pace_us(one['job']) for one in good), start=Fraction(0))
+    oee = value / busy if busy else None
+    return NaiveAccount(times, len(good), len(counted), oee)
+
+
+def us(record: Mapping[str, Any]) -> int:
+    return round(record['time'] * 1_000_000)
+
+
+def overlap(begin: int, end: int, planned: Sequence[tuple[int, int]]) -> int:
+    return sum(max(0, min(end, there) - max(begin, here)) for here, there in planned)
+
+
+def is_good(out: Mapping[str, Any], records: Records) -> bool:
+    let_pass = any(
+        one['item'] == out['item']
+        for one in records
+        if one['event'] == 'item.nonconforming'
+        or (one['event'] == 'task.continued' and one['policy'] == 'continue' and one.get('item'))
+    )
+    return out['how'] == 'packed' and not let_pass
+
+
+# --- where the time goes --------------------------------------------------------------------
+
+
+def what_is_it(past: Records, next_event: str) -> str:
+    """Say what the time after some records is booked as."""
+    if not any(has_work(past, job) for job in jobs(past)):
+        return 'no_order'
+    if next_event == 'orchestrator.started' or has_stopped(past):
+        return 'no_node'
+    reason = last(past, 'cell.stop_reason_changed', 'stop_reason')
+    if reason:
+        return str(reason)
+    if last(past, 'cell.state_changed', 'state') not in BEGINS:
+        return 'operator'
+    flying = in_flight(past)
+    if not flying:
+        line = [job for job in jobs(past) if is_on_the_line(past, job)]
+        paused = [job for job in line if is_paused(past, job)]
+        return 'operator' if line and paused == line else 'waiting'
+    if all('job' in one and 'section' not in one for one in flying):
+        return 'setup'
+    if any(one['attempt'] > 1 or one.get('round', 0) > 0 for one in flying):
+        return 'rework'
+    return 'production'
+
+
+def last(past: Records, event: str, field: str) -> Any:
+    found = [one.get(field) for one in past if one['event'] == event]
+    return found[-1] if found else None
+
+
+def has_stopped(past: Records) -> bool:
+    ends = [one for one in past if one['event'].startswith('orchestrator.')]
+    return bool(ends) and ends[-1]['event'] == 'orchestrator.stopping'
+
+
+def in_flight(past: Records) -> list[Mapping[str, Any]]:
+    begun: dict[Any, Mapping[str, Any]] = {}
+    for one in past:
+        key = tuple(one.get(name) for name in ('job', 'section', 'item', 'task'))
+        if one['event'] == 'task.started':
+            begun[key] = one
+        elif one['event'] in ('task.succeeded', 'task.failed'):
+            begun.pop(key, None)
+    return list(begun.values())
+
+
+def jobs(past: Records) -> list[str]:
+    named = [one['job'] for one in past if one['event'] == 'job.queued']
+    ended = [one['job'] for one in past if one['event'] in JOB_ENDS]
+    return [job for job in named if job not in ended]
+
+
+def of_job(past: Records, job: str, *events: str) -> list[str]:
+    return [one['event'] for one in past if one.get('job') == job and one['event'] in events]
+
+
+def is_on_the_line(past: Records, job: str) -> bool:
+    return bool(of_job(past, job, 'job.started', 'job.aborting'))
+
+
+def is_paused(past: Records, job: str) -> bool:
+    words = ('job.paused', 'job.resumed', 'job.stopping', 'job.aborting')
+    return of_job(past, job, *words)[-1:] == ['job.paused']
+
+
+def has_work(past: Records, job: str) -> bool:
+    """Tell whether a job is on the line, or may start."""
+    if is_on_the_line(past, job):
+        return True
+    (queued,) = (one for one in past if one['event'] == 'job.queued' and one['job'] == job)
+    told = [one for one in past if one['event'] == 'job.updated' and one['job'] == job]
+    newest = told[-1] if told else queued
+    since = past.index(newest)
+    held = of_job(past, job, 'job.held', 'job.released')[-1:]
+    is_held = held == ['job.held'] if held else queued.get('held', False)
+    may = of_job(past[since:], job, 'job.may_start')
+    awaits = newest.get('awaits_start', False) and not may
+    lacks = set(newest.get('unavailable', ()))
+    for one in past[since:]:
+        if one['event'] == 'component.out_of_service' and job in one.get('jobs', ()):
+            lacks.add(one['component'])
+        elif one['event'] == 'component.in_service':
+            lacks.discard(one['component'])
+    return not (is_held or awaits or lacks)
