@@ -35,19 +35,37 @@ class Svg:
         page.add('rect', x=area.left, y=area.top, width=width, height=height, fill=PAPER)
         return page
 
+    @classmethod
+    def part(cls, width: float, height: float, **attributes: Any) -> Svg:
+        """Begin a drawing in a page of HTML, whose style it has; it is as wide as its place."""
+        drawing = cls(ET.Element('svg'))
+        drawing._set(
+            viewBox=f'0 0 {_text(width)} {_text(height)}',
+            preserveAspectRatio='none',
+            aria_hidden='true',
+            **attributes,
+        )
+        return drawing
+
     def add(self, name: str, text: str = '', **attributes: Any) -> Svg:
         """Add an element.
 
         In attribute names an underscore becomes a hyphen (`font_size`); a trailing one is dropped
         (`class_`).
         """
-        named = {
-            key.rstrip('_').replace('_', '-'): xml_text(_text(value))
-            for key, value in attributes.items()
-        }
-        child = ET.SubElement(self._element, name, named)
-        child.text = xml_text(text) or None
-        return Svg(child)
+        child = Svg(ET.SubElement(self._element, name))
+        child._set(**attributes)
+        child._element.text = xml_text(text) or None
+        return child
+
+    def fragment(self) -> str:
+        """Return it as a part of a page."""
+        return ET.tostring(self._element, encoding='unicode')
+
+    def _set(self, **attributes: Any) -> None:
+        for key, value in attributes.items():
+            name = key.rstrip('_').replace('_', '-')
+            self._element.set(name, xml_text(_text(value)))
 
     def __str__(self) -> str:
         ET.indent(self._element)

@@ -55,7 +55,7 @@ def naive_account(
 
 
 def us(record: Mapping[str, Any]) -> int:
-    return round(record['time'] * 1_000_000)
+    return round(float(record['time']) * 1_000_000)
 
 
 def overlap(begin: int, end: int, planned: Sequence[tuple[int, int]]) -> int:

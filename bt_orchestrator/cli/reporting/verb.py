@@ -50,6 +50,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_which_options(parser)
     form = parser.add_mutually_exclusive_group()
+    form.add_argument(
+        '--html', action='store_true', help='as one page for a browser, or for paper'
+    )
     form.add_argument('--json', action='store_true', help='as one JSON object')
     form.add_argument('--csv', action='store_true', help='as one table for a spreadsheet')
     add_duration_options(parser)
@@ -85,7 +88,11 @@ def _tell_durations(
 
 
 def _write(made: Account, args: argparse.Namespace, file: IO[str]) -> None:
-    if args.csv:
+    if args.html:
+        from bt_orchestrator.drawing.account.page import account_page
+
+        file.write(account_page(made))
+    elif args.csv:
         write_csv(made, file)
     elif args.json:
         file.write(json.dumps(account_plain(made), ensure_ascii=False) + '\n')

@@ -49,6 +49,8 @@ class Account:
     period: Period
     figures: Figures
     source: Source
+    has_cell: bool
+    """A cell file was given, for the pace."""
     cell_differs: bool
     """The node ran with another cell file than the one that the pace is of."""
 
@@ -58,9 +60,12 @@ class Account:
         shown = self.figures
         if shown.unpaced:
             named = ', '.join(shown.unpaced)
-            said.append(f'no pace is known of {named}: performance and OEE need --cell CELL')
+            why = 'does not fit' if self.has_cell else 'is needed: --cell CELL'
+            said.append(f'no performance and no OEE: for the pace of {named} the cell file {why}')
         if self.cell_differs:
             said.append('the pace is by a cell file that is not the one that the node ran with')
+        if shown.performance is not None and shown.performance > 1:
+            said.append('quicker than the pace: the durations in the cell file are too long')
         loose = (one.period for one in shown.paces.values() if not one.is_exact)
         said += [f'the pace is no exact one: {period}' for period in loose]
         return tuple(dict.fromkeys(said))
@@ -95,6 +100,7 @@ def account(reading: Reading, period: Period, cell: Cell | None) -> Account:
         period,
         figures(times, cell),
         Source(extent, first, last, reading.lost),
+        cell is not None,
         bool(named) and any(one != named for one in times.cells),
     )
 

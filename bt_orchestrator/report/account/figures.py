@@ -13,6 +13,7 @@ from bt_orchestrator.proof.pace import Pace, pace
 from bt_orchestrator.report.account.fold import Times
 from bt_orchestrator.report.account.losses import WORDS, Loss, Step, of_step
 from bt_orchestrator.report.account.troubles import Repairs
+from bt_orchestrator.report.account.words import is_seen
 
 PLANNED, BUSY, PRODUCTION, NET, VALUE = (
     'planned time',
@@ -149,6 +150,10 @@ class Figures:
         yield Bar(NET, self.net_us)
         yield from self._losses(Step.QUALITY)
         yield Bar(VALUE, self.value_us)
+
+    def steps_seen(self) -> Iterator[Bar]:
+        """Yield the waterfall without losses that are written as 0.0 s."""
+        return (one for one in self.waterfall() if one.loss is None or is_seen(one.us))
 
     def loss_us(self, loss: Loss) -> Fraction:
         """Return what a loss takes away."""

@@ -46,6 +46,8 @@ class Times:
     left_out_us: dict[Loss, int]
     failing: tuple[FailingTask, ...]
     repairs: tuple[Repairs, ...]
+    cell: str
+    """Name of the cell; empty: not known."""
     cells: tuple[str, ...]
     """Digests of the cell files that the node ran with in this time; empty: not known."""
 
@@ -84,6 +86,7 @@ class AccountFold:
         self._scripts: dict[str, Script] = {}
         self._stops = StopBook()
         self._troubles = TroubleBook()
+        self._cell = ''
         self._cells: dict[str, None] = {}
 
     def follow(self, event: e.Event) -> None:
@@ -115,6 +118,7 @@ class AccountFold:
             dict(self._stops.left_out),
             self._troubles.failing(),
             self._troubles.repairs(),
+            self._cell,
             tuple(self._cells),
         )
 
@@ -182,3 +186,4 @@ class AccountFold:
         if self._now <= self._begin:
             self._cells.clear()  # what ran before the period is no matter
         self._cells[event.digest] = None
+        self._cell = event.cell

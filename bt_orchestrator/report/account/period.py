@@ -7,6 +7,8 @@ from datetime import datetime, tzinfo
 
 from bt_orchestrator.report.account.planned import US, Planned
 
+_DAY_US = 24 * 3600 * US
+
 
 @dataclass(frozen=True)
 class Period:
@@ -37,8 +39,9 @@ class Period:
         return f'{datetime.fromtimestamp(us // US, self.zone):%Y-%m-%d %H:%M:%S}'
 
     def clock(self, us: int) -> str:
-        """Write a moment without its date."""
-        return f'{datetime.fromtimestamp(us // US, self.zone):%H:%M:%S}'
+        """Write a moment without its date, or year, where that can be no other one."""
+        form = '%H:%M:%S' if self.end_us - self.begin_us <= _DAY_US else '%m-%d %H:%M:%S'
+        return f'{datetime.fromtimestamp(us // US, self.zone):{form}}'
 
     def iso(self, us: int) -> str:
         """Write a moment for a program: with its offset."""

@@ -17,6 +17,7 @@ def account_plain(account: Account) -> dict[str, Any]:
     shown = account.figures
     times = shown.times
     return {
+        'cell': times.cell or None,
         'period': _period(account),
         'made_from': _source(account),
         'notes': list(account.notes()),

@@ -75,8 +75,10 @@ class Standing:
         loss = OF_STOP_REASON[reason]
         if reason in (StopReason.STARVED, StopReason.BLOCKED):
             return Cause(loss, self._trouble(), next(iter(self._unready), ''))
-        if reason is StopReason.EMERGENCY or not self.holds:
-            return Cause(loss, self._stop_words if reason is StopReason.OPERATOR else 'abort')
+        if reason is StopReason.EMERGENCY:
+            return Cause(loss, 'abort')
+        if not self.holds:
+            return Cause(loss, self._stop_words if reason is StopReason.OPERATOR else '')
         hold = next(iter(self.holds.values()))
         return Cause(loss, kind_of(hold), hold.component, hold.hold)
 

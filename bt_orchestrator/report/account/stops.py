@@ -9,8 +9,9 @@ from typing import NamedTuple
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.hold_words import hold_words
-from bt_orchestrator.report.account.losses import Loss
+from bt_orchestrator.report.account.losses import WORDS, Loss, Step
 from bt_orchestrator.report.account.standing import Cause
+from bt_orchestrator.report.account.words import is_seen
 
 MOST_HOLDS = 100
 """Holds that are told one by one: those that cost most. Of all others number and time."""
@@ -27,6 +28,18 @@ class Stop(NamedTuple):
     component: str
     times: int
     us: int
+
+    @property
+    def about(self) -> str:
+        """What exactly, with its component."""
+        if self.component in self.detail:
+            return self.detail
+        return f'{self.component}, {self.detail}'
+
+    @property
+    def is_shown(self) -> bool:
+        """Tell whether it is a stop of the line that can be seen beside the others."""
+        return WORDS[self.loss].step is Step.AVAILABILITY and is_seen(self.us)
 
 
 @dataclass
@@ -92,15 +105,15 @@ class StopBook:
             self._open[event.hold] = Held(event.hold, hold_words(event), now)
         elif isinstance(event, e.OperatorDecided):
             self._decided(event)
-        elif not isinstance(event, e.HoldReleased):
-            self._said = None
-        else:
+        elif isinstance(event, e.HoldReleased):
             held = self._open.pop(event.hold, None)
             if held is not None:
                 held.released_us = now
                 if not held.answer and self._said is not None:
                     _answer(held, self._said)
                 self._keep(held)
+        elif not isinstance(event, e.ItemRemoved):
+            self._said = None
 
     def stops(self) -> tuple[Stop, ...]:
         """Return the stops, the longest first."""
@@ -117,8 +130,7 @@ class StopBook:
     def _decided(self, event: e.OperatorDecided) -> None:
         held = self._open.get(event.hold or '')
         if held is None:
-            # `resume` names no hold: it releases those of its sender, at once.
-            self._said = event if event.answer == 'resume' else None
+            self._said = event  # `resume` and `remove-item` name no hold, and release it at once
         elif event.answer not in _REMARKS:
             _answer(held, event)
 

@@ -7,7 +7,7 @@ from fractions import Fraction
 
 from bt_orchestrator.report.account.account import Account
 from bt_orchestrator.report.account.figures import Figures
-from bt_orchestrator.report.account.losses import WORDS, Step
+from bt_orchestrator.report.account.losses import WORDS
 from bt_orchestrator.report.account.stops import Held
 from bt_orchestrator.report.account.words import UNKNOWN, duration, percent, rate
 from bt_orchestrator.report.tables import table
@@ -19,7 +19,8 @@ MOST_ROWS = 10
 def account_text(account: Account) -> Iterator[str]:
     """Yield the lines of an account; each part is left out where it has nothing to say."""
     period, shown = account.period, account.figures
-    yield f'{period.name}, {period.when(period.begin_us)} to {period.when(period.end_us)}'
+    cell = f'cell {shown.times.cell}, ' if shown.times.cell else ''
+    yield f'{cell}{period.name}, {period.when(period.begin_us)} to {period.when(period.end_us)}'
     yield from (f'  {note}' for note in account.notes())
     yield ''
     yield from _head(shown)
@@ -55,7 +56,7 @@ def _head(shown: Figures) -> Iterator[str]:
 def _waterfall(shown: Figures) -> Iterator[str]:
     rows = []
     whole = shown.times.planned.total_us
-    for bar in shown.waterfall():
+    for bar in shown.steps_seen():
         name = f'- {bar.title}' if bar.loss else bar.title
         rows.append((name, duration(bar.us), percent(Fraction(bar.us) / whole)))
     yield from table(('', 'time', 'of planned'), rows)
@@ -76,12 +77,12 @@ def _made(shown: Figures) -> Iterator[str]:
 def _stops(shown: Figures) -> Iterator[str]:
     rows = [
         (
-            ', '.join(filter(None, (WORDS[one.loss].title, one.component, one.detail))),
+            ', '.join(filter(None, (WORDS[one.loss].title, one.about))),
             str(one.times),
             duration(one.us),
         )
         for one in shown.times.stops
-        if WORDS[one.loss].step is Step.AVAILABILITY
+        if one.is_shown
     ]
     yield from _pareto(('', 'times', 'time'), rows)
 

@@ -19,6 +19,11 @@ def duration(us: Fraction | int) -> str:
     return f'{sign}{hours}:{minutes:02}:{seconds:02}'
 
 
+def is_seen(us: Fraction | int) -> bool:
+    """Tell whether a duration is not written as 0.0 s: the node itself needs such moments."""
+    return not -US < us * 20 < US
+
+
 def percent(ratio: Fraction | None) -> str:
     """Write a ratio."""
     return UNKNOWN if ratio is None else f'{float(ratio) * 100:.1f} %'

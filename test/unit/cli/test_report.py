@@ -43,7 +43,9 @@ def test_a_shift_as_text(journal: Path, capsys: pytest.CaptureFixture[str]) -> N
     assert report(journal, *of_shift(journal), '--cell', str(journal.parent / 'cell.yaml')) == 0
     text = capsys.readouterr().out
     lines = text.splitlines()
-    assert lines[0] == 'shift early of 2026-05-18, 2026-05-18 06:00:00 to 2026-05-18 14:00:00'
+    assert lines[0] == (
+        'cell test_line, shift early of 2026-05-18, 2026-05-18 06:00:00 to 2026-05-18 14:00:00'
+    )
     assert lines[1].startswith('  made from events 2 to ')
     assert lines[2] == '  the pace is by a cell file that is not the one that the node ran with'
     assert '  - own fault             0:22:00       4.9 %' in lines
@@ -58,7 +60,8 @@ def test_without_a_cell_file_there_is_no_oee_but_all_else(
     assert found['oee'] == {
         'availability': 0.813561, 'performance': None, 'quality': 0.965251, 'oee': None,
     }  # fmt: skip
-    assert 'no pace is known of test: performance and OEE need --cell CELL' in found['notes']  # type: ignore[operator]
+    said = 'no performance and no OEE: for the pace of test the cell file is needed: --cell CELL'
+    assert said in found['notes']  # type: ignore[operator]
     assert found['waterfall'][-1]['title'] == 'actual production time'  # type: ignore[index]
 
 

@@ -65,14 +65,15 @@ def accounts(
 
     def pace_us(job: str) -> Fraction:
         found = pace(scripts[job], cell)
-        assert found is not None, 'it went through'
-        return found.limit.per_item_us
+        return Fraction(0) if found is None else found.limit.per_item_us
 
     naive = naive_account(records, planned.pieces, pace_us)
     booked = {loss.value: us for loss, us in mine.times.lost_us.items()}
     assert +Counter({**booked, 'production': mine.times.producing_us}) == +naive.times
-    assert (mine.good, mine.produced, mine.oee) == (naive.good, naive.produced, naive.oee)
-    closes(mine)
+    assert (mine.good, mine.produced) == (naive.good, naive.produced)
+    if mine.has_paces:  # one that gets stuck has none, and an item of it may be taken off by hand
+        assert mine.oee == naive.oee
+        closes(mine)
     return mine
 
 

@@ -99,7 +99,7 @@ def test_each_loss_goes_down_to_its_holds(made: Account) -> None:
     assert holds == [
         ('1', Loss.OWN_FAULT, 1200, 'ann', 'retry', 'cleared the jam'),
         ('2', Loss.OPERATOR, 600, 'ann', 'resume', 'back'),
-        ('9', None, 0, '', '', ''),
+        ('9', None, 0, 'ann', 'clear', ''),
         ('3', Loss.OWN_FAULT, 120, 'ann', 'resume', 'looked at it'),
     ]
     assert made.figures.times.holds[0].words == (
