@@ -157,6 +157,19 @@ class CellProcesses:
         lines = self.log.read_text().splitlines() if self.log.exists() else []
         return [r for line in lines if about.items() <= (r := json.loads(line)).items()]
 
+    def child(self, module: str) -> int:
+        """Return the process of a module that the node has started, once it is there."""
+        found: list[int] = []
+
+        def look() -> bool:
+            children = Path(f'/proc/{self.node.pid}/task').glob('*/children')
+            pids = [int(pid) for one in children for pid in one.read_text().split()]
+            found[:] = [pid for pid in pids if runs(pid, module)]
+            return bool(found)
+
+        self.watch.ros.spin_until(look, f'the process {module}')
+        return found[0]
+
     def stop(self, node_status: int = 0) -> None:
         """End everything, node first, and fail unless all of it ends well."""
         assert self.node.stop() == node_status, self.node.errors
@@ -185,3 +198,11 @@ def _ended(verb: ProgramProcess) -> tuple[int, str, str]:
     status = verb.wait()
     assert 'Traceback' not in verb.errors, verb.errors
     return status, verb.output, verb.errors
+
+
+def runs(pid: int, module: str) -> bool:
+    """Tell whether a process is there and runs a module."""
+    try:
+        return module.encode() in Path(f'/proc/{pid}/cmdline').read_bytes().split(b'\0')
+    except FileNotFoundError:
+        return False

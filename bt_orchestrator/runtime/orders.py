@@ -76,8 +76,13 @@ def change(
     why = contradiction(job.script, others, sharing) or _other_recipe(job, state.recipe_digests)
     if why is not None:
         raise CommandRefused(why)
+    ordered = _ordered(job)
+    if _is_made_as_before(job, live):
+        ordered |= {'recipe': live.recipe, 'recipe_version': live.recipe_version}
+        key = recipe_key(live.recipe, live.recipe_version)
+        ordered['recipe_digest'] = state.recipe_digests.get(key, '')
     updated = e.JobUpdated(
-        **_ordered(job),
+        **ordered,
         position=_new_place(state, live, job),
         awaits_start=_waits(state, live, job, now),
         unavailable=unavailable_to(state, job.script),
@@ -101,6 +106,16 @@ class _Ranks:
         self._given.insert(before, (without, urgency))
         place = without + before
         return None if place == self._jobs.waiting + len(self._given) else place
+
+
+def _is_made_as_before(job: Job, live: JobState) -> bool:
+    """Tell whether a changed job keeps its script; jobs of two versions may have one in common."""
+    kept = live.job.script
+    return (
+        job.recipe == live.job.recipe
+        and digest(job.script) == live.digest
+        and job.script.made_from == kept.made_from
+    )
 
 
 def _new_place(state: CellState, live: JobState, job: Job) -> int | None:

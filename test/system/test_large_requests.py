@@ -12,7 +12,7 @@ from action_msgs.msg import GoalStatus
 from bt_orchestrator_interfaces.action import RunJob
 from bt_orchestrator_interfaces.msg import WorkOrder
 from bt_orchestrator_interfaces.srv import GetEvents, QueueAdd, QueueUpdate, SubmitOrder
-from cell_processes import CellProcesses, small_script
+from cell_processes import CellProcesses, runs, small_script
 
 from bt_orchestrator.model.limits import FINDINGS, ORDERS, REQUEST_BYTES
 from bt_orchestrator.script.composing import MOST_NODES
@@ -20,33 +20,12 @@ from bt_orchestrator.script.composing import MOST_NODES
 LIGHT = 5
 """Questions that are answered while one request is read: one may be in front of it."""
 
-MODULE = b'bt_orchestrator.ros.services.order_process'
+MODULE = 'bt_orchestrator.ros.services.order_process'
 
 
 def reading_process(cell: CellProcesses) -> int:
     """Return the process that reads the orders of a node, once it is there."""
-    found: list[int] = []
-
-    def look() -> bool:
-        node = cell.node.pid
-        children = Path(f'/proc/{node}/task').glob('*/children')
-        pids = [int(pid) for one in children for pid in one.read_text().split()]
-        found[:] = [pid for pid in pids if MODULE in _words(pid)]
-        return bool(found)
-
-    cell.watch.ros.spin_until(look, 'the process that reads orders')
-    return found[0]
-
-
-def is_there(pid: int) -> bool:
-    return MODULE in _words(pid)
-
-
-def _words(pid: int) -> list[bytes]:
-    try:
-        return Path(f'/proc/{pid}/cmdline').read_bytes().split(b'\0')
-    except FileNotFoundError:
-        return []
+    return cell.child(MODULE)
 
 
 def ask_meanwhile(cell: CellProcesses) -> None:
@@ -123,7 +102,7 @@ def test_a_reading_that_takes_too_long_is_told_and_the_next_one_works(
 def test_no_process_is_left_of_a_node_that_is_killed(small_cell: CellProcesses) -> None:
     child = reading_process(small_cell)
     small_cell.node.kill()
-    small_cell.watch.ros.spin_until(lambda: not is_there(child), 'the end of the process')
+    small_cell.watch.ros.spin_until(lambda: not runs(child, MODULE), 'the end of the process')
 
 
 def test_a_request_that_is_too_large_is_refused_at_once(small_cell: CellProcesses) -> None:

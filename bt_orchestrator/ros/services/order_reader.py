@@ -20,13 +20,12 @@ from typing import NamedTuple
 from bt_orchestrator.asking.orders import free_ids
 from bt_orchestrator.child_process import FAREWELL_S, ChildFailed, ChildProcess, ChildTooLate
 from bt_orchestrator.errors import NotRead
-from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.replies import Reply
 from bt_orchestrator.script.orders.desk import ChangedJob, Question, Reading, Wanted
-from bt_orchestrator.script.orders.desk_pickles import unpickled
+from bt_orchestrator.script.orders.desk_pickles import name_of, unpickled
 
 log = logging.getLogger(__name__)
 
@@ -96,7 +95,8 @@ class OrderReader:
         """
         await self._turn()
         try:
-            held = {**self._scripts, **self._state.scripts}
+            live = {name_of(one): one for one in self._state.scripts.values()}
+            held = {**self._scripts, **live}
             question = self._question(wanted() if callable(wanted) else wanted, held)
             asked = _Asked(question, held, Reply())
             self._questions.put(asked)
@@ -159,7 +159,7 @@ class OrderReader:
     def _keep(self, reading: Reading) -> None:
         for job in reading.read:
             if isinstance(job, Job):
-                self._scripts[digest(job.script)] = job.script
+                self._scripts[name_of(job.script)] = job.script
         while len(self._scripts) > SCRIPTS_KEPT:
             self._scripts.popitem(last=False)
 

@@ -137,7 +137,7 @@ class Question:
     scripts: Mapping[str, bytes] = field(default_factory=dict)
     """Those and the one of a job to be changed, pickled, by digest."""
     held: frozenset[str] = frozenset()
-    """Digests of scripts that the client process has; they are not sent again."""
+    """Names of scripts that the client process has; they are not sent again."""
 
 
 @dataclass(frozen=True)

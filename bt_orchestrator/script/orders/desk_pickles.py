@@ -1,7 +1,7 @@
 """Questions to the order desk and its answers as bytes, between two processes of one program.
 
-Scripts that the asking side has are named by their digests, so that one script stays one object
-there, however many orders name it.
+Scripts that the asking side has are named by what they say and what they were made from, so that
+one script stays one object there, however many orders name it.
 """
 
 from __future__ import annotations
@@ -14,6 +14,11 @@ from typing import Any
 from bt_orchestrator.model.codec import digest, text_of
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.script.orders.desk import Reading
+
+
+def name_of(script: Script) -> str:
+    """Return a name of a script; two versions of a recipe may come to scripts of one digest."""
+    return f'{digest(script)} {script.made_from}'
 
 
 def pickled(reading: Reading, held: Set[str]) -> bytes:
@@ -37,8 +42,9 @@ class _Pickler(pickle.Pickler):
         """Name a script that is there already."""
         if not isinstance(value, Script):
             return None
-        if digest(value) in self._held:
-            return digest(value)
+        name = name_of(value)
+        if name in self._held:
+            return name
         value.work_out()  # here, and not in the thread that runs the line
         text_of(value)
         return None

@@ -204,3 +204,15 @@ def test_8_6_a_change_may_name_a_recipe_and_takes_one_away(bench: Bench) -> None
     update = ask('job.update', ann(), job='A', script='test')
     assert begin(bench.handler.carry_out(update)).value.accepted
     assert bench.engine.state.jobs['A'].job.recipe is None
+
+
+def test_8_6_jobs_of_two_versions_with_one_script_keep_their_versions(bench: Bench) -> None:
+    for version, name in ((1, 'A'), (2, 'B')):
+        answer = bench.order(name)
+        bench.give(made(version, f'{version}{version}'))
+        assert answer.value.accepted
+    update = ask('job.update', ann(), job='B', quantity=5)
+    assert begin(bench.handler.carry_out(update)).value.accepted
+    jobs = bench.engine.state.jobs
+    assert [jobs[name].recipe_version for name in 'AB'] == [1, 2]
+    assert jobs['B'].job.quantity == 5

@@ -16,7 +16,7 @@ from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.codec import digest, to_text
 from bt_orchestrator.model.events import ScriptLoaded
 from bt_orchestrator.model.jobs.order import Job, Terms
-from bt_orchestrator.model.script import Script
+from bt_orchestrator.model.script import MadeFrom, Script
 from bt_orchestrator.script.orders.desk import (
     AskedOrder,
     ChangedJob,
@@ -26,7 +26,7 @@ from bt_orchestrator.script.orders.desk import (
     Wanted,
     WrittenOrder,
 )
-from bt_orchestrator.script.orders.desk_pickles import pickled, unpickled
+from bt_orchestrator.script.orders.desk_pickles import name_of, pickled, unpickled
 from bt_orchestrator.script.orders.terms import AskedTerms
 
 TEXT = LINE + 'params: {lot: {type: str, default: none}}\n'
@@ -181,12 +181,17 @@ def test_a_script_that_is_there_already_is_not_sent_and_stays_one_object(desk: O
     reading = desk.answer(Question(order(quantity=1), IDS))
     whole = pickled(reading, frozenset())
     (first,) = unpickled(whole, {}).read
-    here = {digest(first.script): first.script}
+    here = {name_of(first.script): first.script}
     short = pickled(reading, here.keys())
     (second,) = unpickled(short, here).read
     assert second == first
     assert second.script is first.script
     assert len(short) < len(whole) / 3
+    other = replace(first.script, made_from=MadeFrom('BOX-7', 2))
+    assert digest(other) == digest(first.script)
+    again = pickled(replace(reading, read=(replace(first, script=other),)), here.keys())
+    (third,) = unpickled(again, here).read
+    assert third.script.made_from == MadeFrom('BOX-7', 2)
 
 
 def test_what_is_asked_of_a_script_is_worked_out_where_it_is_read(

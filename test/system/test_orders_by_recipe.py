@@ -1,0 +1,134 @@
+"""Orders by recipe in a real node: generated beside the line, queued as a whole, or not at all."""
+
+from __future__ import annotations
+
+import os
+import signal
+from pathlib import Path
+from typing import Any
+
+from bt_orchestrator_interfaces.action import RunJob
+from bt_orchestrator_interfaces.msg import WorkOrder
+from bt_orchestrator_interfaces.srv import Command, QueueAdd, QueueUpdate, SubmitOrder
+from cell_processes import SMALL_CELL, CellProcesses, StartCell, runs, small_script
+from diagnostic_msgs.msg import KeyValue
+
+MODULE = 'bt_orchestrator.cli.generating.process'
+
+ABLE = {
+    'feeder': 'feed: {task: TASK_A, qty_change: 1}',
+    'worker': 'work: {task: TASK_A}',
+    'packer': 'work: {task: TASK_A}, pack: {task: TASK_A, qty_change: -1}',
+}
+
+RECIPE = """\
+recipe: BOX
+version: 1
+script: box
+params: {lot: {type: str, default: none}}
+operations:
+  - {id: feed, do: feed}
+  - {id: work, do: work}
+  - {id: pack, do: pack}
+"""
+
+
+def able_cell() -> str:
+    """Return the small cell, whose components say what they can do."""
+    text = SMALL_CELL
+    for name, can in ABLE.items():
+        task = f'action: {name}/task'
+        end = ',' if '{' in text.split(task)[0].rsplit('\n', 1)[1] else '\n   '
+        text = text.replace(task, f'{task}{end} capabilities: {{{can}}}')
+    return text
+
+
+def by_recipe(name: str, version: int = 0, **bind: str) -> WorkOrder:
+    bound = [KeyValue(key=key, value=value) for key, value in bind.items()]
+    return WorkOrder(order=name, recipes=['BOX'], version=version, quantity=1, bind=bound)
+
+
+def answer(cell: CellProcesses, future: Any) -> Any:
+    cell.watch.ros.spin_until(future.done, 'the answer')
+    return future.result()
+
+
+def test_orders_by_recipe(start_cell: StartCell, tmp_path: Path) -> None:
+    recipes = tmp_path / 'recipes'
+    recipes.mkdir()
+    (recipes / 'box.yaml').write_text(RECIPE)
+    journal = str(tmp_path / 'journal.sqlite3')
+    options = ['--recipes', str(recipes), '--journal', journal, '--auto-resume']
+    cell = start_cell(cell=able_cell(), run_options=options)
+    cell.connect()
+    _a_node_that_is_killed_while_it_generates_has_queued_nothing(cell)
+    _a_request_is_refused_as_a_whole(cell)
+    _run_job_takes_the_text_of_an_order(cell)
+    _what_is_out_of_service_is_left_out(cell)
+    _a_version_says_one_thing(cell, recipes)
+    cell.stop()
+
+
+def _a_node_that_is_killed_while_it_generates_has_queued_nothing(cell: CellProcesses) -> None:
+    request = SubmitOrder.Request(order='A', recipes=['BOX'], quantity=1)
+    first = cell.watch.begin(SubmitOrder, 'submit_order', request)
+    child = cell.child(MODULE)
+    os.kill(child, signal.SIGSTOP)
+    cell.watch.submit(cell.script(small_script()), order='S')
+    assert not first.done(), 'the order by script came first'
+    cell.node.kill()
+    os.kill(child, signal.SIGCONT)
+    cell.watch.ros.spin_until(lambda: not runs(child, MODULE), 'the end of the process')
+    cell.start_node()
+    cell.node.wait_ready()
+    cell.watch.until_ended('S')
+    request = QueueAdd.Request(orders=[by_recipe('A')], held=True)
+    assert cell.watch.call(QueueAdd, 'queue/add', request).accepted, 'its id was not used'
+
+
+def _a_request_is_refused_as_a_whole(cell: CellProcesses) -> None:
+    orders = [by_recipe('B'), by_recipe('C', 3), by_recipe('D', feed='packer')]
+    told = cell.watch.call(QueueAdd, 'queue/add', QueueAdd.Request(orders=orders))
+    assert not told.accepted
+    said = ' '.join(finding for one in told.answers for finding in one.findings)
+    assert 'recipe BOX has no version 3; there is 1' in said
+    assert 'bind feed: `packer` does not have `feed`' in said
+    both = WorkOrder(order='E', recipes=['BOX'], script='small', quantity=1)
+    told = cell.watch.call(QueueAdd, 'queue/add', QueueAdd.Request(orders=[both]))
+    assert 'the order names recipe and script; keep one' in told.answers[0].findings[0]
+    assert {event['job'] for event in cell.watch.seen('job.queued')} == {'S', 'A'}
+
+
+def _run_job_takes_the_text_of_an_order(cell: CellProcesses) -> None:
+    text = 'order: F\nrecipe: [BOX]\nbind: {work: packer}\nquantity: 1\nparams: {lot: A7}\n'
+    handle = cell.watch.ros.start(f'{cell.watch.name}/run_job', RunJob, RunJob.Goal(text=text))
+    result = cell.watch.ros.result(handle).result
+    assert (result.exit_status, result.status.packed) == ('completed', 1), result.message
+    queued = cell.watch.seen('job.queued', job='F')[0]
+    assert (queued['recipe'], queued['recipe_version']) == ('BOX', 1)
+    assert queued['choice'] == {'recipes': ['BOX'], 'bind': {'work': 'packer'}}
+    assert cell.watch.seen('task.started', job='F', task='work')[0]['component'] == 'packer'
+
+
+def _what_is_out_of_service_is_left_out(cell: CellProcesses) -> None:
+    out = Command.Request(command='out_of_service', component='packer', reason='worn')
+    assert cell.watch.call(Command, 'command', out).accepted
+    told = cell.watch.call(QueueAdd, 'queue/add', QueueAdd.Request(orders=[by_recipe('G')]))
+    assert not told.accepted
+    assert 'out of service' in told.answers[0].findings[0]
+    back = Command.Request(command='in_service', component='packer', reason='mended')
+    assert cell.watch.call(Command, 'command', back).accepted
+
+
+def _a_version_says_one_thing(cell: CellProcesses, recipes: Path) -> None:
+    other = RECIPE.replace('work, do', 'worked, do')
+    (recipes / 'box.yaml').write_text(other)
+    change = QueueUpdate.Request(job='A', recipes=['BOX'], reason='the newest')
+    told = cell.watch.call(QueueUpdate, 'queue/update', change)
+    assert 'recipe BOX version 1 was another one before' in told.message
+    # A script that is equal but for its version, and one that is another.
+    for version, text in ((2, RECIPE), (3, other)):
+        (recipes / 'box.yaml').write_text(text.replace('version: 1', f'version: {version}'))
+        told = cell.watch.call(QueueUpdate, 'queue/update', change)
+        assert told.accepted, told.message
+        cell.watch.until('job.updated', job='A', recipe_version=version)
