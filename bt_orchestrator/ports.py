@@ -344,7 +344,7 @@ class Foresight(Protocol):
     def ask(self, state: str, observed_s: Mapping[str, Mapping[str, float]], now_s: float) -> None:
         """Request a forecast from a state; returns at once. A later request replaces it.
 
-        :param state: of `model.snapshot`, as JSON
+        :param state: of `model.keeping.snapshot`, as JSON
         :param observed_s: task durations in seconds, by component and task constant
         """
 
@@ -400,7 +400,7 @@ class Moment(NamedTuple):
 
     cell: Cell
     plain_state: Mapping[str, Any]
-    """Of `model.snapshot`."""
+    """Of `model.keeping.snapshot`."""
     now_s: float
     """Time of the state, on its clock."""
     observed_s: Mapping[str, Mapping[str, float]] = {}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -9,7 +10,13 @@ from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model import cell_commands as c
 from bt_orchestrator.model.belt_statement import AsShown, Statement, parse_slots
 from bt_orchestrator.model.by import By
-from bt_orchestrator.model.commands import AnswerHold, Command, RemoveItem, SetService
+from bt_orchestrator.model.commands import (
+    AnswerHold,
+    Command,
+    ReleaseScript,
+    RemoveItem,
+    SetService,
+)
 from bt_orchestrator.model.jobs.job_commands import ControlJob, MoveJob, RunNext, StopAfter
 from bt_orchestrator.model.packml import VERBS, Cause
 from bt_orchestrator.model.requests import (
@@ -61,6 +68,8 @@ def command(
             return AnswerHold(given['hold'], word, by, _results(given, state, types))
         case About.COMPONENT:
             return _to_component(word, by, given, state)
+        case About.SCRIPT:
+            return _to_script(word, by, given, state)
         case About.QUEUE:
             raise AssertionError(f'{word} is about orders, which have to be read first')
 
@@ -117,6 +126,35 @@ def _to_component(word: str, by: By, given: Arguments, state: CellState) -> SetS
         hint = did_you_mean(name, components, f'the cell has {listing(components)}')
         raise CommandRefused(f'there is no component {name!r}; {hint}')
     return SetService(name, request == IN_SERVICE, by)
+
+
+# --- scripts ------------------------------------------------------------------------------------
+
+_DIGEST = re.compile('[0-9a-f]{12}')
+
+
+def _to_script(word: str, by: By, given: Arguments, state: CellState) -> ReleaseScript:
+    if of_word(About.SCRIPT, word) is None:
+        known = ', '.join(words_about(About.SCRIPT))
+        raise CommandRefused(f'unknown command {word!r} to a script; one of {known}')
+    script = _digest_of(given['script'], state)
+    return ReleaseScript(script, by, given.get('cell_digest') or '')
+
+
+def _digest_of(script: str, state: CellState) -> str:
+    """Return the digest of a script that is named by it, or that queued jobs wait for."""
+    if _DIGEST.fullmatch(script):
+        return script
+    waiting = {job.digest: job.job.script.name for job in state.queue if job.awaits_release}
+    found = [digest for digest, name in waiting.items() if name == script]
+    if len(found) == 1:
+        return found[0]
+    told = [f'{name} ({digest})' for digest, name in waiting.items()]
+    what = 'several scripts are called' if found else 'no job in the queue waits for'
+    raise CommandRefused(
+        f'{what} {script!r}; name the digest of one; jobs wait for '
+        f'{listing(told) if told else "no script"}'
+    )
 
 
 # --- jobs and holds -----------------------------------------------------------------------------

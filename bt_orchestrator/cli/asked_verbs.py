@@ -9,7 +9,7 @@ from bt_orchestrator.model.roles import Role
 def request_of(verb: str) -> Request:
     """Return what a verb asks for, for instance remove-item."""
     word = verb.replace('-', '_')
-    subjects = (About.CELL, About.ITEM, About.COMPONENT)
+    subjects = (About.CELL, About.ITEM, About.COMPONENT, About.SCRIPT)
     request = next(filter(None, (of_word(about, word) for about in subjects)), None)
     assert request is not None, f'{verb} asks for nothing of the table'
     return request

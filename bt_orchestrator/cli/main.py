@@ -59,6 +59,7 @@ VERBS: Mapping[str, tuple[str, str]] = {
     'remove-item': ('remove_item', ''),
     'out-of-service': ('service', ''),
     'in-service': ('service', ''),
+    'release-script': ('release_script', ''),
 }
 """Module and one line of help of each verb; empty: it is in the table of requests. A module has
 `add_arguments` and `run`."""

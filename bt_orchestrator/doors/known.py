@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.keeping.snapshot import state_from_plain
 from bt_orchestrator.model.script import Script
-from bt_orchestrator.model.snapshot import state_from_plain
 from bt_orchestrator.ports import Moment
 
 Params = Mapping[str, Mapping[str, object]]

@@ -120,6 +120,8 @@ class JobBook:
         entry, before = self._concerned(event)
         if isinstance(event, (e.ComponentOutOfService, e.ComponentInService)):
             return list(self._news(event, list(self._of_service(event))))
+        if isinstance(event, e.ScriptReleased):
+            return list(self._news(event, list(self._of_release(event))))
         if isinstance(event, (e.JobRemoved, e.JobCleared)):
             self._entries.pop(event.job, None)
             return []
@@ -156,6 +158,14 @@ class JobBook:
             _queued(entry, unavailable=(*left, event.component) if is_out else left)
             yield entry, before
 
+    def _of_release(self, event: e.ScriptReleased) -> Iterator[tuple[_Entry, JobWord]]:
+        """Note which jobs do not wait for the release any more, and their states before."""
+        for entry in self._entries.values():
+            if entry.job.status.unreleased == event.digest:
+                before = entry.job.status.state
+                _queued(entry, awaits_release=False)
+                yield entry, before
+
     def _news(
         self, event: e.Event, changed: Iterable[tuple[_Entry, JobWord | None]]
     ) -> Iterator[News]:
@@ -172,11 +182,17 @@ class JobBook:
         return word_at_work(self._stop_reason, is_paused=entry.is_paused)
 
 
+_TERMS = (
+    *('digest', 'recipe', 'recipe_version', 'quantity', 'priority', 'start', 'due'),
+    *('awaits_start', 'awaits_release', 'unavailable'),
+)
+
+
 def _ordered(event: e.JobQueued) -> ListedJob:
     status = JobStatus(
         event.job,
         event.script,
-        queued_word(is_held=event.held, is_unavailable=bool(event.unavailable)),
+        queued_word(event),
         queued_at=event.time,
         position=event.position or 0,
         held=event.held,
@@ -186,11 +202,7 @@ def _ordered(event: e.JobQueued) -> ListedJob:
 
 
 def _terms(event: e.JobQueued | e.JobUpdated) -> dict[str, Any]:
-    names = (
-        *('digest', 'recipe', 'recipe_version', 'quantity', 'priority', 'start', 'due'),
-        *('awaits_start', 'unavailable'),
-    )
-    return {name: getattr(event, name) for name in names}
+    return {name: getattr(event, name) for name in _TERMS}
 
 
 def _updated(entry: _Entry, event: e.JobUpdated) -> None:
@@ -201,8 +213,7 @@ def _updated(entry: _Entry, event: e.JobUpdated) -> None:
 def _queued(entry: _Entry, **values: Any) -> None:
     """Change fields of a job in the queue, whose state follows from them."""
     entry.set(**values)
-    status = entry.job.status
-    entry.set(state=queued_word(is_held=status.held, is_unavailable=bool(status.unavailable)))
+    entry.set(state=queued_word(entry.job.status))
 
 
 def _held(entry: _Entry, _: e.JobHeld) -> None:
@@ -228,7 +239,8 @@ def _paused(entry: _Entry, event: e.JobPaused | e.JobResumed) -> None:
 def _ending(entry: _Entry, event: e.JobStopping | e.JobAborting) -> None:
     entry.is_paused = False
     entry.job = replace(entry.job, reason=event.reason)
-    entry.set(ending='stopping' if isinstance(event, e.JobStopping) else 'aborting', held=False)
+    ending = 'stopping' if isinstance(event, e.JobStopping) else 'aborting'
+    entry.set(ending=ending, held=False, awaits_release=False)
 
 
 def _ended(entry: _Entry, event: e.JobCompleted | e.JobAborted) -> None:

@@ -30,6 +30,15 @@ class OnFailure(Enum):
     ABORT_JOB = 'abort_job'
 
 
+class Release(Enum):
+    """Whether a generated script has to be released before it starts (semantics 6.10)."""
+
+    ENGINEER = 'engineer'
+    """An engineer releases it."""
+    AUTOMATIC = 'automatic'
+    """It starts without anybody's release."""
+
+
 class Start(Enum):
     """What the `start` of a work order means (semantics 6.7)."""
 
@@ -109,6 +118,8 @@ class Cell:
     """By name, the conveyor among them."""
     start: Start = Start.BINDING
     """What the `start` of a work order means here."""
+    release: Release = Release.ENGINEER
+    """Who releases generated scripts."""
 
     def by_action(self, action: str) -> Component | None:
         """Return the component that serves an action name."""

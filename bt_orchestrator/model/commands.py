@@ -41,6 +41,17 @@ class SetService:
 
 
 @dataclass(frozen=True)
+class ReleaseScript:
+    """Let jobs of a generated script start (semantics 6.10)."""
+
+    digest: str
+    by: By | None = None
+    """None: the plan of a virtual run, in which nobody is there to release it."""
+    cell_digest: str = ''
+    """Of the cell that it was generated for, if that is to be compared."""
+
+
+@dataclass(frozen=True)
 class FoundTwin:
     """Start nothing more: another node answers under the name of this one (semantics 7.3)."""
 
@@ -70,7 +81,15 @@ class RefusedRequest:
     """The message for each job, if they differ."""
 
 
-OnRecord = AnswerHold | RemoveItem | SetService | CellCommand | JobCommand | RefusedRequest
+OnRecord = (
+    AnswerHold
+    | RemoveItem
+    | SetService
+    | ReleaseScript
+    | CellCommand
+    | JobCommand
+    | RefusedRequest
+)
 """Commands that are recorded with their sender."""
 
 Command = OnRecord | FoundTwin | Shutdown

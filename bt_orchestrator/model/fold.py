@@ -57,6 +57,7 @@ _FOLDS: Mapping[type[e.Event], Callable[..., None]] = {
     e.JobQueued: jobs.job_queued,
     e.JobMoved: jobs.job_moved,
     e.JobUpdated: jobs.job_updated,
+    e.ScriptReleased: jobs.script_released,
     e.JobHeld: jobs.job_held,
     e.JobReleased: jobs.job_released,
     e.JobMayStart: jobs.job_may_start,

@@ -159,6 +159,8 @@ class JobState:
     """It may not start, and later jobs pass it; never set once it has started."""
     awaits_start: bool = False
     """The same until the start of its order (semantics 6.7)."""
+    awaits_release: bool = False
+    """The same until its script is released (semantics 6.10)."""
     unavailable: tuple[str, ...] = ()
     """Components out of service that it needs; the same until they are in service (semantics 7.5).
     Empty once it has started."""
@@ -183,7 +185,18 @@ class JobState:
     @property
     def may_start(self) -> bool:
         """Tell whether it starts when its turn comes."""
-        return not (self.held or self.awaits_start or self.unavailable or self.ending)
+        return not (
+            self.held
+            or self.awaits_start
+            or self.awaits_release
+            or self.unavailable
+            or self.ending
+        )
+
+    @property
+    def unreleased(self) -> str:
+        """The digest of its script, if it waits for the release of it; else empty."""
+        return self.digest if self.awaits_release else ''
 
     @property
     def cycles_left(self) -> int:
@@ -301,7 +314,7 @@ class OutOfService:
 class CellState:
     """The present state of the cell, derived only from events.
 
-    Every field is kept in snapshots by its annotation (`model.snapshot`), except derived ones.
+    Every field but the derived ones is kept by its annotation (`model.keeping.snapshot`).
     """
 
     cell: Cell = field(metadata=DERIVED)
@@ -369,6 +382,9 @@ class CellState:
     """Contests by component (semantics 2.5)."""
     out_of_service: dict[str, OutOfService] = field(default_factory=dict)
     """By component; it gets no goal (semantics 7.5)."""
+    released: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    """By digests of generated scripts: digests of the cells for which each is released (semantics
+    6.10)."""
     done_once: dict[str, str] = field(default_factory=dict)
     """Arguments of the last attempt of each task (`same_task`), if it succeeded since Stopped
     (semantics 5.1)."""

@@ -155,6 +155,8 @@ class JobStatus:
     """When it should have ended."""
     awaits_start: bool = False
     """It may not start before `start` (semantics 6.7): AllowedToStart, but not ready."""
+    awaits_release: bool = False
+    """Its script was generated, and is not released (semantics 6.10): it is passed."""
     held: bool = False
     """It waits in the queue, and a person keeps it from starting."""
     unavailable: tuple[str, ...] = ()
@@ -179,6 +181,11 @@ class JobStatus:
     """Those of them that have a goal in flight."""
     passed: tuple[PassedTask, ...] = ()
     """Initialization tasks that have ended; none once the job has ended."""
+
+    @property
+    def unreleased(self) -> str:
+        """The digest of its script, if it waits for the release of it; else empty."""
+        return self.digest if self.awaits_release else ''
 
     @property
     def left(self) -> int:

@@ -18,6 +18,7 @@ from bt_orchestrator.opcua.space import Space
 from bt_orchestrator.opcua.values import moment
 
 TEXT, COUNT, TIME = ua.VariantType.String, ua.VariantType.UInt32, ua.VariantType.DateTime
+FLAG = ua.VariantType.Boolean
 
 TOP = 'Simple'
 
@@ -59,6 +60,9 @@ JOB: Mapping[str, Shown] = {
         TEXT,
         'components out of service that it needs: it is NotAllowedToStart, or its tasks wait',
         is_list=True,
+    ),
+    'AwaitsRelease': Shown(
+        FLAG, 'its script was generated and is not released: it is NotAllowedToStart'
     ),
     'Ending': Shown(
         TEXT, 'stopping or aborting: it ends when its last item has left; empty: neither'
@@ -169,6 +173,7 @@ def _job(name: str, job: JobStatus | None, status: CellStatus) -> Iterator[tuple
         found.recipe_version or 0,
         found.state.value if job else '',
         list(found.unavailable),
+        found.awaits_release,
         found.ending,
         found.quantity,
         found.started,

@@ -16,7 +16,7 @@ from bt_orchestrator.mes.plain_commands import (
     order_of,
     verbs,
 )
-from bt_orchestrator.model.requests import ADD, About, Request
+from bt_orchestrator.model.requests import ADD, RELEASE_SCRIPT, About, Request
 from bt_orchestrator.opcua.bridge import Bridge
 from bt_orchestrator.opcua.calls import reason_of
 from bt_orchestrator.opcua.space import Argument, Space
@@ -62,6 +62,16 @@ COMPONENT_COMMAND = (
 )
 
 
+RELEASE_SCRIPT_ARGUMENTS = (
+    Argument(
+        'Script',
+        TEXT,
+        'digest of the script; or its name, if it is waited for by a job in the queue',
+    ),
+    REASON,
+)
+
+
 class SimpleCommands:
     """Carries out the methods, for the caller of each."""
 
@@ -81,6 +91,10 @@ class SimpleCommands:
         await space.method(
             f'{top}/ComponentCommand', self._to_component, COMPONENT_COMMAND, (ACCEPTED, MESSAGE),
             'whether a component may get goals; this is no lockout',
+        )  # fmt: skip
+        await space.method(
+            f'{top}/ReleaseScript', self._release, RELEASE_SCRIPT_ARGUMENTS, (ACCEPTED, MESSAGE),
+            'lets jobs of a generated script start',
         )  # fmt: skip
         await space.method(
             f'{top}/AnswerHold', self._answer, ANSWER_HOLD, (ACCEPTED, MESSAGE),
@@ -111,6 +125,10 @@ class SimpleCommands:
         except Unclear as error:
             return _told(Outcome(False, str(error)))
         return await self._ask(wanted, reason_of(reason, 'ComponentCommand'))
+
+    async def _release(self, script: str, reason: str) -> list[ua.Variant]:
+        wanted = Wanted(RELEASE_SCRIPT, {'script': script})
+        return await self._ask(wanted, reason_of(reason, 'ReleaseScript'))
 
     async def _answer(self, hold: str, answer: str, reason: str) -> list[ua.Variant]:
         try:

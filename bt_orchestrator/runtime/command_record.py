@@ -12,6 +12,7 @@ from bt_orchestrator.model.commands import (
     AnswerHold,
     OnRecord,
     RefusedRequest,
+    ReleaseScript,
     RemoveItem,
     SetService,
 )
@@ -79,7 +80,7 @@ def _each(command: OnRecord, why: CommandRefused) -> list[tuple[str, str]]:
 
 
 def _what(command: OnRecord) -> tuple[str, dict[str, Any]]:
-    """Return the command's word, and the hold, job, item or component that it concerns."""
+    """Return the command's word, and the hold, job, item, component or script that it concerns."""
     request = request_of(command)
     match command:
         case AnswerHold(hold, word):
@@ -88,6 +89,8 @@ def _what(command: OnRecord) -> tuple[str, dict[str, Any]]:
             word, about = '', {'item': item}
         case SetService(component):
             word, about = '', {'component': component}
+        case ReleaseScript(script):
+            word, about = '', {'digest': script}
         case ControlJob(word, name):
             about = {'job': name}
         case MoveJob(name) | RunNext(name):

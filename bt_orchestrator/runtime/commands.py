@@ -11,6 +11,7 @@ from bt_orchestrator.model.commands import (
     Command,
     FoundTwin,
     RefusedRequest,
+    ReleaseScript,
     RemoveItem,
     SetService,
     Shutdown,
@@ -19,7 +20,7 @@ from bt_orchestrator.model.failures import ABORT, SHUTDOWN
 from bt_orchestrator.model.limits import TWINS
 from bt_orchestrator.model.packml import TRANSITIONS, Cause
 from bt_orchestrator.model.pauses import TWIN
-from bt_orchestrator.runtime import cell_commands, job_queue, operators, service
+from bt_orchestrator.runtime import cell_commands, job_queue, operators, releases, service
 from bt_orchestrator.runtime.ledger import Ledger
 from bt_orchestrator.runtime.lifecycle import transition
 from bt_orchestrator.runtime.requested import not_allowed
@@ -46,6 +47,10 @@ def answer_to(command: Command, ledger: Ledger) -> str:
         return f'{command.item} is off the belt'
     if isinstance(command, SetService):
         message, changes = service.carry_out(command, ledger.state)
+        ledger.record(changes)
+        return message
+    if isinstance(command, ReleaseScript):
+        message, changes = releases.carry_out(command, ledger.state)
         ledger.record(changes)
         return message
     if isinstance(command, CellCommand):

@@ -17,8 +17,8 @@ from typing import TypeVar
 
 from bt_orchestrator.model.jobs.job_folds import ENDED_KEPT
 from bt_orchestrator.model.jobs.job_record import record_of
+from bt_orchestrator.model.keeping.state_text import StateText
 from bt_orchestrator.model.state import CellState
-from bt_orchestrator.model.state_text import StateText
 from bt_orchestrator.ports import Journal, Snapshot, Writer
 from bt_orchestrator.replies import Reply, begin
 from bt_orchestrator.runtime.recovery import stamp

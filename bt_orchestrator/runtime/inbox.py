@@ -16,6 +16,7 @@ from bt_orchestrator.model.commands import (
     FoundTwin,
     OnRecord,
     RefusedRequest,
+    ReleaseScript,
     SetService,
     Shutdown,
 )
@@ -35,7 +36,10 @@ from bt_orchestrator.runtime.commands import answer_to
 from bt_orchestrator.runtime.ledger import Ledger
 from bt_orchestrator.runtime.refusals import Refusals, sender_of
 
-_MUST_WAIT = (AddJobs, UpdateJob, MoveJob, RunNext, StopAfter, Resume, Reset, Start, Clear)
+_MUST_WAIT = (
+    *(AddJobs, UpdateJob, MoveJob, RunNext, StopAfter, ReleaseScript),
+    *(Resume, Reset, Start, Clear),
+)
 """Commands that can be repeated without limit, so their rate is limited. A stop, pause or answer
 is refused until one of these undoes it, so it is never delayed; a remark about a hold may wait."""
 

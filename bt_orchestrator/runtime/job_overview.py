@@ -37,6 +37,7 @@ def job_status(
         start=terms.start,
         due=terms.due,
         awaits_start=job.awaits_start,
+        awaits_release=job.awaits_release,
         held=job.held,
         unavailable=awaited_by(state, job),
         queued_at=job.queued_at,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from functools import singledispatch
 
 from bt_orchestrator.errors import CommandRefused
@@ -19,9 +19,8 @@ from bt_orchestrator.model.jobs.job_commands import (
     StopAfter,
     UpdateJob,
 )
-from bt_orchestrator.model.jobs.job_control import unavailable_words
+from bt_orchestrator.model.jobs.job_control import lacks_words
 from bt_orchestrator.model.jobs.job_folds import terms_of
-from bt_orchestrator.model.jobs.needs import unavailable_to
 from bt_orchestrator.model.limits import listed
 from bt_orchestrator.model.packml import Cause, PackmlState
 from bt_orchestrator.model.requests import About, of_word
@@ -74,7 +73,8 @@ def _add(command: AddJobs, state: CellState, now: float) -> tuple[str, list[e.Ev
 
 def _how(queued: e.JobQueued) -> str:
     how = ' and held' if queued.held else ''
-    lacks = f'; {unavailable_words(queued.unavailable)}' if queued.unavailable else ''
+    unreleased = queued.digest if queued.awaits_release else ''
+    lacks = ''.join(f'; {one}' for one in lacks_words(unreleased, queued.unavailable))
     early = f'; {_AWAITS} {terms_of(queued).start_words}' if queued.awaits_start else ''
     return f'{queued.job} is queued{how}{early}{lacks}'
 
@@ -84,13 +84,10 @@ def _update(command: UpdateJob, state: CellState, now: float) -> tuple[str, list
     new = command.job
     _allowed(state, job_control.UPDATE, new.id)
     changed = orders.change(state, new, now, command.sharing)
-    lacks = unavailable_to(state, new.script)
-    return '\n'.join([f'{new.id} is updated', *_unavailable(lacks)]), changed
-
-
-def _unavailable(lacks: Sequence[str]) -> Iterator[str]:
-    if lacks:
-        yield unavailable_words(lacks)
+    (updated,) = (event for event in changed if isinstance(event, e.JobUpdated))
+    unreleased = updated.digest if updated.awaits_release else ''
+    lacks = lacks_words(unreleased, updated.unavailable)
+    return '\n'.join([f'{new.id} is updated', *lacks]), changed
 
 
 def standing(state: CellState) -> Iterator[str]:
@@ -121,8 +118,12 @@ def _run_next(command: RunNext, state: CellState, _: float) -> tuple[str, list[e
         events.append(e.JobReleased(job=name))
     if job.awaits_start:
         events.append(e.JobMayStart(job=name))
-    said = [f'{name} is next', *_unavailable(job.unavailable), *standing(state)]
+    said = [f'{name} is next', *_lacks(job), *standing(state)]
     return '\n'.join(said), events
+
+
+def _lacks(job: JobState) -> Iterator[str]:
+    return lacks_words(job.unreleased, job.unavailable)
 
 
 # --- methods of a job -----------------------------------------------------------------------
@@ -158,7 +159,7 @@ def _after_release(state: CellState, job: JobState) -> Iterator[str]:
     """Say what a job that was held until now still waits for."""
     if job.held and job.awaits_start:
         yield f'{_AWAITS} {job.job.terms.start_words}; release it again to let it start at once'
-    yield from _unavailable(job.unavailable)
+    yield from _lacks(job)
     yield from standing(state)
 
 
@@ -252,6 +253,7 @@ def _allowed(state: CellState, method: job_control.Method, name: str) -> JobStat
         job_word(state, job),
         ending,
         awaits_start=job.awaits_start,
+        unreleased=job.unreleased,
         unavailable=job.unavailable,
         is_held=job.held,
     )

@@ -14,6 +14,7 @@ from bt_orchestrator.model.jobs.job_commands import Sharing
 from bt_orchestrator.model.jobs.job_folds import recipe_key
 from bt_orchestrator.model.jobs.needs import unavailable_to
 from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.jobs.releases import awaits_release
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.proof.sharing import contradiction
@@ -55,6 +56,7 @@ def queue(
             held=held,
             ranked=position is None,
             awaits_start=awaits_start(state.cell, job.terms, now),
+            awaits_release=awaits_release(state, job.script),
             unavailable=unavailable_to(state, job.script),
         )
         events.append(queued)
@@ -85,6 +87,7 @@ def change(
         **ordered,
         position=_new_place(state, live, job),
         awaits_start=_waits(state, live, job, now),
+        awaits_release=_waits_for_release(state, live, job),
         unavailable=unavailable_to(state, job.script),
     )
     return [*_loaded(job.script, set(state.scripts)), updated]
@@ -131,6 +134,13 @@ def _waits(state: CellState, live: JobState, job: Job, now: float) -> bool:
     if job.terms.start == live.job.terms.start:
         return live.awaits_start
     return awaits_start(state.cell, job.terms, now)
+
+
+def _waits_for_release(state: CellState, live: JobState, job: Job) -> bool:
+    """Tell whether a changed job waits for a release; the state keeps one of equal scripts."""
+    if digest(job.script) == live.digest:
+        return live.awaits_release
+    return awaits_release(state, job.script)
 
 
 def _ordered(job: Job) -> dict[str, Any]:

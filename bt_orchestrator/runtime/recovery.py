@@ -16,10 +16,10 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.fold import apply
+from bt_orchestrator.model.keeping.snapshot import state_from_plain
 from bt_orchestrator.model.limits import listed
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.pauses import MISSING, RESTARTED, RESTORED
-from bt_orchestrator.model.snapshot import state_from_plain
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import EventStore, Snapshot
 from bt_orchestrator.runtime.looks import in_utc, to_be_named

@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from bt_orchestrator.model.cell_commands import CellCommand
 from bt_orchestrator.model.codec import digest
-from bt_orchestrator.model.commands import AnswerHold, Command, RemoveItem, SetService
+from bt_orchestrator.model.commands import (
+    AnswerHold,
+    Command,
+    ReleaseScript,
+    RemoveItem,
+    SetService,
+)
 from bt_orchestrator.model.jobs.job_commands import (
     AddJobs,
     ControlJob,
@@ -20,6 +26,7 @@ from bt_orchestrator.model.requests import (
     MOVE,
     NEXT,
     OUT_OF_SERVICE,
+    RELEASE_SCRIPT,
     REMOVE_ITEM,
     STOP_AFTERS,
     UPDATE,
@@ -43,6 +50,8 @@ def request_of(command: Command) -> Request | None:
             return REMOVE_ITEM
         case SetService(_, in_service):
             return IN_SERVICE if in_service else OUT_OF_SERVICE
+        case ReleaseScript():
+            return RELEASE_SCRIPT
         case CellCommand():
             return CELL[command.cause]
         case AddJobs():

@@ -54,6 +54,9 @@ def status_lines(status: CellStatus, shell: Shell | None) -> Iterator[str]:
     for job in status.jobs:
         how_far = f'{job_count_words(job)}{job_terms(job)}{expected_finish(job, status)}'
         yield f'  {job_name(job)}: {job.state.state}, {how_far}'
+        if shell and job.awaits_release:
+            release = shell.command(f'release-script {job.digest}')
+            yield f'    an engineer releases it: {release}'
         if shell and job.unavailable and job.started_at is not None:
             yield f'    {one_line(on_the_line_words(job.id, job.unavailable))}'
     if unlisted(status):
@@ -120,8 +123,11 @@ def job_terms(job: JobStatus) -> str:
 
 
 def lacks(job: JobStatus) -> str:
-    """Say which components out of service a job needs; nothing if there are none."""
-    return f', needs {" and ".join(job.unavailable)}, out of service' if job.unavailable else ''
+    """Say that a script is not released, and which components out of service a job needs."""
+    told = [', its script is not released'] if job.awaits_release else []
+    if job.unavailable:
+        told.append(f', needs {" and ".join(job.unavailable)}, out of service')
+    return ''.join(told)
 
 
 def start_wait(job: JobStatus) -> str:

@@ -5,7 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 
 from bt_orchestrator.errors import Refused
-from bt_orchestrator.model.cell import CONVEYOR, Cell, Component, Conveyor, OnFailure, Start
+from bt_orchestrator.model.cell import (
+    CONVEYOR,
+    Cell,
+    Component,
+    Conveyor,
+    OnFailure,
+    Release,
+    Start,
+)
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.script.capabilities.preparations import Prepared, check_preparations
 from bt_orchestrator.script.cell_keys import CELL, COMPONENT
@@ -64,7 +72,9 @@ class _CellReader:
         if name is None or conveyor is None:
             return None
         start = Start(self._fields.choice('start'))
-        return Cell(name, conveyor, {CONVEYOR: conveyor.component, **components}, start)
+        release = Release(self._fields.choice('release'))
+        components = {CONVEYOR: conveyor.component, **components}
+        return Cell(name, conveyor, components, start, release)
 
     def _conveyor(self, fields: Fields) -> Conveyor:
         reader = ComponentReader(fields, CONVEYOR, self._report, self._types)

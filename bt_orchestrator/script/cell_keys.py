@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
-from bt_orchestrator.model.cell import DEFAULT_DURATION_S, DEFAULT_TIMEOUT_S, OnFailure, Start
+from bt_orchestrator.model.cell import (
+    DEFAULT_DURATION_S,
+    DEFAULT_TIMEOUT_S,
+    OnFailure,
+    Release,
+    Start,
+)
 from bt_orchestrator.model.goal import RESULT_TIMEOUT_S
 from bt_orchestrator.script.capabilities.capability_keys import (
     CAPABILITIES,
@@ -260,6 +266,15 @@ CELL = Table(
             default=Start.BINDING.value,
             choices=words(Start),
             rule='6.7',
+        ),
+        Key(
+            'release',
+            Kind.CHOICE,
+            'who releases generated scripts: without it they do not start; automatic: nobody',
+            'automatic',
+            default=Release.ENGINEER.value,
+            choices=words(Release),
+            rule='6.10',
         ),
     ),
 )

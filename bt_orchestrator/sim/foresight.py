@@ -25,7 +25,7 @@ def expected_ends(
 ) -> dict[str, float]:
     """Return when each live job will end, on the clock of `now_s`; those unknown are left out.
 
-    :param plain_state: of `model.snapshot`
+    :param plain_state: of `model.keeping.snapshot`
     :param observed_s: seconds that tasks took, by component and task constant
     """
     until = time.monotonic() + LONGEST_S

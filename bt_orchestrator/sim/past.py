@@ -10,8 +10,8 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest, from_record
 from bt_orchestrator.model.fold import apply
+from bt_orchestrator.model.keeping.snapshot import state_from_plain, state_to_plain
 from bt_orchestrator.model.records import Wanted
-from bt_orchestrator.model.snapshot import state_from_plain, state_to_plain
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.ports import Goal, Records

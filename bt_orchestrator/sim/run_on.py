@@ -47,7 +47,7 @@ class RunOn:
     ) -> None:
         """Begin with the given state of a cell.
 
-        :param plain_state: of `model.snapshot`
+        :param plain_state: of `model.keeping.snapshot`
         :param observed_s: seconds that tasks took, by component and task constant
         :param now_s: the moment on the clock of the state
         """
@@ -55,7 +55,7 @@ class RunOn:
         self._left_out: Mapping[str, int] = {}
         self._clock = VirtualClock(now_s)
         cell = as_observed(_without_faults(cell), observed_s)
-        state = {**plain_state['state'], 'cell_digest': digest(cell)}
+        state = _of_cell(plain_state['state'], digest(cell))
         gateway = _RunningRobots(cell, types, self._clock)
         store = _From(json.dumps({**plain_state, 'state': state}))
         self.orchestrator = Orchestrator(
@@ -109,6 +109,15 @@ class RunOn:
                 left_out[name] = more
                 job.job = replace(job.job, quantity=job.job.quantity - more)
         return left_out
+
+
+def _of_cell(state: Mapping[str, Any], now: str) -> dict[str, Any]:
+    """Return a state as that of a cell with another digest; what was released stays so."""
+    before = state.get('cell_digest', '')
+    released = {
+        script: [now] for script, cells in state.get('released', {}).items() if before in cells
+    }
+    return {**state, 'cell_digest': now, 'released': released}
 
 
 def _has_to_be_resumed(plain_state: Mapping[str, Any]) -> bool:

@@ -7,10 +7,12 @@ from collections.abc import Callable, Iterable, Sequence
 from enum import Enum
 
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.commands import Answer
+from bt_orchestrator.model.codec import digest
+from bt_orchestrator.model.commands import Answer, ReleaseScript
 from bt_orchestrator.model.goal import GoalRequest
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.jobs.releases import awaits_release
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.model.wait import PartWait
@@ -71,8 +73,13 @@ class Simulation:
         return self.orchestrator.state
 
     def submit(self, jobs: Iterable[Job]) -> list[Answer]:
-        """Queue jobs now, in order."""
-        return [self.orchestrator.ask(AddJobs((job,))) for job in jobs]
+        """Queue jobs now, in order; what has to be released is released (semantics 6.10)."""
+        return [self._queued(job) for job in jobs]
+
+    def _queued(self, job: Job) -> Answer:
+        if awaits_release(self.state, job.script):
+            self.orchestrator.ask(ReleaseScript(digest(job.script)))
+        return self.orchestrator.ask(AddJobs((job,)))
 
     def run(self, look: Callable[[], None] = lambda: None) -> Outcome:
         """Let time pass until nothing more can happen.

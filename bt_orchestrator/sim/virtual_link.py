@@ -10,9 +10,9 @@ from bt_orchestrator.following import Follower
 from bt_orchestrator.model.branch import Branch
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.keeping.snapshot import nearest, state_to_text
 from bt_orchestrator.model.limits import EVENTS_PAGE, QUEUE_PAGE
 from bt_orchestrator.model.requests import Asked
-from bt_orchestrator.model.snapshot import nearest, state_to_text
 from bt_orchestrator.model.status import CellDescription, CellStatus, ListedJob
 from bt_orchestrator.ports import EventPage, Listener, Moment, QueuePage, Watch
 from bt_orchestrator.replies import begin

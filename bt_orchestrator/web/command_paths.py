@@ -14,6 +14,7 @@ from bt_orchestrator.model.requests import (
     CELL,
     MOVE,
     NEXT,
+    RELEASE_SCRIPT,
     REMOVE_ITEM,
     STOP_AFTERS,
     UPDATE,
@@ -27,6 +28,7 @@ ANSWER = '/api/holds/{hold}/answer'
 CELL_COMMAND = '/api/cell/{command}'
 ITEM = '/api/items/{item:path}/remove'
 COMPONENT = '/api/components/{component:path}/service'
+SCRIPT = '/api/scripts/{script:path}/release'
 QUEUE_ADD = '/api/queue/add'
 QUEUE_MOVE = '/api/queue/move'
 QUEUE_UPDATE = '/api/queue/update'
@@ -45,13 +47,14 @@ class Place(NamedTuple):
 def place_of(request: Request, subject: str = '') -> Place:
     """Return where a request is posted.
 
-    :param subject: id of its job, item, hold or component; empty: it has none
+    :param subject: id of its job, item, hold, component or script; empty: it has none
     """
     path = (
         pattern_of(request)
         .replace('{hold}', quote(subject, safe=''))
         .replace('{item:path}', quote(subject))
         .replace('{component:path}', quote(subject))
+        .replace('{script:path}', quote(subject))
         .replace('{command}', request.word)
     )
     return Place(
@@ -68,6 +71,8 @@ def pattern_of(request: Request) -> str:
             return ITEM
         case About.COMPONENT:
             return COMPONENT
+        case About.SCRIPT:
+            return SCRIPT
         case About.QUEUE:
             return QUEUE_ADD
         case About.JOB:
@@ -125,6 +130,11 @@ def to_component(component: str, body: dict[str, object]) -> Found:
     return request, {'component': component}
 
 
+def release_script(script: str, _: dict[str, object]) -> Found:
+    """Return the request that releases a script."""
+    return RELEASE_SCRIPT, {'script': script}
+
+
 def add_orders(_: str, __: dict[str, object]) -> Found:
     """Return the request that queues orders."""
     return ADD, {}
@@ -171,6 +181,7 @@ READERS: Mapping[str, Callable[[str, dict[str, object]], Found]] = {
     CELL_COMMAND: to_cell,
     ITEM: remove_item,
     COMPONENT: to_component,
+    SCRIPT: release_script,
     QUEUE_ADD: add_orders,
     QUEUE_MOVE: move_job,
     QUEUE_UPDATE: update_job,

@@ -17,6 +17,7 @@ DOES: Mapping[str, str] = {
     paths.CELL_COMMAND: 'gives the cell a command, which stands in the path',
     paths.ITEM: 'records that an item was taken off the belt',
     paths.COMPONENT: 'takes a component out of service, or brings it back',
+    paths.SCRIPT: 'releases a generated script, so that its jobs may start',
     paths.QUEUE_ADD: 'queues work orders, all or none; each needs an id of its own',
     paths.QUEUE_MOVE: 'gives a queued job another place, or the first one',
     paths.QUEUE_UPDATE: 'changes a queued job; what is left out stays',

@@ -13,7 +13,7 @@ from bt_orchestrator.model.jobs import job_control
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.packml import Cause
 from bt_orchestrator.model.requests import About, Request, of_hold
-from bt_orchestrator.model.requests.table import ADD, CELL, REMOVE_ITEM
+from bt_orchestrator.model.requests.table import ADD, CELL, RELEASE_SCRIPT, REMOVE_ITEM
 from bt_orchestrator.model.requests.worthwhile import (
     worthwhile_for_cell,
     worthwhile_for_component,
@@ -84,6 +84,7 @@ def job_offers(job: JobStatus, status: CellStatus) -> Sequence[Offer]:
         job.state,
         job.ending,
         awaits_start=job.awaits_start,
+        unreleased=job.unreleased,
         unavailable=job.unavailable,
         is_held=job.held,
         is_next=job.position == 1,
@@ -99,6 +100,7 @@ def _job_offers(
     ending: str,
     *,
     awaits_start: bool,
+    unreleased: str,
     unavailable: tuple[str, ...],
     is_held: bool,
     is_next: bool,
@@ -110,13 +112,15 @@ def _job_offers(
         state,
         ending,
         awaits_start=awaits_start,
+        unreleased=unreleased,
         unavailable=unavailable,
         is_held=is_held,
         is_next=is_next,
         is_alone=is_alone,
         is_cell_stopped=is_cell_stopped,
     )
-    return [_offer(request, job) for request in wanted]
+    release = [_offer(RELEASE_SCRIPT, unreleased, without=('cell_digest',))] if unreleased else []
+    return [*release, *(_offer(request, job) for request in wanted)]
 
 
 def add_offer() -> Offer:
@@ -132,7 +136,7 @@ def _offer(
 ) -> Offer:
     """Return an offer.
 
-    :param subject: id of its hold, item, job or component
+    :param subject: id of its hold, item, job, component or script
     :param given: arguments that are settled
     :param without: parameters that this offer has no use for
     """
@@ -154,7 +158,7 @@ def _offer(
 
 def _foreseen(request: Request, subject: str) -> dict[str, object] | None:
     """Return the command whose effect on jobs can be asked before; None: it has none."""
-    about = (About.QUEUE, About.JOB, About.COMPONENT)
+    about = (About.QUEUE, About.JOB, About.COMPONENT, About.SCRIPT)
     if request.about not in about or request.word == job_control.CLEAR.verb:
         return None
     arguments = {request.subject.name: subject} if request.subject else {}

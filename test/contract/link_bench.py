@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.events import Event
-from bt_orchestrator.model.state_text import StateText
+from bt_orchestrator.model.keeping.state_text import StateText
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.ports import CellLink, Snapshot
 from bt_orchestrator.runtime.recovery import restore, stamp

@@ -446,6 +446,12 @@ class LinkContract(ABC):
                 "there is no component 'braker'; did you mean `breaker`?",
             ),
             ('component.in_service', {'component': 'breaker'}, 'breaker is in service'),
+            ('script.release_script', {'script': 'smal'}, "no job in the queue waits for 'smal'"),
+            (
+                'script.release_script',
+                {'script': 'abcdef012345', 'cell_digest': '0'},
+                'abcdef012345 was generated for another cell file (0)',
+            ),
             ('job.pause', {'job': 'X'}, 'there is no job X; jobs now: '),
             ('job.move', {'job': 'X', 'position': 1}, 'X is not there; in the queue: '),
             ('job.update', {'job': 'X', 'quantity': 2}, 'X is not there; in the queue: '),
@@ -485,6 +491,16 @@ class LinkContract(ABC):
         assert breaker(link).out_of_service_since is None
         assert link.job(name).status.unavailable == ()
         assert asked_of(link, 'job.cancel', job=name).accepted
+
+    def test_a_script_is_released_for_this_cell(self, link: CellLink) -> None:
+        seen, script = Seen(), f'{next(_numbers):012x}'
+        link.follow(seen)
+        answer = asked_of(link, 'script.release_script', script=script)
+        assert answer.accepted, answer.message
+        turn_until(link, lambda: seen.of('script.released', digest=script), 'event')
+        (released,) = seen.of('script.released', digest=script)
+        assert vars(released)['reason'].endswith(str(ANN))
+        assert 'already' in asked_of(link, 'script.release_script', script=script).message
 
     def test_orders_with_mistakes(self, link: CellLink) -> None:
         before, good = happen(link), new_id()

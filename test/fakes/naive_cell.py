@@ -49,7 +49,9 @@ class NaiveCell(NaiveTasks):
         self.jobs.insert(at, job)
         place = queue.index(behind) + 1 if behind else None
         terms = {'priority': priority or None, 'start': start, 'awaits_start': job.early or None}
-        lacks = self.lacks(job) or None
+        lacks, made = self.lacks(job) or None, job.plan.made_from
+        terms |= {'recipe': made.get('recipe'), 'recipe_version': made.get('version')}
+        terms |= {'awaits_release': self.is_unreleased(job) or None}
         what = {'script': script, 'quantity': quantity, 'position': place, **terms}
         self.say('job.queued', {'job': job}, **what, ranked=True, unavailable=lacks)
         if job.early:

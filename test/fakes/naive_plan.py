@@ -94,6 +94,8 @@ def plan_of(script: Row) -> SimpleNamespace:
             changes[link[side]].append((link['flag'], step, link['capacity']))
     placed = [(n, t) for n, steps in lists.items() for step in steps for m in step for t in m]
     return SimpleNamespace(
+        name=script['script'],
+        made_from=script.get('made_from', {}),
         lists=lists,
         early=early,
         trailing=trailing,

@@ -149,6 +149,9 @@ class NaiveRun(ABC):
         self.flags: dict[str, int] = {}
         self.out: list[str] = []
         """Components out of service (7.5)."""
+        has_to_be = cell.get('release') != 'automatic'
+        self.generated = {one['script'] for one in scripts if has_to_be and 'made_from' in one}
+        """Names of scripts that nobody has released yet (6.10)."""
         self.started: list[Task] = []
         """Those that are not done, the one started last at the end."""
         self.done: dict[tuple[str, str], Row] = {}
@@ -233,12 +236,16 @@ class NaiveRun(ABC):
         """Return what is out of service and needed by a job of the queue (7.5)."""
         return [name for name in self.out if name in job.needs and not self.has_begun(job)]
 
+    def is_unreleased(self, job: Job) -> bool:
+        """Tell whether a job of the queue waits until its script is released (6.10)."""
+        return job.plan.name in self.generated and not self.has_begun(job)
+
     def has_begun(self, job: Job) -> bool:
         return self.said('job.started', {'job': job})
 
     def is_able(self, job: Job) -> bool:
-        """Tell whether no wait for its start or for a component lets others pass a job."""
-        return not job.early and not self.lacks(job)
+        """Tell whether nothing that it waits for lets others pass a job."""
+        return not (job.early or self.lacks(job) or self.is_unreleased(job))
 
     def able(self) -> list[Job]:
         return [job for job in self.jobs if self.is_able(job)]

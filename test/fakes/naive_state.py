@@ -60,6 +60,13 @@ class NaiveState(NaiveRun):
         self.out = [one for one in (*self.out, component) if is_out or one != component]
         self.had_work |= bool(self.able())
 
+    def release(self, script: str) -> None:
+        """Let an engineer release a script (6.10)."""
+        self.say('operator.decided', {}, answer='release_script')
+        self.say('script.released', {})
+        self.generated.discard(script)
+        self.had_work |= bool(self.able())
+
     @abstractmethod
     def cancel(self, task: Task, cause: str) -> None: ...
 

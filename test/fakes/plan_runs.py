@@ -54,6 +54,10 @@ class Bench(Protocol):
     def service(self, component: str) -> None:
         """Take a component out of service, or bring it back."""
 
+    def unreleased(self) -> Sequence[str]:
+        """Return the names of scripts that jobs of the queue wait for."""
+
+    def release(self, script: str) -> None: ...
     def order(self) -> bool:
         """Give the next order; return False if none is left."""
 
@@ -62,6 +66,7 @@ REMOVES, PAUSES, ORDERS = 7, 8, 9
 GOES_ON = ('clear', 'reset', 'start')
 COMMANDS_OF = {10: ('stop',), 11: GOES_ON, 12: ('abort',)}
 """Choices of an operator who does more than answer."""
+RELEASES = 15
 SERVICE = (13, 14)
 """Choices of one who takes a component out of service, or brings it back."""
 
@@ -87,6 +92,8 @@ def operate(bench: Bench, moments: Sequence[Moment]) -> bool:
             bench.service(names[which % len(names)])
         elif moment is None and (out := bench.out_of_service()):
             bench.service(out[0])
+        elif (moment is None or choice == RELEASES) and (waited := bench.unreleased()):
+            bench.release(waited[0])
         elif choice in COMMANDS_OF:
             _command(bench, COMMANDS_OF[choice])
         elif holds := bench.holds():
@@ -180,6 +187,13 @@ class NaiveBench:
     def service(self, component: str) -> None:
         self.cell.service(component)
 
+    def unreleased(self) -> Sequence[str]:
+        waited = [one.plan.name for one in self.cell.jobs if self.cell.is_unreleased(one)]
+        return sorted(waited)
+
+    def release(self, script: str) -> None:
+        self.cell.release(script)
+
     def order(self) -> bool:
         order = next(self._orders, None)
         if order and order[0] not in self._refused:
@@ -265,6 +279,12 @@ class ProductBench:
         out = component not in self.run.state.out_of_service
         assert self.run.service(component, out=out).accepted
 
+    def unreleased(self) -> Sequence[str]:
+        return sorted(job.job.script.name for job in self.run.state.queue if job.awaits_release)
+
+    def release(self, script: str) -> None:
+        assert self.run.release(self.scripts[script]).accepted
+
     def order(self) -> bool:
         order = next(self._orders, None)
         if order:
@@ -320,7 +340,18 @@ UNSEEN = {
 """Events about files and processes, of which the rules of the line say nothing, and the reason why
 it stands, which test_7_stop_reasons is about."""
 WORDS = (
-    *('seq', 'goal', 'server', 'digest', 'definition', 'message', 'args', 'params', 'who'),
+    *(
+        'seq',
+        'goal',
+        'server',
+        'digest',
+        'cell_digest',
+        'definition',
+        'message',
+        'args',
+        'params',
+        'who',
+    ),
     *('exit_status', 'counts', 'owner', 'origin', 'role', 'known', 'claims', 'uptime'),
 )
 WORDED = {
@@ -331,6 +362,7 @@ WORDED = {
     'cell.state_changed',
     'operator.decided',
     'component.out_of_service',
+    'script.released',
     'job.aborted',
 }
 

@@ -7,7 +7,7 @@ from math import inf
 from typing import ClassVar
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.cell import Cell, Start
+from bt_orchestrator.model.cell import Cell, Release, Start
 
 PROGRESS = (e.TaskStarted, e.CycleStarted)
 
@@ -30,6 +30,10 @@ class QueueInvariants:
         self._held: set[str] = set()
         self._lacks: dict[str, set[str]] = {}
         """Components out of service that queued jobs need (7.5); none is empty."""
+        self._released = cell.release is Release.AUTOMATIC
+        self._generated: dict[str, str] = {}
+        """Digests of jobs whose scripts are not released (6.10)."""
+        self._releases: set[str] = set()
         self._running: list[str] = []
         self._fed = ''
         """The job of the last item that was begun."""
@@ -71,12 +75,24 @@ class QueueInvariants:
         assert event.awaits_start == (event.job in self._early if same else comes), event
         self._early.pop(event.job, None)
         self._lacks.pop(event.job, None)
+        self._generated.pop(event.job, None)
+        if event.awaits_release:
+            assert event.recipe, event
+            assert event.digest not in self._releases, event
+            self._generated[event.job] = event.digest
+        elif event.recipe and isinstance(event, e.JobQueued):
+            assert self._released or event.digest in self._releases, event
         if event.unavailable:
             self._lacks[event.job] = set(event.unavailable)
         if event.awaits_start:
             assert event.start is not None
             self._early[event.job] = event.start
         self._terms[event.job] = -event.priority, event.start or inf
+
+    def _script_released(self, event: e.ScriptReleased) -> None:
+        assert event.digest not in self._releases, event
+        self._releases.add(event.digest)
+        self._generated = {n: one for n, one in self._generated.items() if one != event.digest}
 
     def _out_of_service(self, event: e.ComponentOutOfService) -> None:
         for job in event.jobs:
@@ -127,6 +143,7 @@ class QueueInvariants:
 
     def _removed(self, event: e.JobRemoved) -> None:
         self._lacks.pop(event.job, None)
+        self._generated.pop(event.job, None)
         self._queue.remove(event.job)
         self._held.discard(event.job)
         self._early.pop(event.job, None)
@@ -144,7 +161,8 @@ class QueueInvariants:
 
     def _started(self, event: e.JobStarted) -> None:
         # A job that was aborted in the queue may still have to skip its initialization.
-        passed = self._held | self._begins_nothing | self._early.keys() | self._lacks.keys()
+        waits = self._early.keys() | self._lacks.keys() | self._generated.keys()
+        passed = self._held | self._begins_nothing | waits
         first = next(job for job in self._queue if job not in passed)
         assert event.job == first, (event, self._queue)
         assert not self._stop_after, event
@@ -171,6 +189,7 @@ class QueueInvariants:
         if isinstance(event, e.JobAborting):
             self._early.pop(event.job, None)
             self._lacks.pop(event.job, None)
+            self._generated.pop(event.job, None)
 
     def _resumed(self, event: e.JobResumed) -> None:
         self._begins_nothing.remove(event.job)
@@ -202,6 +221,7 @@ class QueueInvariants:
         (e.JobPaused, e.JobStopping, e.JobAborting): _ending,
         e.JobResumed: _resumed,
         (e.JobCompleted, e.JobAborted): _end,
+        e.ScriptReleased: _script_released,
         e.ComponentOutOfService: _out_of_service,
         e.ComponentInService: _in_service,
     }

@@ -13,11 +13,12 @@ from fakes.operator import ann, engineer
 
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.cell_commands import CellCommand, Pause, Resume
-from bt_orchestrator.model.codec import from_record, to_record
+from bt_orchestrator.model.codec import digest, from_record, to_record
 from bt_orchestrator.model.commands import (
     Answer,
     AnswerHold,
     Command,
+    ReleaseScript,
     RemoveItem,
     SetService,
 )
@@ -144,6 +145,10 @@ class VirtualRun:
     def service(self, component: str, *, out: bool) -> Answer:
         """Take a component out of service, or bring it back."""
         return self.ask(SetService(component, not out, ann('worn')))
+
+    def release(self, script: Script) -> Answer:
+        """Release a script for this cell."""
+        return self.ask(ReleaseScript(digest(script), engineer('Eve', reason='read it')))
 
     # --- looking ----------------------------------------------------------------------------
 

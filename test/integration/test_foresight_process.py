@@ -17,7 +17,7 @@ from bt_orchestrator.child_process import framed
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.foresight_process import ForesightProcess
 from bt_orchestrator.model.codec import to_plain
-from bt_orchestrator.model.snapshot import state_to_plain
+from bt_orchestrator.model.keeping.snapshot import state_to_plain
 from bt_orchestrator.sim.simulation import Simulation
 
 LONGEST_S = 40.0

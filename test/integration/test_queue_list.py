@@ -18,7 +18,7 @@ from bt_orchestrator.cli.queue import others
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model.jobs.job_commands import AddJobs, UpdateJob
 from bt_orchestrator.model.jobs.order import Job, Terms
-from bt_orchestrator.model.snapshot import nearest, state_from_plain, state_to_plain
+from bt_orchestrator.model.keeping.snapshot import nearest, state_from_plain, state_to_plain
 from bt_orchestrator.ports import QueuePage
 from bt_orchestrator.report.pace import expected_ends_s
 from bt_orchestrator.ros.services.queue_services import list_jobs, list_queue

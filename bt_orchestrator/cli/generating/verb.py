@@ -20,6 +20,11 @@ from bt_orchestrator.cli.generating.outages import (
     outages,
     plain_outages,
 )
+from bt_orchestrator.cli.generating.release import (
+    add_release_options,
+    check_release_options,
+    release,
+)
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.script import Script
@@ -76,6 +81,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help='say where each operation is done, and why; without -o in place of the script',
     )
     parser.add_argument('--json', action='store_true', help='all that is known as one JSON object')
+    add_release_options(parser)
 
 
 def _add_file_options(parser: argparse.ArgumentParser) -> None:
@@ -103,10 +109,11 @@ def generate(args: argparse.Namespace, types: ActionTypes) -> int:
     """Generate what the options name, with the types that are known.
 
     :raises Refused: there are mistakes in a file, and they are not wanted as JSON
-    :raises WrongUse: an option names a component that is not there
+    :raises WrongUse: an option names a component that is not there, or lacks another one
     :raises NotReplaced: a file is left alone
     :raises NotVouchedFor: the script that was generated is not fit to be shown
     """
+    check_release_options(args)
     try:
         inputs = read_inputs(args.recipe, args.cell, args.overrides, types)
         keep = None if args.keep is None else read_script(args.keep, inputs.cell, types)
@@ -141,6 +148,17 @@ def _one(
     args: argparse.Namespace, inputs: Inputs, without: frozenset[str], keep: Script | None
 ) -> int:
     made = make(inputs, without, keep)
+    status = _shown(args, inputs, made, without, keep)
+    return release(args, made, inputs) if args.release and not status else status
+
+
+def _shown(
+    args: argparse.Namespace,
+    inputs: Inputs,
+    made: Made,
+    without: frozenset[str],
+    keep: Script | None,
+) -> int:
     if args.check is not None:
         return _check(args, made)
     if args.diff is not None:

@@ -46,6 +46,7 @@ from bt_orchestrator.model.events.jobs import (
     QueueStopReached,
     QueueStopRequested,
     ScriptLoaded,
+    ScriptReleased,
 )
 from bt_orchestrator.model.events.line import (
     BeatStarted,
@@ -88,6 +89,7 @@ __all__ = [
     'INDEX_KEY',
     'Event',
     'ScriptLoaded',
+    'ScriptReleased',
     'JobQueued',
     'JobMoved',
     'JobUpdated',

@@ -105,6 +105,8 @@ class OperatorDecided(Event):
     job: str | None = None
     item: str | None = None
     component: str | None = None
+    digest: str | None = None
+    """Of the script that it is about."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -127,6 +129,8 @@ class OperatorRefused(Event):
     job: str | None = None
     item: str | None = None
     component: str | None = None
+    digest: str | None = None
+    """Of the script that it is about."""
     message: str
     """Why it was refused."""
 

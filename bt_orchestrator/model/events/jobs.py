@@ -22,6 +22,18 @@ class ScriptLoaded(Event):
 
 
 @dataclass(frozen=True, kw_only=True)
+class ScriptReleased(Event):
+    """A generated script may be used on this cell; jobs that waited for that wait no more."""
+
+    event: ClassVar[str] = 'script.released'
+    digest: str
+    cell_digest: str
+    """Of the cell that it is released for; it does not count for another one."""
+    reason: str = ''
+    """Who did it, and why; empty: a virtual run."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class JobQueued(Event):
     """A work order was accepted."""
 
@@ -48,6 +60,8 @@ class JobQueued(Event):
     program."""
     awaits_start: bool = False
     """It may not start before `start`."""
+    awaits_release: bool = False
+    """Its script was generated, and nobody has released it for this cell (semantics 6.10)."""
     recipe: str = ''
     """Name of the recipe that the script was generated from; empty: it was written by hand, or the
     record is of an older program."""
@@ -93,6 +107,8 @@ class JobUpdated(Event):
     """New place in the queue, from 1, by its new priority or start (6.7); None: as before."""
     awaits_start: bool = False
     """It may not start before `start`."""
+    awaits_release: bool = False
+    """Its script was generated, and nobody has released it for this cell (semantics 6.10)."""
     recipe: str = ''
     """Name of the recipe that the script was generated from; empty: it was written by hand, or the
     record is of an older program."""

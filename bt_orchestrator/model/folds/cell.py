@@ -96,7 +96,8 @@ def operator_decided(event: e.OperatorDecided, state: CellState) -> None:
 
     A shutdown of the node is not stored: the next orchestrator continues.
     """
-    if (event.hold, event.job, event.item, event.component) != (None,) * 4:
+    about = (event.hold, event.job, event.item, event.component, event.digest)
+    if any(one is not None for one in about):
         return
     wish = Wish(event.answer, event.who, event.reason, event.time, event.known)
     if event.answer in STAND:

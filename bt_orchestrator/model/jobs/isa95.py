@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from enum import Enum
+from typing import Protocol
 
 from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.model.stop_reason import WORDS, Interruption, StopReason
@@ -51,16 +53,29 @@ def job_word(state: CellState, job: JobState) -> JobWord:
     if job.ended_at is not None:
         return JobWord.ABORTED if job.aborting else JobWord.ENDED
     if not job.started:
-        return queued_word(is_held=job.held, is_unavailable=bool(job.unavailable))
+        return queued_word(job)
     return word_at_work(state.stop_reason, is_paused=job.paused)
 
 
-def queued_word(*, is_held: bool, is_unavailable: bool) -> JobWord:
-    """Derive the state of a job in the queue.
+class Passed(Protocol):
+    """What lets the queue pass a job, in the state and in events."""
 
-    :param is_unavailable: it needs a component that is out of service (semantics 7.5)
-    """
-    passed = is_held or is_unavailable
+    @property
+    def held(self) -> bool:
+        """A person keeps it from starting (semantics 6.6)."""
+
+    @property
+    def awaits_release(self) -> bool:
+        """Its script is not released (semantics 6.10)."""
+
+    @property
+    def unavailable(self) -> Sequence[str]:
+        """Components out of service that it needs (semantics 7.5)."""
+
+
+def queued_word(job: Passed) -> JobWord:
+    """Derive the state of a job in the queue; its start is waited for in AllowedToStart."""
+    passed = job.held or job.awaits_release or job.unavailable
     return JobWord.NOT_ALLOWED_TO_START if passed else JobWord.ALLOWED_TO_START
 
 

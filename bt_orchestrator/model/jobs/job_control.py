@@ -5,7 +5,7 @@ Code, documentation and tests are made from it, and every interface asks it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from bt_orchestrator.model.jobs.isa95 import JobWord
@@ -99,9 +99,10 @@ LEFT_WHILE_ENDING: Mapping[str, tuple[Method, ...]] = {'stopping': (ABORT,), 'ab
 """What may still be asked of a job that ends when its last item has left."""
 
 
-MORE_WHILE_UNAVAILABLE: tuple[Method, ...] = (REVOKE_START,)
-"""What may also be asked of a job that nobody holds and that lacks a component out of service;
-`release` changes nothing for it, unless it waits for its start as well."""
+MORE_WHILE_PASSED: tuple[Method, ...] = (REVOKE_START,)
+"""What may also be asked of a job that nobody holds and that is passed, because its script is not
+released or it lacks a component out of service; `release` changes nothing for it, unless it waits
+for its start as well."""
 
 MORE_WHILE_AWAITING: tuple[Method, ...] = (START,)
 """What may also be asked of a job that is AllowedToStart and waits for its start."""
@@ -114,6 +115,7 @@ def refusal(
     ending: str = '',
     *,
     awaits_start: bool = False,
+    unreleased: str = '',
     unavailable: Sequence[str] = (),
     is_held: bool = True,
 ) -> str | None:
@@ -121,14 +123,15 @@ def refusal(
 
     :param ending: `stopping` or `aborting` if the job already ends
     :param awaits_start: the job waits for the start of its order (semantics 6.7)
+    :param unreleased: digest of its script, if that is not released (semantics 6.10)
     :param unavailable: components out of service that it needs (semantics 7.5)
-    :param is_held: a person holds it; of a job that lacks no component its state says so
+    :param is_held: a person holds it; of a job that is passed for nothing else its state says so
     """
-    if word is NOT_ALLOWED and unavailable and not is_held:
-        if method in MORE_WHILE_UNAVAILABLE:
+    if word is NOT_ALLOWED and (unreleased or unavailable) and not is_held:
+        if method in MORE_WHILE_PASSED:
             return None
         if method is START and not awaits_start:
-            return f'{job} is unavailable: {unavailable_words(unavailable)}'
+            return '; '.join(_passed_words(job, unreleased, unavailable))
     if word is ALLOWED and awaits_start and method in MORE_WHILE_AWAITING:
         return None
     if word not in method.changes:
@@ -139,6 +142,29 @@ def refusal(
         what = f'{job} is {ending} already and ends when its last item has left the line'
         return f'{what}; only {left} is left' if left else what
     return None
+
+
+def _passed_words(job: str, unreleased: str, unavailable: Sequence[str]) -> Iterator[str]:
+    if unreleased:
+        yield f'{job} is not released: {unreleased_words(unreleased)}'
+    if unavailable:
+        yield f'{job} is unavailable: {unavailable_words(unavailable)}'
+
+
+def lacks_words(unreleased: str, unavailable: Sequence[str]) -> Iterator[str]:
+    """Say why a job is passed that nobody holds, and what lets it start."""
+    if unreleased:
+        yield unreleased_words(unreleased)
+    if unavailable:
+        yield unavailable_words(unavailable)
+
+
+def unreleased_words(digest: str) -> str:
+    """Say that a script is not released, and who can do that."""
+    return (
+        f'its script was generated and is not released for this cell; release-script {digest} '
+        '(by an engineer) lets it start in its turn'
+    )
 
 
 def unavailable_words(unavailable: Sequence[str]) -> str:

@@ -37,6 +37,7 @@ def job_queued(event: e.JobQueued, state: CellState) -> None:
         queued_at=event.time,
         held=event.held,
         awaits_start=event.awaits_start,
+        awaits_release=event.awaits_release,
         unavailable=event.unavailable,
         ranked=event.ranked,
     )
@@ -62,6 +63,7 @@ def job_updated(event: e.JobUpdated, state: CellState) -> None:
         changed.digest = event.digest
         changed.recipe, changed.recipe_version = event.recipe, event.recipe_version
         changed.awaits_start = event.awaits_start
+        changed.awaits_release = event.awaits_release
         changed.unavailable = event.unavailable
     if event.position is not None:
         state.jobs.move(event.job, event.position, ranked=True)
@@ -85,6 +87,17 @@ def job_may_start(event: e.JobMayStart, state: CellState) -> None:
     """Let it start in its turn, unless it is held."""
     state.jobs.allow_start(event.job)
     note_work(state, state.jobs.queued(event.job))
+
+
+def script_released(event: e.ScriptReleased, state: CellState) -> None:
+    """Let the jobs of a script wait no more; for the cell they are like new orders."""
+    cells = state.released.get(event.digest, ())
+    if event.cell_digest not in cells:
+        state.released[event.digest] = (*cells, event.cell_digest)
+    for job in state.queue:
+        if job.unreleased == event.digest:
+            state.jobs.release_script(job.job.id)
+            note_work(state, state.jobs.queued(job.job.id))
 
 
 def job_removed(event: e.JobRemoved, state: CellState) -> None:

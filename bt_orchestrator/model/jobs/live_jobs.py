@@ -207,6 +207,11 @@ class LiveJobs(Mapping[str, 'JobState']):
         self._queued[name] = changed(self.queued(name), unavailable=unavailable)
         self._judge(name)
 
+    def release_script(self, name: str) -> None:
+        """Let a job in the queue wait for the release of its script no more."""
+        self._queued[name] = changed(self.queued(name), awaits_release=False)
+        self._judge(name)
+
     def allow_start(self, name: str) -> None:
         """Let a job in the queue wait for its start no more."""
         self._await(name, waits=False)
@@ -218,7 +223,8 @@ class LiveJobs(Mapping[str, 'JobState']):
         queued = self._queued.get(name)
         if queued is not None:
             self._await(name, waits=False)
-            self._queued[name] = changed(queued, awaits_start=False, unavailable=())
+            nothing = {'awaits_start': False, 'awaits_release': False, 'unavailable': ()}
+            self._queued[name] = changed(queued, **nothing)
         job = self[name]
         job.aborting, job.paused, job.held, job.end_reason = True, False, False, reason
         if queued is not None:

@@ -29,6 +29,7 @@ def of_job(
     ending: str = '',
     *,
     awaits_start: bool = False,
+    unreleased: str = '',
     unavailable: Sequence[str] = (),
     is_held: bool = True,
 ) -> tuple[Request, ...]:
@@ -44,6 +45,7 @@ def of_job(
             word,
             ending,
             awaits_start=awaits_start,
+            unreleased=unreleased,
             unavailable=unavailable,
             is_held=is_held,
         )

@@ -17,6 +17,7 @@ class About(Enum):
     ITEM = 'item'
     HOLD = 'hold'
     COMPONENT = 'component'
+    SCRIPT = 'script'
 
 
 class Kind(Enum):
@@ -89,6 +90,12 @@ NAMED = {
     About.HOLD: Parameter('hold', Kind.TEXT, 'id of the hold', is_required=True),
     About.COMPONENT: Parameter(
         'component', Kind.TEXT, 'name of the component in the cell file', is_required=True
+    ),
+    About.SCRIPT: Parameter(
+        'script',
+        Kind.TEXT,
+        'digest of the script; or its name, if it is waited for by a job in the queue',
+        is_required=True,
     ),
 }
 """The first argument, for subjects with an id."""

@@ -225,6 +225,14 @@ IN_SERVICE = _request(
     'start', _OPERATORS,
 )  # fmt: skip
 
+# --- scripts (semantics 6.10) -------------------------------------------------------------------
+
+RELEASE_SCRIPT = _request(
+    About.SCRIPT, 'release_script', 'lets jobs of a generated script start on this cell',
+    _ENGINEERS,
+    Parameter('cell_digest', Kind.TEXT, 'refuse it unless this is the digest of the cell'),
+)  # fmt: skip
+
 TABLE: tuple[Request, ...] = (
     *CELL.values(),
     *STOP_AFTERS.values(),
@@ -238,6 +246,7 @@ TABLE: tuple[Request, ...] = (
     COMMENT,
     OUT_OF_SERVICE,
     IN_SERVICE,
+    RELEASE_SCRIPT,
 )
 """All requests, in the order of the documentation."""
 

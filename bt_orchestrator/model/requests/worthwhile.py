@@ -73,6 +73,7 @@ def worthwhile_for_job(
     ending: str,
     *,
     awaits_start: bool,
+    unreleased: str,
     unavailable: Sequence[str],
     is_held: bool,
     is_next: bool,
@@ -82,6 +83,7 @@ def worthwhile_for_job(
     """Return the requests to a job that its state allows and that would change it.
 
     :param awaits_start: it waits for the start of its order
+    :param unreleased: digest of its script, if that is not released
     :param unavailable: components out of service that it needs
     :param is_held: a person keeps it from starting
     :param is_next: it is the first one in the queue
@@ -94,6 +96,11 @@ def worthwhile_for_job(
         job_control.RESUME.verb: is_cell_stopped,
     }
     possible = of_job(
-        word, ending, awaits_start=awaits_start, unavailable=unavailable, is_held=is_held
+        word,
+        ending,
+        awaits_start=awaits_start,
+        unreleased=unreleased,
+        unavailable=unavailable,
+        is_held=is_held,
     )
     return tuple(one for one in possible if not nothing_new.get(one.word, False))

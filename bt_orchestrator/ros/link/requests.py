@@ -88,6 +88,10 @@ def _to_component(word: str, given: Mapping[str, Any]) -> Call:
     return Call(srv.Command, 'command', srv.Command.Request(command=word, **given))
 
 
+def _to_script(word: str, given: Mapping[str, Any]) -> Call:
+    return Call(srv.Command, 'command', srv.Command.Request(command=word, **given))
+
+
 _MAKERS: Mapping[About, Callable[[str, Mapping[str, Any]], Call]] = {
     About.CELL: _to_cell,
     About.QUEUE: _to_queue,
@@ -95,4 +99,5 @@ _MAKERS: Mapping[About, Callable[[str, Mapping[str, Any]], Call]] = {
     About.ITEM: _to_item,
     About.HOLD: _to_hold,
     About.COMPONENT: _to_component,
+    About.SCRIPT: _to_script,
 }

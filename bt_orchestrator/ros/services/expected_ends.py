@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from rclpy.node import Node
 
 from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.keeping.snapshot import nearest, state_to_text
 from bt_orchestrator.model.limits import QUEUE_SHOWN
-from bt_orchestrator.model.snapshot import nearest, state_to_text
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import Foresight
 from bt_orchestrator.report.pace import Paces, expected_ends_s

@@ -51,6 +51,14 @@ class Services:
             answer = await self._handler.give(
                 About.COMPONENT, request.command, by, component=request.component
             )
+        elif request.script:
+            answer = await self._handler.give(
+                About.SCRIPT,
+                request.command,
+                by,
+                script=request.script,
+                cell_digest=request.cell_digest,
+            )
         else:
             answer = await self._to_cell(request, by)
         tell(response, answer)

@@ -9,7 +9,7 @@ from bt_orchestrator_interfaces.srv import GetState
 from rclpy.node import Node
 
 from bt_orchestrator.model.codec import to_plain
-from bt_orchestrator.model.snapshot import nearest, state_to_text
+from bt_orchestrator.model.keeping.snapshot import nearest, state_to_text
 from bt_orchestrator.ros.services.serving import serve
 from bt_orchestrator.runtime.observed_durations import ObservedDurations
 from bt_orchestrator.runtime.orchestrator import Orchestrator

@@ -46,6 +46,7 @@ def job_part(
         'priority': job.priority,
         'start': job.start,
         'awaits_start': job.awaits_start,
+        'awaits_release': job.awaits_release,
         'held': job.held,
         'unavailable': list(job.unavailable),
         'due': job.due,

@@ -49,7 +49,8 @@ def draw_cell(draw: Draw, size: int, traits: Traits) -> Row:
         'on_failure': draw(st.sampled_from(('hold', 'abort_job'))),
         'faults': _faults(draw, 6) if traits.faults else [],
     }
-    return {'cell': 'random_cell', 'conveyor': conveyor, 'components': components}
+    cell = {'cell': 'random_cell', 'conveyor': conveyor, 'components': components}
+    return {**cell, 'release': 'automatic'} if chance(draw, 25) else cell
 
 
 def lasting(cell: Row, seconds: Sequence[float]) -> list[float]:

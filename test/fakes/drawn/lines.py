@@ -44,7 +44,7 @@ def lines(draw: Draw, traits: Traits = ANY) -> Plan:
     chosen = [scripts[draw(st.integers(0, len(scripts) - 1))]['script'] for _ in range(count)]
     orders = tuple(_order(draw, f'J{n}', name) for n, name in enumerate(chosen))
     first = count if draw(st.booleans()) else 1
-    moment = st.builds(Moment, st.sampled_from(MOMENTS), st.integers(0, 14))
+    moment = st.builds(Moment, st.sampled_from(MOMENTS), st.integers(0, 15))
     moments = draw(st.lists(moment, max_size=10))
     drawn = draw(st.lists(st.sampled_from((*SECONDS, 40.0)), max_size=5)) if traits.tied else []
     rebuilds = draw(st.frozensets(st.integers(1, 80), max_size=6))

@@ -42,6 +42,8 @@ class DrawnScript:
             else steps
             for n, steps in sorted(self.lists.items())
         }
+        if chance(self.draw, 30):
+            script['made_from'] = {'recipe': 'R', 'version': 3}
         if chance(self.draw, 20):
             script['lots'] = {'box': '${order.id}'}
         once = [placed for placed in self.tasks if placed[1]['id'] not in self.repeated]

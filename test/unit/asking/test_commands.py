@@ -31,6 +31,8 @@ def asked(name: str, **given: Any) -> object:
 def value(parameter: Parameter) -> object:
     if parameter.name == 'component':
         return 'a2'
+    if parameter.name == 'script':
+        return '0123456789ab'
     return parameter.choices[0] if parameter.choices else OF_KIND[parameter.kind]
 
 

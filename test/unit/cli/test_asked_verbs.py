@@ -10,10 +10,10 @@ from bt_orchestrator.model.requests import ANSWERS, TABLE, About, Why
 ASKING = [verb for verb, (_, line) in VERBS.items() if not line]
 
 
-SUBJECTS = (About.CELL, About.ITEM, About.COMPONENT)
+SUBJECTS = (About.CELL, About.ITEM, About.COMPONENT, About.SCRIPT)
 
 
-def test_every_request_to_cell_items_and_components_has_its_verb() -> None:
+def test_every_request_to_cell_items_components_and_scripts_has_its_verb() -> None:
     words = {request.word.replace('_', '-') for request in TABLE if request.about in SUBJECTS}
     assert {word for word in words if not word.startswith('stop-after')} == set(ASKING)
 

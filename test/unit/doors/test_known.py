@@ -11,7 +11,7 @@ from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.doors.known import MOST_SCRIPTS, Known, told_by
 from bt_orchestrator.model.codec import digest
-from bt_orchestrator.model.snapshot import nearest, state_to_plain
+from bt_orchestrator.model.keeping.snapshot import nearest, state_to_plain
 from bt_orchestrator.ports import Moment
 from bt_orchestrator.runtime.overview import Overview, description_of
 from bt_orchestrator.web.cell_show import CellShow

@@ -126,6 +126,8 @@ SAMPLES: dict[str, Any] = {
     'held': True,
     'ranked': True,
     'awaits_start': True,
+    'awaits_release': True,
+    'cell_digest': '6a8f0c1d2e3f',
     'unavailable': ('a2',),
     'jobs': ('WO-2', 'WO-3'),
     'exit_status': 'stopped',

@@ -28,7 +28,7 @@ def words(about: About) -> set[str]:
 @pytest.mark.parametrize(
     ('service', 'expected'),
     [
-        ('Command', set(VERBS.values()) | words(About.COMPONENT)),
+        ('Command', set(VERBS.values()) | words(About.COMPONENT) | words(About.SCRIPT)),
         (
             'QueueCommand',
             words(About.JOB) - {'move', 'update'},

@@ -18,17 +18,17 @@ from fakes.profiles import examples
 from fakes.virtual_run import snapshot
 from hypothesis import given
 
-from bt_orchestrator.model import snapshot as kept
 from bt_orchestrator.model.codec import hints_of
 from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.jobs.live_jobs import LiveJobs
-from bt_orchestrator.model.script import Script
-from bt_orchestrator.model.snapshot import (
+from bt_orchestrator.model.keeping import snapshot as kept
+from bt_orchestrator.model.keeping.snapshot import (
     kept_fields,
     state_from_plain,
     state_to_plain,
     state_to_text,
 )
+from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import (
     CellState,
     Cycle,

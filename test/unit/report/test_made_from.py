@@ -17,8 +17,8 @@ from bt_orchestrator.model.jobs.job_commands import AddJobs, UpdateJob
 from bt_orchestrator.model.jobs.job_record import JobRecord, record_of
 from bt_orchestrator.model.jobs.order import Job, RecipeChoice
 from bt_orchestrator.model.jobs.script_words import script_words
+from bt_orchestrator.model.keeping.snapshot import state_from_plain, state_to_plain
 from bt_orchestrator.model.script import MadeFrom, Script
-from bt_orchestrator.model.snapshot import state_from_plain, state_to_plain
 from bt_orchestrator.report.item.fold import ItemFold
 from bt_orchestrator.report.job_text import job_text
 from bt_orchestrator.report.jobs import JobFold
@@ -48,6 +48,7 @@ def line() -> Line:
 def run(line: Line) -> VirtualRun:
     """Jobs of two versions that come to the same script, one of no recipe, and a changed one."""
     run = line.begin()
+    run.release(of_version(line, 1))
     scripts = {'K': of_version(line, 1), 'L': of_version(line, 2), 'M': line.script(THREE)}
     run.ask(AddJobs(tuple(Job(name, script, 1) for name, script in scripts.items()), BY))
     run.ask(UpdateJob(Job('M', of_version(line, 3), 1), BY))

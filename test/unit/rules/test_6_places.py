@@ -14,8 +14,8 @@ from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.jobs.job_commands import AddJobs, MoveJob, RunNext, UpdateJob
 from bt_orchestrator.model.jobs.order import NO_TERMS, Job, Terms
+from bt_orchestrator.model.keeping.snapshot import state_from_plain, state_to_plain
 from bt_orchestrator.model.packml import PackmlState
-from bt_orchestrator.model.snapshot import state_from_plain, state_to_plain
 
 ADVISORY = replace(LINE.cell, start=Start.ADVISORY)
 

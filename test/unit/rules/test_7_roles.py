@@ -10,7 +10,13 @@ from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.model.by import By, Known
 from bt_orchestrator.model.cell_commands import Abort, Pause, Reset, Stop
-from bt_orchestrator.model.commands import AnswerHold, Command, RemoveItem, SetService
+from bt_orchestrator.model.commands import (
+    AnswerHold,
+    Command,
+    ReleaseScript,
+    RemoveItem,
+    SetService,
+)
 from bt_orchestrator.model.jobs.job_commands import (
     AddJobs,
     ControlJob,
@@ -51,6 +57,7 @@ COMMANDS: dict[str, Callable[[By], Command]] = {
     'item.remove_item': lambda by: RemoveItem('J/1', by),
     'component.out_of_service': lambda by: SetService('a3', False, by),
     'component.in_service': lambda by: SetService('a3', True, by),
+    'script.release_script': lambda by: ReleaseScript('0123456789ab', by),
     **{
         f'hold.{word}': lambda by, word=word: AnswerHold('1', word, by)  # type: ignore[misc]
         for word in ('retry', 'again', 'mark_done', 'skip', 'reject', 'abort_job', *REMARKS)

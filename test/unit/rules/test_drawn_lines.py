@@ -80,6 +80,8 @@ def test_9_1_every_line_goes_as_the_second_opinion_says() -> None:
         seen['waited'] += bool(product.run.all('job.may_start'))
         seen['out of service'] += bool(product.run.all('component.out_of_service'))
         seen['passed'] += any('jobs' in o for o in product.run.all('component.out_of_service'))
+        seen['generated'] += any('awaits_release' in o for o in product.run.all('job.queued'))
+        seen['released'] += bool(product.run.all('script.released'))
         seen['placed'] += any('position' in one for one in product.run.all('job.queued'))
 
     holds()
@@ -97,4 +99,6 @@ def test_9_1_every_line_goes_as_the_second_opinion_says() -> None:
     assert seen['waited'] >= 0.05 * seen['all'], seen
     assert seen['out of service'] >= 0.1 * seen['all'], seen
     assert seen['passed'] >= 0.03 * seen['all'], seen
+    assert seen['generated'] >= 0.1 * seen['all'], seen
+    assert seen['released'] >= 0.1 * seen['all'], seen
     assert seen['placed'] >= 0.02 * seen['all'], seen

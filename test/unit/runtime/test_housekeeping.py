@@ -22,13 +22,13 @@ from fakes.virtual_run import snapshot
 
 from bt_orchestrator import model
 from bt_orchestrator.errors import JournalFailed, JournalMismatch
-from bt_orchestrator.model import state_text
 from bt_orchestrator.model.events import Event, ItemIdentified
 from bt_orchestrator.model.fold import apply
 from bt_orchestrator.model.jobs.job_commands import AddJobs, ControlJob
 from bt_orchestrator.model.jobs.job_folds import ENDED_KEPT
 from bt_orchestrator.model.jobs.order import Job
-from bt_orchestrator.model.snapshot import Writer, state_from_plain, state_to_plain
+from bt_orchestrator.model.keeping import state_text
+from bt_orchestrator.model.keeping.snapshot import Writer, state_from_plain, state_to_plain
 from bt_orchestrator.model.state import CellState, Reading
 from bt_orchestrator.ports import Snapshot
 from bt_orchestrator.runtime import housekeeping, recovery

@@ -15,7 +15,7 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.commands import SetService
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
-from bt_orchestrator.model.snapshot import state_from_plain, state_to_text
+from bt_orchestrator.model.keeping.snapshot import state_from_plain, state_to_text
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 
 LINE = Line()

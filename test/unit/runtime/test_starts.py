@@ -13,7 +13,7 @@ from fakes.virtual_run import BY, VirtualRun
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job, Terms
-from bt_orchestrator.model.snapshot import state_to_plain
+from bt_orchestrator.model.keeping.snapshot import state_to_plain
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.runtime.wall_clock import STEP_S
 from bt_orchestrator.sim.foresight import expected_ends

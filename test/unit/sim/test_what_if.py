@@ -14,8 +14,8 @@ from fakes.line import THREE, Line
 from fakes.operator import ann
 
 from bt_orchestrator.model.jobs.order import Job, WorkOrder
+from bt_orchestrator.model.keeping.snapshot import state_to_plain
 from bt_orchestrator.model.requests import Asked, ask
-from bt_orchestrator.model.snapshot import state_to_plain
 from bt_orchestrator.ports import CheckedOrder, Consequence, Moment
 from bt_orchestrator.sim import what_if
 from bt_orchestrator.sim.run_on import RunOn

@@ -18,9 +18,9 @@ from starlette.middleware import Middleware
 from bt_orchestrator.cli.planning_process import PlanningProcess
 from bt_orchestrator.errors import CommandRefused, NodeUnreachable, NotKept
 from bt_orchestrator.model.jobs.isa95 import JobWord
+from bt_orchestrator.model.keeping.snapshot import state_to_plain
 from bt_orchestrator.model.limits import QUEUE_SHOWN
 from bt_orchestrator.model.requests import Asked
-from bt_orchestrator.model.snapshot import state_to_plain
 from bt_orchestrator.model.status import JobStatus
 from bt_orchestrator.ports import (
     CheckedOrder,

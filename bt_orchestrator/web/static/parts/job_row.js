@@ -58,7 +58,7 @@ export function recipeWords({ recipe, recipe_version: version }) {
 
 /** Say the state of a job, and whether it is being ended. */
 export function jobStateWords(job) {
-  if (isUnavailable(job)) return unavailableWords(job);
+  if (isPassed(job)) return passedWords(job);
   if (job.awaits_start && job.state === 'AllowedToStart') {
     return t('job_state.early', { time: about(job.start) });
   }
@@ -67,14 +67,16 @@ export function jobStateWords(job) {
   return job.ending ? `${word}, ${t(`job_state.${job.ending}`)}` : word;
 }
 
-/** Tell whether the queue passes it for a component that is out of service. */
-export function isUnavailable({ state, unavailable }) {
-  return state === 'NotAllowedToStart' && unavailable.length > 0;
+/** Tell whether the queue passes it for its script, or a component that is out of service. */
+export function isPassed({ state, unavailable, awaits_release: isUnreleased }) {
+  return state === 'NotAllowedToStart' && (isUnreleased || unavailable.length > 0);
 }
 
-/** Say which components it lacks. */
-export function unavailableWords({ unavailable }) {
-  return t('job_state.unavailable', { names: unavailable.join(', ') });
+/** Say that its script is not released, and which components it lacks. */
+export function passedWords({ unavailable, awaits_release: isUnreleased }) {
+  const names = unavailable.join(', ');
+  if (!isUnreleased) return t('job_state.unavailable', { names });
+  return t(names ? 'job_state.unreleased_unavailable' : 'job_state.unreleased', { names });
 }
 
 /** Say how far the initialization is; empty: there is none, or it is over. */

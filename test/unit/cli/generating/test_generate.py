@@ -14,10 +14,14 @@ from fakes.action_types import FakeActionTypes
 from fakes.glue_cell import CELL, RECIPE
 from fakes.shipped import ROOT
 
+from bt_orchestrator.cli.door import instead_of_a_door
 from bt_orchestrator.cli.generating.file import NotReplaced
 from bt_orchestrator.cli.generating.verb import add_arguments, generate
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.errors import Refused
+from bt_orchestrator.model.codec import digest
+from bt_orchestrator.model.commands import Answer
+from bt_orchestrator.model.requests import Asked
 from bt_orchestrator.script.admission import admitted
 from bt_orchestrator.script.cell_file import read_cell
 
@@ -201,6 +205,54 @@ def test_what_comes_of_each_outage(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 # --- mistakes ---------------------------------------------------------------------------------
+
+
+class Door:
+    """A node that is asked, and does it."""
+
+    def __init__(self) -> None:
+        self.asked: list[Asked] = []
+
+    def __enter__(self) -> Door:
+        return self
+
+    def __exit__(self, *_: object) -> None: ...
+
+    def ask(self, asked: Asked) -> Answer:
+        self.asked.append(asked)
+        return Answer(accepted=True, message='it is released')
+
+
+RELEASE = ('--release', '--reason', 'read it')
+
+
+def test_what_stands_in_a_file_is_released(capsys: pytest.CaptureFixture[str]) -> None:
+    door = Door()
+    with instead_of_a_door(door):
+        assert 'it is released' in said(capsys, '-o', 'script.yaml', *RELEASE)
+        assert 'it is released' in said(capsys, '--check', 'script.yaml', *RELEASE)
+        (_, asked) = door.asked
+        cell = read_cell(Path('cell.yaml'), TYPES)
+        script = admitted(Path('script.yaml').read_text(), 'script.yaml', cell, TYPES)
+        assert asked.request.name == 'script.release_script'
+        assert asked.arguments == {'script': digest(script), 'cell_digest': digest(cell)}
+        edit('script.yaml', 'pack by', 'packed by')
+        said(capsys, '--check', 'script.yaml', *RELEASE, status=1)
+    assert len(door.asked) == 2, 'what is not what the recipe gives is not released'
+
+
+@pytest.mark.parametrize(
+    ('words', 'why'),
+    [
+        ((*RELEASE,), 'goes with -o FILE or --check FILE'),
+        (('-o', 'script.yaml', '--json', *RELEASE), 'without --json'),
+        (('-o', 'script.yaml', '--release'), '--release needs --reason'),
+    ],
+)
+def test_a_release_needs_a_file_and_a_reason(words: tuple[str, ...], why: str) -> None:
+    with pytest.raises(WrongUse, match=why):
+        generated(*words)
+    assert not Path('script.yaml').exists()
 
 
 def test_why_there_is_no_script(capsys: pytest.CaptureFixture[str]) -> None:

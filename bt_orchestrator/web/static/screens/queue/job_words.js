@@ -1,13 +1,13 @@
 /** The words about a job: its state, and its due date. */
 
 import { clock } from '../../core/store.js';
-import { isUnavailable, unavailableWords } from '../../parts/job_row.js';
+import { isPassed, passedWords } from '../../parts/job_row.js';
 import { about, duration, number, t, tOr } from '../../core/text.js';
 
 /** Say its state; one that ends says how. */
 export function stateWords(job) {
   const { state, substate, ending, awaits_start: isEarly, start } = job;
-  if (isUnavailable(job)) return unavailableWords(job);
+  if (isPassed(job)) return passedWords(job);
   if (ending) return t(`job_state.${ending}`);
   if (isEarly && state === 'AllowedToStart') return t('job_state.early', { time: about(start) });
   const whole = [state, substate].filter(Boolean).join('/');

@@ -8,7 +8,7 @@ from collections import deque
 
 from bt_orchestrator.errors import JournalFailed
 from bt_orchestrator.model.jobs.live_jobs import LiveJobs
-from bt_orchestrator.model.snapshot import (
+from bt_orchestrator.model.keeping.snapshot import (
     Reader,
     Writer,
     state_from_plain,

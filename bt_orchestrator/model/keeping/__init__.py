@@ -1,0 +1,1 @@
+"""The state as data that can be kept: as JSON, exactly, and written in slices."""
