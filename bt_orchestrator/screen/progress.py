@@ -53,6 +53,8 @@ class Progress:
             yield f'{event.component} is out of service ({event.reason})'
         elif isinstance(event, e.ComponentInService):
             yield f'{event.component} is in service'
+        elif isinstance(event, e.ScriptReleased):
+            yield f'script {event.digest} is released ({event.reason})'
         elif isinstance(event, e.CellStateChanged):
             self.held = event.state == 'Held'
             reason = f' ({event.reason})' if event.reason else ''

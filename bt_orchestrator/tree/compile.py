@@ -262,7 +262,7 @@ class CellTree:
 
 _AT_WORK = (
     *(e.JobQueued, e.JobMoved, e.JobUpdated, e.JobHeld, e.JobReleased, e.JobRemoved),
-    *(e.ComponentOutOfService, e.ComponentInService),
+    *(e.ComponentOutOfService, e.ComponentInService, e.ScriptReleased),
     *(e.JobMayStart, e.JobStarted, e.JobAborting, e.JobCompleted, e.JobAborted),
 )
 """Events after which other jobs may be at work."""

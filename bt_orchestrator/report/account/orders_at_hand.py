@@ -14,11 +14,14 @@ class _Order:
     held: bool = False
     awaits_start: bool = False
     paused: bool = False
+    unreleased: str = ''
+    """Digest of its script, if that is not released."""
     lacks: set[str] = field(default_factory=set)
 
     @property
     def is_at_hand(self) -> bool:
-        return self.started or not (self.held or self.awaits_start or self.lacks)
+        waits = self.held or self.awaits_start or self.unreleased or self.lacks
+        return self.started or not waits
 
 
 class OrdersAtHand:
@@ -48,6 +51,10 @@ class OrdersAtHand:
         elif isinstance(event, e.ComponentInService):
             for one in self._orders.values():
                 one.lacks.discard(event.component)
+        elif isinstance(event, e.ScriptReleased):
+            for one in self._orders.values():
+                if one.unreleased == event.digest:
+                    one.unreleased = ''
         elif isinstance(event, _LEAVES):
             self._orders.pop(event.job, None)
         elif isinstance(event, _CHANGES):
@@ -59,6 +66,7 @@ class OrdersAtHand:
         if isinstance(event, e.JobQueued):
             order.held = event.held
         order.awaits_start, order.lacks = event.awaits_start, set(event.unavailable)
+        order.unreleased = event.digest if event.awaits_release else ''
 
 
 _LEAVES = (e.JobRemoved, e.JobCompleted, e.JobAborted)
@@ -92,4 +100,5 @@ FOLLOWED = (
     *(kind.event for kind in _LEAVES),
     e.ComponentOutOfService.event,
     e.ComponentInService.event,
+    e.ScriptReleased.event,
 )

@@ -68,6 +68,14 @@ def test_6_10_a_job_of_a_generated_script_starts_when_that_is_released(run: Virt
     assert run.counts('K')['packed'] == 1
 
 
+def test_6_10_its_initialization_begins_when_it_is_released(run: VirtualRun) -> None:
+    run.add(('K', made('initialization: [{id: first, @a1}]' + THREE, 'prepared')))
+    run.go(50.0)
+    assert run.starts('first') == []
+    run.release(run.job('K').job.script)
+    assert run.go().ended
+
+
 def test_6_10_others_pass_it_and_it_keeps_its_place(run: VirtualRun) -> None:
     run.submit('J', WRITTEN, 3)
     run.add(('K', GENERATED), ('L', WRITTEN), ('M', GENERATED), ('N', WRITTEN))
