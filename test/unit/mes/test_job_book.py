@@ -179,6 +179,7 @@ def test_the_recipe_of_a_job_is_booked_with_every_change() -> None:
     line = Line()
     run = begin(line, f'made_from: {{recipe: P-1, version: 1}}\n{THREE}')
     newer = line.script(f'made_from: {{recipe: P-1, version: 2}}\n{THREE}')
+    assert run.release(newer).accepted
     run.add(('K', line.script(THREE)))
     assert run.ask(UpdateJob(Job('K', newer, 1), BY)).accepted
     booked = run.book.get('K')
