@@ -12,7 +12,7 @@ from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState
-from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.ports import ActionTypes, MadeScript
 from bt_orchestrator.script.orders.desk import OrderDesk, Question, Reading, Wanted
 
 
@@ -47,6 +47,10 @@ class DeskHere:
     def script(self, name: str) -> Script | Refused:
         """Read a script."""
         return self._desk.script(name)
+
+    def made(self, made: MadeScript) -> Script | Refused:
+        """Read a script that was generated."""
+        return self._desk.made(made)
 
     def reading(self, wanted: Wanted) -> Reading:
         """Return what becomes of orders in the state of now."""

@@ -9,12 +9,17 @@ from __future__ import annotations
 import pickle
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from bt_orchestrator.child_process import ChildFailed, ChildProcess, be_modest, serve
 from bt_orchestrator.errors import NotKept
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.requests import Asked
-from bt_orchestrator.ports import CheckedOrder, Consequence, Moment
+from bt_orchestrator.ports import ActionTypes, CheckedOrder, Consequence, Moment
+
+if TYPE_CHECKING:
+    from bt_orchestrator.cli.generating.ordered import RecipeMaker
 
 NICE = 19
 """Lowest priority: whatever the cell needs comes first."""
@@ -26,13 +31,21 @@ WITHIN_S = 60.0
 class PlanningProcess:
     """Asks the process, which starts with the first question. Implements `ports.Planning`."""
 
-    def __init__(self, trees: Sequence[Path] = (), *, any_path: bool = False) -> None:
+    def __init__(
+        self,
+        trees: Sequence[Path] = (),
+        recipes: Sequence[Path] = (),
+        *,
+        any_path: bool = False,
+    ) -> None:
         """Prepare; nothing is started yet.
 
         :param trees: folders in which the scripts of new orders are looked up
+        :param recipes: the same for recipes
         :param any_path: whether an order may also name a script elsewhere, by its path
         """
-        self._process = ChildProcess(__name__, pickle.dumps((tuple(trees), any_path)))
+        setup = _Setup(tuple(trees), tuple(recipes), any_path)
+        self._process = ChildProcess(__name__, pickle.dumps(setup))
 
     def what_if(self, moment: Moment, requests: Sequence[Asked]) -> Consequence:
         """Work out when jobs end as things are, and when after these requests.
@@ -65,11 +78,19 @@ class PlanningProcess:
         return found
 
 
+class _Setup(NamedTuple):
+    trees: tuple[Path, ...]
+    recipes: tuple[Path, ...]
+    any_path: bool
+
+
 class _Answers:
-    """What the process knows: where scripts are."""
+    """What the process knows: where scripts and recipes are, and what it has generated."""
 
     def __init__(self) -> None:
-        self._setup: tuple[tuple[Path, ...], bool] | None = None
+        self._setup: _Setup | None = None
+        self._makers: dict[str, RecipeMaker] = {}
+        """By the digest of the cell; of the last one only."""
 
     def __call__(self, question: bytes) -> bytes:
         asked = pickle.loads(question)
@@ -86,9 +107,27 @@ class _Answers:
         from bt_orchestrator.sim.what_if import EngineWhatIf
 
         assert self._setup is not None
-        trees, any_path = self._setup
-        what_if = EngineWhatIf(moment, InstalledActionTypes(), trees, any_path=any_path)
+        trees, recipes, any_path = self._setup
+        types = InstalledActionTypes()
+        what_if = EngineWhatIf(
+            moment,
+            types,
+            trees,
+            recipes,
+            any_path=any_path,
+            make=lambda choice, without: self._maker(moment.cell, types).script(choice, without),
+        )
         return getattr(what_if, method)(what)
+
+    def _maker(self, cell: Cell, types: ActionTypes) -> RecipeMaker:
+        """Return what generates scripts for a cell; it keeps those that it has made."""
+        from bt_orchestrator.cli.generating.ordered import RecipeMaker
+
+        assert self._setup is not None
+        name = digest(cell)
+        if name not in self._makers:
+            self._makers = {name: RecipeMaker(cell, types, self._setup.recipes)}
+        return self._makers[name]
 
 
 def main() -> None:

@@ -12,7 +12,12 @@ from collections.abc import Iterator, Sequence
 from typing import NoReturn
 
 from bt_orchestrator.cli.door import instead_of_a_door, open_door
-from bt_orchestrator.cli.folders import add_trees_option, script_folders
+from bt_orchestrator.cli.folders import (
+    add_recipes_option,
+    add_trees_option,
+    recipe_folders,
+    script_folders,
+)
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.planning_process import PlanningProcess
 from bt_orchestrator.cli.wrong_use import WrongUse
@@ -30,7 +35,8 @@ of this command line, written as it would be typed, without a reason:
   what-if 'submit rush.yaml' 'queue hold WO-3'
   what-if 'answer 3 skip'
 
-New orders are read here, with the scripts of --trees or of the folder trees."""
+New orders are read here, with the scripts of --trees or of the folder trees, and the recipes of
+--recipes or of the folder recipes."""
 
 
 _ASKS_NOTHING = 'what-if: a verb that only looks asks nothing of the cell'
@@ -43,6 +49,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = 'exit status: 0 worked out, 1 a request would be refused, 2 wrong use'
     parser.add_argument('--json', action='store_true', help='one JSON object')
     add_trees_option(parser)
+    add_recipes_option(parser)
     add_node_options(parser)
     parser.add_argument(
         'requests', nargs='+', metavar='REQUEST', help='a verb with its words, in quotes'
@@ -54,7 +61,8 @@ def run(args: argparse.Namespace) -> int:
     requests = [asked for text in args.requests for asked in _asked(text)]
     with open_door(args.node, args.timeout) as door:
         moment = door.moment()
-    planning = PlanningProcess(script_folders(args.trees), any_path=True)
+    folders = script_folders(args.trees), recipe_folders(args.recipes)
+    planning = PlanningProcess(*folders, any_path=True)
     with contextlib.closing(planning):
         found = planning.what_if(moment, requests)
     if args.json:

@@ -10,17 +10,20 @@ from pathlib import Path
 
 from bt_orchestrator.asking.desk_here import DeskHere
 from bt_orchestrator.asking.handler import RequestHandler
+from bt_orchestrator.asking.recipes import RecipeOrders
 from bt_orchestrator.errors import Refused, counted
 from bt_orchestrator.model.by import By, Known
 from bt_orchestrator.model.commands import Answer
-from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.jobs.order import Job, RecipeChoice, WorkOrder
 from bt_orchestrator.model.requests import ADD, Asked
 from bt_orchestrator.model.roles import Role
+from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import (
     ActionTypes,
     CheckedOrder,
     Consequence,
     ExpectedJob,
+    MadeScript,
     Moment,
     WrongField,
 )
@@ -29,6 +32,8 @@ from bt_orchestrator.script.lookup import find_below
 from bt_orchestrator.script.orders.desk import ANY_PATH
 from bt_orchestrator.script.orders.plain_order import bound, mistakes, order_from
 from bt_orchestrator.script.parameter_uses import action_types
+from bt_orchestrator.script.recipes.shelf import shelved
+from bt_orchestrator.sim.made_before import MadeBefore, Make, choices_in
 from bt_orchestrator.sim.run_on import LONGEST_S, RunOn
 
 NOBODY = By('', 'what-if', '')
@@ -42,17 +47,24 @@ class EngineWhatIf:
         moment: Moment,
         types: ActionTypes,
         trees: Sequence[Path] = (),
+        recipes: Sequence[Path] = (),
         *,
         any_path: bool = True,
+        make: Make | None = None,
     ) -> None:
         """Begin from a moment.
 
         :param trees: folders in which the scripts of new orders are looked up
+        :param recipes: the same for recipes
+        :param make: generates from them; None: nothing can be generated here
         :param any_path: whether an order may also name a script elsewhere, by its path
         """
         self._moment = moment
         self._types = types
         self._trees = trees
+        self._recipes = recipes
+        self._make = make
+        self._made = MadeBefore(None, (), frozenset())
         self._any_path = any_path
 
     def ask(self, requests: Sequence[Asked]) -> Consequence:
@@ -60,6 +72,7 @@ class EngineWhatIf:
 
         Nothing is done, so anybody may ask anything; the roles decide when it is asked in earnest.
         """
+        self._generate([*choices_in(requests)])
         with closing(self._begin()) as now:
             names_now = list(now.state.jobs)
             known_now_s = now.go_on(time.monotonic() + LONGEST_S)
@@ -77,27 +90,62 @@ class EngineWhatIf:
         wrong = mistakes(order)
         if wrong:
             return _with_mistakes(wrong)
-        if 'recipe' in order:
-            what = 'its script is made when the order is given'
-            return CheckedOrder(True, what, is_checked=False)
-        name = str(order['script'])
-        try:
-            find_below(name, self._trees, ANY_PATH)
-        except Refused as refused:
-            return CheckedOrder(True, refused.findings[0].what, is_checked=False)
+        given = order_from(order)
+        elsewhere = self._elsewhere(given)
+        if elsewhere is not None:
+            return CheckedOrder(True, elsewhere, is_checked=False)
+        if given.recipe is not None:
+            self._generate([given.recipe])
         with closing(self._begin()) as run:
-            script = self._desk(run).script(name)
-            if isinstance(script, Refused):
-                return CheckedOrder(False, f'the script is {script.in_short}')
+            script = self._script(run, given)
+            if isinstance(script, CheckedOrder):
+                return script
             job = bound(order, script, action_types(run.state.cell, self._types))
             if not isinstance(job, Job):
                 return _with_mistakes(job)
             if order.get('order') in run.state.jobs:
                 used = WrongField('order', f'{job.id} is the id of another job', 'choose another')
                 return _with_mistakes((used,))
-            asked = Asked(ADD, NOBODY, {'orders': [order_from(order)]})
+            asked = Asked(ADD, NOBODY, {'orders': [given]})
             ((_, answer),) = self._answers(run, [asked])
             return CheckedOrder(answer.accepted, '' if answer.accepted else answer.message)
+
+    def _elsewhere(self, order: WorkOrder) -> str | None:
+        """Say why only the node can check an order: what it names is not here; None: it is."""
+        if order.recipe is None:
+            try:
+                find_below(order.script, self._trees, ANY_PATH)
+            except Refused as refused:
+                return refused.findings[0].what
+            return None
+        if self._make is None:
+            return 'no script is generated here'
+        here = {one.name for one in shelved(self._recipes)}
+        missing = [name for name in order.recipe.recipes if name not in here]
+        return f'there is no recipe {missing[0]} here' if missing else None
+
+    def _script(self, run: RunOn, order: WorkOrder) -> Script | CheckedOrder:
+        """Return the script of an order, or what is wrong with it."""
+        desk = self._desk(run)
+        if order.recipe is None:
+            named = desk.script(order.script)
+            is_read = isinstance(named, Script)
+            return named if is_read else CheckedOrder(False, f'the script is {named.in_short}')
+        (made,) = begin(self._made.make([order.recipe], _lost(run))).value
+        if isinstance(made, MadeScript):
+            made = desk.made(made)
+        if isinstance(made, Script):
+            return made
+        wrong = tuple(WrongField('recipe', one.what, one.hint) for one in made.findings)
+        return _with_mistakes(wrong)
+
+    def _generate(self, choices: Sequence[RecipeChoice]) -> None:
+        """Have scripts generated for the runs to come."""
+        if not choices:
+            return
+        with closing(self._begin()) as run:
+            without = _lost(run)
+        self._made = MadeBefore(self._make, choices, without)
 
     def _begin(self) -> RunOn:
         at = self._moment
@@ -108,7 +156,8 @@ class EngineWhatIf:
         return DeskHere(state.cell, self._types, self._trees, state, any_path=self._any_path)
 
     def _answers(self, run: RunOn, requests: Sequence[Asked]) -> Iterator[tuple[Asked, Answer]]:
-        handler = RequestHandler(run.orchestrator, self._types, self._desk(run))
+        orders = RecipeOrders(self._desk(run), self._made, run.state)
+        handler = RequestHandler(run.orchestrator, self._types, orders)
         for asked in requests:
             anybody = replace(asked.by, role=Role.ENGINEER, known=Known.LOCAL_USER)
             yield asked, begin(handler.carry_out(replace(asked, by=anybody))).value
@@ -124,6 +173,11 @@ class EngineWhatIf:
             ExpectedJob(name, ends_s[name] - self._moment.now_s if name in ends_s else None)
             for name in names
         )
+
+
+def _lost(run: RunOn) -> frozenset[str]:
+    """Return the components that are out of service."""
+    return frozenset(run.state.out_of_service)
 
 
 def _with_mistakes(wrong: Sequence[WrongField]) -> CheckedOrder:

@@ -38,7 +38,7 @@ def stand_page(folder: Path, args: argparse.Namespace) -> tuple[StandCell, PageS
         local_user='' if args.login else 'stand',
     )
     trees = (TREES if args.sections == 5 else folder,)
-    sources = Sources(trees=trees, recipes=(RECIPES,), planning=PlanningProcess(trees))
+    sources = Sources(trees=trees, recipes=(RECIPES,), planning=PlanningProcess(trees, (RECIPES,)))
     return stand, PageServer(Page(stand.node.name, stand.open_door, access, sources))
 
 

@@ -60,7 +60,7 @@ def run(args: argparse.Namespace) -> int:
         open_records=None if journal is None else partial(open_records, journal),
         trees=script_folders(args.trees),
         recipes=recipe_folders(args.recipes),
-        planning=PlanningProcess(script_folders(args.trees)),
+        planning=PlanningProcess(script_folders(args.trees), recipe_folders(args.recipes)),
     )
     with StopSignals() as stop, server_log(ROOM):
         server = PageServer(Page(args.node, opened, access, sources))

@@ -263,7 +263,7 @@ class OrderDesk:
             return NotMadeYet([places.finding(NOT_MADE_HERE)], order.recipe)
         if isinstance(made, Refused):
             return made
-        return self._known(Path(made.name), made.text)
+        return self.made(made)
 
     def _bound(
         self, order: WorkOrder, script: Script, name: str, terms: Terms | Wrong
@@ -286,6 +286,10 @@ class OrderDesk:
         except Refused as refused:
             return refused
         return self._known(path, text)
+
+    def made(self, made: MadeScript) -> Script | Refused:
+        """Read and prove a script that was generated."""
+        return self._known(Path(made.name), made.text)
 
     def _known(self, path: Path, text: str) -> Script | Refused:
         key = (path, hashlib.sha256(text.encode()).digest())

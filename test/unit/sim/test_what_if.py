@@ -5,18 +5,23 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 
 import pytest
+from fakes import glue_cell
 from fakes.action_types import FakeActionTypes
 from fakes.line import THREE, Line
 from fakes.operator import ann
 
+from bt_orchestrator.cli.generating.ordered import RecipeMaker
+from bt_orchestrator.model.commands import SetService
 from bt_orchestrator.model.jobs.order import Job, WorkOrder
 from bt_orchestrator.model.keeping.snapshot import state_to_plain
 from bt_orchestrator.model.requests import Asked, ask
 from bt_orchestrator.ports import CheckedOrder, Consequence, Moment
+from bt_orchestrator.script.cell_file import parse_cell
+from bt_orchestrator.script.orders.plain_order import order_from
 from bt_orchestrator.sim import what_if
 from bt_orchestrator.sim.run_on import RunOn
 from bt_orchestrator.sim.simulation import Simulation
@@ -173,6 +178,85 @@ def test_an_order_is_checked_before_anybody_gives_it(tmp_path: Path) -> None:
         assert not outside.is_checked
         assert 'in none of the folders' in outside.message
         assert list(simulation.state.jobs) == ['A', 'B', 'C'], 'nothing was queued'
+
+
+# --- orders by recipe -------------------------------------------------------------------------
+
+
+@pytest.fixture(scope='module')
+def glued(tmp_path_factory: pytest.TempPathFactory) -> Glued:
+    folder = tmp_path_factory.mktemp('recipes')
+    text = glue_cell.RECIPE.replace('operations:', 'params: {n: {type: int}}\noperations:')
+    (folder / 'box.yaml').write_text(text)
+    return Glued(folder)
+
+
+class Glued:
+    """A cell that makes boxes by a recipe."""
+
+    def __init__(self, recipes: Path) -> None:
+        self.recipes = recipes
+        self.cell = parse_cell(glue_cell.CELL, 'cell', TYPES)
+        self._maker = RecipeMaker(self.cell, TYPES, [recipes])
+
+    def what_if(self, *lost: str) -> EngineWhatIf:
+        """Ask from a moment in which some components are out of service."""
+        with closing(Simulation(self.cell, TYPES, MemoryStore())) as simulation:
+            for name in lost:
+                simulation.orchestrator.ask(SetService(name, in_service=False, by=ann()))
+            plain = json.loads(json.dumps(state_to_plain(simulation.state)))
+            moment = Moment(self.cell, plain, simulation.clock.now())
+        return EngineWhatIf(moment, TYPES, (), (self.recipes,), make=self._maker.script)
+
+
+BOX: dict[str, object] = {'recipe': 'BOX-7', 'order': 'D', 'quantity': 1, 'params': {'n': 1}}
+
+
+def test_an_order_by_recipe_is_generated_and_checked(glued: Glued) -> None:
+    assert glued.what_if().check(BOX) == CheckedOrder(True, '')
+
+
+@pytest.mark.parametrize(
+    ('change', 'field', 'what'),
+    [
+        ({'params': {'n': 'x'}}, 'params.n', 'whole number'),
+        ({'params': {}}, 'params.n', 'missing'),
+        ({'version': 9}, 'recipe', 'recipe BOX-7 has no version 9; there is 3'),
+        ({'bind': {'glue': 'nobody'}}, 'recipe', 'there is no component `nobody`'),
+        ({'bind': {'close': 'robot_a'}}, 'recipe', '`robot_a` does not have `close`'),
+    ],
+)
+def test_mistakes_of_an_order_by_recipe_stand_at_their_fields(
+    glued: Glued, change: dict[str, object], field: str, what: str
+) -> None:
+    found = glued.what_if().check({**BOX, **change})
+    assert not found.accepted
+    ((where, said, _),) = found.wrong
+    assert where == field
+    assert what in said
+
+
+def test_a_recipe_that_is_not_here_is_left_to_the_node(glued: Glued) -> None:
+    found = glued.what_if().check({**BOX, 'recipe': 'BOX-8'})
+    assert (found.accepted, found.is_checked) == (True, False)
+    assert found.message == 'there is no recipe BOX-8 here'
+
+
+def test_what_is_out_of_service_is_left_out_of_what_is_generated(glued: Glued) -> None:
+    assert glued.what_if('robot_a').check(BOX).accepted
+    found = glued.what_if('robot_b').check(BOX)
+    assert [one.field for one in found.wrong] == ['recipe']
+    assert 'only robot_b could, and it is out of service' in found.wrong[0].what
+
+
+def test_the_end_of_an_order_by_recipe_is_worked_out(glued: Glued) -> None:
+    order = order_from(BOX)
+    found = glued.what_if().ask([ask('queue.add', ann(), orders=[order])])
+    assert found.refusals == ()
+    assert [name for name, _ in found.after] == ['D']
+    lost = ask('component.out_of_service', ann(), component='robot_a')
+    found = glued.what_if().ask([lost, ask('queue.add', ann(), orders=[order])])
+    assert 'the script of BOX-7 is not worked out here' in found.refusals[0]
 
 
 def test_what_a_component_out_of_service_keeps_back_has_no_end() -> None:
