@@ -5,10 +5,10 @@ Generating runs scripts in virtual time itself, and two runs at a time are not f
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 
 from bt_orchestrator.errors import NotRead, Refused
-from bt_orchestrator.model.jobs.order import RecipeChoice
+from bt_orchestrator.model.jobs.order import RecipeChoice, WorkOrder
 from bt_orchestrator.model.requests import ADD, UPDATE, Asked
 from bt_orchestrator.ports import MadeScript
 from bt_orchestrator.script.orders.asked import choice_of
@@ -53,8 +53,8 @@ def choices_in(requests: Sequence[Asked]) -> Iterator[RecipeChoice]:
     """Yield the recipes that orders and changes name."""
     for asked in requests:
         if asked.request is ADD:
-            given = (order.recipe for order in asked.arguments.get('orders', ()))
-            yield from (one for one in given if one is not None)
+            orders: Iterable[WorkOrder] = asked.arguments['orders']  # type: ignore[assignment]
+            yield from (order.recipe for order in orders if order.recipe is not None)
         elif asked.request is UPDATE:
             choice = choice_of(asked.arguments)
             if choice is not None:
