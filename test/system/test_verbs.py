@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import signal
-import time
 from pathlib import Path
 
 import pytest
@@ -154,14 +153,12 @@ def test_an_item_is_taken_off_the_belt(held_cell: CellProcesses) -> None:
     ],
 )
 def test_without_a_node_every_verb_says_so(tmp_path: Path, words: list[str]) -> None:
-    before = time.monotonic()
     status, output, errors = run_verb(
         tmp_path, *words, '--node', '/nobody/bt_orchestrator', '--timeout', '0.5'
     )
     assert (status, output) == (1, '')
     assert '/nobody/bt_orchestrator' in errors
-    assert 'is the tree node running' in errors
-    assert time.monotonic() - before < 30.0
+    assert 'within 0.5 s; is the tree node running' in errors
 
 
 def test_submitting_without_a_node_says_so(tmp_path: Path) -> None:

@@ -1,0 +1,17 @@
+"""The tree node, which waits an hour for the ends of cancelled goals instead of `FAREWELL_S`.
+
+    python test/patient_node.py run --cell CELL ...
+
+What ends it before did not wait for that time to run out, however slow the machine is.
+"""
+
+from __future__ import annotations
+
+import sys
+
+from bt_orchestrator.cli.main import main
+from bt_orchestrator.ros import node
+
+if __name__ == '__main__':
+    node.FAREWELL_S = 3600.0
+    sys.exit(main(sys.argv[1:]))
