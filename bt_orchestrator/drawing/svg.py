@@ -58,10 +58,6 @@ class Svg:
         child._element.text = xml_text(text) or None
         return child
 
-    def fragment(self) -> str:
-        """Return it as a part of a page."""
-        return ET.tostring(self._element, encoding='unicode')
-
     def _set(self, **attributes: Any) -> None:
         for key, value in attributes.items():
             name = key.rstrip('_').replace('_', '-')

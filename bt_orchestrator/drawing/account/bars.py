@@ -18,4 +18,4 @@ def bar(begin: Fraction | float, end: Fraction | float) -> str:
     if high > low:
         width = max(LEAST, (high - low) * WIDTH)
         drawing.add('rect', x=min(low * WIDTH, WIDTH - LEAST), y=0, width=width, height=HEIGHT)
-    return drawing.fragment()
+    return str(drawing)

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from fractions import Fraction
 
-from bt_orchestrator.drawing.account.html import section, text
 from bt_orchestrator.drawing.account.style import STYLE
 from bt_orchestrator.drawing.account.tables import (
     failing,
@@ -15,6 +13,7 @@ from bt_orchestrator.drawing.account.tables import (
     stops,
     waterfall,
 )
+from bt_orchestrator.drawing.documents.html import Html, document, program
 from bt_orchestrator.report.account.account import Account
 from bt_orchestrator.report.account.figures import Figures
 from bt_orchestrator.report.account.words import UNKNOWN, duration, percent, rate
@@ -34,74 +33,70 @@ DEFINITIONS = (
 
 def account_page(account: Account) -> str:
     """Return the page."""
-    return '\n'.join(_lines(account)) + '\n'
-
-
-def _lines(account: Account) -> Iterator[str]:
     shown = account.figures
     title = ', '.join(filter(None, (account.period.name, shown.times.cell)))
-    yield '<!DOCTYPE html>'
-    yield '<html lang="en"><head><meta charset="utf-8">'
-    yield '<meta name="viewport" content="width=device-width, initial-scale=1">'
-    yield f'<title>{text(title)}</title>'
-    yield f'<style>{STYLE}</style></head><body>'
-    yield from _head(account)
-    yield from _tiles(shown)
-    yield from _facts(shown)
-    yield from section('Where the time went', waterfall(shown), 'whole')
-    yield from section('Stops', stops(shown))
-    yield from section('Holds', holds(account))
-    yield from section('What was made', made(shown))
-    yield from section('Failed attempts', failing(shown))
-    yield from section('Components that failed', repairs(shown))
-    yield '<footer>'
-    yield from (f'<p>{text(note)}</p>' for note in (*account.notes(), DEFINITIONS))
-    yield '</footer></body></html>'
+    return document(title, lambda page: _write(page, account), STYLE)
 
 
-def _head(account: Account) -> Iterator[str]:
+def _write(page: Html, account: Account) -> None:
+    sheet = page.add('article', class_='account')
+    shown = account.figures
+    _head(sheet, account)
+    _tiles(sheet, shown)
+    _facts(sheet, shown)
+    waterfall(sheet, shown)
+    stops(sheet, shown)
+    holds(sheet, account)
+    made(sheet, shown)
+    failing(sheet, shown)
+    repairs(sheet, shown)
+    foot = sheet.add('footer')
+    for note in (*account.notes(), DEFINITIONS, program()):
+        foot.add('p', note)
+
+
+def _head(sheet: Html, account: Account) -> None:
     period, cell = account.period, account.figures.times.cell
-    name = period.name[:1].upper() + period.name[1:]
-    yield f'<header><h1>{text(name)}</h1>'
+    sheet.add('p', f'Report of cell {cell}' if cell else 'Report', class_='kind')
+    sheet.add('h1', period.name[:1].upper() + period.name[1:])
     zone = f' ({period.zone})' if period.zone is not None else ''
     when = f'{period.when(period.begin_us)} to {period.when(period.end_us)}{zone}'
-    of_cell = f'Cell {cell}, ' if cell else ''
-    yield f'<p>{text(of_cell + when)}</p></header>'
+    sheet.add('p', when, class_='sub')
 
 
-def _tiles(shown: Figures) -> Iterator[str]:
+def _tiles(sheet: Html, shown: Figures) -> None:
     times = shown.times
-    yield '<div class="tiles">'
-    yield from _tile('OEE', shown.oee, PRODUCT, 'first')
+    tiles = sheet.add('div', class_='tiles')
+    _tile(tiles, 'OEE', shown.oee, PRODUCT, 'tile first')
     up = f'{duration(times.production_us)} of {duration(times.busy_us)}'
-    yield from _tile('Availability', shown.availability, up)
+    _tile(tiles, 'Availability', shown.availability, up)
     pace = f'{_seconds(shown.pace_us)} at the pace, {_seconds(shown.per_item_us)} taken'
-    yield from _tile('Performance', shown.performance, pace if shown.produced else '')
-    yield from _tile('Quality', shown.quality, f'{shown.good} of {shown.produced} good')
-    yield '</div>'
+    _tile(tiles, 'Performance', shown.performance, pace if shown.produced else '')
+    _tile(tiles, 'Quality', shown.quality, f'{shown.good} of {shown.produced} good')
 
 
-def _tile(title: str, ratio: Fraction | None, about: str, kind: str = '') -> Iterator[str]:
-    yield f'<div class="{" ".join(filter(None, ("tile", kind)))}"><span>{title}</span>'
-    yield f'<b>{percent(ratio)}</b><small>{text(about)}</small></div>'
+def _tile(tiles: Html, title: str, ratio: Fraction | None, about: str, kind: str = 'tile') -> None:
+    tile = tiles.add('div', class_=kind)
+    tile.add('span', title)
+    tile.add('b', percent(ratio))
+    tile.add('small', about)
 
 
 def _seconds(us: Fraction | None) -> str:
     return UNKNOWN if us is None else duration(us)
 
 
-def _facts(shown: Figures) -> Iterator[str]:
+def _facts(sheet: Html, shown: Figures) -> None:
     outside = sum(one.outside for one in shown.times.made)
+    bad = shown.produced - shown.good
+    said = f'{shown.produced}: {shown.good} good, {bad} not'
     facts = {
-        'made': str(shown.produced),
-        'good': str(shown.good),
-        'not good': str(shown.produced - shown.good),
-        'outside planned time': str(outside) if outside else '',
+        'made': f'{said}; {outside} more outside planned time' if outside else said,
         'rate': rate(shown.per_item_us) if shown.produced else '',
         'pace': rate(shown.pace_us) if shown.pace_us else '',
     }
-    yield '<dl class="facts">'
+    listed = sheet.add('dl', class_='facts')
     for name, value in facts.items():
         if value:
-            yield f'<div><dt>{name}</dt><dd>{value}</dd></div>'
-    yield '</dl>'
+            listed.add('dt', name)
+            listed.add('dd', value)

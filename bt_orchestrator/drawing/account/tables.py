@@ -1,40 +1,59 @@
-"""The tables of the page: the waterfall and the Paretos with their bars, and what stands below."""
+"""The tables of the page: the waterfall and the Paretos with their bars, and what stands below.
+
+A part that has nothing to say is left out.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable
 from fractions import Fraction
+from typing import NamedTuple
 
 from bt_orchestrator.drawing.account.bars import bar
-from bt_orchestrator.drawing.account.html import Column, Row, table, text
+from bt_orchestrator.drawing.documents.html import Html
 from bt_orchestrator.report.account.account import Account
 from bt_orchestrator.report.account.figures import Bar, Figures
 from bt_orchestrator.report.account.losses import WORDS, Step
-from bt_orchestrator.report.account.stops import Held, Stop
-from bt_orchestrator.report.account.troubles import FailingTask
+from bt_orchestrator.report.account.stops import Held
 from bt_orchestrator.report.account.words import UNKNOWN, duration, percent
 
-_TIME, _NUMBER = Column('time', 'n'), Column('times', 'n')
+
+class Column(NamedTuple):
+    """A column of a table."""
+
+    title: str
+    kind: str = ''
+    """Class of its cells: number, time or bar; empty: text."""
 
 
-def waterfall(shown: Figures) -> Iterator[str]:
-    """Yield from the planned time over every loss to what is left at the end."""
-    columns = (Column(''), Column('', 'bar'), _TIME, Column('of planned', 'n'))
-    yield from table(columns, _steps(shown))
+class Cell(NamedTuple):
+    """What stands in a row and a column."""
+
+    text: str
+    more: str = ''
+    """A second line."""
+    drawing: str = ''
+    """SVG; in place of a text."""
 
 
-def _steps(shown: Figures) -> Iterator[Row]:
+BAR = Column('', 'bar')
+
+
+def waterfall(sheet: Html, shown: Figures) -> None:
+    """Write from the planned time over every loss to what is left at the end."""
+    numbers = _numbers('time', 'of planned')
+    body = _table(sheet, 'Where the time went', (Column(''), BAR, *numbers), 'whole')
     whole = shown.times.planned.total_us
     left = Fraction(0)
     for one in shown.steps_seen():
         begin, left = (left, left - one.us) if one.loss else (Fraction(0), one.us)
-        drawn = bar(begin / whole, left / whole)
-        told = (drawn, _signed(one), percent(one.us / whole))
-        yield Row((text(one.title), *told), _kind(one))
+        drawn = Cell('', drawing=bar(begin / whole, left / whole))
+        told = (Cell(_signed(one)), Cell(percent(one.us / whole)))
+        _row(body, (Cell(one.title), drawn, *told), (Column(''), BAR, *numbers), _kind(one))
 
 
 def _kind(one: Bar) -> str:
-    return f'loss {_step(WORDS[one.loss].step)}' if one.loss else 'left'
+    return f'is-loss {_step(WORDS[one.loss].step)}' if one.loss else 'is-left'
 
 
 def _step(step: Step) -> str:
@@ -42,113 +61,115 @@ def _step(step: Step) -> str:
 
 
 def _signed(one: Bar) -> str:
-    return (
-        f'\N{MINUS SIGN}{duration(one.us)}' if one.loss and one.us >= 0 else duration(abs(one.us))
-    )
+    minus = '\N{MINUS SIGN}' if one.loss and one.us >= 0 else ''
+    return f'{minus}{duration(abs(one.us))}'
 
 
-def stops(shown: Figures) -> Iterator[str]:
-    """Yield the Pareto of the stops: how long, how often, and the share of them and all above."""
+def stops(sheet: Html, shown: Figures) -> None:
+    """Write the Pareto of the stops: how long, how often, the share of them and all above."""
     found = [one for one in shown.times.stops if one.is_shown]
     if not found:
         return
-    columns = (Column(''), Column('', 'bar'), _TIME, _NUMBER, Column('so far', 'n'))
-    yield from table(columns, _pareto(found))
-
-
-def _pareto(found: list[Stop]) -> Iterator[Row]:
-    whole, longest, so_far = sum(one.us for one in found), found[0].us, 0
+    columns = (Column(''), BAR, *_numbers('time', 'times', 'so far'))
+    body = _table(sheet, 'Stops', columns)
+    whole, so_far = sum(one.us for one in found), 0
     for one in found:
         so_far += one.us
-        name = f'{text(WORDS[one.loss].title)}<small>{text(one.about)}</small>'
-        drawn = bar(0, Fraction(one.us, longest))
-        told = (drawn, duration(one.us), str(one.times), percent(Fraction(so_far, whole)))
-        yield Row((name, *told), _step(Step.AVAILABILITY))
+        name = Cell(WORDS[one.loss].title, one.about)
+        drawn = Cell('', drawing=bar(0, Fraction(one.us, found[0].us)))
+        texts = (duration(one.us), str(one.times), percent(Fraction(so_far, whole)))
+        _row(body, (name, drawn, *map(Cell, texts)), columns, _step(Step.AVAILABILITY))
 
 
-def holds(account: Account) -> Iterator[str]:
-    """Yield the holds in their order, with what was answered."""
+def holds(sheet: Html, account: Account) -> None:
+    """Write the holds in their order, with what was answered."""
     times = account.figures.times
     if times.holds:
-        columns = (
-            Column('from', 't'),
-            Column('to', 't'),
-            Column('lost', 'n'),
-            Column('what'),
-            Column('answer'),
-        )
-        yield from table(columns, (_hold(account, held) for held in times.holds))
+        when = (Column('from', 'time'), Column('to', 'time'))
+        columns = (*when, Column('lost', 'number'), Column('what'), Column('answer'))
+        body = _table(sheet, 'Holds', columns)
+        for held in times.holds:
+            _row(body, _hold(account, held), columns)
     if times.holds_left_out:
         us = sum(times.left_out_us.values())
-        yield f'<p>and {times.holds_left_out} others, {duration(us)} together</p>'
+        sheet.add('p', f'and {times.holds_left_out} others, {duration(us)} together')
 
 
-def _hold(account: Account, held: Held) -> Row:
+def _hold(account: Account, held: Held) -> tuple[Cell, ...]:
     end = 'stands' if held.released_us is None else account.period.clock(held.released_us)
-    loss = f'<small>{text(WORDS[held.loss].title)}</small>' if held.loss else ''
-    answer = f'{held.answer} by {held.who}' if held.answer else UNKNOWN
-    why = f'<small>{text(held.reason)}</small>' if held.reason else ''
-    return Row(
-        (
-            account.period.clock(held.raised_us),
-            end,
-            duration(held.lost_us) if held.lost_us else UNKNOWN,
-            f'{text(held.words)}{loss}',
-            f'{text(answer)}{why}',
-        )
+    return (
+        Cell(account.period.clock(held.raised_us)),
+        Cell(end),
+        Cell(duration(held.lost_us) if held.lost_us else UNKNOWN),
+        Cell(held.words, WORDS[held.loss].title if held.loss else ''),
+        Cell(f'{held.answer} by {held.who}' if held.answer else UNKNOWN, held.reason),
     )
 
 
-def made(shown: Figures) -> Iterator[str]:
-    """Yield the jobs of which anything left the line."""
+def made(sheet: Html, shown: Figures) -> None:
+    """Write the jobs of which anything left the line."""
     if not shown.times.made:
         return
     titles = ('pace', 'good', 'nonconforming', 'rejected', 'by hand', 'outside')
-    columns = (Column('job'), Column('script'), *(Column(title, 'n') for title in titles))
-    yield from table(columns, _made(shown))
-
-
-def _made(shown: Figures) -> Iterator[Row]:
+    columns = (Column('job'), Column('script'), *_numbers(*titles))
+    body = _table(sheet, 'What was made', columns)
     for one in shown.times.made:
         pace = shown.paces.get(one.digest)
-        recipe = f'<small>recipe {text(one.recipe)}</small>' if one.recipe else ''
+        recipe = f'recipe {one.recipe}' if one.recipe else ''
         counts = (one.good, one.nonconforming, one.rejected, one.by_hand, one.outside)
-        per_item = UNKNOWN if pace is None else f'{pace.per_item_s:.1f} s'
-        yield Row((text(one.job), text(one.script) + recipe, per_item, *map(str, counts)))
+        texts = (UNKNOWN if pace is None else f'{pace.per_item_s:.1f} s', *map(str, counts))
+        _row(body, (Cell(one.job), Cell(one.script, recipe), *map(Cell, texts)), columns)
 
 
-def failing(shown: Figures) -> Iterator[str]:
-    """Yield the Pareto of the attempts that failed."""
+def failing(sheet: Html, shown: Figures) -> None:
+    """Write the Pareto of the attempts that failed."""
     found = shown.times.failing
     if not found:
         return
-    columns = (Column(''), Column('', 'bar'), _NUMBER, Column('took', 'n'))
-    yield from table(columns, (_failed(one, found[0].times) for one in found))
+    columns = (Column(''), BAR, *_numbers('times', 'took'))
+    body = _table(sheet, 'Failed attempts', columns)
+    for one in found:
+        name = Cell(one.component or 'nothing sent', f'{one.task}: {one.reason}')
+        drawn = Cell('', drawing=bar(0, Fraction(one.times, found[0].times)))
+        numbers = (Cell(str(one.times)), Cell(duration(one.us)))
+        _row(body, (name, drawn, *numbers), columns, 'count')
 
 
-def _failed(one: FailingTask, most: int) -> Row:
-    about = text(f'{one.task}: {one.reason}')
-    name = f'{text(one.component or "nothing sent")}<small>{about}</small>'
-    drawn = bar(0, Fraction(one.times, most))
-    return Row((name, drawn, str(one.times), duration(one.us)), 'count')
-
-
-def repairs(shown: Figures) -> Iterator[str]:
-    """Yield the components that failed, with the means of their times."""
+def repairs(sheet: Html, shown: Figures) -> None:
+    """Write the components that failed, with the means of their times."""
     if not shown.times.repairs:
         return
-    titles = ('failures', 'down', 'MTBF', 'MTTR')
-    columns = (Column('component'), *(Column(title, 'n') for title in titles))
-    rows = (
-        Row(
-            (
-                text(one.component),
-                str(one.failures),
-                duration(one.down_us),
-                duration(shown.mtbf_us(one)),
-                duration(shown.mttr_us(one)),
-            )
-        )
-        for one in shown.times.repairs
-    )
-    yield from table(columns, rows)
+    columns = (Column('component'), *_numbers('failures', 'down', 'MTBF', 'MTTR'))
+    body = _table(sheet, 'Components that failed', columns)
+    for one in shown.times.repairs:
+        times = (one.down_us, shown.mtbf_us(one), shown.mttr_us(one))
+        texts = (one.component, str(one.failures), *map(duration, times))
+        _row(body, map(Cell, texts), columns)
+
+
+# --- tables -----------------------------------------------------------------------------------
+
+
+def _numbers(*titles: str) -> tuple[Column, ...]:
+    return tuple(Column(title, 'number') for title in titles)
+
+
+def _table(sheet: Html, title: str, columns: Iterable[Column], kind: str = '') -> Html:
+    """Begin a table below a heading; returns its body."""
+    part = sheet.add('section', class_=kind)
+    part.add('h2', title)
+    table = part.add('div', class_='scroll').add('table')
+    head = table.add('thead').add('tr')
+    for column in columns:
+        head.add('th', column.title, class_=column.kind)
+    return table.add('tbody')
+
+
+def _row(body: Html, cells: Iterable[Cell], columns: Iterable[Column], kind: str = '') -> None:
+    row = body.add('tr', class_=kind)
+    for cell, column in zip(cells, columns, strict=True):
+        place = row.add('td', cell.text, class_=column.kind)
+        if cell.drawing:
+            place.draw(cell.drawing)
+        if cell.more:
+            place.add('small', cell.more)

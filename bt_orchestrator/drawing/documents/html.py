@@ -51,10 +51,11 @@ class Html:
         self._element.append(drawing)
 
 
-def document(title: str, write: Callable[[Html], None]) -> str:
+def document(title: str, write: Callable[[Html], None], style: str = '') -> str:
     """Return a whole page, which needs no other file.
 
     :param write: writes what is in it
+    :param style: rules beyond those of all documents
     """
     page = ET.Element('html', {'lang': 'en'})
     head = ET.SubElement(page, 'head')
@@ -64,7 +65,7 @@ def document(title: str, write: Callable[[Html], None]) -> str:
     )
     ET.SubElement(head, 'meta', {'name': 'color-scheme', 'content': 'light dark'})
     ET.SubElement(head, 'title').text = xml_text(title)
-    ET.SubElement(head, 'style').text = STYLE
+    ET.SubElement(head, 'style').text = STYLE + style
     body = ET.SubElement(page, 'body')
     write(Html(ET.SubElement(body, 'main')))
     text = ET.tostring(page, encoding='unicode', method='html', short_empty_elements=False)
