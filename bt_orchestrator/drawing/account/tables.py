@@ -142,7 +142,11 @@ def repairs(sheet: Html, shown: Figures) -> None:
     columns = (Column('component'), *_numbers('failures', 'down', 'MTBF', 'MTTR'))
     body = _table(sheet, 'Components that failed', columns)
     for one in shown.times.repairs:
-        times = (one.down_us, shown.mtbf_us(one), shown.mttr_us(one))
+        times: tuple[Fraction | int, ...] = (
+            one.down_us,
+            shown.mtbf_us(one),
+            shown.mttr_us(one),
+        )
         texts = (one.component, str(one.failures), *map(duration, times))
         _row(body, map(Cell, texts), columns)
 
