@@ -14,11 +14,32 @@ NEAR_S = 1.0
 """Both are computed from a moment of their own, in which the same goals were in flight."""
 
 
+ABLE_CELL = STATELESS_CELL
+for name, does in (
+    ('feeder', '{task: TASK_A, qty_change: 1}'),
+    ('worker', '{task: TASK_A}'),
+    ('packer', '{task: TASK_A, qty_change: -1}'),
+):
+    of = f'action: {name}/task'
+    between = '\n    ' if name == 'worker' else ', '
+    able = f'{of}{between}capabilities: {{{name}: {does}}}'
+    ABLE_CELL = ABLE_CELL.replace(of, able)
+
+RECIPE = """\
+recipe: P-1
+version: 4
+script: made
+params: {lot: {type: int}}
+operations: [{id: a, do: feeder}, {id: b, do: worker}, {id: c, do: packer}]
+"""
+
+
 @pytest.fixture
-def planned(start_cell: StartCell) -> CellProcesses:
-    """Give a line with a long job on it, and two behind that."""
-    cell = start_cell(STATELESS_CELL)
+def planned(start_cell: StartCell, tmp_path: Path) -> CellProcesses:
+    """Give a line with a long job on it, two behind that, and a recipe."""
+    cell = start_cell(ABLE_CELL, run_options=['--recipes', str(tmp_path / 'cell')])
     cell.connect()
+    (cell.folder / 'recipe.yaml').write_text(RECIPE)
     text = small_script().replace('\nsections:', '\nparams: {lot: {type: int}}\nsections:')
     (cell.folder / 'lots.yaml').write_text(text.replace('small', 'lots'))
     cell.run_small(quantity=500, order='long')
@@ -86,10 +107,10 @@ def test_a_job_is_moved_by_keys_when_it_is_known_what_comes_of_it(
     assert focused == 'b', 'the focus stays with what was moved'
 
 
-def test_an_order_with_a_mistake_is_mended_and_queued(
+def test_an_order_with_a_mistake_is_mended_and_queued_and_so_is_one_by_recipe(
     planned: CellProcesses, start_page: StartPage, sit: Sit
 ) -> None:
-    page = start_page('--trees', str(planned.folder))
+    page = start_page('--trees', str(planned.folder), '--recipes', str(planned.folder))
     tab = sit(page.port).open('order')
     tab.log_in('mes')
     tab.page.locator('[name="script"]').select_option('lots')
@@ -122,3 +143,18 @@ def test_an_order_with_a_mistake_is_mended_and_queued(
     tab.page.locator('.order-done a').click()
     tab.until_screen('queue')
     tab.until(lambda: in_queue(tab) == [name, 'a', 'b'], 'the order in its place')
+
+    tab.go('order')
+    name = tab.page.locator('[name="order"]').input_value()
+    tab.page.locator('[name="quantity"]').fill('2')
+    chosen = tab.page.locator('[name="script"]')
+    chosen.select_option('recipe/P-1')
+    assert chosen.locator('option:checked').inner_text() == 'P-1 version 4'
+    tab.page.locator('[data-do="order"]').click()
+    tab.page.locator('[name="params.lot"][aria-invalid="true"]').fill('8')
+    tab.page.locator('[data-check="fine"]').wait_for()
+    tab.page.locator('[data-do="order"]').click()
+    tab.page.locator('dialog [data-do="send"]').click()
+    queued = planned.watch.until('job.queued', job=name)
+    assert (queued['recipe'], queued['recipe_version']) == ('P-1', 4)
+    assert (queued['params'], queued['choice']) == ({'lot': 8}, {'recipes': ['P-1']})
