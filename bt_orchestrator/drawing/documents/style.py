@@ -90,8 +90,8 @@ td.time { white-space: nowrap; color: var(--quiet) }
 }
 .chapter > header p { color: var(--quiet); font-size: 13px }
 .story { table-layout: fixed }
-.story th:nth-child(1) { width: 112px } .story th:nth-child(2) { width: 26% }
-.story th:nth-child(3) { width: 20% } .story th:nth-child(4) { width: 76px }
+.story th:nth-child(1) { width: 112px } .story th:nth-child(2) { width: 24% }
+.story th:nth-child(3) { width: 19% } .story th:nth-child(4) { width: 76px }
 .story td:first-child, .story th:first-child { padding-left: 12px }
 .story .what b { font-weight: 600; overflow-wrap: anywhere }
 .story .what span { color: var(--quiet); display: block; font-size: 13px; overflow-wrap: anywhere }
@@ -133,7 +133,11 @@ footer { color: var(--quiet); font-size: 12px; margin-top: 28px; border-top: 1px
     color-scheme: light;
   }
   @page { size: A4; margin: 14mm 14mm 16mm }
-  body { font-size: 9.5pt } main { max-width: none; padding: 0 }
+  body { font-size: 9pt }
+  .story th:nth-child(1) { width: 82px } .story th:nth-child(2) { width: 21% }
+  .story th:nth-child(3) { width: 19% } .story th:nth-child(4) { width: 54px }
+  .story .what span, .story .waited, .story .more { font-size: 8pt }
+  main { max-width: none; padding: 0 }
   article, .sheet { border: 0; padding: 0; margin: 0 }
   article + article { break-before: page }
   h1 { font-size: 20pt } h2 { margin-top: 16pt; break-after: avoid }

@@ -159,7 +159,7 @@ class ItemHistory:
     rejected: str = ''
     """Why it was rejected; empty: it was not."""
     nonconforming: list[str] = field(default_factory=list)
-    """Tasks that were not done well, and that it was let pass."""
+    """Tasks that failed for it and were passed all the same, or that an operator let it pass."""
     serial: str = ''
     lots: Mapping[str, str] = field(default_factory=dict)
     tasks: list[Attempt] = field(default_factory=list)

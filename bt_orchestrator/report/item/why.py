@@ -14,8 +14,8 @@ from bt_orchestrator.report.causes import Cause, cause_of
 from bt_orchestrator.report.item.history import Waited
 from bt_orchestrator.report.item.scene import Film, Scene
 
-LEAST_S = 0.001
-"""A shorter wait is the time that the program needs."""
+LEAST_S = 0.02
+"""A shorter wait is the time that the program and the disk need."""
 
 Scripts = Callable[[str], Script | None]
 """Returns the script of a job; None: it is not known."""

@@ -10,7 +10,7 @@ from xml.etree import ElementTree as ET
 
 import pytest
 from fakes.journal_reading import journal_reading
-from fakes.line import Line
+from fakes.line import Line, with_section
 from fakes.told_item import BEGIN, ITEM, ToldItem
 from fakes.virtual_run import VirtualRun
 
@@ -98,6 +98,19 @@ def test_what_stood_and_worked_beside_it_is_told(told: ItemHistory) -> None:
     ]
     place = entries(told, 'task')[0]
     assert ('at work at the same time', 'a2 TASK_A (WO-7/1)') in place.details
+
+
+def test_a_task_that_failed_and_was_passed_makes_the_item_nonconforming() -> None:
+    line = Line(3, faults={'b2': '#1=abort'})
+    section = '{id: work, @a2}, {id: check, @b2, on_failure: continue}'
+    run = line.run(with_section(2, f'[{section}]'), 2)
+    found = []
+    for name in ('J/1', 'J/2'):
+        fold = ItemFold(name, 'J')
+        for event in run.store.read():
+            fold.follow(event)
+        found.append((fold.history.how, fold.history.nonconforming))
+    assert found == [('packed', ['check']), ('packed', [])]
 
 
 def test_all_of_its_time_is_accounted_for(told: ItemHistory) -> None:
