@@ -36,7 +36,7 @@ def benches(args: argparse.Namespace) -> dict[tuple[str, ...], Bench]:
         ('dispatch', 'polling', 'wrap', 'cpu', 'watcher'): lambda: ros_rows.dispatch(
             rounds, 3 if quick else 20
         ),
-        ('recipe_load',): lambda: ros_rows.planning(rounds, 3 if quick else 20),
+        ('recipe_load',): lambda: ros_rows.planning(rounds, *((3, 1) if quick else (40, 10))),
         ('page_cpu', 'page_node', 'page_reader', 'page_readers'): lambda: page_rows.page(
             rounds, 3.0 if quick else 15.0
         ),

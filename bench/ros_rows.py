@@ -15,7 +15,7 @@ from process_use import cpu_s, memory_mb
 
 from bench.chain import PLAIN
 from bench.counted_node import FILE
-from bench.recipe_load import recipe_load
+from bench.recipe_files import OPERATIONS, able_cell_text, write_recipe
 from bench.rows import Row, percentile
 from bench.stand import TASKS_A_CYCLE, Measured, Stand, stand, until
 from bt_orchestrator.node_parameters import EVENTS, SINGLE
@@ -127,18 +127,19 @@ def _all(rounds: Rounds, kind: str) -> dict[str, list[float]]:
     return {name: [v for r in rounds for v in getattr(r[name], kind)] for name in rounds[0]}
 
 
-def planning(rounds: int, cycles: int) -> Iterator[Row]:
-    """Drive the line while scripts are generated one after another, and without."""
-    ratios, scripts, p95 = [], [], []
-    with stand() as here:
+def planning(rounds: int, cycles: int, recipes: int) -> Iterator[Row]:
+    """Drive the line while the node generates scripts of recipes, and without."""
+    ratios, p95, made = [], [], []
+    with stand(able_cell_text()) as here:
         for _ in range(rounds):
+            names = [write_recipe(here.folder, number) for number in range(recipes)]
             alone = here.ours(cycles, 'FULL', SINGLE)
-            with recipe_load() as load:
-                beside = here.ours(cycles, 'FULL', SINGLE)
+            beside = here.ours(cycles, 'FULL', SINGLE, recipes=names)
             ratios.append(_p50(beside.sequence) / _p50(alone.sequence))
             p95.append(percentile(beside.sequence, 0.95) / percentile(alone.sequence, 0.95))
-            scripts.append(load.scripts)
-    yield Row('recipe_load', ratios, {'p95': _p50(p95), 'scripts in a round': min(scripts)})
+            made.append(beside.made)
+    notes = {'made in a round': min(made), 'operations of each': OPERATIONS, 'p95': _p50(p95)}
+    yield Row('recipe_load', ratios, notes)
 
 
 def setup(rounds: int) -> Iterator[Row]:

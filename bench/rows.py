@@ -62,9 +62,7 @@ TARGETS = {
         'pace of a generated script, 60 operations / of the best one there is', 1.01, 1.0
     ),
     'recipe_time': Target('generating it, two candidates for each operation, s', 5, 1),
-    'recipe_load': Target(
-        'dispatch p50, recipes are generated in a process of low priority / none', 1.2, 1.05
-    ),
+    'recipe_load': Target('dispatch p50, ten recipes are ordered and generated / none', 1.2, 1.05),
     'restart': Target('restart, journal of many events / empty one', 5, 1.5),
 }
 

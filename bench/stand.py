@@ -8,6 +8,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -35,15 +36,17 @@ class Measured(NamedTuple):
     """From the end of the belt's move to the arrival of the first goal of the next cycle."""
     cpu_per_task: float
     """Of the driver and the processes it has started, the forecast's among them."""
+    made: int = 0
+    """Recipes whose scripts were generated meanwhile."""
 
 
 class Stand:
     """Servers for a line of five sections, and a folder on an ordinary disk."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, cell: str) -> None:
         self.folder = folder
         self.cell = folder / 'cell.yaml'
-        self.cell.write_text(cell_text(SECTIONS))
+        self.cell.write_text(cell)
         self.script = folder / 'line.yaml'
         self.script.write_text(script_text(SECTIONS))
         self.log = folder / 'goals.jsonl'
@@ -82,15 +85,30 @@ class Stand:
         return found
 
     def ours(
-        self, cycles: int, synchronous: str, executor: str, watched: bool = False
+        self,
+        cycles: int,
+        synchronous: str,
+        executor: str,
+        *,
+        watched: bool = False,
+        recipes: Sequence[str] = (),
     ) -> Measured:
-        """Let a tree node drive the line."""
+        """Let a tree node drive the line.
+
+        :param recipes: what is ordered meanwhile, one after another
+        """
         journal = self.folder / f'{self.name("journal")}.sqlite3'
         options = ['--journal', str(journal), '--journal-synchronous', synchronous]
         with self.node([*options, '--executor', executor]) as node, watcher(watched):
             tail = self.tail()
             self.submit('WO-1', WARM_UP + cycles)
-            return _measure(tail, node.pid, cycles)
+            with ThreadPoolExecutor(1) as orders:
+                tail.until_ended(WARM_UP * TASKS_A_CYCLE)
+                given = [orders.submit(self.submit_recipe, recipe) for recipe in recipes]
+                measured = _measure(tail, node.pid, cycles)
+                made = [one.result() for one in given if one.done()]
+                orders.shutdown(wait=True, cancel_futures=True)
+            return measured._replace(made=len(made))
 
     @contextmanager
     def node(
@@ -100,7 +118,8 @@ class Stand:
 
         :param program: the module that Python runs
         """
-        words = ['run', '--cell', str(self.cell), '--trees', str(self.folder), *options]
+        words = ['run', '--cell', str(self.cell), '--trees', str(self.folder)]
+        words += ['--recipes', str(self.folder), *options]
         process = ProgramProcess(words, self.folder, self.name('node'), ('-m', program))
         try:
             process.wait_ready()
@@ -113,9 +132,17 @@ class Stand:
         request = SubmitOrder.Request(
             order=order, script=str(script or self.script), quantity=quantity
         )
-        with NodeClient('/bt_orchestrator', PATIENCE_S) as client:
-            answer = client.call(SubmitOrder, 'submit_order', request)
-        assert answer.accepted, [answer.message, *answer.findings]
+        _ask(request)
+
+    def submit_recipe(self, recipe: str) -> None:
+        """Give the tree node an order by recipe, which nobody has released."""
+        _ask(SubmitOrder.Request(recipes=[recipe], quantity=1))
+
+
+def _ask(request: Any) -> None:
+    with NodeClient('/bt_orchestrator', PATIENCE_S) as client:
+        answer = client.call(SubmitOrder, 'submit_order', request)
+    assert answer.accepted, [answer.message, *answer.findings]
 
 
 class Tail:
@@ -157,10 +184,13 @@ def _measure(tail: Tail, pid: int, cycles: int) -> Measured:
 
 
 @contextmanager
-def stand() -> Iterator[Stand]:
-    """Set up a stand in a ROS domain of its own."""
+def stand(cell: str = '') -> Iterator[Stand]:
+    """Set up a stand in a ROS domain of its own.
+
+    :param cell: text of its cell, if it is not the usual one
+    """
     with OwnDomain(), tempfile.TemporaryDirectory(prefix='bench_', dir='/var/tmp') as folder:
-        one = Stand(Path(folder))
+        one = Stand(Path(folder), cell or cell_text(SECTIONS))
         try:
             yield one
         finally:
