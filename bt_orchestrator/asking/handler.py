@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from contextlib import AbstractAsyncContextManager
+from dataclasses import replace
 from functools import partial
 from typing import Any, Protocol
 
@@ -19,11 +20,13 @@ from bt_orchestrator.asking.orders import (
 )
 from bt_orchestrator.errors import CommandRefused, NotRead, Refused
 from bt_orchestrator.model.by import By
+from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.commands import Answer, Command, OrderAnswer, RefusedRequest
 from bt_orchestrator.model.jobs.job_commands import AddJobs, UpdateJob
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.requests import ADD, UPDATE, About, Asked
 from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.report.pace_text import made_anew_words
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.script.orders.asked import asked_of, change_of
 from bt_orchestrator.script.orders.desk import AskedOrder, Reading, Wanted
@@ -110,13 +113,28 @@ class RequestHandler:
     async def make_anew(self, job: str, by: By) -> Answer:
         """Generate the script of a queued job by recipe again, without what is out of service.
 
-        Everything else of the job stays.
+        Everything else of the job stays. It is on record only if another script comes of it.
         """
         queued = self._engine.state.jobs.get(job)
         recipe = None if queued is None else queued.job.recipe
         if recipe is None:
             return await self._refuse(UPDATE.word, by, f'{job} is no job by recipe', job)
-        return await self.update(job, AskedOrder(recipe=recipe), by)
+        as_it_is = partial(changed_job, self._engine.state, job, AskedOrder(recipe=recipe))
+        try:
+            async with self._orders.read(as_it_is) as reading:
+                return await self._anew_read(job, reading, by)
+        except NotRead as why:
+            return await self._refuse(UPDATE.word, by, str(why), job)
+
+    async def _anew_read(self, job: str, reading: Reading, by: By) -> Answer:
+        (read,), queued = reading.read, self._engine.state.jobs.get(job)
+        if isinstance(read, Job) and queued is not None:
+            if digest(read.script) == queued.digest:
+                return Answer(accepted=True, message=f'{job} is made as before')
+            cell = self._engine.state.cell
+            told = made_anew_words(queued.job.script, read.script, cell)
+            by = replace(by, reason=f'{by.reason}; {told}')
+        return await self._update_read(job, reading, by)
 
     async def _update_as_asked(self, asked: Asked) -> Answer:
         job = str(asked.arguments['job'])

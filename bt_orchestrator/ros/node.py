@@ -16,6 +16,7 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import get_rmw_implementation_identifier
 
+from bt_orchestrator.asking.anew import QueueAnew
 from bt_orchestrator.asking.handler import RequestHandler
 from bt_orchestrator.asking.recipes import RecipeOrders
 from bt_orchestrator.diagnosis.ros_says import ros_says
@@ -236,6 +237,8 @@ class TreeNode:
     def _take_requests(self, types: InstalledActionTypes, store: EventStore) -> RunJobServer:
         """Offer the services and the action, which has to be destroyed."""
         handler = RequestHandler(self.orchestrator, types, self._orders)
+        later = partial(soon, self.executor)
+        self.orchestrator.add_sink(QueueAnew(handler, self.orchestrator.state, later))
         senders, state = self._senders, self.orchestrator.state
         Services(self.node, handler, senders, state)
         QueueServices(self.node, handler, senders, self._overview, state)

@@ -71,7 +71,11 @@ def _of_taking_out(state: CellState, component: str, passed: tuple[str, ...]) ->
     if task in state.running:
         yield f'{task} runs there and goes on to its end'
     if passed:
+        by_recipe = [job for job in passed if state.jobs[job].job.recipe is not None]
         yield f'passed in the queue, because they need it: {listed(passed, "none")}'
+        if by_recipe:
+            names = listed(by_recipe, 'none')
+            yield f'by recipe, and made anew without it where that can be: {names}'
     for job in state.on_the_line:
         if component in still_needed(state, job):
             yield on_the_line_words(job.job.id, (component,))

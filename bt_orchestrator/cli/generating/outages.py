@@ -11,6 +11,7 @@ from bt_orchestrator.cli.generating.making import judge_of, plan
 from bt_orchestrator.errors import counted
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.planning.outcome import Generated, NotFound, NotMade
+from bt_orchestrator.report.pace_text import compared_words
 
 
 @dataclass(frozen=True)
@@ -38,9 +39,7 @@ class Outage:
             verdict = 'not to be made' if self.is_proven else 'not known'
             why = f'{", ".join(self.only_there)} only there' if self.only_there else ''
             return f'{verdict}: {why or "; ".join(self.reasons)}'
-        slower = f' ({self.slower:+.0%})' if round(self.slower, 2) else ''
-        slower = slower.replace('%', ' %')
-        return f'{self.per_item_s:.1f} s per item{slower}'
+        return compared_words(self.per_item_s, self.slower)
 
 
 def outages(

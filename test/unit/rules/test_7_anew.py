@@ -1,0 +1,150 @@
+"""Semantics 7.5: queued jobs by recipe are made anew when a component goes out of service."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from fakes.operator import ann
+from fakes.recipe_bench import Bench
+from fakes.script_texts import LINE
+
+from bt_orchestrator.asking.anew import QueueAnew
+from bt_orchestrator.errors import Finding, Refused
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.commands import SetService
+from bt_orchestrator.model.requests import ask
+from bt_orchestrator.model.state import JobState
+from bt_orchestrator.ports import MadeScript
+from bt_orchestrator.replies import begin
+
+ORIGIN = 'made_from: {recipe: BOX-7, version: 1, recipe_digest: aa11}'
+
+
+def at(component: str) -> MadeScript:
+    """Return the script in which a component glues."""
+    glue = f'  3: [{{id: glue, task: TASK_A, action: /{component}/task}}]'
+    return MadeScript('BOX-7', f'{LINE}{glue}\n{ORIGIN}\n')
+
+
+NOT_MADE = Refused([Finding('recipe BOX-7', 1, 1, 'glue: only press could')])
+
+
+class Node:
+    """A node whose scripts are generated when the test says so."""
+
+    def __init__(self, folder: Path) -> None:
+        self.bench = Bench(folder)
+        self._calls: list[Callable[[], object]] = []
+        engine = self.bench.engine
+        engine.add_sink(QueueAnew(self.bench.handler, engine.state, self._calls.append))
+
+    def job(self, name: str) -> JobState:
+        return self.bench.engine.state.jobs[name]
+
+    def order(self, *names: str) -> None:
+        """Queue jobs by recipe."""
+        answer = self.bench.order(*names)
+        self.bench.give(at('press'))
+        assert answer.value.accepted, answer.value.message
+
+    def service(self, component: str, *, out: bool) -> str:
+        answer = begin(self.bench.engine.carry_out(SetService(component, not out, ann())))
+        assert answer.value.accepted, answer.value.message
+        while self._calls:
+            self._calls.pop(0)()
+        return answer.value.message
+
+    @property
+    def asked(self) -> list[frozenset[str]]:
+        """What was left out, of each script that was asked for."""
+        return [without for _, without in self.bench.asked]
+
+    def all(self, kind: type[e.Event]) -> list[e.Event]:
+        return [event for event in self.bench.store.read() if isinstance(event, kind)]
+
+
+@pytest.fixture
+def node(tmp_path: Path) -> Iterator[Node]:
+    node = Node(tmp_path)
+    yield node
+    node.bench.sim.close()
+
+
+def test_7_5_queued_jobs_by_recipe_are_made_anew_without_it(node: Node) -> None:
+    node.order('A', 'B')
+    told = node.service('press', out=True)
+    assert 'by recipe, and made anew without it where that can be: A, B' in told
+    assert node.job('A').unavailable == ('press',), 'until another script is there'
+    node.bench.give(at('table'))
+    node.bench.give(at('table'))
+    assert node.asked[1:] == [frozenset({'press'})] * 2
+    for name in 'AB':
+        job = node.job(name)
+        assert job.job.script.tasks['glue'].component == 'table'
+        assert job.unavailable == ()
+        assert job.awaits_release, 'an engineer has to see what was generated'
+        assert job.held, 'as it was'
+    decided = [one for one in node.all(e.OperatorDecided) if vars(one)['answer'] == 'update']
+    assert [vars(one)['job'] for one in decided] == ['A', 'B']
+    assert {vars(one)['origin'] for one in decided} == {'the node, by itself'}
+    assert {vars(one)['reason'] for one in decided} == {
+        'press is out of service; made anew: 2.0 s per item'
+    }
+
+
+def test_7_5_one_that_cannot_be_made_stays_unavailable_with_the_reason(node: Node) -> None:
+    node.order('A')
+    node.service('press', out=True)
+    node.bench.give(NOT_MADE)
+    assert node.job('A').unavailable == ('press',)
+    (refused,) = node.all(e.OperatorRefused)
+    assert (vars(refused)['command'], vars(refused)['job']) == ('update', 'A')
+    assert 'glue: only press could' in vars(refused)['message']
+
+
+def test_7_5_back_in_service_they_are_made_anew_and_equal_ones_are_left_alone(node: Node) -> None:
+    node.order('A')
+    node.service('press', out=True)
+    node.bench.give(at('table'))
+    node.service('press', out=False)
+    node.bench.give(at('press'))
+    assert node.job('A').job.script.tasks['glue'].component == 'press'
+    updates = len(node.all(e.JobUpdated))
+    node.service('lamp', out=True)
+    assert len(node.asked) == 3, 'A does not need it'
+    node.service('lamp', out=False)
+    node.bench.give(at('press'))
+    assert len(node.all(e.JobUpdated)) == updates == 2
+
+
+def test_7_5_a_job_that_names_a_script_stays_as_it_is(node: Node) -> None:
+    assert node.bench.order('A', recipe=None).value.accepted
+    told = node.service('packer', out=True)
+    assert 'by recipe' not in told
+    assert node.job('A').unavailable == ('packer',)
+    node.service('packer', out=False)
+    assert node.asked == []
+
+
+def test_7_5_one_that_left_the_queue_meanwhile_is_not_asked_for(node: Node) -> None:
+    node.order('A', 'B')
+    node.service('press', out=True)
+    begin(node.bench.handler.carry_out(ask('job.cancel', ann(), job='B')))
+    node.bench.give(at('table'))
+    assert len(node.asked) == 2
+    assert node.job('A').unavailable == ()
+
+
+def test_7_5_the_next_node_begins_with_what_lacks_a_component(tmp_path: Path) -> None:
+    node = Node(tmp_path)
+    node.order('A')
+    node.service('press', out=True)  # killed before it was made anew
+    later: list[Callable[[], object]] = []
+    anew = QueueAnew(node.bench.handler, node.bench.engine.state, later.append)
+    anew.publish([e.OrchestratorStarted(cell='test_cell', digest='0')])
+    assert len(later) == 1
+    anew.publish([e.OrchestratorStopping()])
+    assert len(later) == 1
+    node.bench.sim.close()
