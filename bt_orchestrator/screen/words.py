@@ -28,7 +28,7 @@ from bt_orchestrator.model.status_words import (
     wait_words,
 )
 from bt_orchestrator.model.wait import Wait
-from bt_orchestrator.screen.advice import Shell, hold_advice, next_lines
+from bt_orchestrator.screen.advice import WHY, Shell, hold_advice, next_lines
 
 
 def one_line(text: str) -> str:
@@ -55,7 +55,7 @@ def status_lines(status: CellStatus, shell: Shell | None) -> Iterator[str]:
         how_far = f'{job_count_words(job)}{job_terms(job)}{expected_finish(job, status)}'
         yield f'  {job_name(job)}: {job.state.state}, {how_far}'
         if shell and job.awaits_release:
-            release = shell.command(f'release-script {job.digest}')
+            release = shell.command(f'release-script {job.digest} {WHY}')
             yield f'    an engineer releases it: {release}'
         if shell and job.unavailable and job.started_at is not None:
             yield f'    {one_line(on_the_line_words(job.id, job.unavailable))}'

@@ -246,6 +246,15 @@ def test_a_job_that_waits_for_its_start_says_so_everywhere() -> None:
     assert words.job_terms(may_start) == ', priority 2, start 2036-05-18 06:00'
 
 
+def test_a_job_whose_script_is_not_released_says_so_and_what_can_be_typed() -> None:
+    state = JobWord.NOT_ALLOWED_TO_START
+    queued = statuses.job(state=state, digest='0a1b', awaits_release=True, unavailable=('arm',))
+    assert words.job_terms(queued) == ', its script is not released, needs arm, out of service'
+    told = '\n'.join(words.status_lines(statuses.status(jobs=[queued]), NODE))
+    assert 'an engineer releases it: bt-orchestrator release-script 0a1b --reason "WHY"' in told
+    assert 'releases it' not in '\n'.join(words.status_lines(statuses.status(jobs=[queued]), None))
+
+
 def test_a_job_that_needs_a_component_out_of_service_says_so_and_what_can_be_done() -> None:
     queued = statuses.job(state=JobWord.NOT_ALLOWED_TO_START, unavailable=('arm',))
     status = statuses.status(jobs=[queued])
