@@ -222,6 +222,12 @@ def test_the_items_of_a_job_are_listed_and_can_be_taken_along(
     page.locator('main').get_by_role('link', name=ITEM).first.click()
     tab.until_screen(f'item/{ITEM}')
     page.get_by_role('heading', name=f'Item {ITEM}').wait_for()
+    with page.expect_download() as waiting:
+        page.get_by_role('link', name='Record to print').click()
+    record = tmp_path / 'item.html'
+    waiting.value.save_as(record)
+    assert waiting.value.suggested_filename == f'{ITEM.replace("/", "-")}.html'
+    assert 'What happened' in record.read_text()
 
 
 # --- a component --------------------------------------------------------------------------------

@@ -134,7 +134,7 @@ footer { color: var(--quiet); font-size: 12px; margin-top: 28px; border-top: 1px
   }
   @page { size: A4; margin: 14mm 14mm 16mm }
   body { font-size: 9pt }
-  .story th:nth-child(1) { width: 82px } .story th:nth-child(2) { width: 21% }
+  .story th:nth-child(1) { width: 90px } .story th:nth-child(2) { width: 21% }
   .story th:nth-child(3) { width: 19% } .story th:nth-child(4) { width: 54px }
   .story .what span, .story .waited, .story .more { font-size: 8pt }
   main { max-width: none; padding: 0 }
