@@ -11,7 +11,7 @@ from pathlib import Path
 from bt_orchestrator.asking.desk_here import DeskHere
 from bt_orchestrator.asking.handler import RequestHandler
 from bt_orchestrator.asking.recipes import RecipeOrders
-from bt_orchestrator.errors import Finding, Refused, counted
+from bt_orchestrator.errors import Refused, counted
 from bt_orchestrator.model.by import By, Known
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.jobs.order import Job, RecipeChoice, WorkOrder
@@ -136,7 +136,10 @@ class EngineWhatIf:
         script = desk.made(made) if isinstance(made, MadeScript) else made
         if isinstance(script, Script):
             return script
-        return _with_mistakes([WrongField('recipe', *_said(one)) for one in script.findings])
+        if all((one.line, one.column) == (1, 1) for one in script.findings):
+            wrong = [WrongField('recipe', one.what, one.hint) for one in script.findings]
+            return _with_mistakes(wrong)
+        return CheckedOrder(False, f'the recipe is {script.in_short}')
 
     def _generate(self, choices: Sequence[RecipeChoice]) -> None:
         """Have scripts generated for the runs to come."""
@@ -172,13 +175,6 @@ class EngineWhatIf:
             ExpectedJob(name, ends_s[name] - self._moment.now_s if name in ends_s else None)
             for name in names
         )
-
-
-def _said(finding: Finding) -> tuple[str, str]:
-    """Return a mistake and its hint; one in a file has its place."""
-    is_of_order = (finding.line, finding.column) == (1, 1)
-    place = '' if is_of_order else f'{finding.file}:{finding.line}:{finding.column}: '
-    return f'{place}{finding.what}', finding.hint
 
 
 def _lost(run: RunOn) -> frozenset[str]:

@@ -242,6 +242,15 @@ def test_a_recipe_that_is_not_here_is_left_to_the_node(glued: Glued) -> None:
     assert found.message == 'there is no recipe BOX-8 here'
 
 
+def test_a_recipe_with_mistakes_is_told_in_short(glued: Glued) -> None:
+    wrong = glue_cell.RECIPE.replace('BOX-7', 'LID-1').replace('do: close', 'do: clse')
+    (glued.recipes / 'lid.yaml').write_text(wrong)
+    found = glued.what_if().check({**BOX, 'recipe': 'LID-1'})
+    assert (found.accepted, found.wrong) == (False, ())
+    assert found.message.startswith('the recipe is refused with 1 finding: ')
+    assert 'lid.yaml:7:21: no component has the capability `clse`' in found.message
+
+
 def test_what_is_out_of_service_is_left_out_of_what_is_generated(glued: Glued) -> None:
     assert glued.what_if('robot_a').check(BOX).accepted
     found = glued.what_if('robot_b').check(BOX)
