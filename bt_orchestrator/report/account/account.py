@@ -79,7 +79,8 @@ def account(reading: Reading, period: Period, cell: Cell | None) -> Account:
     """
     period = period.cut()
     if period.begin_us >= period.end_us:
-        raise NothingToReport(f'the journal has no event of {_span(period)}{_reach(reading)}')
+        begin = f'{period.name} (from {period.when(period.begin_us)})'
+        raise NothingToReport(f'the journal has no event of {begin} yet{_reach(reading)}')
     if not period.planned.total_us:
         raise NothingToReport(f'no time of {_span(period)} is planned, by the file of shifts')
     extent = reading.records.extent()
