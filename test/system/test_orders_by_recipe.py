@@ -9,7 +9,7 @@ from typing import Any
 
 from bt_orchestrator_interfaces.action import RunJob
 from bt_orchestrator_interfaces.msg import WorkOrder
-from bt_orchestrator_interfaces.srv import Command, QueueAdd, QueueUpdate, SubmitOrder
+from bt_orchestrator_interfaces.srv import Command, QueueAdd, QueueList, QueueUpdate, SubmitOrder
 from cell_processes import SMALL_CELL, CellProcesses, StartCell, runs, small_script
 from diagnostic_msgs.msg import KeyValue
 
@@ -34,11 +34,11 @@ operations:
 
 
 def able_cell() -> str:
-    """Return the small cell, whose components say what they can do."""
-    text = SMALL_CELL
+    """Return the small cell, whose components say what they can do; nobody has to release it."""
+    text = f'{SMALL_CELL}release: automatic\n'
     for name, can in ABLE.items():
         task = f'action: {name}/task'
-        end = ',' if '{' in text.split(task)[0].rsplit('\n', 1)[1] else '\n   '
+        end = ',' if '{' in text.split(task, maxsplit=1)[0].rsplit('\n', 1)[1] else '\n   '
         text = text.replace(task, f'{task}{end} capabilities: {{{can}}}')
     return text
 
@@ -74,14 +74,16 @@ def _a_node_that_is_killed_while_it_generates_has_queued_nothing(cell: CellProce
     first = cell.watch.begin(SubmitOrder, 'submit_order', request)
     child = cell.child(MODULE)
     os.kill(child, signal.SIGSTOP)
-    cell.watch.submit(cell.script(small_script()), order='S')
+    # Held, so that nothing runs when the node is killed.
+    script = str(cell.script(small_script()))
+    request = QueueAdd.Request(orders=[WorkOrder(order='S', script=script, quantity=1)], held=True)
+    assert cell.watch.call(QueueAdd, 'queue/add', request).accepted
     assert not first.done(), 'the order by script came first'
     cell.node.kill()
     os.kill(child, signal.SIGCONT)
     cell.watch.ros.spin_until(lambda: not runs(child, MODULE), 'the end of the process')
     cell.start_node()
     cell.node.wait_ready()
-    cell.watch.until_ended('S')
     request = QueueAdd.Request(orders=[by_recipe('A')], held=True)
     assert cell.watch.call(QueueAdd, 'queue/add', request).accepted, 'its id was not used'
 
@@ -96,7 +98,8 @@ def _a_request_is_refused_as_a_whole(cell: CellProcesses) -> None:
     both = WorkOrder(order='E', recipes=['BOX'], script='small', quantity=1)
     told = cell.watch.call(QueueAdd, 'queue/add', QueueAdd.Request(orders=[both]))
     assert 'the order names recipe and script; keep one' in told.answers[0].findings[0]
-    assert {event['job'] for event in cell.watch.seen('job.queued')} == {'S', 'A'}
+    queue = cell.watch.call(QueueList, 'queue/list', QueueList.Request())
+    assert [job.id for job in queue.jobs] == ['S', 'A']
 
 
 def _run_job_takes_the_text_of_an_order(cell: CellProcesses) -> None:
@@ -104,10 +107,10 @@ def _run_job_takes_the_text_of_an_order(cell: CellProcesses) -> None:
     handle = cell.watch.ros.start(f'{cell.watch.name}/run_job', RunJob, RunJob.Goal(text=text))
     result = cell.watch.ros.result(handle).result
     assert (result.exit_status, result.status.packed) == ('completed', 1), result.message
-    queued = cell.watch.seen('job.queued', job='F')[0]
+    queued = cell.watch.until('job.queued', job='F')
     assert (queued['recipe'], queued['recipe_version']) == ('BOX', 1)
     assert queued['choice'] == {'recipes': ['BOX'], 'bind': {'work': 'packer'}}
-    assert cell.watch.seen('task.started', job='F', task='work')[0]['component'] == 'packer'
+    assert cell.watch.until('task.started', job='F', task='work')['component'] == 'packer'
 
 
 def _what_is_out_of_service_is_left_out(cell: CellProcesses) -> None:
