@@ -101,8 +101,8 @@ MISTAKES = {
         '2026-05-18',
     ): 'none.yaml:1:1: the file does not exist; check the path',
     ('--job', 'K'): 'knows no start of job K; history --job K shows what it has',
-    ('--day', '2026-05-17'): 'the journal has no event of 2026-05-17',
-    ('--from', '2026-05-19T00:00Z'): 'the journal has no event of period (from 2026-05-19',
+    ('--day', '2026-05-10'): 'the journal has no event of 2026-05-10',
+    ('--from', '2026-05-20T12:00Z'): 'the journal has no event of period (from 2026-05-2',
     ('--day', '18.5.2026'): "'18.5.2026' is not a day; write 2026-05-17",
 }
 
