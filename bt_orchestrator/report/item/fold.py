@@ -85,8 +85,10 @@ class ItemFold:
     # --- the item ---------------------------------------------------------------------------
 
     def _cycle_started(self, event: e.CycleStarted) -> None:
-        if self._is_mine(event) and self.history.started is None:
-            self.history.started = event.time
+        history = self.history
+        is_first = not history.stays and not history.tasks  # else its beginning is not kept
+        if self._is_mine(event) and is_first and history.started is None:
+            history.started = event.time
 
     def _stands(self, event: e.ItemPlaced | e.ItemMoved) -> None:
         if self._is_mine(event):

@@ -15,10 +15,13 @@ from fakes.told_item import BEGIN, ITEM, ToldItem
 from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.cli.main import main
+from bt_orchestrator.drawing.documents.item_page import Source, item_page
+from bt_orchestrator.model.events import CycleStarted
+from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.model.wait import WaitKind
 from bt_orchestrator.report.causes import cause_of
 from bt_orchestrator.report.item.fold import ItemFold
-from bt_orchestrator.report.item.history import ItemHistory
+from bt_orchestrator.report.item.history import Attempt, Decision, ItemHistory
 from bt_orchestrator.report.item.reader import item_history
 from bt_orchestrator.report.item.story import Entry, chapters, time_uses
 
@@ -221,10 +224,22 @@ def test_mistakes_are_sentences(
     assert 'cannot write' in capsys.readouterr().err
 
 
-def test_what_devices_and_people_write_breaks_no_document() -> None:
-    from bt_orchestrator.drawing.documents.item_page import Source, item_page
-    from bt_orchestrator.report.item.history import Attempt, Decision
+@pytest.mark.parametrize('begin', range(0, 120, 24))
+def test_what_is_left_of_a_journal_is_told(journal: Path, begin: int) -> None:
+    with journal_reading(journal) as reading:
+        events = list(reading.events(Wanted(after_seq=begin, before_seq=begin + 70)))
+    fold = ItemFold(ITEM, 'WO-7')
+    for event in events:
+        fold.follow(event)
+    text = item_page([fold.history], Source('the rest', events[-1].time), 'Item')
+    begun = any(
+        isinstance(one, CycleStarted) and (one.item, one.section) == (ITEM, 1) for one in events
+    )
+    assert ('does not have the beginning' in text) != begun
+    assert ('class="badge"' in text) == (fold.history.ended is None)
 
+
+def test_what_devices_and_people_write_breaks_no_document() -> None:
     bad = '<script>alert(1)</script>\x00\ud800&"'
     item = ItemHistory('A/1', 'A', started=0.0, ended=2.0, how='packed', params={'p': bad})
     item.tasks.append(Attempt(1, bad, 'failed', bad, bad, started=0.0, ended=1.0, message=bad))
