@@ -16,7 +16,10 @@ from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.runtime.job_queue import CONTROLS
 
-KINDS = ('add', 'add', 'move', 'next', 'update', 'control', 'control', 'stop', 'cell', 'service')
+KINDS = (
+    *('add', 'add', 'move', 'next', 'update', 'control', 'control', 'stop', 'cell', 'service'),
+    'script',
+)
 CELL = (Reset, Start, Stop, Abort, Resume)
 
 
@@ -64,6 +67,9 @@ class QueueOperator:
         run.command(Resume, everyones=True)
         run.go()
         assert run.ask(AddJobs((self._job('last'),), BY)).accepted
+        unreleased = {job.digest: job for job in run.state.queue if job.awaits_release}
+        for job in unreleased.values():
+            assert run.release(job.job.script).accepted
         run.go()
         if run.state.wish is not None:
             packml = run.state.packml
@@ -79,6 +85,8 @@ class QueueOperator:
             return run.ask(self._add(len(run.state.queue)))
         if kind == 'service':
             return self._service(run)
+        if kind == 'script':
+            return run.release(self._chance.choice(self._scripts))
         if kind == 'stop':
             return run.ask(StopAfter(chance.choice(('item', 'job', 'never', 'never')), BY))
         if kind == 'cell':
