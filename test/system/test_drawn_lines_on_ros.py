@@ -82,7 +82,8 @@ def sample(count: int) -> list[Plan]:
     def draw(plan: Plan) -> None:
         # A start is a time of the calendar, and the time of the virtual run begins with 0.
         orders = tuple(one._replace(priority=0, start=None) for one in (*plan.orders, *plan.later))
-        alone = replace(plan, orders=orders, later=(), moments=(), rebuilds=frozenset())
+        cell = {**plan.cell, 'release': 'automatic'}  # nobody is there to release a script
+        alone = replace(plan, cell=cell, orders=orders, later=(), moments=(), rebuilds=frozenset())
         size = sum(order.quantity for order in orders) * plan.cell['conveyor']['sections']
         if size >= LEAST and expected(alone) is not None:
             found.append(alone)

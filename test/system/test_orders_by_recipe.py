@@ -65,6 +65,7 @@ def test_orders_by_recipe(start_cell: StartCell, tmp_path: Path) -> None:
     _a_request_is_refused_as_a_whole(cell)
     _run_job_takes_the_text_of_an_order(cell)
     _what_is_out_of_service_is_left_out(cell)
+    _queued_jobs_follow_what_is_out_of_service(cell)
     _a_version_says_one_thing(cell, recipes)
     cell.stop()
 
@@ -121,6 +122,32 @@ def _what_is_out_of_service_is_left_out(cell: CellProcesses) -> None:
     assert 'out of service' in told.answers[0].findings[0]
     back = Command.Request(command='in_service', component='packer', reason='mended')
     assert cell.watch.call(Command, 'command', back).accepted
+
+
+def _queued_jobs_follow_what_is_out_of_service(cell: CellProcesses) -> None:
+    watch = cell.watch
+    whole = watch.until('job.queued', job='A')['digest']
+    assert watch.command('out_of_service', component='worker', who='Ada').accepted
+    without = watch.until('job.updated', job='A')
+    assert without['digest'] != whole
+    assert without['choice'] == {'recipes': ['BOX']}, 'what was ordered stays'
+    decided = watch.until('operator.decided', job='A', answer='update')
+    assert 'worker is out of service; made anew: ' in decided['reason'], decided
+
+    assert watch.command('out_of_service', component='feeder', who='Ada').accepted
+    watch.ros.spin_until(
+        lambda: any('only feeder could' in event.get('message', '') for event in watch.events),
+        'the reason why the job cannot be made',
+    )
+    cell.kill_and_restart_node()
+    watch.until_status(
+        lambda told: ('A', ['feeder']) in [(job.id, list(job.unavailable)) for job in told.jobs],
+        'the job lacks its feeder alone',
+    )
+
+    for component in ('feeder', 'worker'):
+        assert watch.command('in_service', component=component, who='Ada').accepted
+    watch.until('job.updated', job='A', digest=whole)
 
 
 def _a_version_says_one_thing(cell: CellProcesses, recipes: Path) -> None:
