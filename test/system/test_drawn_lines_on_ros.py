@@ -21,7 +21,7 @@ from hypothesis import HealthCheck, Phase, given, seed, settings
 
 COUNT = 2 if PROFILE == 'gate' else 20
 SPEED = 10
-LONGEST_S = 60.0
+LONGEST_S = 120.0
 """Of simulated time."""
 LEAST = 12
 """Items times sections of a line that is worth while."""
