@@ -160,8 +160,11 @@ def test_a_client_may_name_the_method_of_the_type(scene: Scene) -> None:
     async def look(reader: Reader) -> None:
         namespaces = await reader.client.get_namespace_array()
         packml = namespaces.index('http://opcfoundation.org/UA/PackML/')
+        order(scene, 'WO-3', 4)
+        await reader.wait('PackML/Status/StateCurrent', state(6))
         with pytest.raises(ua.UaStatusCodeError, match='BadInvalidState'):
             await reader.node(MACHINE).call_method(ua.NodeId(376, packml))  # Reset
+        await reader.wait('PackML/Status/StateCurrent', state(17))
 
     reading(scene.url, look)
 
