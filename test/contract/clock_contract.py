@@ -1,4 +1,4 @@
-"""What every Clock does, whoever makes time pass (see ports.py).
+"""What every Clock does, whoever makes time pass (see ports/clock.py).
 
 Subclass it and say how a bench is made.
 """

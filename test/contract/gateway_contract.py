@@ -1,4 +1,4 @@
-"""What every ActionGateway does, whatever is at its other end (see ports.py).
+"""What every ActionGateway does, whatever is at its other end (see ports/servers.py).
 
 Subclass it and say how a bench is made.
 """

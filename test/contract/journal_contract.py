@@ -1,4 +1,4 @@
-"""What every journal does that outlives its orchestrator (see ports.py: Journal).
+"""What every journal does that outlives its orchestrator (see ports/journal.py: Journal).
 
 Subclass it and say how one is opened, and how it is damaged.
 """

@@ -1,4 +1,4 @@
-"""What every CellLink does, whatever is at its other end (see ports.py).
+"""What every CellLink does, whatever is at its other end (see ports/door.py).
 
 Subclass it and say how a bench is made.
 """

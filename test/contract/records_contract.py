@@ -1,4 +1,4 @@
-"""What every reader of a journal does, whatever keeps it (see ports.py).
+"""What every reader of a journal does, whatever keeps it (see ports/records.py).
 
 Subclass `RecordsContract`, or `KeptRecordsContract` where a journal outlives its orchestrator, and
 say how one is made.

@@ -1,4 +1,4 @@
-"""What every journal does, whatever keeps it (see ports.py: EventStore).
+"""What every journal does, whatever keeps it (see ports/journal.py: EventStore).
 
 Subclass it and say how one is made.
 """

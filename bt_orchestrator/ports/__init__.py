@@ -1,0 +1,55 @@
+"""The ports: what the orchestrator needs from outside, independent of the implementation.
+
+Every implementation of a port passes the contract tests of that port (test/contract).
+"""
+
+from bt_orchestrator.ports.clock import Clock, Timer
+from bt_orchestrator.ports.door import CellLink, EventPage, Listener, Moment, QueuePage, Watch
+from bt_orchestrator.ports.foresight import Foresight
+from bt_orchestrator.ports.generating import Generating, MadeScript
+from bt_orchestrator.ports.journal import EventStore, Journal, Snapshot
+from bt_orchestrator.ports.planning import (
+    CheckedOrder,
+    Consequence,
+    ExpectedJob,
+    Past,
+    Planning,
+    WhatIf,
+    WrongField,
+)
+from bt_orchestrator.ports.records import Records
+from bt_orchestrator.ports.servers import ActionGateway, ActionTypes, Goal, Servers, Told
+from bt_orchestrator.ports.writing import EventSink, Writer, Writing
+
+__all__ = [
+    'Goal',
+    'Told',
+    'Servers',
+    'ActionGateway',
+    'ActionTypes',
+    'Timer',
+    'Clock',
+    'Snapshot',
+    'EventStore',
+    'Journal',
+    'Records',
+    'Writing',
+    'Writer',
+    'EventSink',
+    'Foresight',
+    'MadeScript',
+    'Generating',
+    'EventPage',
+    'Moment',
+    'QueuePage',
+    'Listener',
+    'Watch',
+    'CellLink',
+    'Past',
+    'ExpectedJob',
+    'Consequence',
+    'WrongField',
+    'CheckedOrder',
+    'WhatIf',
+    'Planning',
+]

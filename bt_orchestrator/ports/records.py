@@ -1,0 +1,52 @@
+"""The journal as its readers see it."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from bt_orchestrator.model.records import Extent, JobPlace, Page, Summaries, Wanted
+from bt_orchestrator.ports.journal import Snapshot
+
+
+class Records(Protocol):
+    """A journal as its readers see it, with or without a running writer.
+
+    Reading changes nothing. Each answer is consistent and quick, so the writer never has to wait.
+    Damaged or missing records are reported in the answer, never silently left out. Items are a
+    fold of the records of their job (`report.reading`). One thread at a time.
+    """
+
+    def extent(self) -> Extent:
+        """Return the range of events in it.
+
+        :raises JournalUnusable: it cannot be read
+        """
+
+    def page(self, wanted: Wanted, most: int = 1000) -> Page:
+        """Return the next wanted records; continue with `Page.rest`.
+
+        A page that is not the last may have fewer than `most` records, or none: it also ends after
+        a limit of records read.
+
+        :raises JournalUnusable: it cannot be read
+        """
+
+    def summaries(
+        self, after: JobPlace | None = None, most: int = 1000, *, newest_first: bool = False
+    ) -> Summaries:
+        """Return the summaries of jobs that ended, with or without events, in queue order.
+
+        :param after: where to continue (`Summaries.rest`); None: from the first
+        :raises JournalUnusable: it cannot be read
+        """
+
+    def state_before(self, seq: int) -> Snapshot | None:
+        """Return a stored state from which few events lead to the state after an event.
+
+        None: there is none; then replay begins with the first event, if that is kept.
+
+        :raises JournalUnusable: it cannot be read
+        """
+
+    def close(self) -> None:
+        """Close it."""
