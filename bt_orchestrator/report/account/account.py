@@ -6,14 +6,17 @@ import json
 from dataclasses import dataclass
 
 from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.codec import digest, known_event
+from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.records import Extent, Wanted
+from bt_orchestrator.report.account.beginning import fold_at
 from bt_orchestrator.report.account.figures import Figures, figures
-from bt_orchestrator.report.account.fold import FOLLOWED, AccountFold
 from bt_orchestrator.report.account.period import Period
-from bt_orchestrator.report.account.planned import US, us_of
+from bt_orchestrator.report.account.planned import us_of
 from bt_orchestrator.report.reading import Reading
+
+_OF_A_JOB = (e.JobStarted.event, e.JobCompleted.event, e.JobAborted.event)
 
 
 class NothingToReport(OrchestratorError):
@@ -84,14 +87,11 @@ def account(reading: Reading, period: Period, cell: Cell | None) -> Account:
     if not period.planned.total_us:
         raise NothingToReport(f'no time of {_span(period)} is planned, by the file of shifts')
     extent = reading.records.extent()
-    fold = AccountFold(period.planned, is_whole=extent.first_seq == 1)
+    fold, wanted = fold_at(reading, period)
     first, last = 0, 0
-    for record in reading.each(Wanted(events=FOLLOWED, until=period.end_us / US)):
-        event = known_event(json.loads(record.text))
-        if event is None:
-            continue
+    for event in reading.events(wanted):
         if us_of(event.time) >= period.begin_us:
-            first, last = first or record.seq, record.seq
+            first, last = first or event.seq, event.seq
         fold.follow(event)
     if not first:
         raise NothingToReport(f'the journal has no event of {_span(period)}{_reach(reading)}')
@@ -112,12 +112,11 @@ def of_job(reading: Reading, job: str, journal: str) -> Period:
     :raises NothingToReport: it has none
     """
     begin = end = None
-    for record in reading.each(Wanted(job=job, events=('job.',))):
-        plain = json.loads(record.text)
-        if plain['event'] == 'job.started':
-            begin = us_of(plain['time'])
-        elif plain['event'] in ('job.completed', 'job.aborted'):
-            end = us_of(plain['time'])
+    for event in reading.events(Wanted(job=job, events=_OF_A_JOB)):
+        if isinstance(event, e.JobStarted):
+            begin = us_of(event.time)
+        else:
+            end = us_of(event.time)
     if begin is None:
         known = any(one.job == job for one in reading.summaries())
         why = 'keeps only a summary of' if known else 'knows no start of'

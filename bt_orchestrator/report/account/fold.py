@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from copy import deepcopy
 from dataclasses import dataclass
 
 from bt_orchestrator.model import events as e
@@ -99,15 +100,29 @@ class AccountFold:
         self._take(event)
 
     def until(self, end: int) -> Times:
-        """Let the time pass up to the end of the period, and return the account."""
+        """Return the account as far as a moment, from which no event has come yet.
+
+        It may be asked at any time: the fold goes on from its last event. What a moment was lost
+        to may come out later; a node that was killed says nothing before it starts again.
+        """
+        books = self._now, self._producing, self._lost, self._stops, self._troubles
+        self._lost, self._stops, self._troubles = deepcopy(books[2:])
+        try:
+            return self._end(end)
+        finally:
+            self._now, self._producing, self._lost, self._stops, self._troubles = books
+
+    def _end(self, end: int) -> Times:
+        """Let the time pass up to the end, and return the account."""
         if self._now is None:
             self._now = self._begin
             self._pass(end, _NOT_RECORDED)
         self._pass(end, self._standing.cause())
+        self._stops.end()
         made = self._made.made()
         used = {one.digest for one in made}
         return Times(
-            self._planned,
+            self._planned.before(end),
             self._producing,
             {loss: us for loss in Loss if (us := self._lost[loss])},
             made,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import OnFailure
@@ -78,7 +78,7 @@ class MadeFold:
 
     def made(self) -> tuple[Made, ...]:
         """Return the jobs of which anything left the line, in the order queued."""
-        return tuple(one for one in self._jobs.values() if one.has_any)
+        return tuple(replace(one) for one in self._jobs.values() if one.has_any)
 
 
 def _count(made: Made, how: str, *, is_bad: bool, is_planned: bool) -> None:

@@ -46,6 +46,10 @@ class Planned:
         """All of it."""
         return sum(end - begin for begin, end in self.pieces)
 
+    def before(self, end: int) -> Planned:
+        """Return what of it lies before a moment."""
+        return Planned.of((begin, min(there, end)) for begin, there in self.pieces)
+
     def between(self, begin: int, end: int) -> int:
         """Return how much of it lies between two moments."""
         return sum(

@@ -120,11 +120,14 @@ class StopBook:
         found = (Stop(*key, self._count[key], us) for key, us in self._us.items())
         return tuple(sorted(found, key=lambda one: (-one.us, one.loss.value, one.detail)))
 
-    def holds(self) -> tuple[Held, ...]:
-        """Return the holds that stood in planned time and cost most, in their order."""
+    def end(self) -> None:
+        """Count the holds that still stand, as the account ends here."""
         for held in self._open.values():
             self._keep(held)
         self._open.clear()
+
+    def holds(self) -> tuple[Held, ...]:
+        """Return the holds that stood in planned time and cost most, in their order."""
         return tuple(sorted((one[3] for one in self._told), key=lambda held: held.raised_us))
 
     def _decided(self, event: e.OperatorDecided) -> None:

@@ -25,7 +25,7 @@ from bt_orchestrator.proof.pace import pace
 from bt_orchestrator.report.account.figures import Figures, figures
 from bt_orchestrator.report.account.fold import FOLLOWED, AccountFold
 from bt_orchestrator.report.account.losses import Loss
-from bt_orchestrator.report.account.planned import Planned
+from bt_orchestrator.report.account.planned import Planned, us_of
 
 pytestmark = pytest.mark.timeout(24 * 3600)
 
@@ -57,10 +57,13 @@ def accounts(
     first, off, on, last = (mark * end // 12 for mark in marks)
     planned = Planned.of([(first, off), (on, last)])
     records = [one for one in records if round(one['time'] * 1_000_000) <= last]
-    fold = AccountFold(planned, is_whole=True)
-    for record in records:
-        if record['event'] in FOLLOWED:
-            fold.follow(from_record(record))
+    events = [from_record(one) for one in records if one['event'] in FOLLOWED]
+    fold, asked = AccountFold(planned, is_whole=True), AccountFold(planned, is_whole=True)
+    for event in events:
+        fold.follow(event)
+        asked.follow(event)
+        asked.until(us_of(event.time) + 3_000_000)
+    assert asked.until(last) == fold.until(last) == fold.until(last)
     mine = figures(fold.until(last), cell)
 
     def pace_us(job: str) -> Fraction:

@@ -18,6 +18,7 @@ TASK = e.TaskStarted(
     job='J', section=2, item='J/1', task='t', name='T', action='/a', component='a', attempt=1,
     goal='g',
 )  # fmt: skip
+HOLD = e.HoldRaised(hold='1', reason='aborted', component='a', name='T')
 
 
 def times(day: Day, end: str, *, is_whole: bool = True, begin: str = '06:00') -> Times:
@@ -133,3 +134,29 @@ def test_of_many_holds_those_that_cost_most_are_told_and_the_others_summed_up() 
     assert found.lost_us[Loss.OWN_FAULT] == sum(range(1, number + 1)) * US
     (repairs,) = found.repairs
     assert (repairs.failures, repairs.down_us) == (number, found.lost_us[Loss.OWN_FAULT])
+
+
+def test_asking_meanwhile_tells_the_time_until_then_and_changes_nothing() -> None:
+    day = at_work()
+    day.note('06:10', HOLD, e.StopReasonChanged(stop_reason='own_fault'))
+    day.note('06:20', e.OrchestratorStarted(cell='c', digest='other'))  # it was killed at 06:10
+    day.note('06:30', e.HoldReleased(hold='1'), e.StopReasonChanged(stop_reason=''))
+    day.note('06:40', e.ItemRemoved(job='J', item='J/1', how='packed'))
+    day.note('06:50', e.ItemRemoved(job='J', item='J/2', how='rejected'), e.HoldReleased(hold='1'))
+    planned = Planned.of([(us_of(at('06:00')), us_of(at('07:00')))])
+    fold, known = AccountFold(planned, is_whole=True), Day()
+    meanwhile = []
+    for event in day.events:
+        fold.follow(event)
+        known.events.append(event)
+        end = us_of(event.time) + 9 * 60 * US
+        meanwhile.append(fold.until(end))
+        expected = AccountFold(planned.before(end), is_whole=True)
+        for one in known.events:
+            expected.follow(one)
+        assert meanwhile[-1] == expected.until(end)
+    assert fold.until(planned.pieces[0][1]) == times(day, '07:00')
+    held, again = meanwhile[6:8]
+    assert minutes(held) == {'production': 10, 'own_fault': 9}
+    assert minutes(again) == {'production': 10, 'no_node': 10, 'own_fault': 9}
+    assert [one.made[0].produced for one in meanwhile if one.made] == [1, 2, 2]
