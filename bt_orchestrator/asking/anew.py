@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Iterable, Sequence
 
 from bt_orchestrator.asking.handler import RequestHandler
@@ -10,6 +11,8 @@ from bt_orchestrator.model.by import By, Known
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.replies import begin
+
+log = logging.getLogger(__name__)
 
 WHO, ORIGIN = 'bt_orchestrator', 'the node, by itself'
 """Who changes such a job, in its record."""
@@ -66,9 +69,14 @@ class QueueAnew:
             why = self._wanted.pop(name)
             job = self._state.jobs.get(name)
             if job is not None and not job.started and not job.ending:
-                by = By(WHO, ORIGIN, why, Role.ENGINEER, Known.LOCAL_USER)
-                await self._handler.make_anew(name, by)
+                await self._make(name, By(WHO, ORIGIN, why, Role.ENGINEER, Known.LOCAL_USER))
         self._works = False
+
+    async def _make(self, name: str, by: By) -> None:
+        try:
+            await self._handler.make_anew(name, by)
+        except Exception:  # whatever it is, the other jobs and those after them are made
+            log.exception('%s could not be made anew', name)
 
 
 def _names(job: JobState) -> str:

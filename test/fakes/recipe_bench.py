@@ -79,6 +79,10 @@ class Bench:
         """Say what was generated for the oldest request."""
         self.replies.pop(0).give(outcome)
 
+    def break_down(self) -> None:
+        """Let the oldest request for a script end in a defect."""
+        self.replies.pop(0).give('no tuple of scripts')
+
     def order(self, *names: str, recipe: RecipeChoice | None = BOX) -> Reply[Answer]:
         script = '' if recipe else 'test'
         orders = [WorkOrder(script, name, 1, recipe=recipe) for name in names]

@@ -17,7 +17,6 @@ from typing import NamedTuple
 
 from bt_orchestrator.child_process import (
     FAREWELL_S,
-    ChildFailed,
     ChildProcess,
     ChildTooLate,
     be_modest,
@@ -114,17 +113,18 @@ class GeneratingProcess:
     def _ask(self, asked: _Asked) -> _Scripts | NotRead:
         try:
             answer = self._process.ask(pickle.dumps((asked.choices, asked.without)), GENERATING_S)
+            outcome: _Scripts | NotRead = pickle.loads(answer)
+            return outcome
         except ChildTooLate:
             return NotRead(LATE)
-        except ChildFailed as error:
-            if not self._closed:
-                log.error('no script can be generated: %s', error)
-            return NotRead(
-                f'no script can be generated now: {error}; give this one again, and see whether '
-                'the machine of the node has memory and processes left'
-            )
-        outcome: _Scripts | NotRead = pickle.loads(answer)
-        return outcome
+        except Exception as error:  # noqa: BLE001 - the next request is made
+            why = str(error) or repr(error)
+        if not self._closed:
+            log.error('no script can be generated: %s', why)
+        return NotRead(
+            f'no script can be generated now: {why}; give this one again, and see whether '
+            'the machine of the node has memory and processes left'
+        )
 
 
 class _Answers:

@@ -137,6 +137,21 @@ def test_7_5_one_that_left_the_queue_meanwhile_is_not_asked_for(node: Node) -> N
     assert node.job('A').unavailable == ()
 
 
+def test_7_5_a_defect_in_one_keeps_no_other_from_being_made(
+    node: Node, caplog: pytest.LogCaptureFixture
+) -> None:
+    node.order('A', 'B')
+    node.service('press', out=True)
+    node.bench.break_down()
+    assert 'A could not be made anew' in caplog.text
+    node.bench.give(at('table'))
+    assert node.job('B').unavailable == (), 'nor one after it'
+    node.service('press', out=False)
+    node.bench.give(at('press'))
+    node.bench.give(at('press'))
+    assert node.job('A').unavailable == node.job('B').unavailable == ()
+
+
 def test_7_5_the_next_node_begins_with_what_lacks_a_component(tmp_path: Path) -> None:
     node = Node(tmp_path)
     node.order('A')

@@ -93,13 +93,18 @@ def test_each_request_is_answered_in_its_turn_by_the_thread_that_asked(bench: Be
 
 
 def test_what_fails_is_told_and_the_next_one_is_made(bench: Bench) -> None:
-    bench.process.failures = [ChildTooLate('no answer'), ChildFailed('it ended by SIGKILL')]
-    for _ in range(3):
+    bench.process.failures = [
+        ChildTooLate('no answer'),
+        ChildFailed('it ended by SIGKILL'),
+        MemoryError(),
+    ]
+    for _ in range(4):
         bench.ask('BOX-7')
-    bench.turn(3)
-    late, failed, made = bench.said
+    bench.turn(4)
+    late, failed, unforeseen, made = bench.said
     assert late == LATE
     assert str(failed).startswith('no script can be generated now: it ended by SIGKILL; ')
+    assert str(unforeseen).startswith('no script can be generated now: MemoryError(); ')
     assert made == [MadeScript]
 
 
