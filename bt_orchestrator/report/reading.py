@@ -68,6 +68,13 @@ class Reading:
                 wanted, is_continued = page.rest, True
             history = page.history
 
+    def known(self, page: Page) -> Iterator[Event]:
+        """Yield the events of a page that this program knows."""
+        for record in page.records:
+            event = known_event(json.loads(record.text))
+            if event is not None:
+                yield event
+
     def each(self, wanted: Wanted, most: float = math.inf) -> Iterator[Record]:
         """Yield the records that are wanted and there at this moment, so many at most."""
         is_last = False

@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import argparse
 import time
-from dataclasses import replace
 from datetime import date
 from pathlib import Path
 
 from bt_orchestrator.cli.moments import add_period_options
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.errors import OrchestratorError
-from bt_orchestrator.model.plant.shifts import DAYS, WHOLE_DAY, Shift, Shifts
+from bt_orchestrator.model.plant.shifts import DAYS, Shifts
 from bt_orchestrator.report.account.account import of_job, whole
-from bt_orchestrator.report.account.calendar import last_begun, planned_within, shift_on, zone_of
+from bt_orchestrator.report.account.calendar import (
+    day_on,
+    last_begun,
+    planned_within,
+    shift_on,
+    zone_of,
+)
 from bt_orchestrator.report.account.period import Period
 from bt_orchestrator.report.account.planned import us_of
 from bt_orchestrator.report.reading import Reading
@@ -87,7 +92,7 @@ def _without_shift(args: argparse.Namespace, reading: Reading, shifts: Shifts | 
         return of_job(reading, args.job, journal)
     if args.day is not None:
         zone = None if shifts is None else zone_of(shifts)
-        return shift_on(Shift(str(args.day), WHOLE_DAY), args.day, zone, time.time())
+        return day_on(args.day, zone, time.time())
     known = whole(reading, journal)
     if args.since is None and args.until is None:
         return known
@@ -114,7 +119,7 @@ def _of_shift(args: argparse.Namespace, shifts: Shifts) -> Period:
     period = shift_on(shift, day, zone, now)
     if period.begin_us >= period.end_us:
         raise NoShift(f'shift {shift.name} of {day} has not begun yet')
-    return replace(period, name=f'shift {shift.name} of {day}')
+    return period
 
 
 def _day(text: str) -> date:

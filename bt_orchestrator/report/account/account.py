@@ -11,7 +11,8 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.records import Extent, Wanted
 from bt_orchestrator.report.account.beginning import fold_at
-from bt_orchestrator.report.account.figures import Figures, figures
+from bt_orchestrator.report.account.figures import Figures, Paces, figures
+from bt_orchestrator.report.account.fold import AccountFold
 from bt_orchestrator.report.account.period import Period
 from bt_orchestrator.report.account.planned import us_of
 from bt_orchestrator.report.reading import Reading
@@ -30,14 +31,15 @@ class Source:
     extent: Extent
     first_seq: int
     last_seq: int
-    """Of the events in the period, those that an account needs."""
+    """Of the events in the period, those that an account needs; 0: there is none."""
     unreadable: int
     """Damaged records: what they said is not in it."""
 
     def lines(self) -> tuple[str, ...]:
         """Say it for a person."""
         history, first = self.extent.history, self.extent.first_seq
-        said = [f'made from events {self.first_seq} to {self.last_seq} of history {history}']
+        events = f'events {self.first_seq} to {self.last_seq}' if self.first_seq else 'no event'
+        said = [f'made from {events} of history {history}']
         if first > 1:
             said.append(f'events 1 to {first - 1} were removed from the journal')
         if self.unreadable:
@@ -95,12 +97,17 @@ def account(reading: Reading, period: Period, cell: Cell | None) -> Account:
         fold.follow(event)
     if not first:
         raise NothingToReport(f'the journal has no event of {_span(period)}{_reach(reading)}')
-    times = fold.until(period.end_us)
+    return account_of(fold, period, Paces(cell), Source(extent, first, last, reading.lost))
+
+
+def account_of(fold: AccountFold, period: Period, paces: Paces, source: Source) -> Account:
+    """Return the account of a period as far as a fold has come, to its end."""
+    times, cell = fold.until(period.end_us), paces.cell
     named = digest(cell) if cell is not None else ''
     return Account(
         period,
-        figures(times, cell),
-        Source(extent, first, last, reading.lost),
+        figures(times, paces),
+        source,
         cell is not None,
         bool(named) and any(one != named for one in times.cells),
     )

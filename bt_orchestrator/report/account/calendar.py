@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from datetime import date, datetime, time, timedelta, tzinfo
+from typing import NamedTuple
 from zoneinfo import ZoneInfo
 
-from bt_orchestrator.model.plant.shifts import Hours, Shift, Shifts
+from bt_orchestrator.model.plant.shifts import WHOLE_DAY, Hours, Shift, Shifts
 from bt_orchestrator.report.account.period import Period
 from bt_orchestrator.report.account.planned import US, Planned, us_of
 
 _LOOK_BACK_DAYS = 8
 """A shift of one day of the week has begun within these."""
+
+_LOOK_BACK_US = _LOOK_BACK_DAYS * 24 * 3600 * US
 
 
 def zone_of(shifts: Shifts) -> tzinfo | None:
@@ -19,13 +23,72 @@ def zone_of(shifts: Shifts) -> tzinfo | None:
     return ZoneInfo(shifts.zone) if shifts.zone else None
 
 
-def shift_on(shift: Shift, day: date, zone: tzinfo | None, until: float) -> Period:
-    """Return the period of a shift that begins on a day, as far as it has passed.
+class Turn(NamedTuple):
+    """One shift of one day."""
 
-    :param until: now, seconds since the epoch
+    shift: str
+    """Its name in the file of shifts."""
+    day: date
+    """On which it begins."""
+    period: Period
+    """From its begin to its end, whatever of it has passed."""
+
+
+class Now(NamedTuple):
+    """What is asked for at a moment, whose account grows with the time."""
+
+    period: Period
+    """As a whole, with what is still to come."""
+    turn: Turn | None = None
+    """The shift that it is; None: it is none."""
+    next: Turn | None = None
+    """The shift that begins next, if none runs; the period is the one of the last that ended."""
+
+
+def shift_at(shifts: Shifts, now: float) -> Now:
+    """Return the shift that runs; the one that began last, if there are several.
+
+    :param now: seconds since the epoch
+    """
+    moment, zone = us_of(now), zone_of(shifts)
+    turns = list(_turns(shifts, moment - _LOOK_BACK_US, moment + _LOOK_BACK_US, zone))
+    begun = [one for one in turns if one.period.begin_us <= moment]
+    running = [one for one in begun if one.period.end_us > moment]
+    if running:
+        turn = max(running, key=lambda one: one.period.begin_us)
+        return Now(turn.period, turn)
+    turn = max(begun, key=lambda one: one.period.end_us)
+    coming = (one for one in turns if one.period.begin_us > moment)
+    return Now(turn.period, turn, min(coming, key=lambda one: one.period.begin_us))
+
+
+def _turns(shifts: Shifts, begin: int, end: int, zone: tzinfo | None) -> Iterator[Turn]:
+    """Yield the shifts that begin about between two moments."""
+    for day in _days(begin, end, zone):
+        for shift in shifts.shifts.values():
+            if day.weekday() in shift.days:
+                yield Turn(shift.name, day, shift_on(shift, day, zone))
+
+
+def shift_on(shift: Shift, day: date, zone: tzinfo | None, until: float | None = None) -> Period:
+    """Return the period of a shift that begins on a day.
+
+    :param until: now, seconds since the epoch, for what of it has passed; None: all of it
     """
     begin, end = _span(shift.hours, day, zone)
-    return Period(shift.name, begin, min(end, us_of(until)), _planned(shift, day, zone), zone)
+    name = f'shift {shift.name} of {day}'
+    return Period(
+        name,
+        begin,
+        end if until is None else min(end, us_of(until)),
+        _planned(shift, day, zone),
+        zone,
+    )
+
+
+def day_on(day: date, zone: tzinfo | None, until: float | None = None) -> Period:
+    """Return the period of a day, as that of a shift."""
+    return replace(shift_on(Shift(str(day), WHOLE_DAY), day, zone, until), name=str(day))
 
 
 def last_begun(shift: Shift, zone: tzinfo | None, until: float) -> date | None:

@@ -172,19 +172,33 @@ class Figures:
                 yield Bar(WORDS[loss].title, us, loss)
 
 
-def figures(times: Times, cell: Cell | None) -> Figures:
-    """Return the figures of a period by the durations of a cell; None: there is no pace."""
-    paces = {}
-    for digest, script in times.scripts.items():
-        found = _pace(script, cell) if cell is not None else None
-        if found is not None:
-            paces[digest] = found
+class Paces:
+    """The paces of scripts by the durations of a cell, each worked out once."""
+
+    def __init__(self, cell: Cell | None) -> None:
+        """Begin.
+
+        :param cell: None: there are none
+        """
+        self.cell = cell
+        self._known: dict[str, Pace | None] = {}
+
+    def of(self, digest: str, script: Script) -> Pace | None:
+        """Return the pace of a script; None: it is for another cell, or the line gets stuck."""
+        if digest not in self._known:
+            self._known[digest] = None if self.cell is None else _pace(script, self.cell)
+        return self._known[digest]
+
+
+def figures(times: Times, paces: Paces) -> Figures:
+    """Return the figures of a period."""
+    found = {digest: paces.of(digest, script) for digest, script in times.scripts.items()}
+    known = {digest: one for digest, one in found.items() if one is not None}
     unpaced = {one.script or one.job: one.digest for one in times.made if one.produced}
-    return Figures(times, paces, tuple(name for name, key in unpaced.items() if key not in paces))
+    return Figures(times, known, tuple(name for name, key in unpaced.items() if key not in known))
 
 
 def _pace(script: Script, cell: Cell) -> Pace | None:
-    """Return the pace of a script; None: it is for another cell, or the line gets stuck."""
     needed = {task.component for task in script.tasks.values()}
     return pace(script, cell) if needed <= cell.components.keys() else None
 

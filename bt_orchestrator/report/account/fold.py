@@ -90,6 +90,11 @@ class AccountFold:
         self._cell = ''
         self._cells: dict[str, None] = {}
 
+    @property
+    def cause(self) -> Cause | None:
+        """What the time is lost to since the last event; None: the line produces."""
+        return self._standing.cause()
+
     def follow(self, event: e.Event) -> None:
         """Take in the next event."""
         now = us_of(event.time)

@@ -22,7 +22,7 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import from_record
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.proof.pace import pace
-from bt_orchestrator.report.account.figures import Figures, figures
+from bt_orchestrator.report.account.figures import Figures, Paces, figures
 from bt_orchestrator.report.account.fold import FOLLOWED, AccountFold
 from bt_orchestrator.report.account.losses import Loss
 from bt_orchestrator.report.account.planned import Planned, us_of
@@ -64,7 +64,7 @@ def accounts(
         asked.follow(event)
         asked.until(us_of(event.time) + 3_000_000)
     assert asked.until(last) == fold.until(last) == fold.until(last)
-    mine = figures(fold.until(last), cell)
+    mine = figures(fold.until(last), Paces(cell))
 
     def pace_us(job: str) -> Fraction:
         found = pace(scripts[job], cell)

@@ -1,0 +1,136 @@
+"""The account of what is still going on: asked again and again, it reads what is new."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.records import Extent
+from bt_orchestrator.ports import Records
+from bt_orchestrator.report.account.account import Account, Source, account_of
+from bt_orchestrator.report.account.beginning import fold_at
+from bt_orchestrator.report.account.calendar import Now
+from bt_orchestrator.report.account.figures import Paces
+from bt_orchestrator.report.account.period import Period
+from bt_orchestrator.report.account.planned import us_of
+from bt_orchestrator.report.account.standing import Cause
+from bt_orchestrator.report.reading import Reading
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Stopped:
+    """What the line loses its time to at this moment."""
+
+    cause: Cause
+    since_us: int
+    """Not before the period began."""
+
+
+@dataclass(frozen=True)
+class Live:
+    """An account up to a moment, and what goes on then."""
+
+    now: Now
+    account: Account
+    """Its period ends at the moment, or where the shift ended."""
+    stopped: Stopped | None
+    """None: the line produces, or no shift runs."""
+
+
+class LiveAccount:
+    """Reads a journal on, from the begin of the shift that runs; begins anew with each shift.
+
+    It begins anew, too, if the journal has another history, or lacks events that it has not read.
+    """
+
+    def __init__(
+        self,
+        period_at: Callable[[float], Now],
+        cell: Cell | None,
+        tell: Callable[[str], None] = log.warning,
+    ) -> None:
+        """Prepare.
+
+        :param period_at: what is asked for at a time, in seconds since the epoch
+        :param cell: for the pace; None: there is none
+        :param tell: called with a sentence for everything that cannot be shown
+        """
+        self._period_at = period_at
+        self._paces = Paces(cell)
+        self._tell = tell
+        self._going: _Going | None = None
+
+    def look(self, records: Records, time: float) -> Live | None:
+        """Return the account at a moment; None: the journal has no event yet.
+
+        :param time: seconds since the epoch, by the clock of the reader
+        :raises JournalUnusable: it cannot be read
+        """
+        now = self._period_at(time)
+        extent = records.extent()
+        if not extent.last_seq:
+            return None
+        going = self._going
+        if going is None or going.period != now.period or not going.goes_on(extent):
+            going = self._going = None
+            going = self._going = _Going(Reading(records, self._tell), now.period, extent)
+        going.read(records)
+        return going.told(now, us_of(time), self._paces, extent)
+
+
+class _Going:
+    """The account of one period, as far as it was read."""
+
+    def __init__(self, reading: Reading, period: Period, extent: Extent) -> None:
+        self.period = period
+        self._reading = reading
+        self._history = extent.history
+        self._fold, self._wanted = fold_at(reading, period)
+        self._first = self._last = 0
+        """Numbers of the events in the period."""
+        self._heard_us = period.begin_us
+        """Time of the latest event: the clock of the reader may be behind that of the node."""
+        self._cause = self._fold.cause
+        self._since_us = period.begin_us
+
+    def goes_on(self, extent: Extent) -> bool:
+        """Tell whether the journal goes on from where it was read to."""
+        seq = self._wanted.after_seq
+        return (
+            extent.history == self._history and extent.first_seq <= seq + 1 <= extent.last_seq + 1
+        )
+
+    def read(self, records: Records) -> None:
+        """Take in what is new."""
+        self._reading.records = records
+        is_last = False
+        while not is_last:
+            page = self._reading.page(self._wanted)
+            if page.history != self._history:
+                return  # it begins anew when it is asked next
+            for event in self._reading.known(page):
+                self._take(event)
+            self._wanted, is_last = page.rest, page.is_last
+
+    def _take(self, event: Event) -> None:
+        time = us_of(event.time)
+        if time >= self.period.begin_us:
+            self._first, self._last = self._first or event.seq, event.seq
+        self._fold.follow(event)
+        self._heard_us = max(self._heard_us, time)
+        if self._fold.cause != self._cause:
+            self._cause, self._since_us = self._fold.cause, max(time, self.period.begin_us)
+
+    def told(self, now: Now, time_us: int, paces: Paces, extent: Extent) -> Live:
+        end = min(max(time_us, self._heard_us), self.period.end_us)
+        period = replace(self.period, end_us=end).cut()
+        source = Source(extent, self._first, self._last, self._reading.lost)
+        account = account_of(self._fold, period, paces, source)
+        runs = self._cause is not None and end < self.period.end_us
+        stopped = Stopped(self._cause, self._since_us) if runs and self._cause else None
+        return Live(now, account, stopped)
