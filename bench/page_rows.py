@@ -14,7 +14,8 @@ from pseudo_terminal import PseudoTerminal
 from stream_readers import StreamReader, StuckReader
 
 from bench.rows import Row, percentile
-from bench.stand import Stand, stand, until
+from bench.stand import Stand, stand
+from bench.tail import until
 
 READERS = 20
 STUCK = 30

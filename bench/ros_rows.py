@@ -17,7 +17,8 @@ from bench.chain import PLAIN
 from bench.counted_node import FILE
 from bench.recipe_files import OPERATIONS, able_cell_text, write_recipe
 from bench.rows import Row, percentile
-from bench.stand import TASKS_A_CYCLE, Measured, Stand, stand, until
+from bench.stand import TASKS_A_CYCLE, Measured, Stand, stand
+from bench.tail import until
 from bt_orchestrator.node_parameters import EVENTS, SINGLE
 
 OURS, NORMAL, WATCHED = 'ours FULL', 'ours NORMAL', 'ours watched'

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import subprocess
 import sys
 import tempfile
-import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
@@ -19,12 +17,12 @@ from program_process import ProgramProcess
 from ros_domain import OwnDomain
 
 from bench.line_files import SECTIONS, cell_text, script_text
+from bench.tail import PATIENCE_S, Tail
 from bt_orchestrator.ros.link.client import NodeClient
 
 TASKS_A_CYCLE = 10
 WARM_UP = 5
 """Cycles before a measurement: connections, caches, and the admission of the order."""
-PATIENCE_S = 60.0
 
 
 class Measured(NamedTuple):
@@ -145,34 +143,6 @@ def _ask(request: Any) -> None:
     assert answer.accepted, [answer.message, *answer.findings]
 
 
-class Tail:
-    """Reads what the servers write to their log from now on, and no line twice."""
-
-    def __init__(self, log: Path) -> None:
-        self._log = log
-        self._offset = log.read_bytes().rfind(b'\n') + 1  # a line may be half written
-        self.records: list[dict[str, Any]] = []
-        self.ended = 0
-        """How many tasks ended, the moves of the belt left out."""
-
-    def until_ended(self, tasks: int, patience_s: float = PATIENCE_S) -> None:
-        """Read until so many tasks have ended."""
-        until(lambda: self._read() >= tasks, f'{tasks} tasks', patience_s)
-
-    def _read(self) -> int:
-        with self._log.open('rb') as file:
-            file.seek(self._offset)
-            for line in file:
-                if line.endswith(b'\n'):
-                    self._offset += len(line)
-                    self._take(json.loads(line))
-        return self.ended
-
-    def _take(self, record: dict[str, Any]) -> None:
-        self.records.append(record)
-        self.ended += record['event'] == 'ended' and record['component'] != 'conveyor'
-
-
 def _measure(tail: Tail, pid: int, cycles: int) -> Measured:
     """Measure what a driver does after its first cycles, in which the order is taken in too."""
     tail.until_ended(WARM_UP * TASKS_A_CYCLE)
@@ -213,15 +183,6 @@ def watcher(attached: bool) -> Iterator[None]:
         process.kill()
         process.wait()
         process.stdout.close()
-
-
-def until(condition: Callable[[], bool], what: str, patience_s: float = PATIENCE_S) -> None:
-    """Look at a condition until it holds."""
-    deadline = time.monotonic() + patience_s
-    while not condition():
-        if time.monotonic() > deadline:
-            raise TimeoutError(f'waited {patience_s:g} s for {what}')
-        time.sleep(0.05)
 
 
 def _sequences(records: Sequence[dict[str, Any]]) -> Iterator[float]:
