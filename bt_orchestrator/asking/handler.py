@@ -14,6 +14,7 @@ from bt_orchestrator.asking.orders import (
     answer_to_refused,
     changed_job,
     check_sender,
+    job_anew,
     refused_orders,
     wanted_orders,
     with_each,
@@ -106,7 +107,7 @@ class RequestHandler:
             wanted_orders([wish])  # within the limits
             as_it_is = partial(changed_job, self._engine.state, job, wish)
             async with self._orders.read(as_it_is) as reading:
-                return await self._update_read(job, reading, by)
+                return await self._update_read(job, reading, by, keeps_script=wish.keeps_script)
         except NotRead as why:
             return await self._refuse(UPDATE.word, by, str(why), job)
 
@@ -115,13 +116,8 @@ class RequestHandler:
 
         Everything else of the job stays. It is on record only if another script comes of it.
         """
-        queued = self._engine.state.jobs.get(job)
-        recipe = None if queued is None else queued.job.recipe
-        if recipe is None:
-            return await self._refuse(UPDATE.word, by, f'{job} is no job by recipe', job)
-        as_it_is = partial(changed_job, self._engine.state, job, AskedOrder(recipe=recipe))
         try:
-            async with self._orders.read(as_it_is) as reading:
+            async with self._orders.read(partial(job_anew, self._engine.state, job)) as reading:
                 return await self._anew_read(job, reading, by)
         except NotRead as why:
             return await self._refuse(UPDATE.word, by, str(why), job)
@@ -144,13 +140,16 @@ class RequestHandler:
             return await self._refuse(UPDATE.word, asked.by, str(why), job)
         return await self.update(job, wish, asked.by)
 
-    async def _update_read(self, job: str, reading: Reading, by: By) -> Answer:
+    async def _update_read(
+        self, job: str, reading: Reading, by: By, *, keeps_script: bool = False
+    ) -> Answer:
         (read,) = reading.read
         if isinstance(read, Refused):
             await self._refuse(UPDATE.word, by, read.in_short, job)
             each = OrderAnswer(message=read.count, findings=Told().of(read))
             return Answer(accepted=False, message=read.count, orders=(each,))
-        answer = await self._engine.carry_out(UpdateJob(read, by, reading.sharing))
+        update = UpdateJob(read, by, reading.sharing, keeps_script)
+        answer = await self._engine.carry_out(update)
         return with_each(answer, [read], self._engine.state)
 
     async def _refuse(self, verb: str, by: By, message: str, *jobs: str) -> Answer:

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from bt_orchestrator.errors import NotRead, Refused, counted
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.commands import Answer, OrderAnswer, RefusedRequest
-from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.jobs.order import Job, RecipeChoice
 from bt_orchestrator.model.limits import FINDINGS, ORDERS, REQUEST_BYTES, listed
 from bt_orchestrator.model.requests import ADD, Request, refusal
 from bt_orchestrator.model.state import CellState
@@ -18,6 +18,9 @@ from bt_orchestrator.script.orders.desk import AskedOrder, ChangedJob, Orders, W
 
 PREFIX = 'WO-'
 """Prefix of the ids that are assigned to orders without one."""
+
+_AS_ORDERED = RecipeChoice(())
+"""Names nothing of a recipe, so that all of it stays."""
 
 ALL = 'bt-orchestrator check --json, where the files are, lists all'
 
@@ -67,6 +70,17 @@ def changed_job(state: CellState, name: str, wish: AskedOrder) -> ChangedJob:
         raise NotRead(f'{name} is not there; in the queue: {there}')
     job = now.job
     return ChangedJob(name, now.digest, job.quantity, job.params, wish, job.terms, job.recipe)
+
+
+def job_anew(state: CellState, name: str) -> ChangedJob:
+    """Return a queued job as it is now, with its script to be generated anew.
+
+    :raises NotRead: it is not there, or was not ordered by recipe
+    """
+    anew = changed_job(state, name, AskedOrder(recipe=_AS_ORDERED))
+    if anew.recipe is None:
+        raise NotRead(f'{name} is no job by recipe')
+    return anew
 
 
 def free_ids(wanted: Wanted, state: CellState) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ from bt_orchestrator.asking.handler import OrderReading
 from bt_orchestrator.model.jobs.order import RecipeChoice
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import Generating
-from bt_orchestrator.script.orders.desk import Made, Reading, Wanted
+from bt_orchestrator.script.orders.desk import MadeScripts, Reading, Wanted
 
 
 class RecipeOrders:
@@ -32,32 +32,28 @@ class RecipeOrders:
 
         :raises NotRead: says why nothing was read
         """
-        async with self._orders.read(wanted) as reading:
-            choices = reading.choices
-            if not any(choices):
-                yield reading
-                return
-        made = await self._made(choices)
-        again = _with(made, wanted)
-        async with self._orders.read(again) as reading:
-            yield reading
+        made: MadeScripts = ()
+        while True:
+            async with self._orders.read(_with(made, wanted)) as reading:
+                choices = [one for one in reading.choices if one is not None]
+                if not choices:
+                    yield reading
+                    return
+            # More than once only if the job that is to be changed was changed meanwhile.
+            made = await self._made(choices)
 
-    async def _made(self, choices: Sequence[RecipeChoice | None]) -> tuple[Made, ...]:
-        """Return what is made for each order, without what is out of service when it is done."""
-        different: list[RecipeChoice] = []
-        for choice in choices:
-            if choice is not None and choice not in different:
-                different.append(choice)
+    async def _made(self, choices: Sequence[RecipeChoice]) -> MadeScripts:
+        """Return what is made, without what is out of service when it is done."""
+        different = [one for at, one in enumerate(choices) if one not in choices[:at]]
         while True:
             without = frozenset(self._state.out_of_service)
             made = await self._generating.make(different, without)
             if without == frozenset(self._state.out_of_service):
-                break
-        return tuple(None if one is None else made[different.index(one)] for one in choices)
+                return tuple(zip(different, made, strict=True))
 
 
 def _with(
-    made: tuple[Made, ...], wanted: Wanted | Callable[[], Wanted]
+    made: MadeScripts, wanted: Wanted | Callable[[], Wanted]
 ) -> Wanted | Callable[[], Wanted]:
     """Return orders with what was made for them; a job is changed as it is at its turn."""
     if callable(wanted):

@@ -211,7 +211,7 @@ def _update(args: argparse.Namespace) -> int:
     if not (params or args.quantity or args.script or terms):
         raise WrongUse(
             'queue update: say what to change: --quantity, --param, --script, --recipe, '
-            '--priority, --start, --due or --details'
+            '--version, --bind, --priority, --start, --due or --details'
         )
     changes = {
         'quantity': args.quantity or None,

@@ -133,16 +133,12 @@ def _other_source(order: JobOrder, now: ListedJob, read: _Reading) -> dict[str, 
     if not read.of_recipe:
         is_same = not name or (was is None and name == now.status.script)
         return {} if is_same else {'script': name}
-    kept = was if was is not None and (not name or name in was.recipes) else None
-    if kept is None:
-        wanted = RecipeChoice((name,), read.version, read.bind)
-    else:
-        version = kept.version if read.version is None else read.version
-        wanted = RecipeChoice(kept.recipes, version, {**kept.bind, **read.bind})
-    if wanted == was:
+    is_same = was is not None and (not name or name in was.recipes)
+    wanted = RecipeChoice(() if is_same else (name,), read.version, read.bind)
+    if wanted.over(was) == was:
         return {}
-    named = {'version': wanted.version, 'bind': dict(wanted.bind)}
-    return {'recipe': list(wanted.recipes)} | {key: one for key, one in named.items() if one}
+    named = {'recipe': list(wanted.recipes), 'version': wanted.version, 'bind': wanted.bind}
+    return {key: one for key, one in named.items() if one}
 
 
 def reason_in(order: JobOrder) -> str:

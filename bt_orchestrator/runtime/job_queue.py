@@ -83,7 +83,7 @@ def _how(queued: e.JobQueued) -> str:
 def _update(command: UpdateJob, state: CellState, now: float) -> tuple[str, list[e.Event]]:
     new = command.job
     _allowed(state, job_control.UPDATE, new.id)
-    changed = orders.change(state, new, now, command.sharing)
+    changed = orders.change(state, new, now, command.sharing, keeps_script=command.keeps_script)
     (updated,) = (event for event in changed if isinstance(event, e.JobUpdated))
     unreleased = updated.digest if updated.awaits_release else ''
     lacks = lacks_words(unreleased, updated.unavailable)

@@ -64,22 +64,31 @@ def queue(
 
 
 def change(
-    state: CellState, job: Job, now: float, sharing: Sharing | None = None
+    state: CellState,
+    job: Job,
+    now: float,
+    sharing: Sharing | None = None,
+    *,
+    keeps_script: bool = False,
 ) -> list[e.Event]:
     """Replace the order of a queued job.
 
     :param now: time on the wall clock
+    :param keeps_script: jobs of several versions may have one script in common, which does not
+        tell then what this one was made from
     :raises CommandRefused: its flags contradict those of another live job, or the version of its
         recipe was another one before
     """
     live = state.jobs[job.id]
     is_shared = state.jobs.users(live.digest) > 1
     others = {n: one for n, one in state.scripts.items() if n != live.digest or is_shared}
-    why = contradiction(job.script, others, sharing) or _other_recipe(job, state.recipe_digests)
+    why = contradiction(job.script, others, sharing)
+    if why is None and not keeps_script:
+        why = _other_recipe(job, state.recipe_digests)
     if why is not None:
         raise CommandRefused(why)
     ordered = _ordered(job)
-    if _is_made_as_before(job, live):
+    if keeps_script:
         ordered |= {'recipe': live.recipe, 'recipe_version': live.recipe_version}
         key = recipe_key(live.recipe, live.recipe_version)
         ordered['recipe_digest'] = state.recipe_digests.get(key, '')
@@ -109,16 +118,6 @@ class _Ranks:
         self._given.insert(before, (without, urgency))
         place = without + before
         return None if place == self._jobs.waiting + len(self._given) else place
-
-
-def _is_made_as_before(job: Job, live: JobState) -> bool:
-    """Tell whether a changed job keeps its script; jobs of two versions may have one in common."""
-    kept = live.job.script
-    return (
-        job.recipe == live.job.recipe
-        and digest(job.script) == live.digest
-        and job.script.made_from == kept.made_from
-    )
 
 
 def _new_place(state: CellState, live: JobState, job: Job) -> int | None:

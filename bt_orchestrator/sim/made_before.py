@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 
 from bt_orchestrator.errors import NotRead, Refused
-from bt_orchestrator.model.jobs.order import RecipeChoice, WorkOrder
+from bt_orchestrator.model.jobs.order import Job, RecipeChoice, WorkOrder
 from bt_orchestrator.model.requests import ADD, UPDATE, Asked
 from bt_orchestrator.ports import MadeScript
 from bt_orchestrator.script.orders.asked import choice_of
@@ -49,13 +49,19 @@ class MadeBefore:
         """Nothing works."""
 
 
-def choices_in(requests: Sequence[Asked]) -> Iterator[RecipeChoice]:
-    """Yield the recipes that orders and changes name."""
+def choices_in(requests: Sequence[Asked], jobs: Iterable[Job] = ()) -> Iterator[RecipeChoice]:
+    """Yield what scripts have to be made from for some requests, one after the other.
+
+    :param jobs: as they are; a change may name only a part of what it makes a job from
+    """
+    ordered = {job.id: job.recipe for job in jobs}
     for asked in requests:
         if asked.request is ADD:
             orders: Iterable[WorkOrder] = asked.arguments['orders']  # type: ignore[assignment]
             yield from (order.recipe for order in orders if order.recipe is not None)
+            ordered |= {order.order: order.recipe for order in orders if order.order}
         elif asked.request is UPDATE:
-            choice = choice_of(asked.arguments)
+            choice, job = choice_of(asked.arguments), str(asked.arguments['job'])
             if choice is not None:
+                ordered[job] = choice = choice.over(ordered.get(job))
                 yield choice

@@ -72,7 +72,10 @@ class EngineWhatIf:
 
         Nothing is done, so anybody may ask anything; the roles decide when it is asked in earnest.
         """
-        self._generate([*choices_in(requests)])
+        if any(choices_in(requests)):
+            with closing(self._begin()) as run:
+                jobs = [job.job for job in run.state.jobs.values()]
+            self._generate([*choices_in(requests, jobs)])
         with closing(self._begin()) as now:
             names_now = list(now.state.jobs)
             known_now_s = now.go_on(time.monotonic() + LONGEST_S)
@@ -143,8 +146,6 @@ class EngineWhatIf:
 
     def _generate(self, choices: Sequence[RecipeChoice]) -> None:
         """Have scripts generated for the runs to come."""
-        if not choices:
-            return
         with closing(self._begin()) as run:
             without = _lost(run)
         self._made = MadeBefore(self._make, choices, without)

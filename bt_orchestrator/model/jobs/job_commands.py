@@ -62,6 +62,8 @@ class UpdateJob:
     """What it is to be; its id names the job."""
     by: By
     sharing: Sharing | None = None
+    keeps_script: bool = False
+    """Nothing else was named or generated: what the script was made from stays on record."""
 
 
 @dataclass(frozen=True)

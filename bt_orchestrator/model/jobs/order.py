@@ -56,6 +56,16 @@ class RecipeChoice:
     bind: Mapping[str, str] = field(default_factory=dict)
     """Component that does an operation, by its id; EquipmentRequirements in ISA-95."""
 
+    def over(self, before: RecipeChoice | None) -> RecipeChoice:
+        """Return what a job is made from when its order is changed; what is not named stays.
+
+        Whoever names recipes says all of it: without a version the newest one counts again.
+        """
+        if self.recipes or before is None:
+            return self
+        version = before.version if self.version is None else self.version
+        return RecipeChoice(before.recipes, version, {**before.bind, **self.bind})
+
     @property
     def words(self) -> str:
         """The recipes and the version, as messages name them."""

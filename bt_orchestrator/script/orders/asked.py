@@ -32,6 +32,8 @@ def asked_of(order: WorkOrder) -> AskedOrder:
 def change_of(given: Mapping[str, Any]) -> AskedOrder:
     """Return what a queued job is to be, from the arguments of the request job.update.
 
+    A version or a binding alone is of the recipe that the job has.
+
     :raises CommandRefused: a time is none
     """
     details = given.get('details')
@@ -47,17 +49,11 @@ def change_of(given: Mapping[str, Any]) -> AskedOrder:
 
 
 def choice_of(given: Mapping[str, Any]) -> RecipeChoice | None:
-    """Return the recipe that a queued job is to be made from; None: it names none.
-
-    :raises CommandRefused: a version or a binding is of no recipe
-    """
-    recipes = tuple(given.get('recipe') or ())
-    if recipes:
-        return RecipeChoice(recipes, given.get('version'), given.get('bind') or {})
-    lone = [key for key in ('version', 'bind') if given.get(key)]
-    if lone:
-        raise CommandRefused(f'`{lone[0]}` is about a recipe; name it with `recipe`')
-    return None
+    """Return what a change says of the recipe of a queued job; None: nothing."""
+    recipes, version, bind = (given.get(key) for key in ('recipe', 'version', 'bind'))
+    if not recipes and not version and not bind:
+        return None
+    return RecipeChoice(tuple(recipes or ()), version or None, bind or {})
 
 
 def written(params: Mapping[str, Any]) -> dict[str, str]:

@@ -56,13 +56,18 @@ class AskedOrder:
     recipe: RecipeChoice | None = None
     """None: it names a script."""
 
+    @property
+    def keeps_script(self) -> bool:
+        """Tell whether a change names neither a script nor anything of a recipe."""
+        return not self.script and self.recipe is None
+
 
 @dataclass(frozen=True)
 class Orders:
     """Make a job of each of these."""
 
     orders: tuple[AskedOrder, ...]
-    made: tuple[Made, ...] = ()
+    made: MadeScripts = ()
 
     @property
     def named(self) -> Iterator[str]:
@@ -75,7 +80,7 @@ class WrittenOrder:
     """Make a job of a work order as it stands in a file."""
 
     text: str
-    made: tuple[Made, ...] = ()
+    made: MadeScripts = ()
 
     @property
     def named(self) -> Iterator[str]:
@@ -99,7 +104,15 @@ class ChangedJob:
     terms: Terms = NO_TERMS
     recipe: RecipeChoice | None = None
     """What it was made from; it stays as long as its script does."""
-    made: tuple[Made, ...] = ()
+    made: MadeScripts = ()
+
+    @property
+    def choice(self) -> RecipeChoice | None:
+        """What it is to be made from; None: from no recipe."""
+        wish = self.wish
+        if wish.script or wish.recipe is None:
+            return wish.recipe
+        return wish.recipe.over(self.recipe)
 
     @property
     def named(self) -> Iterator[str]:
@@ -121,8 +134,8 @@ class NotMadeYet(Refused):
 
 Wanted = Orders | WrittenOrder | ChangedJob
 
-Made = MadeScript | Refused | None
-"""What was generated for an order; None: it names a script, or nothing was generated yet."""
+MadeScripts = tuple[tuple[RecipeChoice, MadeScript | Refused], ...]
+"""What was generated, by what orders name: one that is changed meanwhile needs another script."""
 
 
 @dataclass(frozen=True)
@@ -191,18 +204,15 @@ class OrderDesk:
         match wanted:
             case Orders(orders):
                 scripts = _Scripts(self)
-                made = wanted.made or (None,) * len(orders)
-                for order, one in zip(orders, made, strict=True):
-                    yield self._asked(order, one, scripts, ids)
-            case WrittenOrder(text):
-                (one,) = wanted.made or (None,)
-                yield self._written(text, one, ids)
+                for order in orders:
+                    yield self._asked(order, wanted.made, scripts, ids)
+            case WrittenOrder(text, made):
+                yield self._written(text, made, ids)
             case ChangedJob():
-                (one,) = wanted.made or (None,)
-                yield self._changed(wanted, one)
+                yield self._changed(wanted)
 
     def _asked(
-        self, order: AskedOrder, made: Made, scripts: _Scripts, ids: Iterator[str]
+        self, order: AskedOrder, made: MadeScripts, scripts: _Scripts, ids: Iterator[str]
     ) -> Job | Refused:
         name, recipe = order.order or next(ids), order.recipe
         script = self._script_of(order, made, named_places(name), scripts.named)
@@ -213,7 +223,7 @@ class OrderDesk:
         wanted = WorkOrder(order.script, order.order or None, quantity, params, recipe=recipe)
         return self._bound(wanted, script, name, order.terms.over(NO_TERMS))
 
-    def _written(self, text: str, made: Made, ids: Iterator[str]) -> Job | Refused:
+    def _written(self, text: str, made: MadeScripts, ids: Iterator[str]) -> Job | Refused:
         try:
             draft = parse_draft(text, 'order')
         except Refused as refused:
@@ -230,18 +240,18 @@ class OrderDesk:
         except Refused as refused:
             return refused
 
-    def _changed(self, wanted: ChangedJob, made: Made) -> Job | Refused:
-        wish, places = wanted.wish, named_places(wanted.job)
-        is_other = bool(wish.script) or wish.recipe is not None
+    def _changed(self, wanted: ChangedJob) -> Job | Refused:
+        wish = replace(wanted.wish, recipe=wanted.choice)
         script: Script | Refused = self._sent[wanted.script]
-        if is_other:
-            script = self._script_of(wish, made, places, self.script)
+        if not wish.keeps_script:
+            places = named_places(wanted.job)
+            script = self._script_of(wish, wanted.made, places, self.script)
         if isinstance(script, Refused):
             return script
         kept = {key: value for key, value in wanted.params.items() if key in script.params}
         given = params_from_text(wish.params, script)
         quantity = wish.quantity or wanted.quantity
-        recipe = wish.recipe if is_other else wanted.recipe
+        recipe = wanted.recipe if wish.keeps_script else wish.recipe
         params = {**kept, **given}
         order = WorkOrder(script.name, wanted.job, quantity, params, recipe=recipe)
         return self._bound(order, script, wanted.job, wish.terms.over(wanted.terms))
@@ -249,7 +259,7 @@ class OrderDesk:
     def _script_of(
         self,
         order: AskedOrder | WorkOrder,
-        made: Made,
+        scripts: MadeScripts,
         places: OrderPlaces,
         named: Callable[[str], Script | Refused],
     ) -> Script | Refused:
@@ -259,6 +269,7 @@ class OrderDesk:
             return Refused([places.finding(wrong)])
         if order.recipe is None:
             return named(order.script)
+        made = next((made for choice, made in scripts if choice == order.recipe), None)
         if made is None:
             return NotMadeYet([places.finding(NOT_MADE_HERE)], order.recipe)
         if isinstance(made, Refused):

@@ -10,7 +10,14 @@ from typing import Any
 import pytest
 
 from bt_orchestrator.mes.job_book import JobBook
-from bt_orchestrator.mes.job_order import JobOrder, changes, job_order, reason_in, work_order
+from bt_orchestrator.mes.job_order import (
+    RECIPE_VERSION,
+    JobOrder,
+    changes,
+    job_order,
+    reason_in,
+    work_order,
+)
 from bt_orchestrator.mes.parts import Parameter, Text, WorkMaster
 from bt_orchestrator.mes.return_status import ReturnStatus, Unfit
 from bt_orchestrator.model import events as e
@@ -255,7 +262,11 @@ def test_an_order_by_recipe_is_told_as_it_was_given() -> None:
         ),
         (
             {'work_masters': (), 'equipment': ({'ID': 'camera', 'EquipmentUse': 'look'},)},
-            {'recipe': ['WM-100'], 'version': 3, 'bind': {'insert': 'arm', 'look': 'camera'}},
+            {'version': 3, 'bind': {'look': 'camera'}},
+        ),
+        (
+            {'parameters': (Parameter(RECIPE_VERSION, 4),), 'equipment': ()},
+            {'version': 4},
         ),
         ({'work_masters': (WorkMaster('filling'),), 'parameters': ()}, {'script': 'filling'}),
     ],

@@ -118,6 +118,16 @@ def test_history_prints_what_a_job_ran(
     assert 'say which: --job JOB' in capsys.readouterr().err
 
 
+def test_a_change_of_other_terms_keeps_the_version_whichever_script_it_comes_with(
+    line: Line, run: VirtualRun
+) -> None:
+    """Jobs of several versions have one script in common: what it was made from is any of them."""
+    kept = UpdateJob(Job('L', of_version(line, 3), 7), BY, keeps_script=True)
+    assert run.ask(kept).accepted
+    live = run.state.jobs['L']
+    assert (live.job.quantity, live.recipe_version) == (7, 2)
+
+
 @pytest.mark.parametrize('name', ['job.queued', 'job.updated'])
 def test_a_record_of_an_older_program_has_none(name: str) -> None:
     record = {'event': name, 'seq': 1, 'job': 'J', 'script': 's', 'digest': 'd', 'quantity': 1}

@@ -146,3 +146,98 @@ def test_8_6_jobs_of_two_versions_with_one_script_keep_their_versions(bench: Ben
     jobs = bench.engine.state.jobs
     assert [jobs[name].recipe_version for name in 'AB'] == [1, 2]
     assert jobs['B'].job.quantity == 5
+
+
+@pytest.mark.parametrize(
+    ('change', 'wanted'),
+    [
+        ({'version': 3}, RecipeChoice(('LID-1',), 3, {'glue': 'robot_a'})),
+        ({'bind': {'glue': 'press'}}, RecipeChoice(('LID-1',), 2, {'glue': 'press'})),
+        (
+            {'bind': {'pack': 'packer'}},
+            RecipeChoice(('LID-1',), 2, {'glue': 'robot_a', 'pack': 'packer'}),
+        ),
+        ({'recipe': ['LID-1']}, RecipeChoice(('LID-1',))),
+    ],
+)
+def test_8_6_a_change_of_version_or_binding_keeps_the_recipe(
+    bench: Bench, change: dict[str, object], wanted: RecipeChoice
+) -> None:
+    bench.order('A', recipe=LID)
+    bench.give(made(1, 'aa11'))
+    answer = begin(bench.handler.carry_out(ask('job.update', ann(), job='A', **change)))
+    assert bench.asked[-1] == ((wanted,), frozenset())
+    bench.give(made(3, 'cc33'))
+    assert answer.value.accepted, answer.value.message
+    job = bench.engine.state.jobs['A']
+    assert (job.job.recipe, job.recipe_version) == (wanted, 3)
+
+
+@pytest.mark.parametrize('change', [{'version': 3}, {'bind': {'glue': 'press'}}])
+def test_8_6_a_job_by_script_has_no_version_and_no_binding(
+    bench: Bench, change: dict[str, object]
+) -> None:
+    assert bench.order('A', recipe=None).value.accepted
+    update = ask('job.update', ann(), job='A', **change)
+    (of_job,) = begin(bench.handler.carry_out(update)).value.orders
+    (key,) = change
+    (finding,) = of_job.findings
+    assert finding.startswith(
+        f'order A:1:1: `{key}` is about a recipe, and the order names none; '
+    )
+
+
+def test_8_6_a_change_is_of_the_recipe_that_the_job_has_at_its_turn(bench: Bench) -> None:
+    bench.order('A')
+    bench.give(made(1, 'aa11'))
+    update = ask('job.update', ann(), job='A', version=2)
+    answer = begin(bench.handler.carry_out(update))
+    other = begin(bench.handler.carry_out(ask('job.update', ann(), job='A', recipe=['LID-1'])))
+    late = bench.replies.pop(0)
+    bench.give(made(3, 'cc33'))
+    assert other.value.accepted
+    late.give((made(2, 'bb22'),))
+    assert not answer.is_there, 'what was generated is of the other recipe'
+    assert bench.asked[-1] == ((RecipeChoice(('LID-1',), 2),), frozenset())
+    bench.give(made(4, 'dd44'))
+    assert answer.value.accepted, answer.value.message
+    job = bench.engine.state.jobs['A']
+    assert (job.job.recipe, job.recipe_version) == (RecipeChoice(('LID-1',), 2), 4)
+
+
+def test_8_6_a_job_that_got_another_recipe_meanwhile_is_made_anew_from_that(bench: Bench) -> None:
+    bench.order('A')
+    bench.give(made(1, 'aa11'))
+    anew = begin(bench.handler.make_anew('A', ann()))
+    other = begin(bench.handler.carry_out(ask('job.update', ann(), job='A', recipe=['LID-1'])))
+    late = bench.replies.pop(0)
+    bench.give(made(3, 'cc33'))
+    assert other.value.accepted
+    late.give((made(1, 'aa11'),))
+    bench.give(made(3, 'cc33'))
+    assert anew.value.accepted
+    job = bench.engine.state.jobs['A']
+    assert (job.job.recipe, job.recipe_version) == (RecipeChoice(('LID-1',)), 3)
+
+
+def test_8_6_a_job_that_got_a_script_meanwhile_is_not_made_anew(bench: Bench) -> None:
+    bench.order('A')
+    bench.give(made(1, 'aa11'))
+    anew = begin(bench.handler.make_anew('A', ann()))
+    assert begin(
+        bench.handler.carry_out(ask('job.update', ann(), job='A', script='test'))
+    ).value.accepted
+    bench.give(made(1, 'aa11'))
+    assert anew.value.message == 'A is no job by recipe'
+    assert bench.engine.state.jobs['A'].job.recipe is None
+
+
+def test_8_6_a_job_that_is_made_from_an_equal_older_version_again_says_so(bench: Bench) -> None:
+    for version, name in ((1, 'A'), (2, 'B')):
+        bench.order(name)
+        bench.give(made(version, f'{version}{version}'))
+    # Version 2 was taken back: the newest is 1 again.
+    answer = begin(bench.handler.carry_out(ask('job.update', ann(), job='B', recipe=['BOX-7'])))
+    bench.give(made(1, '11'))
+    assert answer.value.accepted
+    assert bench.engine.state.jobs['B'].recipe_version == 1

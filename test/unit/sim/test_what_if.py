@@ -268,6 +268,19 @@ def test_the_end_of_an_order_by_recipe_is_worked_out(glued: Glued) -> None:
     assert 'the script of BOX-7 is not worked out here' in found.refusals[0]
 
 
+def test_a_change_of_the_version_is_worked_out_with_the_recipe_that_the_job_has(
+    glued: Glued,
+) -> None:
+    wanted = [
+        ask('queue.add', ann(), orders=[order_from(BOX)]),
+        ask('job.update', ann(), job='D', version=3),
+    ]
+    assert glued.what_if().ask(wanted).refusals == ()
+    wanted.append(ask('job.update', ann(), job='D', bind={'glue': 'nobody'}))
+    (refusal,) = glued.what_if().ask(wanted).refusals
+    assert 'there is no component `nobody`' in refusal
+
+
 def test_what_a_component_out_of_service_keeps_back_has_no_end() -> None:
     with running(4.0) as simulation:
         found = asked_of(simulation, ask('component.out_of_service', ann(), component='a2'))

@@ -26,7 +26,7 @@ def test_a_change_leaves_what_it_does_not_name() -> None:
     assert change_of({'job': 'J'}) == AskedOrder('')
     given = {'quantity': 3, 'start': '2026-05-18T06:00:00Z', 'due': 'none', 'details': {}}
     assert change_of(given) == AskedOrder('', '', 3, {}, AskedTerms(None, 1779084000.0, 0.0, '{}'))
-    with pytest.raises(CommandRefused, match=r'`bind` is about a recipe; name it with `recipe`'):
-        change_of({'job': 'J', 'bind': {'insert': 'component_3a'}})
+    bind = {'insert': 'component_3a'}
+    assert change_of({'job': 'J', 'bind': bind}).recipe == RecipeChoice((), None, bind)
     with pytest.raises(CommandRefused, match=r'`start` must be a date and time.*not `soon`; '):
         change_of({'start': 'soon'})
