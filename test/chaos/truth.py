@@ -15,6 +15,7 @@ from chaos.line import REMEMBERED_S
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import from_record
+from bt_orchestrator.model.goal import GoalStatus
 
 
 def rows(path: Path) -> list[tuple[int, str]]:
@@ -71,15 +72,22 @@ class Controllers:
 
     def succeeded(self, goal: str) -> bool:
         """Tell whether the work of a goal came to a good end."""
-        return any(
-            record['event'] == 'ended' and record['status'].lower() == 'succeeded'
-            for record in self.by_goal.get(goal, ())
-        )
+        return self._ended(goal, GoalStatus.SUCCEEDED)
+
+    def cancelled(self, goal: str) -> bool:
+        """Tell whether the work of a goal was cut short, whoever asked for that."""
+        return self._ended(goal, GoalStatus.CANCELED)
 
     def time_of(self, goal: str, event: str) -> float | None:
         """Return when something happened to a goal first."""
         found = (r['time'] for r in self.by_goal.get(goal, ()) if r['event'] == event)
         return next(found, None)
+
+    def _ended(self, goal: str, status: GoalStatus) -> bool:
+        return any(
+            record['event'] == 'ended' and record['status'].lower() == status.value
+            for record in self.by_goal.get(goal, ())
+        )
 
 
 @dataclass
@@ -93,7 +101,10 @@ class Verdict:
     untrue: list[str] = field(default_factory=list)
     """The journal says what the controllers do not."""
     needless_doubt: list[str] = field(default_factory=list)
-    """`in_doubt` though the controller lived, had accepted, and still knew the end."""
+    """`in_doubt` though the controller lived, had accepted, and still knew the end.
+
+    An end that was cancelled says nothing: how far the work came is in doubt (semantics 2.6, 7.2).
+    """
     vanished: list[str] = field(default_factory=list)
     """Somebody was told of events that are not in the journal."""
     misled: list[str] = field(default_factory=list)
@@ -227,6 +238,8 @@ def _needless(
         accepted = controllers.time_of(event.goal, 'accepted')
         ended = controllers.time_of(event.goal, 'ended')
         if accepted is None or any(t > accepted for t in killed.get(component[event.goal], ())):
+            continue
+        if controllers.cancelled(event.goal):
             continue
         if ended is None or clocks.real_time(event) < ended + REMEMBERED_S:
             yield f'{event.key} in doubt, though its controller knew goal {event.goal}'

@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from action_msgs.msg import GoalStatus, GoalStatusArray
 from attack import garbage
 from attack.attacks.attack import Attack, Bounds
 from attack.peer import Peer
@@ -104,23 +105,23 @@ class Cancels(Attack):
     name = 'cancels'
     in_short = False  # has a test of its own
 
-    _EVERY_S = 1.0
-    _ACTIONS = ('worker/task', 'camera/task', 'feeder/task')
+    _EVERY_S = 0.5
+    _ACTIONS = ('/worker/task', '/camera/task', '/feeder/task')
 
     def run(self, peer: Peer) -> None:
-        """Cancel whatever runs, one goal a second."""
-        says = _Statuses(peer)
+        """Cancel a goal that runs, now of one controller and now of another."""
+        running = {action: _Running(peer, action) for action in self._ACTIONS}
         while peer.goes_on():
-            running = [
-                task
-                for section in (says.last.sections if says.last else [])
-                for task in section.running
-                if task.action in self._ACTIONS
-            ]
-            for task in running[:1]:
-                peer.ros.cancel_of_another(f'/{task.action}', Component, task.goal)
-                peer.count('cancel requests')
-            peer.wait(self._EVERY_S if running else 0.05)
+            action = peer.drawn.choice(self._ACTIONS)
+            if not peer.wait(self._EVERY_S, running[action].is_there):
+                continue
+            goal = running[action].goal
+            answer = peer.ros.cancel_of_another(action, Component, goal)
+            peer.count('cancel requests')
+            peer.count('cancelled', len(answer.goals_canceling))
+            peer.wait(self._EVERY_S)
+        if not peer.report.counts['cancelled']:
+            peer.complain('every cancel request came too late: nothing was attacked')
 
 
 class Twin(Attack):
@@ -149,6 +150,23 @@ class Twin(Attack):
             identity.publish(message)
             peer.count('identities')
             peer.wait(0.02)
+
+
+class _Running:
+    """Hears which goal a controller carries out, if any."""
+
+    def __init__(self, peer: Peer, action: str) -> None:
+        self.goal = ''
+        peer.ros.node.create_subscription(
+            GoalStatusArray, f'{action}/_action/status', self._hear, LATCHED
+        )
+
+    def is_there(self) -> bool:
+        return bool(self.goal)
+
+    def _hear(self, message: GoalStatusArray) -> None:
+        goals = [one for one in message.status_list if one.status == GoalStatus.STATUS_EXECUTING]
+        self.goal = str(uuid.UUID(bytes=bytes(goals[-1].goal_info.goal_id.uuid))) if goals else ''
 
 
 class _Statuses:

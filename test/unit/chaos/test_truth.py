@@ -44,11 +44,12 @@ def verdict(
     events: Sequence[e.Event],
     *records: tuple[str, str],
     killed_at: float | None = None,
+    status: str = 'succeeded',
     **known: Any,
 ) -> Verdict:
     log = tmp_path / 'goals.jsonl'
     lines = [
-        json.dumps({'time': float(n), 'event': event, 'goal': goal, 'status': 'succeeded'})
+        json.dumps({'time': float(n), 'event': event, 'goal': goal, 'status': status})
         for n, (event, goal) in enumerate(records)
     ]
     log.write_text('\n'.join(lines))
@@ -146,3 +147,10 @@ def test_doubt_about_a_killed_controller(tmp_path: Path) -> None:
     events = [started(), in_doubt(time=5.0)]
     assert verdict(tmp_path, events, *GOOD[:2], killed_at=2.0).needless_doubt == []
     assert len(verdict(tmp_path, events, *GOOD[:2], killed_at=-1.0).needless_doubt) == 1
+
+
+def test_doubt_about_what_was_cancelled_is_not_needless(tmp_path: Path) -> None:
+    """The controller knew that it was, and nobody how far it came (semantics 2.6)."""
+    events = [started(), in_doubt(time=2.1)]
+    assert verdict(tmp_path, events, *GOOD, status='canceled').needless_doubt == []
+    assert len(verdict(tmp_path, events, *GOOD, status='aborted').needless_doubt) == 1
