@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import OnFailure
+from bt_orchestrator.model.codec import from_plain, to_plain
 from bt_orchestrator.model.jobs.job_record import BY_HAND, PACKED
 
 
@@ -43,19 +46,25 @@ class Made:
         return self.nonconforming + self.rejected + self.by_hand
 
 
-class MadeFold:
+class Left(NamedTuple):
+    """An item that left the line."""
+
+    of: Made
+    """Its job, with no counts."""
+    how: str
+    is_bad: bool
+    """It is nonconforming."""
+
+
+class ItemsAtWork:
     """Takes in one event after another; keeps of an item only that it is nonconforming."""
 
     def __init__(self) -> None:
         self._jobs: dict[str, Made] = {}
         self._nonconforming: set[str] = set()
 
-    def follow(self, event: e.Event, *, counts: bool, is_planned: bool) -> None:
-        """Take in the next event.
-
-        :param counts: it is in the period
-        :param is_planned: it is in planned time
-        """
+    def follow(self, event: e.Event) -> Left | None:
+        """Take in the next event; returns the item that leaves the line with it."""
         if isinstance(event, (e.JobQueued, e.JobUpdated)):
             self._jobs[event.job] = Made(
                 event.job, event.script, event.digest, event.recipe, event.recipe_version
@@ -68,30 +77,44 @@ class MadeFold:
         elif isinstance(event, e.ItemRemoved):
             is_bad = event.item in self._nonconforming
             self._nonconforming.discard(event.item)
-            if counts:
-                made = self._jobs.setdefault(event.job, Made(event.job))
-                _count(made, event.how, is_bad=is_bad, is_planned=is_planned)
+            return Left(self._jobs.get(event.job) or Made(event.job), event.how, is_bad)
         elif isinstance(event, (e.JobCompleted, e.JobAborted, e.JobRemoved)):
-            ended = self._jobs.get(event.job)
-            if ended is not None and not ended.has_any:
-                del self._jobs[event.job]
+            self._jobs.pop(event.job, None)
+        return None
 
-    def made(self) -> tuple[Made, ...]:
-        """Return the jobs of which anything left the line, in the order queued."""
-        return tuple(replace(one) for one in self._jobs.values() if one.has_any)
+    def plain(self) -> dict[str, Any]:
+        """Return what it knows, as JSON carries it."""
+        jobs = [to_plain(one) for one in self._jobs.values()]
+        return {'jobs': jobs, 'nonconforming': sorted(self._nonconforming)}
+
+    def go_on_from(self, plain: Mapping[str, Any]) -> None:
+        """Know what another one knew."""
+        self._jobs = {one['job']: from_plain(Made, one) for one in plain['jobs']}
+        self._nonconforming = set(plain['nonconforming'])
 
 
-def _count(made: Made, how: str, *, is_bad: bool, is_planned: bool) -> None:
-    if not is_planned:
-        made.outside += 1
-    elif how == PACKED and not is_bad:
+def count(made: Made, left: Left) -> None:
+    """Count an item."""
+    if left.how == PACKED and not left.is_bad:
         made.good += 1
-    elif how == PACKED:
+    elif left.how == PACKED:
         made.nonconforming += 1
-    elif how == BY_HAND:
+    elif left.how == BY_HAND:
         made.by_hand += 1
     else:
         made.rejected += 1
+
+
+def add(made: Made, more: Made, *, is_planned: bool) -> None:
+    """Add what was made of the same job in another stretch of time."""
+    if not is_planned:
+        made.outside += more.produced + more.outside
+        return
+    made.good += more.good
+    made.nonconforming += more.nonconforming
+    made.rejected += more.rejected
+    made.by_hand += more.by_hand
+    made.outside += more.outside
 
 
 FOLLOWED = (

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from bt_orchestrator.model import events as e
 
@@ -60,6 +61,18 @@ class OrdersAtHand:
         elif isinstance(event, _CHANGES):
             order = self._orders.setdefault(event.job, _Order())
             vars(order).update(_VALUES[type(event)])
+
+    def plain(self) -> dict[str, Any]:
+        """Return what it knows, as JSON carries it."""
+        return {
+            job: {**vars(one), 'lacks': sorted(one.lacks)} for job, one in self._orders.items()
+        }
+
+    def go_on_from(self, plain: Mapping[str, Any]) -> None:
+        """Know what another one knew."""
+        self._orders = {
+            job: _Order(**{**one, 'lacks': set(one['lacks'])}) for job, one in plain.items()
+        }
 
     def _queued(self, event: e.JobQueued | e.JobUpdated) -> None:
         order = self._orders.setdefault(event.job, _Order())

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.codec import from_record, to_plain, to_record
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.report.account.losses import OF_STOP_REASON, Loss
@@ -123,6 +125,37 @@ class Standing:
             self._node_ended = False
         else:
             self._component(event)
+
+    def plain(self) -> dict[str, Any]:
+        """Return what it knows, as JSON carries it."""
+        return {
+            'spans': [to_record(one) for one in self.spans.open()],
+            'holds': [to_record(one) for one in self.holds.values()],
+            'state': to_plain(self._state),
+            'stop_reason': to_plain(self._stop_reason),
+            'stop_words': self._stop_words,
+            'node_ended': self._node_ended,
+            'orders': self._orders.plain(),
+            'unready': list(self._unready),
+            'out': list(self._out),
+        }
+
+    def go_on_from(self, plain: Mapping[str, Any]) -> None:
+        """Know what another one knew."""
+        for record in plain['spans']:
+            self.spans.follow(from_record(record))
+        for record in plain['holds']:
+            hold = from_record(record)
+            assert isinstance(hold, e.HoldRaised)
+            self.holds[hold.hold] = hold
+        state, reason = plain['state'], plain['stop_reason']
+        self._state = None if state is None else PackmlState(state)
+        self._stop_reason = None if reason is None else StopReason(reason)
+        self._stop_words = plain['stop_words']
+        self._node_ended = plain['node_ended']
+        self._orders.go_on_from(plain['orders'])
+        self._unready = dict.fromkeys(plain['unready'])
+        self._out = dict.fromkeys(plain['out'])
 
     def _component(self, event: e.Event) -> None:
         if isinstance(event, e.ComponentStateChanged):

@@ -1,16 +1,15 @@
-"""Sums of time by cause, and the holds that took most of it."""
+"""Stops of the line, and the holds of which most of them come."""
 
 from __future__ import annotations
 
-import heapq
-from collections import Counter
-from dataclasses import dataclass
-from typing import NamedTuple
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from typing import Any, NamedTuple
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.codec import from_record, to_record
 from bt_orchestrator.model.hold_words import hold_words
 from bt_orchestrator.report.account.losses import WORDS, Loss, Step
-from bt_orchestrator.report.account.standing import Cause
 from bt_orchestrator.report.account.words import is_seen
 
 MOST_HOLDS = 100
@@ -61,95 +60,75 @@ class Held:
     answer: str = ''
     reason: str = ''
     """Why somebody answered so."""
+    component: str = ''
+    """Whose failure it is; empty: it is none."""
+    fails: bool = False
+    """That component failed in busy time."""
+    down_us: int = 0
+    """Busy time in which it stood, as a failure."""
+
+    def told_as(self, newest: Held) -> None:
+        """Take over what is known of it by now."""
+        self.released_us = newest.released_us
+        self.who, self.answer, self.reason = newest.who, newest.answer, newest.reason
 
 
-class StopBook:
-    """Books time by cause, and on the oldest of the holds that stand."""
+class OpenHolds:
+    """Takes in one event after another; knows what is to be told of the holds that stand."""
 
     def __init__(self) -> None:
-        self.left_out: Counter[Loss] = Counter()
-        """Time of the holds that are not told one by one."""
-        self.left_out_count = 0
-        self._us: Counter[tuple[Loss, str, str]] = Counter()
-        self._count: Counter[tuple[Loss, str, str]] = Counter()
-        self._last: tuple[Cause | None, int] = (None, 0)
-        self._open: dict[str, Held] = {}
-        self._told: list[tuple[int, int, int, Held]] = []
-        self._number = 0
+        self.open: dict[str, Held] = {}
+        """In the order in which they were raised, without any time."""
         self._said: e.OperatorDecided | None = None
 
-    def book(self, cause: Cause, us: int, begin: int, end: int) -> None:
-        """Book time that was lost.
+    def raised(self, event: e.HoldRaised, now: int, component: str) -> Held:
+        """Take in a hold.
 
-        :param us: how much of it was planned
+        :param component: the one that failed; empty: none did
         """
-        key = cause[:3]
-        self._us[key] += us
-        last, until = self._last
-        if last != cause or until != begin:
-            self._count[key] += 1
-        self._last = cause, end
-        held = self._open.get(cause.hold)
-        if held is not None:
-            held.loss = cause.loss
-            held.lost_us += us
+        held = Held(event.hold, hold_words(event), now, component=component)
+        self.open[event.hold] = held
+        return held
 
-    def stand(self, us: int) -> None:
-        """Let planned time pass for all holds that stand."""
-        for held in self._open.values():
-            held.stood_us += us
-
-    def follow(self, event: e.Event, now: int) -> None:
-        """Take in the next event."""
-        if isinstance(event, e.HoldRaised):
-            self._open[event.hold] = Held(event.hold, hold_words(event), now)
-        elif isinstance(event, e.OperatorDecided):
+    def follow(self, event: e.Event, now: int) -> Held | None:
+        """Take in any other event; returns the hold that is over with it."""
+        if isinstance(event, e.OperatorDecided):
             self._decided(event)
         elif isinstance(event, e.HoldReleased):
-            held = self._open.pop(event.hold, None)
+            held = self.open.pop(event.hold, None)
             if held is not None:
                 held.released_us = now
                 if not held.answer and self._said is not None:
                     _answer(held, self._said)
-                self._keep(held)
-        elif not isinstance(event, e.ItemRemoved):
+            return held
+        elif not isinstance(event, (e.HoldRaised, e.ItemRemoved)):
             self._said = None
-
-    def stops(self) -> tuple[Stop, ...]:
-        """Return the stops, the longest first."""
-        found = (Stop(*key, self._count[key], us) for key, us in self._us.items())
-        return tuple(sorted(found, key=lambda one: (-one.us, one.loss.value, one.detail)))
-
-    def end(self) -> None:
-        """Count the holds that still stand, as the account ends here."""
-        for held in self._open.values():
-            self._keep(held)
-        self._open.clear()
-
-    def holds(self) -> tuple[Held, ...]:
-        """Return the holds that stood in planned time and cost most, in their order."""
-        return tuple(sorted((one[3] for one in self._told), key=lambda held: held.raised_us))
+        return None
 
     def _decided(self, event: e.OperatorDecided) -> None:
-        held = self._open.get(event.hold or '')
+        held = self.open.get(event.hold or '')
         if held is None:
             self._said = event  # `resume` and `remove-item` name no hold, and release it at once
         elif event.answer not in _REMARKS:
             _answer(held, event)
 
-    def _keep(self, held: Held) -> None:
-        if not held.stood_us:
-            return
-        self._number += 1
-        entry = (held.lost_us, held.stood_us, -self._number, held)
-        if len(self._told) < MOST_HOLDS:
-            heapq.heappush(self._told, entry)
-            return
-        left = heapq.heappushpop(self._told, entry)[3]
-        self.left_out_count += 1
-        if left.loss is not None:
-            self.left_out[left.loss] += left.lost_us
+    def plain(self) -> dict[str, Any]:
+        """Return what it knows, as JSON carries it."""
+        said = None if self._said is None else to_record(self._said)
+        return {'open': [asdict(one) for one in self.open.values()], 'said': said}
+
+    def go_on_from(self, plain: Mapping[str, Any]) -> None:
+        """Know what another one knew."""
+        self.open = {one['hold']: Held(**one) for one in plain['open']}
+        said = plain['said']
+        decided = None if said is None else from_record(said)
+        self._said = decided if isinstance(decided, e.OperatorDecided) else None
 
 
 def _answer(held: Held, event: e.OperatorDecided) -> None:
     held.who, held.answer, held.reason = event.who, event.answer, event.reason
+
+
+def without_times(held: Held) -> Held:
+    """Return a hold as it is told, for new sums of its time."""
+    return replace(held, loss=None, stood_us=0, lost_us=0, fails=False, down_us=0)
