@@ -89,6 +89,11 @@ class Course:
         self._last: Cause | None = None
         """What the time just before was lost to."""
 
+    @property
+    def cause(self) -> Cause | None:
+        """What the time is lost to since the last event; None: the line produces."""
+        return self._standing.cause()
+
     def follow(self, event: e.Event, ledger: Ledger) -> None:
         """Take in the next event."""
         now = us_of(event.time)
@@ -100,7 +105,7 @@ class Course:
 
     def pass_until(self, event: e.Event, ledger: Ledger) -> None:
         """Let the time pass up to an event, without taking it in."""
-        now, cause = us_of(event.time), self._standing.cause()
+        now, cause = us_of(event.time), self.cause
         if isinstance(event, e.OrchestratorStarted) and self._standing.has_node:
             # A node that was killed says nothing; of the very first nothing was before.
             cause = self._standing.without_node() if cause != _NOT_RECORDED else cause
@@ -115,7 +120,7 @@ class Course:
         if self.now is None:
             begin = end if self._begin is None else self._begin
             return Stretch(begin, end, _NOT_RECORDED, False) if begin < end else None
-        return self._stretch(end, self._standing.cause())
+        return self._stretch(end, self.cause)
 
     def _pass(self, now: int, cause: Cause | None, ledger: Ledger) -> None:
         """Let time pass; a clock that was set back makes nothing pass twice."""
@@ -150,7 +155,7 @@ class Course:
         # Where the goal was cancelled its component has not failed.
         is_cancelled = self._standing.is_emergency or not self._standing.has_node
         held = self.holds.raised(event, now, '' if is_cancelled else failing_component(event))
-        ledger.raised(held, is_busy=is_busy(self._standing.cause()))
+        ledger.raised(held, is_busy=is_busy(self.cause))
 
     # --- kept and gone on from ----------------------------------------------------------------
 

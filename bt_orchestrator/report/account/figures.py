@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple
@@ -67,12 +67,12 @@ class Figures:
     @property
     def net_us(self) -> Fraction:
         """What the items would have taken at the pace of their scripts."""
-        return self._at_pace({one.job: one.produced for one in self.times.made})
+        return self._at_pace((one.digest, one.produced) for one in self.times.made)
 
     @property
     def value_us(self) -> Fraction:
         """The same for the good ones."""
-        return self._at_pace({one.job: one.good for one in self.times.made})
+        return self._at_pace((one.digest, one.good) for one in self.times.made)
 
     @property
     def rework_us(self) -> Fraction:
@@ -80,10 +80,10 @@ class Figures:
         lacking = self.times.production_us - self.net_us
         return max(Fraction(0), min(lacking, Fraction(self.times.lost_us.get(Loss.REWORK, 0))))
 
-    def _at_pace(self, items: Mapping[str, int]) -> Fraction:
-        digests = {one.job: one.digest for one in self.times.made}
+    def _at_pace(self, items: Iterable[tuple[str, int]]) -> Fraction:
+        """Return the time of so many items of scripts, named by digest."""
         return sum(
-            (self.paces[digests[job]].limit.per_item_us * n for job, n in items.items() if n),
+            (self.paces[digest].limit.per_item_us * n for digest, n in items if n),
             start=Fraction(0),
         )
 

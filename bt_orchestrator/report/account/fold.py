@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from copy import deepcopy
 
 from bt_orchestrator.model import events as e
@@ -11,6 +10,7 @@ from bt_orchestrator.report.account.course import FOLLOWED, Course
 from bt_orchestrator.report.account.planned import Planned
 from bt_orchestrator.report.account.slot import Slot
 from bt_orchestrator.report.account.slots import Slots
+from bt_orchestrator.report.account.standing import Cause
 from bt_orchestrator.report.account.total import Times, Total
 
 __all__ = ['FOLLOWED', 'AccountFold', 'Times']
@@ -35,7 +35,7 @@ class AccountFold:
     @property
     def cause(self) -> Cause | None:
         """What the time is lost to since the last event; None: the line produces."""
-        return self._standing.cause()
+        return self._course.cause
 
     def follow(self, event: e.Event) -> None:
         """Take in the next event."""

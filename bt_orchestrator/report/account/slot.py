@@ -86,9 +86,7 @@ class Slot:
         us, whole = until - begin, self.until_us - self.begin_us
         is_first = begin == self.begin_us
         stops = (
-            one
-            if is_first
-            else replace(one, begun=0, goes_on=True)
+            one if is_first else replace(one, begun=0, goes_on=True)
             for one in (replace(one, us=us) for one in self.stops)
         )
         holds = (

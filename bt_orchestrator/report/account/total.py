@@ -85,9 +85,7 @@ class Total:
         self._cell = slot.cell or self._cell
         self._cells.update(dict.fromkeys(slot.cells))
         for made in slot.made:
-            nothing = Made(
-                made.job, made.script, made.digest, made.recipe, made.recipe_version
-            )
+            nothing = Made(made.job, made.script, made.digest, made.recipe, made.recipe_version)
             so_far = self._made.setdefault((made.job, made.digest), nothing)
             add(so_far, made, is_planned=is_planned)
         for held in slot.holds:
