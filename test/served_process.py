@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import socket
 from collections.abc import Sequence
 from pathlib import Path
 
+from held_port import HeldPort
 from program_process import ProgramProcess
 
 from bt_orchestrator.model.roles import Role
@@ -24,7 +24,8 @@ class ServedProcess:
         :param options: of the verb, on top of node, port and users
         """
         self.folder = folder
-        self.port = free_port()
+        self._held = HeldPort()
+        self.port = self._held.number
         self.users = folder / 'users.yaml'
         if not self.users.exists():
             _add_users(self.users)
@@ -58,14 +59,7 @@ class ServedProcess:
     def close(self) -> None:
         """Leave nothing behind."""
         self.process.kill()
-
-
-def free_port() -> int:
-    """Return a port that nobody uses now."""
-    with socket.socket() as one:
-        one.bind(('127.0.0.1', 0))
-        number: int = one.getsockname()[1]
-        return number
+        self._held.close()
 
 
 def _add_users(path: Path) -> None:

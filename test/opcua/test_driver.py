@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import closing
 
 import pytest
 from asyncua import ua
 from asyncua.common.methods import uamethod
 from asyncua.sync import Server, SyncNode
+from held_port import HeldPort
 from opcua.conftest import StartDriver
-from served_process import free_port
 
 URI = 'urn:bt_orchestrator:test'
 
@@ -22,8 +23,8 @@ def add(parent: ua.NodeId, one: int, other: int) -> int:
 @pytest.fixture
 def plain() -> Iterator[tuple[str, SyncNode]]:
     """Give the endpoint of a server, and its one variable."""
-    server = Server()
-    endpoint = f'opc.tcp://127.0.0.1:{free_port()}'
+    server, port = Server(), HeldPort()
+    endpoint = f'opc.tcp://127.0.0.1:{port.number}'
     server.set_endpoint(endpoint)
     server.set_security_policy([ua.SecurityPolicyType.NoSecurity])
     index = server.register_namespace(URI)
@@ -35,7 +36,7 @@ def plain() -> Iterator[tuple[str, SyncNode]]:
     number = cell.add_variable(node('Cell/Number'), 'Number', 3)
     long = ua.VariantType.Int64
     cell.add_method(node('Cell/Add'), 'Add', add, [long, long], [long])
-    with server:
+    with closing(port), server:
         yield endpoint, number
 
 
