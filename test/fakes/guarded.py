@@ -157,6 +157,8 @@ class Served:
             for one in list(bench.server.bserver.clients):
                 one.transport.abort()
             await becomes(lambda: not bench.server.bserver.clients)
+            closing = bench.server.bserver.closing_tasks
+            await becomes(lambda: all(task.done() for task in closing))
             for task in asyncio.all_tasks() - before:  # clients that were cut off
                 task.cancel()
 

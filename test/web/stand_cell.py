@@ -24,6 +24,7 @@ from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.sim.fault_options import with_faults
 from bt_orchestrator.sim.virtual_link import VirtualLink
 from bt_orchestrator.sim.virtual_node import VirtualNode
+from bt_orchestrator.store.memory import MemoryStore
 
 TYPES = FakeActionTypes()
 
@@ -93,6 +94,14 @@ class StandCell:
                 self.node.switch_off()
             else:
                 self.node.switch_on(self.store)
+
+    def begin_anew(self, cell: Cell) -> None:
+        """Start the node again with another journal, which is empty, and with this cell file."""
+        with self.lock:
+            self.node.switch_off()
+            self.node.cell = self.cell = cell
+            self.store = MemoryStore()
+            self.node.switch_on(self.store)
 
     def catch_up(self, turn: Callable[[float], None]) -> None:
         """Let as much time pass as really has, in small steps."""

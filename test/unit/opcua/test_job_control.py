@@ -163,8 +163,8 @@ def test_an_order_is_stored_started_made_and_cleared(script: str, url: str) -> N
         assert last.JobOrder.JobOrderID == 'WO-7'
         told = [one.JobState[0].StateText.Text for one in mes.heard]
         assert told == ['NotAllowedToStart', 'AllowedToStart', 'Running', 'Ended']
-        (shown,) = await mes.value('JobOrderResults/JobOrderResponseList')
-        assert data(shown) == found
+        shown = await mes.value('JobOrderResults/JobOrderResponseList')
+        assert [data(one) for one in shown if one.JobOrderID == 'WO-7'] == [found]
         assert await mes.method('Clear', 'WO-7') == DONE
         assert await mes.method('Clear', 'WO-7') == UNKNOWN
         assert await mes.method('Store', order('WO-7', script)) == NOT_ACCEPTED, 'used once'
@@ -437,17 +437,11 @@ def test_orders_of_other_doors_are_told_too(url: str, line: tuple[StandCell, str
 def test_another_journal_begins_with_its_own_jobs(tmp_path: Path) -> None:
     with opcua_stand(tmp_path) as (stand, server):
 
-        def anew() -> None:
-            with stand.lock:
-                stand.node.switch_off()
-                stand.store = MemoryStore()
-                stand.node.switch_on(stand.store)
-
         async def look(mes: Mes) -> None:
             await mes.listen(mes.node('JobOrderResults'))
             assert await mes.method('Store', order('WO-1', stand.script, 2, Priority=1)) == DONE
             await mes.wait_for('WO-1', 'NotAllowedToStart')
-            await asyncio.to_thread(anew)
+            await asyncio.to_thread(stand.begin_anew, stand.cell)
             deadline = time.monotonic() + PATIENCE_S
             while await mes.listed():
                 assert time.monotonic() < deadline

@@ -18,7 +18,6 @@ from opcua_stand import PATIENCE_S, opcua_stand
 from web.stand_cell import StandCell
 
 from bt_orchestrator.model.jobs.order import WorkOrder
-from bt_orchestrator.store.memory import MemoryStore
 
 UNCERTAIN, GOOD = ua.StatusCodes.UncertainLastUsableValue, ua.StatusCodes.Good
 
@@ -101,14 +100,7 @@ def test_another_journal_is_shown_as_it_is(tmp_path: Path) -> None:
         async def look(reader: Reader) -> None:
             await asyncio.to_thread(stand.queue, WorkOrder(stand.script, 'WO-1', 1))
             await reader.wait('Simple/LastJob/ID', lambda one: one == 'WO-1')
-
-            def anew() -> None:
-                with stand.lock:
-                    stand.node.switch_off()
-                    stand.store = MemoryStore()
-                    stand.node.switch_on(stand.store)
-
-            await asyncio.to_thread(anew)
+            await asyncio.to_thread(stand.begin_anew, stand.cell)
             await reader.wait('Simple/LastJob/ID', lambda one: one == '')
             await asyncio.to_thread(stand.queue, WorkOrder(stand.script, 'WO-1', 2))
             await reader.wait('Simple/CurrentJob/Planned', lambda one: one == 2)
@@ -121,10 +113,7 @@ def test_another_cell_file_makes_the_address_space_anew(line: tuple[StandCell, s
     stand, url = line
     reading(url, names_the_cell(stand.cell.name))
     other = replace(stand.cell, name=f'{stand.cell.name}_anew')
-    with stand.lock:
-        stand.node.switch_off()
-        stand.node.cell = stand.cell = other
-        stand.node.switch_on(MemoryStore())
+    stand.begin_anew(other)
     asyncio.run(until(url, lambda name: name == other.name))
 
 
