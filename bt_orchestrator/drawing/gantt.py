@@ -61,6 +61,8 @@ class Row:
     cycles: list[CycleBar] = field(default_factory=list)
     holds: list[HoldBar] = field(default_factory=list)
     waits: Sequence[WaitSpan] = ()
+    forecast: Sequence[TaskBar] = ()
+    """What it was to do, above what it did."""
 
     def lanes(self) -> list[list[TaskBar]]:
         """Return the tasks in lanes: what runs at the same time stands one below the other."""
@@ -82,6 +84,14 @@ class Row:
 
 
 @dataclass(frozen=True)
+class End:
+    """When a job ends."""
+
+    time_s: float
+    is_forecast: bool
+
+
+@dataclass(frozen=True)
 class Gantt:
     """A whole chart."""
 
@@ -100,10 +110,24 @@ class Gantt:
     """Empty: the cell and its jobs."""
     by_component: bool = False
     """A row is a component; else a section."""
+    ends: tuple[End, ...] = ()
+    """Marked by a line from top to bottom."""
 
     def named(self, title: str) -> Gantt:
         """Return the same chart under a title."""
         return replace(self, title=title)
+
+    def under(self, forecast: Gantt, ends: Sequence[End]) -> Gantt:
+        """Return the same chart with the tasks of a forecast above those of each row."""
+        rows = {row.title: row for row in self.rows}
+        expected = {row.title: row.tasks for row in forecast.rows}
+        titles = [*(title for title in rows if title not in expected), *expected]
+        both = (
+            replace(rows.get(title, Row(title)), forecast=expected.get(title, ()))
+            for title in titles
+        )
+        jobs = tuple(dict.fromkeys([*self.jobs, *forecast.jobs]))
+        return replace(self, jobs=jobs, rows=tuple(both), ends=tuple(ends))
 
     @property
     def items(self) -> int:

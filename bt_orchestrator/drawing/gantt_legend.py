@@ -58,6 +58,9 @@ def _entries(gantt: Gantt, letters: Mapping[str, str]) -> Iterator[_Entry]:
     bars = [bar for row in gantt.rows for bar in row.tasks]
     if any(bar.key.job is None for bar in bars) or not gantt.is_past:
         yield _Entry('index move', {'class_': 'move'})
+    if any(row.forecast for row in gantt.rows):
+        light = {'fill': JOB_COLOURS[0], 'stroke': JOB_LINES[0], 'class_': 'work forecast'}
+        yield _Entry('forecast, above', light)
     if any(bar.failed for bar in bars):
         failed = {'fill': PAPER, 'class_': 'work failed'}
         yield _Entry('attempt that failed', failed)

@@ -1,7 +1,8 @@
 """The layout of a Gantt chart, as SVG: time to the right, one row a part of the cell.
 
 In a row of a section the items are above the tasks, for as long as the section works on them;
-tasks that run at the same time are in lanes. Everything has a tooltip.
+tasks that run at the same time are in lanes. A forecast is lighter, and above what it was of.
+Everything has a tooltip.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from bt_orchestrator.drawing.box import Box
-from bt_orchestrator.drawing.gantt import CycleBar, Gantt, HoldBar, Row, TaskBar
+from bt_orchestrator.drawing.gantt import CycleBar, End, Gantt, HoldBar, Row, TaskBar
 from bt_orchestrator.drawing.gantt_axis import marks, span_words
 from bt_orchestrator.drawing.gantt_legend import add_legend
 from bt_orchestrator.drawing.gantt_style import (
@@ -73,6 +74,8 @@ class _Page:
         self._axis()
         for row, top in zip(self._gantt.rows, self._tops, strict=False):
             self._row(row, top)
+        for end in self._gantt.ends:
+            self._end(end)
         add_legend(self._svg, self._gantt, self._letters, (12.0, self._bottom + 40.0), width)
         return self._svg
 
@@ -101,12 +104,14 @@ class _Page:
     def _row(self, row: Row, top: float) -> None:
         group = self._svg.add('g', id=row.title.replace(' ', '_'))
         lanes = row.lanes()
-        first = top + GAP / 2 + (STRIP if row.cycles else 0.0)
+        first = top + GAP / 2 + _strip(row)
         add_text(group, 12.0, top + _height(row) / 2 + 4.0, row.title, 'row')
         for wait in row.waits:
             self._wait(group, wait, first)
         for cycle in row.cycles:
             self._cycle(group, cycle, first - STRIP)
+        for bar in row.forecast:
+            self._forecast(group, bar, first - STRIP)
         for hold in row.holds:
             self._hold(group, hold, first)
         for number, lane in enumerate(lanes):
@@ -142,17 +147,37 @@ class _Page:
         room = self._x(hold.end_s) - self._x(hold.start_s) - 4
         add_text(group, self._x(hold.start_s) + 3, y + 12, f'HOLD {hold.hold}', 'task', room)
 
+    def _forecast(self, group: Svg, bar: TaskBar, y: float) -> None:
+        look = self._look(bar)
+        look['class_'] += ' forecast'
+        drawn = self._bar(group, bar.start_s, bar.end_s, y + 2, height=STRIP - 2, **look)
+        drawn.add('title', f'forecast: {self._what(bar)}\n{self._when(bar)}')
+        self._label(group, bar, y + 12)
+
     def _task(self, group: Svg, bar: TaskBar, y: float) -> None:
         drawn = self._bar(group, bar.start_s, bar.end_s, y + 1, height=LANE - 2, **self._look(bar))
         end = '' if bar.outcome == 'succeeded' else f'\n{bar.outcome}'
-        what = f'{bar.key}: {bar.name} at {bar.component}'
-        what += f', {bar.again}' if bar.again else ''
-        drawn.add('title', f'{what}\n{self._when(bar)}{end}')
+        drawn.add('title', f'{self._what(bar)}\n{self._when(bar)}{end}')
         if bar.failed:
             group.add('path', d=self._cross(bar, y), class_='cross')
+        self._label(group, bar, y + 12)
+
+    def _end(self, end: End) -> None:
+        x, kind = self._x(end.time_s), 'forecast_end' if end.is_forecast else 'end'
+        y = TOP - 26.0 if end.is_forecast else self._bottom + 27.0
+        ends = (y + 3, self._bottom) if end.is_forecast else (TOP - 6, y - 10)
+        self._svg.add('line', x1=x, y1=ends[0], x2=x, y2=ends[1], class_=kind)
+        words = 'forecast end' if end.is_forecast else 'end'
+        add_text(self._svg, x, y, words, 'ends')
+
+    def _label(self, group: Svg, bar: TaskBar, y: float) -> None:
         room = self._x(bar.end_s) - self._x(bar.start_s) - 4
         text = fitting(self._text(bar), 'task', room)
-        add_text(group, self._x(bar.start_s) + 3, y + 12, text, 'task')
+        add_text(group, self._x(bar.start_s) + 3, y, text, 'task')
+
+    def _what(self, bar: TaskBar) -> str:
+        again = f', {bar.again}' if bar.again else ''
+        return f'{bar.key}: {bar.name} at {bar.component}{again}'
 
     def _text(self, bar: TaskBar) -> str:
         """Return what stands on a bar; the row of a section names its items above."""
@@ -185,7 +210,12 @@ class _Page:
 
 
 def _height(row: Row) -> float:
-    return GAP + (STRIP if row.cycles else 0.0) + LANE * len(row.lanes())
+    return GAP + _strip(row) + LANE * len(row.lanes())
+
+
+def _strip(row: Row) -> float:
+    """Return the height of what stands above the tasks."""
+    return STRIP if row.cycles or row.forecast else 0.0
 
 
 def _room_of_titles(gantt: Gantt) -> float:

@@ -15,7 +15,15 @@ from bt_orchestrator.drawing.style import (
 from bt_orchestrator.drawing.svg import CHARACTER, Svg
 from bt_orchestrator.model.wait import WaitKind
 
-SIZES = {'title': 16.0, 'row': 12.0, 'item': 10.0, 'task': 9.0, 'tick': 10.0, 'legend': 11.0}
+SIZES = {
+    'title': 16.0,
+    'row': 12.0,
+    'item': 10.0,
+    'task': 9.0,
+    'tick': 10.0,
+    'ends': 10.0,
+    'legend': 11.0,
+}
 """Sizes of texts, in pixels, by the class of the text."""
 
 JOB_COLOURS = ('#9ecae1', '#fdd0a2', '#a1d99b', '#bcbddc', '#f4b6c2', '#d9c39a')
@@ -48,11 +56,15 @@ _RULES = f"""
 .item, .task {{ pointer-events: none }}
 .cycle {{ stroke-width: 1 }}
 .work {{ stroke-width: 1 }}
+.forecast_end {{ stroke: {FAINT}; stroke-width: 1.5; stroke-dasharray: 5 3 }}
+.end {{ stroke: {BAR_FILL}; stroke-width: 1.5 }}
+.ends {{ text-anchor: end }}
 .failed {{ stroke: {ALARM}; stroke-width: 2; stroke-dasharray: 4 2 }}
 .cross {{ stroke: {ALARM}; stroke-width: 1.5 }}
 .move {{ fill: url(#move); stroke: {BAR_FILL}; stroke-width: 1 }}
 .wait {{ stroke: {RULE}; stroke-width: 0.6; stroke-dasharray: 2 2 }}
 .hatch {{ stroke: {BELT}; stroke-width: 1; fill: none }}
+.forecast {{ fill-opacity: 0.4; stroke-opacity: 0.5; stroke-width: 0.7 }}
 .hold {{ fill: url(#held); stroke: {ALARM}; stroke-width: 2 }}
 """
 

@@ -20,7 +20,7 @@ from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.goal import GoalRequest
 from bt_orchestrator.model.pauses import RESTARTED
 from bt_orchestrator.model.state import CellState
-from bt_orchestrator.ports import ActionTypes, Snapshot
+from bt_orchestrator.ports import ActionTypes, EventSink, Snapshot
 from bt_orchestrator.runtime.observed_durations import as_observed
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.sim.clock import VirtualClock
@@ -44,12 +44,14 @@ class RunOn:
         plain_state: Mapping[str, Any],
         observed_s: Mapping[str, Mapping[str, float]],
         now_s: float,
+        sinks: Sequence[EventSink] = (),
     ) -> None:
         """Begin with the given state of a cell.
 
         :param plain_state: of `model.keeping.snapshot`
         :param observed_s: seconds that tasks took, by component and task constant
         :param now_s: the moment on the clock of the state
+        :param sinks: get the events of the run
         """
         self._log = _Log()
         self._left_out: Mapping[str, int] = {}
@@ -63,7 +65,7 @@ class RunOn:
             gateway,
             self._clock,
             store,
-            [self._log],
+            [self._log, *sinks],
             auto_resume=not _has_to_be_resumed(plain_state),
         )
         gateway.started_s = {
@@ -84,13 +86,20 @@ class RunOn:
         """
         self._left_out = self._shorten()
         self.orchestrator.settle()
-        while self.state.jobs and not self.state.holds:
-            if time.monotonic() >= until:
-                return self._clock.now()
-            if not self._clock.advance():
-                break
-            self.orchestrator.settle()
-        return math.inf
+        while self.state.jobs and time.monotonic() < until:
+            if not self._step():
+                return math.inf
+        return self._clock.now() if self.state.jobs else math.inf
+
+    def go_on_to_end_of(self, job: str) -> float | None:
+        """Run on until a job has ended, however long it is, and return when that was.
+
+        None: the run came to a cell that waits for a person, or where nothing can happen.
+        """
+        self.orchestrator.settle()
+        while job not in self._log.ended_s and self._step():
+            pass
+        return self._log.ended_s.get(job)
 
     def ends_s(self, by_s: float = math.inf) -> dict[str, float]:
         """Return when each job ended, up to a moment of the run; those unknown are left out."""
@@ -99,6 +108,13 @@ class RunOn:
     def close(self) -> None:
         """Give the engine up."""
         self.orchestrator.close()
+
+    def _step(self) -> bool:
+        """Let the next things happen; tell whether there are any without a person."""
+        if self.state.holds or not self._clock.advance():
+            return False
+        self.orchestrator.settle()
+        return True
 
     def _shorten(self) -> dict[str, int]:
         """Leave out cycles of long jobs; returns how many of each."""

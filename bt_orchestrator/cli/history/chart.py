@@ -44,15 +44,23 @@ def chart_svg(reading: Reading, args: argparse.Namespace) -> str:
     for event in _events(reading, window):
         fold.follow(event)
         count += event.event == 'task.started'
-        if count > MOST_TASKS:
-            raise WrongUse(
-                f'more than {MOST_TASKS} attempts are too many for one chart: choose less with '
-                '--job, or with --from and --to'
-            )
+        refuse_too_many(count)
     gantt = fold.past(window.begin_s, window.end_s)
     if not gantt.rows:
         raise NothingThere(f'no component worked {_when(window)}, by the journal {args.journal}')
     return gantt_svg(_titled(gantt, window))
+
+
+def refuse_too_many(attempts: int) -> None:
+    """Refuse what makes no chart.
+
+    :raises WrongUse: there are too many attempts
+    """
+    if attempts > MOST_TASKS:
+        raise WrongUse(
+            f'more than {MOST_TASKS} attempts are too many for one chart: choose less with '
+            '--job, or with --from and --to'
+        )
 
 
 def _events(reading: Reading, window: _Window) -> Iterator[Event]:

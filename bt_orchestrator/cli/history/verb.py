@@ -10,6 +10,11 @@ from dataclasses import replace
 from pathlib import Path
 
 from bt_orchestrator.cli.history.chart import chart_svg
+from bt_orchestrator.cli.history.forecast import (
+    add_forecast_options,
+    forecast_text,
+    refuse_contradictions,
+)
 from bt_orchestrator.cli.history.item_records import (
     as_html,
     as_json,
@@ -90,6 +95,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '-o', '--output', type=Path, metavar='FILE', help='where; else the standard output'
     )
+    add_forecast_options(parser)
     add_period_options(parser, 'jobs queued')
 
 
@@ -105,6 +111,7 @@ def run(args: argparse.Namespace) -> int:
         )
     if args.gantt and args.job is not None and not (args.since is args.until is None):
         raise WrongUse('--job, or --from and --to, name the time of the chart; leave one out')
+    refuse_contradictions(args)
     lacks: list[str] = []
 
     def say(sentence: str) -> None:
@@ -113,8 +120,8 @@ def run(args: argparse.Namespace) -> int:
 
     with closing(open_records(args.journal)) as records:
         reading = Reading(records, say)
-        if args.gantt:
-            return _draw(reading, args)
+        if args.gantt or args.forecast:
+            return _drawn_or_compared(reading, args)
         jobs = _jobs(reading, args)
         if args.job is not None and not jobs:
             print(f'the journal {args.journal} knows no job {args.job}', file=sys.stderr)
@@ -130,10 +137,10 @@ def run(args: argparse.Namespace) -> int:
     return 1 if reading.lost else 0
 
 
-def _draw(reading: Reading, args: argparse.Namespace) -> int:
-    svg = chart_svg(reading, args)
+def _drawn_or_compared(reading: Reading, args: argparse.Namespace) -> int:
+    text = forecast_text(reading, args) if args.forecast else chart_svg(reading, args)
     with opened(args.output) as file:
-        file.write(svg)
+        file.write(text)
     return 1 if reading.lost else 0
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 from bt_orchestrator.report.account.account import Account
 from bt_orchestrator.report.account.figures import Figures
+from bt_orchestrator.report.account.period import Period
 from bt_orchestrator.report.account.planned import US
 from bt_orchestrator.report.account.stops import Held, Stop
 from bt_orchestrator.report.account.troubles import FailingTask
@@ -28,31 +29,31 @@ def account_plain(account: Account) -> dict[str, Any]:
             'oee': _number(shown.oee),
         },
         'quantities': {'produced': shown.produced, 'good': shown.good},
-        'rate': {'per_item_s': _s(shown.per_item_us), 'pace_s': _s(shown.pace_us)},
+        'rate': {'per_item_s': seconds_of(shown.per_item_us), 'pace_s': seconds_of(shown.pace_us)},
         'waterfall': [
             {
                 'title': bar.title,
                 'loss': bar.loss.value if bar.loss else None,
-                'seconds': _s(bar.us),
+                'seconds': seconds_of(bar.us),
             }
             for bar in shown.waterfall()
         ],
-        'losses': {bar.loss.value: _s(bar.us) for bar in shown.waterfall() if bar.loss},
+        'losses': {bar.loss.value: seconds_of(bar.us) for bar in shown.waterfall() if bar.loss},
         'jobs': [_job(shown, number) for number in range(len(times.made))],
-        'stops': [{**_summed(one), 'loss': one.loss.value} for one in times.stops],
-        'holds': [_held(account, held) for held in times.holds],
+        'stops': [{**summed(one), 'loss': one.loss.value} for one in times.stops],
+        'holds': [held_plain(held, account.period) for held in times.holds],
         'holds_left_out': {
             'count': times.holds_left_out,
-            'seconds': {loss.value: _s(us) for loss, us in times.left_out_us.items()},
+            'seconds': {loss.value: seconds_of(us) for loss, us in times.left_out_us.items()},
         },
-        'failed_attempts': [_summed(one) for one in times.failing],
+        'failed_attempts': [summed(one) for one in times.failing],
         'components': [
             {
                 'component': one.component,
                 'failures': one.failures,
-                'down_s': _s(one.down_us),
-                'mtbf_s': _s(shown.mtbf_us(one)),
-                'mttr_s': _s(shown.mttr_us(one)),
+                'down_s': seconds_of(one.down_us),
+                'mtbf_s': seconds_of(shown.mtbf_us(one)),
+                'mttr_s': seconds_of(shown.mttr_us(one)),
             }
             for one in times.repairs
         ],
@@ -65,7 +66,7 @@ def _period(account: Account) -> dict[str, Any]:
         'name': period.name,
         'from': period.iso(period.begin_us),
         'to': period.iso(period.end_us),
-        'planned_s': _s(period.planned.total_us),
+        'planned_s': seconds_of(period.planned.total_us),
         'planned': [[period.iso(begin), period.iso(end)] for begin, end in period.planned.pieces],
     }
 
@@ -99,29 +100,32 @@ def _job(shown: Figures, number: int) -> dict[str, Any]:
     }
 
 
-def _summed(one: Stop | FailingTask) -> dict[str, Any]:
+def summed(one: Stop | FailingTask) -> dict[str, Any]:
+    """Return equal stops, or failures."""
     plain = one._asdict()
-    seconds = _s(plain.pop('us'))
+    seconds = seconds_of(plain.pop('us'))
     return {**plain, 'seconds': seconds}
 
 
-def _held(account: Account, held: Held) -> dict[str, Any]:
-    when = account.period.iso
+def held_plain(held: Held, period: Period) -> dict[str, Any]:
+    """Return a hold."""
+    when = period.iso
     return {
         'hold': held.hold,
         'loss': held.loss.value if held.loss else None,
         'words': held.words,
         'raised': when(held.raised_us),
         'released': None if held.released_us is None else when(held.released_us),
-        'stood_s': _s(held.stood_us),
-        'lost_s': _s(held.lost_us),
+        'stood_s': seconds_of(held.stood_us),
+        'lost_s': seconds_of(held.lost_us),
         'answer': held.answer or None,
         'who': held.who or None,
         'reason': held.reason or None,
     }
 
 
-def _s(us: Fraction | int | None) -> float | None:
+def seconds_of(us: Fraction | int | None) -> float | None:
+    """Return a time in seconds."""
     return None if us is None else round(float(us) / US, 6)
 
 

@@ -7,7 +7,9 @@ from fractions import Fraction
 
 from bt_orchestrator.report.account.account import Account
 from bt_orchestrator.report.account.figures import Figures
+from bt_orchestrator.report.account.fold import Times
 from bt_orchestrator.report.account.losses import WORDS
+from bt_orchestrator.report.account.period import Period
 from bt_orchestrator.report.account.stops import Held
 from bt_orchestrator.report.account.words import UNKNOWN, duration, percent, rate
 from bt_orchestrator.report.tables import table
@@ -24,15 +26,16 @@ def account_text(account: Account) -> Iterator[str]:
     yield from (f'  {note}' for note in account.notes())
     yield ''
     yield from _head(shown)
-    yield from _titled('where the time went', _waterfall(shown))
-    yield from _titled('made', _made(shown))
-    yield from _titled('stops, the longest first', _stops(shown))
-    yield from _titled('holds', _holds(account))
-    yield from _titled('failed attempts', _failing(shown))
-    yield from _titled('components that failed', _repairs(shown))
+    yield from titled('where the time went', _waterfall(shown))
+    yield from titled('made', _made(shown))
+    yield from titled('stops, the longest first', stop_lines(shown.times))
+    yield from titled('holds', hold_lines(shown.times, period))
+    yield from titled('failed attempts', failing_lines(shown.times))
+    yield from titled('components that failed', _repairs(shown))
 
 
-def _titled(title: str, lines: Iterator[str]) -> Iterator[str]:
+def titled(title: str, lines: Iterator[str]) -> Iterator[str]:
+    """Yield lines under a title; nothing if there are none."""
     first = next(lines, None)
     if first is not None:
         yield ''
@@ -74,23 +77,24 @@ def _made(shown: Figures) -> Iterator[str]:
         yield from table(('job', 'script', 'pace', *titles), rows)
 
 
-def _stops(shown: Figures) -> Iterator[str]:
+def stop_lines(times: Times) -> Iterator[str]:
+    """Yield the stops that cost most."""
     rows = [
         (
             ', '.join(filter(None, (WORDS[one.loss].title, one.about))),
             str(one.times),
             duration(one.us),
         )
-        for one in shown.times.stops
+        for one in times.stops
         if one.is_shown
     ]
     yield from _pareto(('', 'times', 'time'), rows)
 
 
-def _holds(account: Account) -> Iterator[str]:
-    times = account.figures.times
+def hold_lines(times: Times, period: Period) -> Iterator[str]:
+    """Yield the holds that cost most, with their answers."""
     for held in times.holds:
-        yield f'{_from_to(account, held)}  {held.words}'
+        yield f'{_from_to(period, held)}  {held.words}'
         if held.answer:
             said = f': {held.reason}' if held.reason else ''
             yield f'  {held.answer} by {held.who}{said}'
@@ -99,21 +103,21 @@ def _holds(account: Account) -> Iterator[str]:
         yield f'and {times.holds_left_out} others, {duration(us)} together'
 
 
-def _from_to(account: Account, held: Held) -> str:
-    period = account.period
+def _from_to(period: Period, held: Held) -> str:
     end = period.clock(held.released_us) if held.released_us is not None else 'now'
     begun = period.clock(held.raised_us)
     return f'{begun} to {end}, {duration(held.lost_us)} lost'
 
 
-def _failing(shown: Figures) -> Iterator[str]:
+def failing_lines(times: Times) -> Iterator[str]:
+    """Yield the tasks that failed most often."""
     rows = [
         (
             f'{one.component or "nothing sent"}: {one.task}, {one.reason}',
             str(one.times),
             duration(one.us),
         )
-        for one in shown.times.failing
+        for one in times.failing
     ]
     yield from _pareto(('', 'times', 'took'), rows)
 

@@ -1,0 +1,1 @@
+"""A job that ran beside the forecast of it."""

@@ -1,0 +1,159 @@
+"""A job beside its forecast, on journals of real runs of the engine."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from fakes.action_types import FakeActionTypes
+from fakes.line import THREE, Line, with_section
+from fakes.virtual_run import VirtualRun
+
+from bt_orchestrator.drawing.gantt import GanttFold
+from bt_orchestrator.errors import NotKept
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.model.goal import GoalRequest
+from bt_orchestrator.report.account.planned import US
+from bt_orchestrator.report.reading import Reading
+from bt_orchestrator.report.retrospect.plain import retrospect_plain
+from bt_orchestrator.report.retrospect.retrospect import Retrospect
+from bt_orchestrator.report.retrospect.text import retrospect_text
+from bt_orchestrator.sim.looking_back import LookingBack, NoForecast, Watchers
+from bt_orchestrator.store.memory import MemoryRecords
+
+TYPES = FakeActionTypes()
+LINE = Line(3, seconds={'a2': 5.0})
+RETRIED = with_section(2, '- {id: work, @a2, retries: 1}')
+
+
+def ran(line: Line, *quantities: int, text: str = THREE, slower: float = 0.0) -> VirtualRun:
+    """Run jobs J0, J1 and so on, up to where a person is asked.
+
+    :param slower: seconds that a2 really takes longer
+    """
+
+    def really_s(request: GoalRequest) -> float:
+        more_s = slower if request.component == 'a2' else 0.0
+        return line.cell.components[request.component].duration_s(request.task) + more_s
+
+    run = VirtualRun(line.cell, TYPES, duration=really_s)
+    for number, quantity in enumerate(quantities):
+        run.submit(f'J{number}', line.script(text), quantity)
+    return run.go()
+
+
+def looked(
+    run: VirtualRun, job: str, cell: Cell = LINE.cell, *, usual: bool = False
+) -> Retrospect:
+    reading = Reading(MemoryRecords(run.store))
+    return LookingBack(reading, cell, TYPES, 'the journal').at(job, usual=usual)
+
+
+def difference_us(found: Retrospect) -> dict[str, int]:
+    return {pair.what: pair.more for pair in found.times() if pair.more}
+
+
+@pytest.mark.parametrize('job', ['J0', 'J1', 'J2'])
+def test_what_went_as_forecast_is_equal_in_every_figure(job: str) -> None:
+    found = looked(ran(LINE, 3, 2, 4), job)
+    assert found.late_us == 0
+    assert found.forecast.works == found.real.works
+    assert found.real.works
+    pairs = [*found.times(), *found.items(), *found.busy(), found.total]
+    assert all(pair.more == 0 for pair in pairs)
+    assert sum(pair.real for pair in found.times()) == found.total.real
+    assert [*found.tasks()] == []
+    assert found.first_deviation() is found.worst_deviation() is None
+
+
+def test_a_slow_component_is_named() -> None:
+    found = looked(ran(LINE, 5, slower=2.0), 'J0')
+    assert found.late_us == 10 * US, 'two seconds for each of five items'
+    assert difference_us(found) == {'production': 10 * US}
+    assert next(found.busy()) == ('a2', 25 * US, 35 * US)
+    (task,) = found.tasks()
+    assert task == ('a2', 'TASK_A', 5, 25 * US, 35 * US)
+    first, worst = found.first_deviation(), found.worst_deviation()
+    assert first is not None
+    assert first.real.key.task.item == 'J0/1'
+    assert first.late_us == 2 * US
+    assert worst is not None
+    assert worst.late_us == 10 * US
+
+
+def test_retries_and_holds_account_for_the_difference() -> None:
+    line = Line(3, seconds={'a2': 5.0}, faults={'a2': '#2=abort #5=abort #6=abort'})
+    run = ran(line, 5, text=RETRIED)
+    (hold,) = run.state.holds
+    run.sim.clock.call_at(run.now + 60.0, lambda: None)
+    assert run.sim.clock.advance()
+    run.answer('retry', hold)
+    run.go()
+    found = looked(run, 'J0', line.cell)
+    more = difference_us(found)
+    assert more == {'own_fault': 60 * US, 'rework': 15 * US}
+    assert sum(more.values()) == found.total.more == found.late_us
+    first = found.first_deviation()
+    assert first is not None
+    assert (first.real.reason, first.real.key.task.item) == ('aborted', 'J0/2')
+    text = '\n'.join(retrospect_text(found))
+    assert 'first deviation, at ' in text
+    assert 'section 2, work of J0/2 (TASK_A) at a2 failed: aborted\n' in text
+    assert 'retry by Ann' in text
+    plain = json.loads(json.dumps(retrospect_plain(found)))
+    assert plain['first_deviation']['reason'] == 'aborted'
+    assert plain['late_s'] == found.total.more / US
+
+
+def test_a_job_that_runs_is_compared_so_far() -> None:
+    run = VirtualRun(LINE.cell, TYPES)
+    run.submit('J0', LINE.script(THREE), 6)
+    run.go(until=22.0)
+    found = looked(run, 'J0')
+    assert found.late_us is None
+    assert found.forecast.end_us is not None
+    assert found.forecast.end_us > found.real.until_us == found.forecast.until_us
+    pairs = [*found.times(), *found.items(), *found.busy(), found.total]
+    assert all(pair.more == 0 for pair in pairs)
+    assert 'the job has not ended: times and items are compared up to' in '\n'.join(
+        retrospect_text(found)
+    )
+
+
+def test_usual_durations_are_those_before_the_job() -> None:
+    run = ran(LINE, 9, 3, slower=2.0)
+    late_us = looked(run, 'J1').late_us
+    assert late_us == 10 * US, 'three items of J1, and two of J0 before them'
+    assert looked(run, 'J1', usual=True).late_us == 0
+
+
+def test_another_cell_file_is_said() -> None:
+    other = Line(3, seconds={'a2': 9.0})
+    found = looked(ran(LINE, 2), 'J0', other.cell)
+    assert found.cell_differs
+    assert found.late_us == -8 * US
+    assert 'the node ran with another cell file than this one' in '\n'.join(retrospect_text(found))
+
+
+def test_without_a_forecast_it_is_said_why() -> None:
+    line = Line(3, faults={'a3': '#1=abort'})
+    run = ran(line, 1, 1)
+    with pytest.raises(NoForecast, match='the journal knows no start of job J7'):
+        looked(run, 'J7', line.cell)
+    with pytest.raises(NotKept, match='does not fit cell'):
+        looked(run, 'J0', Line(2).cell)
+
+
+def test_both_are_seen_by_their_watchers_alone() -> None:
+    run = ran(LINE, 5, slower=2.0)
+    forecast, real = (GanttFold(by_component=True) for _ in range(2))
+    reading = Reading(MemoryRecords(run.store))
+    found = LookingBack(reading, LINE.cell, TYPES, 'it').at('J0', Watchers([forecast], [real]))
+    assert found.real.end_us is not None
+    end_s = found.real.end_us / US
+    took = {
+        name: [bar.end_s - bar.start_s for row in fold.past(0.0, end_s).rows for bar in row.tasks
+               if row.title == 'a2']
+        for name, fold in (('forecast', forecast), ('real', real))
+    }  # fmt: skip
+    assert took == {'forecast': [5.0] * 5, 'real': [7.0] * 5}
