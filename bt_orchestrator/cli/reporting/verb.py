@@ -16,6 +16,7 @@ from bt_orchestrator.cli.reporting.durations import (
     are_wanted,
     durations_text,
 )
+from bt_orchestrator.cli.reporting.following import add_follow_options, follow
 from bt_orchestrator.cli.reporting.periods import add_which_options, period_of
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.report.account.account import Account, account
@@ -28,8 +29,8 @@ from bt_orchestrator.report.reading import Reading
 DESCRIPTION = """\
 Print the account of a shift, a day, a job, or of all that a journal has: quantities, the rate
 against the pace, OEE with every loss of time down to its holds, stop reasons, failing tasks,
-MTBF and MTTR. The journal is only read; its node may run or not. docs/account.md has the
-definitions."""
+MTBF and MTTR. With --follow that of the shift that runs, as it grows. The journal is only read;
+its node may run or not. docs/account.md has the definitions."""
 
 EPILOG = """\
 exit status: 0 done, 1 refused, nothing to report, or a record is damaged, 2 wrong use"""
@@ -56,6 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     form.add_argument('--json', action='store_true', help='as one JSON object')
     form.add_argument('--csv', action='store_true', help='as one table for a spreadsheet')
     add_duration_options(parser)
+    add_follow_options(parser)
     parser.add_argument(
         '-o', '--output', type=Path, metavar='FILE', help='where (default: the screen)'
     )
@@ -67,6 +69,8 @@ def run(args: argparse.Namespace) -> int:
     cell = None
     if args.cell is not None:
         cell = bootstrap.load_cell(args.cell, bootstrap.installed_types())
+    if args.follow:
+        return follow(args, cell)
     with closing(open_records(args.journal)) as records:
         reading = Reading(records, say_damage)
         period = period_of(args, reading)

@@ -41,6 +41,11 @@ class Live:
     stopped: Stopped | None
     """None: the line produces, or no shift runs."""
 
+    @property
+    def runs(self) -> bool:
+        """Tell whether it is not over."""
+        return self.account.period.end_us < self.now.period.end_us
+
 
 class LiveAccount:
     """Reads a journal on, from the begin of the shift that runs; begins anew with each shift.
@@ -131,6 +136,6 @@ class _Going:
         period = replace(self.period, end_us=end).cut()
         source = Source(extent, self._first, self._last, self._reading.lost)
         account = account_of(self._fold, period, paces, source)
-        runs = self._cause is not None and end < self.period.end_us
-        stopped = Stopped(self._cause, self._since_us) if runs and self._cause else None
-        return Live(now, account, stopped)
+        is_over = end >= self.period.end_us
+        cause = None if is_over else self._cause
+        return Live(now, account, Stopped(cause, self._since_us) if cause else None)

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import csv
 import json
+from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
+from fakes.day import at
 from fakes.hand_made_shift import LINE, SHIFTS, the_day
 
 from bt_orchestrator.cli.main import main
+from bt_orchestrator.cli.reporting import following
 from bt_orchestrator.store.sqlite.store import SqliteStore
 
 
@@ -86,7 +90,64 @@ def test_a_table_in_a_file(journal: Path, tmp_path: Path) -> None:
     assert {row['part'] for row in rows} >= {'period', 'oee', 'job', 'stop', 'hold', 'component'}
 
 
+@pytest.fixture
+def journal_at(
+    journal: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> Callable[[str], Path]:
+    """Give a function that returns the journal of a time, at which `--follow` looks once."""
+    monkeypatch.setattr(following._Waiting, 'ends_within', lambda *_: True)
+
+    def grown(clock: str) -> Path:
+        monkeypatch.setattr(following, 'time', SimpleNamespace(time=lambda: at(clock)))
+        store = SqliteStore(tmp_path / f'at {clock}.db')
+        store.append([one for one in the_day().events if one.time <= at(clock)])
+        store.close()
+        return tmp_path / f'at {clock}.db'
+
+    return grown
+
+
+def test_the_shift_that_runs_is_followed(
+    journal: Path, capsys: pytest.CaptureFixture[str], journal_at: Callable[[str], Path]
+) -> None:
+    shifts = ('--follow', '--shifts', str(journal.parent / 'shifts.yaml'))
+    cell = ('--cell', str(journal.parent / 'cell.yaml'))
+    found = plain(journal_at('13:11'), capsys, *shifts, *cell)
+    assert found['runs']
+    assert found['ends'] == '2026-05-18T14:00:00+00:00'
+    assert found['stopped']['hold'] == '3'  # type: ignore[index]
+    assert report(journal_at('07:10'), *shifts, *cell) == 0
+    (line,) = capsys.readouterr().out.splitlines()
+    said = '07:10:00  shift early of 2026-05-18: OEE 33.3 % = 66.7 % x 50.0 % x 100.0 %, made 400'
+    assert line.startswith(said)
+    assert line.endswith('own fault, a2, TASK_A aborted since 07:00:00')
+    late = journal_at('15:00')
+    found = plain(late, capsys, *shifts, *cell)
+    ended = plain(late, capsys, *of_shift(journal), *cell)
+    assert {name: found[name] for name in ended} == ended
+    assert found['next'] == {'shift': 'early', 'begins': '2026-05-19T06:00:00+00:00'}
+    assert report(late, *shifts) == 0
+    assert 'it is over; early begins 2026-05-19 06:00:00' in capsys.readouterr().out
+
+
+def test_a_day_and_a_time_are_followed(
+    capsys: pytest.CaptureFixture[str], journal_at: Callable[[str], Path]
+) -> None:
+    noon = journal_at('12:05')
+    since = plain(noon, capsys, '--follow', '--from', '2026-05-18T10:00Z')
+    assert since['period']['planned_s'] == 7500.0  # type: ignore[index]
+    assert since['losses']['emergency'] == 300.0  # type: ignore[index]
+    assert (since['next'], since['ends']) == (None, None)
+    day = plain(noon, capsys, '--follow')['period']
+    assert day['name'] == '2026-05-18'  # type: ignore[index]
+
+
 MISTAKES = {
+    ('--follow', '--csv'): '--follow shows what goes on until now; leave --csv out',
+    ('--follow', '--to', '2026-05-18'): '--follow shows what goes on until now; leave --to out',
+    ('--follow', '--shifts', 'x', '--from', '2026-05-18'): (
+        '--follow shows the shift that runs; leave --from out, or --shifts'
+    ),
     ('--from', '2026-05-18T14:00Z', '--to', '2026-05-18T06:00Z'): (
         '--from has to be before --to; exchange them'
     ),

@@ -1,0 +1,185 @@
+"""The option `--follow` of the verb `report`: the account of the shift that runs, as it grows."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import select
+import socket
+import time
+from collections.abc import Callable
+from contextlib import ExitStack, closing
+from datetime import datetime
+from functools import partial
+from types import TracebackType
+
+from bt_orchestrator.cli.journal_file import open_records, say_damage
+from bt_orchestrator.cli.numbers import seconds
+from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.errors import JournalUnusable
+from bt_orchestrator.model.cell import Cell
+from bt_orchestrator.report.account.calendar import Now, day_on, shift_at
+from bt_orchestrator.report.account.live import Live, LiveAccount
+from bt_orchestrator.report.account.live_words import live_line, live_plain
+from bt_orchestrator.report.account.period import Period
+from bt_orchestrator.report.account.planned import us_of
+from bt_orchestrator.script.shifts.shifts_file import read_shifts
+from bt_orchestrator.stop_signals import StopSignals
+
+EVERY_S, LEAST_S = 2.0, 0.2
+"""Time between two looks: the usual one, and the shortest."""
+
+_FAR_US = 10 * 366 * 24 * 3600 * 1_000_000
+"""No end in sight: so long after the begin."""
+
+_NO_USE = (
+    'until',
+    'job',
+    'shift',
+    'day',
+    'html',
+    'csv',
+    'output',
+    'durations',
+    'update_durations',
+)
+_AS_TYPED = {'until': 'to'}
+
+
+def add_follow_options(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument(
+        '--follow',
+        action='store_true',
+        help='go on until Ctrl-C, or q: of the shift that runs (with --shifts), or from --from or '
+        'the begin of the day until now; on a terminal as a picture, else a line each time',
+    )
+    parser.add_argument(
+        '--every',
+        type=seconds,
+        default=EVERY_S,
+        metavar='SECONDS',
+        help=f'with --follow: time between two looks (default {EVERY_S:g}); any key looks at once',
+    )
+
+
+def follow(args: argparse.Namespace, cell: Cell | None) -> int:
+    """Show the account again and again; returns 1 if a record is damaged.
+
+    :raises WrongUse: other options do not go with it
+    :raises JournalUnusable: the journal cannot be read to begin with
+    """
+    _refuse_contradictions(args)
+    with closing(open_records(args.journal)):
+        pass  # a name that is wrong is said at once, and not on a picture
+    with ExitStack() as stack:
+        stop = stack.enter_context(StopSignals())
+        picture = None if args.json else _picture(stack)
+        account = LiveAccount(
+            _period_at(args), cell, _nothing_said if picture is not None else say_damage
+        )
+        show = picture or (_print_json if args.json else _print_line)
+        waiting = stack.enter_context(_Waiting(stop, has_keys=picture is not None))
+        lost = 0
+        while True:
+            live, why_not = _look(account, args)
+            show(live, why_not)
+            lost = live.account.source.unreadable if live is not None else lost
+            if waiting.ends_within(args.every):
+                return 1 if lost else 0
+
+
+def _refuse_contradictions(args: argparse.Namespace) -> None:
+    for name in _NO_USE:
+        if getattr(args, name):
+            option = _AS_TYPED.get(name, name.replace('_', '-'))
+            raise WrongUse(f'--follow shows what goes on until now; leave --{option} out')
+    if args.shifts is not None and args.since is not None:
+        raise WrongUse('--follow shows the shift that runs; leave --from out, or --shifts')
+
+
+def _period_at(args: argparse.Namespace) -> Callable[[float], Now]:
+    if args.shifts is not None:
+        return partial(shift_at, read_shifts(args.shifts))
+    if args.since is not None:
+        begin = us_of(args.since)
+        whole = Period.all_planned('period', begin, begin + _FAR_US)
+        return lambda _: Now(whole)
+    return lambda now: Now(day_on(datetime.fromtimestamp(now).date(), None))
+
+
+def _look(account: LiveAccount, args: argparse.Namespace) -> tuple[Live | None, str]:
+    """Return what there is, and why there is nothing of now."""
+    try:
+        with closing(open_records(args.journal)) as records:
+            return account.look(records, time.time()), ''
+    except JournalUnusable as error:
+        return None, str(error)
+
+
+# --- how it is shown --------------------------------------------------------------------------
+
+Show = Callable[[Live | None, str], None]
+
+
+def _picture(stack: ExitStack) -> Show | None:
+    """Take the terminal, if the standard output is one."""
+    from bt_orchestrator.screen.live import terminal
+    from bt_orchestrator.screen.shift import ShiftScreen
+
+    console = terminal()
+    return None if console is None else stack.enter_context(ShiftScreen(console)).show
+
+
+def _print_line(live: Live | None, why_not: str) -> None:
+    print(live_line(live) if live is not None else _missing(why_not), flush=True)
+
+
+def _print_json(live: Live | None, why_not: str) -> None:
+    plain = {'message': _missing(why_not)} if live is None else live_plain(live)
+    print(json.dumps(plain, ensure_ascii=False), flush=True)
+
+
+def _missing(why_not: str) -> str:
+    return why_not or 'the journal has no event yet'
+
+
+def _nothing_said(_: str) -> None:
+    """Leave the picture as it is: it says itself how many records are damaged."""
+
+
+# --- time -------------------------------------------------------------------------------------
+
+
+class _Waiting:
+    """A context: waits for a stop signal, or for a key of whoever looks."""
+
+    def __init__(self, stop: StopSignals, *, has_keys: bool) -> None:
+        self._stop = stop
+        self._has_keys = has_keys
+
+    def __enter__(self) -> _Waiting:
+        from bt_orchestrator.screen.keys import Keys, keyboard
+
+        self._stack = ExitStack()
+        self._woken, wake = (self._stack.enter_context(one) for one in socket.socketpair())
+        self._stop.notify(lambda: wake.send(b'.'))
+        descriptor = keyboard() if self._has_keys else None
+        self._keys = None if descriptor is None else self._stack.enter_context(Keys(descriptor))
+        self._inputs = [self._woken.fileno()] + ([] if descriptor is None else [descriptor])
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._stop.notify(lambda: None)
+        self._stack.close()
+
+    def ends_within(self, limit_s: float) -> bool:
+        """Wait so long, or until a key is pressed; tell whether it is to end."""
+        select.select(self._inputs, [], [], max(limit_s, LEAST_S))
+        keys = '' if self._keys is None else self._keys.pressed()
+        return self._stop.requested or 'q' in keys
