@@ -9,7 +9,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.folders import (
@@ -84,6 +84,40 @@ def check(args: argparse.Namespace, types: ActionTypes) -> int:
 
     :raises Refused: there are mistakes, and they are not wanted as JSON
     """
+    try:
+        checked = _read(args, types)
+    except Refused as refused:
+        if not args.json:
+            raise
+        print(json.dumps({**as_json(refused.findings), 'warnings': []}))
+        return 1
+    is_fine = not (args.strict and checked.warnings)
+    if args.json:
+        print(json.dumps({**_plain_checked(checked), 'ok': is_fine}))
+        return int(not is_fine)
+    for warning in checked.warnings:
+        what = f'warning: {warning.what}'
+        print(dataclasses.replace(warning, what=what), file=sys.stderr)
+    if is_fine:
+        print('\n'.join(_lines(checked)))
+    return int(not is_fine)
+
+
+class _Checked(NamedTuple):
+    """Files without mistakes."""
+
+    cell: Cell
+    scripts: Sequence[Script]
+    recipes: Sequence[Recipe]
+    jobs: Sequence[Job]
+    warnings: Sequence[Finding]
+
+
+def _read(args: argparse.Namespace, types: ActionTypes) -> _Checked:
+    """Read all files.
+
+    :raises Refused: with the mistakes of all of them
+    """
     folders = script_folders(args.trees)
     recipe_files = [path for name in args.scripts if is_recipe(path := Path(name))]
     order_files = [path for name in args.scripts if is_order(path := Path(name))]
@@ -94,37 +128,40 @@ def check(args: argparse.Namespace, types: ActionTypes) -> int:
     shelf = recipe_folders(args.recipes)
     bind = partial(bootstrap.load_jobs, order_files, args.cell, folders, types, recipes=shelf)
     bound = findings.of(bind)
-    try:
-        findings.refuse()
-    except Refused as refused:
-        if not args.json:
-            raise
-        print(json.dumps({**as_json(refused.findings), 'warnings': []}))
-        return 1
+    findings.refuse()
     assert recipes is not None
     assert loaded is not None
     assert bound is not None
     cell, scripts = loaded
-    jobs = [one.job for one in bound[1]]
     paths = [find_script(name, folders) for name in names]
     given = [ReadScript(path, script) for path, script in zip(paths, scripts, strict=True)]
     found = warnings(args.cell, cell, given, folders, types)
-    is_fine = not (args.strict and found)
-    if args.json:
-        of_orders = {job.script.name: job.script for job in jobs}.values()
-        paces = [script_pace(script, cell).plain() for script in (*scripts, *of_orders)]
-        fine = {'findings': [], 'warnings': _plain(found), 'ok': is_fine, 'paces': paces}
-        fine['recipes'] = [_plain_recipe(one, cell) for one in recipes]
-        print(json.dumps({**fine, 'orders': [_plain_order(job) for job in jobs]}))
-        return int(not is_fine)
-    for warning in found:
-        what = f'warning: {warning.what}'
-        print(dataclasses.replace(warning, what=what), file=sys.stderr)
-    if is_fine:
-        lines = [line for script in scripts for line in summary(script, cell)]
-        lines += [_recipe_line(recipe, cell) for recipe in recipes]
-        print('\n'.join([*lines, *(line for job in jobs for line in _order_lines(job, cell))]))
-    return int(not is_fine)
+    return _Checked(cell, scripts, recipes, [one.job for one in bound[1]], found)
+
+
+def _lines(checked: _Checked) -> Iterator[str]:
+    """Yield that everything is fine."""
+    cell = checked.cell
+    for script in checked.scripts:
+        yield from summary(script, cell)
+    for recipe in checked.recipes:
+        yield _recipe_line(recipe, cell)
+    for job in checked.jobs:
+        yield from _order_lines(job, cell)
+
+
+def _plain_checked(checked: _Checked) -> dict[str, Any]:
+    """Return the same as plain data."""
+    cell = checked.cell
+    of_orders = {job.script.name: job.script for job in checked.jobs}.values()
+    paced = (*checked.scripts, *of_orders)
+    return {
+        'findings': [],
+        'warnings': _plain(checked.warnings),
+        'paces': [script_pace(script, cell).plain() for script in paced],
+        'recipes': [_plain_recipe(one, cell) for one in checked.recipes],
+        'orders': [_plain_order(job) for job in checked.jobs],
+    }
 
 
 def as_json(findings: Sequence[Finding]) -> dict[str, Any]:

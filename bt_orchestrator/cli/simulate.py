@@ -40,25 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('orders', nargs='+', type=Path, metavar='ORDER', help='work order (YAML)')
     add_cell_options(parser)
     add_recipes_option(parser)
-    parser.add_argument(
-        '--trace',
-        type=Path,
-        metavar='FILE',
-        help='write every event, one JSON object a line, up to wherever the run gets',
-    )
-    parser.add_argument(
-        '--gantt',
-        type=Path,
-        metavar='FILE.svg',
-        help='draw who works, moves, waits and is held when, up to wherever the run gets',
-    )
-    parser.add_argument(
-        '--gantt-rows',
-        choices=ROWS,
-        default=ROWS[0],
-        help='with --gantt: a row a section, or a row a component wherever it works (default: '
-        f'{ROWS[0]})',
-    )
+    _add_record_options(parser)
     parser.add_argument(
         '--fail',
         action='append',
@@ -81,6 +63,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         'its name (or of the only one), and compare',
     )
     parser.add_argument('--json', action='store_true', help='the prediction as one JSON object')
+
+
+def _add_record_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        '--trace',
+        type=Path,
+        metavar='FILE',
+        help='write every event, one JSON object a line, up to wherever the run gets',
+    )
+    parser.add_argument(
+        '--gantt',
+        type=Path,
+        metavar='FILE.svg',
+        help='draw who works, moves, waits and is held when, up to wherever the run gets',
+    )
+    parser.add_argument(
+        '--gantt-rows',
+        choices=ROWS,
+        default=ROWS[0],
+        help='with --gantt: a row a section, or a row a component wherever it works (default: '
+        f'{ROWS[0]})',
+    )
 
 
 def _add_hold_options(parser: argparse.ArgumentParser) -> None:
