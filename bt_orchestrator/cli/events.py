@@ -7,8 +7,8 @@ import itertools
 import sys
 import threading
 import time
-from collections.abc import Iterator
-from contextlib import closing
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,10 +18,12 @@ from bt_orchestrator.cli.moments import add_period_options
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.numbers import whole
 from bt_orchestrator.cli.output import opened
+from bt_orchestrator.cli.parquet_folder import PARQUET, tables_in
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.ports import Records
 from bt_orchestrator.report.exports import OUTPUTS
 from bt_orchestrator.report.reading import Reading, removed
 from bt_orchestrator.stop_signals import StopSignals
@@ -40,7 +42,9 @@ said on stderr. With --journal read a journal file instead, whether its node run
 end."""
 
 EPILOG = """\
-xes: one trace an item, the tasks are the activities (IEEE 1849-2016); csv: one row an event
+xes: one trace an item, the tasks are the activities (IEEE 1849-2016); csv: one row an event;
+parquet: the tables events.parquet, one row an event, and tasks.parquet, one row an attempt of a
+task, in the folder of -o
 
 exit status: 0 everything was printed, 1 something was not (of a damaged journal, say), 2 wrong
 use"""
@@ -73,9 +77,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         '--follow', action='store_true', help='with --journal: go on with what is added to it'
     )
     parser.add_argument(
-        '--format', choices=OUTPUTS, help='with --journal: how it is written (default jsonl)'
+        '--format',
+        choices=(*OUTPUTS, PARQUET),
+        help='with --journal: how it is written (default jsonl)',
     )
-    parser.add_argument('-o', '--output', type=Path, metavar='FILE', help='with --journal: where')
+    parser.add_argument(
+        '-o',
+        '--output',
+        type=Path,
+        metavar='FILE',
+        help='with --journal: where; of parquet the folder',
+    )
     add_node_options(parser)
 
 
@@ -91,8 +103,8 @@ def _refuse_contradictions(args: argparse.Namespace) -> None:
         raise WrongUse('--last and --since-seq both say where to begin; leave one of them out')
     if args.journal is None and any(getattr(args, name) for name in _OF_JOURNAL):
         raise WrongUse('filters, --follow, --format and -o are for a journal: add --journal FILE')
-    if args.follow and args.format == 'xes':
-        raise WrongUse('xes is written when all events are known; leave --follow out')
+    if args.follow and args.format in ('xes', PARQUET):
+        raise WrongUse(f'{args.format} is written when all events are known; leave --follow out')
 
 
 # --- a running node ---------------------------------------------------------------------------
@@ -150,15 +162,32 @@ def _say_removed(first: int, last: int) -> None:
 
 
 def _of_journal(args: argparse.Namespace, stop: StopSignals) -> int:
-    with closing(open_records(args.journal)) as records, opened(args.output) as file:
+    with closing(open_records(args.journal)) as records, _output(args, records) as write:
         reading = Reading(records, say_damage)
-        output = OUTPUTS[args.format or 'jsonl'](file)
         for text in itertools.islice(_records(reading, args, stop), args.count):
-            output.write(text)
-            if args.follow:
-                file.flush()
-        output.close()
+            write(text)
         return 1 if reading.lost else 0
+
+
+@contextmanager
+def _output(args: argparse.Namespace, records: Records) -> Iterator[Callable[[str], None]]:
+    """Give what takes one record after another.
+
+    :raises WrongUse: it cannot be written
+    """
+    if args.format == PARQUET:
+        with tables_in(args.output, records.extent().history) as write:
+            yield write
+        return
+    with opened(args.output) as file:
+        output = OUTPUTS[args.format or 'jsonl'](file)
+
+        def write_at_once(text: str) -> None:
+            output.write(text)
+            file.flush()
+
+        yield write_at_once if args.follow else output.write
+        output.close()
 
 
 def _records(reading: Reading, args: argparse.Namespace, stop: StopSignals) -> Iterator[str]:

@@ -7,6 +7,7 @@ Steps, each skipped when nothing it reads has changed since it last ended well:
     builds        bindings of every package in interfaces/ and of the user's own ones, and
                   bt_orchestrator, installed as a user would have it
     browser       only if asked for: Chromium, and playwright, which steers it
+    parquet       only if asked for: pyarrow
     node          only if asked for: Node, and packages of npm
 """
 
@@ -43,6 +44,8 @@ def main() -> None:
         if options.browser:
             install_missing_browser(environment.folder.with_suffix('.apt.log'))
             environment.add_browser_driver()
+        if options.parquet:
+            environment.add_parquet()
         if options.node:
             environment.add_node_packages()
 
@@ -70,6 +73,11 @@ def parse_arguments() -> argparse.Namespace:
         '--browser',
         action='store_true',
         help='Chromium too, by apt-get where it is missing, and what steers it: for the gate page',
+    )
+    parser.add_argument(
+        '--parquet',
+        action='store_true',
+        help='what writes Parquet too: for events --format parquet, and for the gate unit',
     )
     parser.add_argument(
         '--node',

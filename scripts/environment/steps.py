@@ -19,6 +19,7 @@ SCRIPTS = Path(__file__).resolve().parents[1]
 REQUIREMENTS = SCRIPTS / 'requirements'
 INSTALLERS = REQUIREMENTS / 'installers.txt'
 BROWSER = REQUIREMENTS / 'browser.txt'
+PARQUET = REQUIREMENTS / 'parquet.txt'
 NODE = REQUIREMENTS / 'node.txt'
 NODE_PACKAGES = REQUIREMENTS / 'node'
 VARIABLES = {
@@ -83,12 +84,19 @@ class Environment:
 
     def add_browser_driver(self) -> None:
         """Install what steers a browser, which one gate alone needs; after `refresh`."""
-        stamp = digest([BROWSER], REQUIREMENTS)
-        if self._is_done('browser', stamp):
+        self._add('browser', 'what steers a browser', BROWSER)
+
+    def add_parquet(self) -> None:
+        """Install what writes Parquet, which is large and which one gate alone needs."""
+        self._add('parquet', 'what writes Parquet', PARQUET)
+
+    def _add(self, name: str, what: str, packages: Path) -> None:
+        stamp = digest([packages], REQUIREMENTS)
+        if self._is_done(name, stamp):
             return
-        with step('what steers a browser', self._logs):
-            self._installer.install_lists('browser', BROWSER)
-        self._done('browser', stamp)
+        with step(what, self._logs):
+            self._installer.install_lists(name, packages)
+        self._done(name, stamp)
 
     def add_node_packages(self) -> None:
         """Install Node and the OPC UA client for it, which one gate alone needs."""

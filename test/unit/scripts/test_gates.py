@@ -84,7 +84,9 @@ def test_what_fails_twice_has_failed(clone: Path) -> None:
     assert (done.returncode, 'system       FAILED' in done.stdout) == (1, True)
 
 
-@pytest.mark.parametrize(('gate', 'option'), [('page', '--browser'), ('opcua', '--node')])
+@pytest.mark.parametrize(
+    ('gate', 'option'), [('unit', '--parquet'), ('page', '--browser'), ('opcua', '--node')]
+)
 def test_a_gate_has_brought_what_it_alone_needs(clone: Path, gate: str, option: str) -> None:
     bootstrap = clone / 'scripts' / 'bootstrap'
     program(bootstrap, f'case "$*" in *{option}*) echo none came; exit 1;; esac')

@@ -1,0 +1,39 @@
+"""The format `parquet` of the verb `events`: a folder with two tables, for BI tools."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from importlib.util import find_spec
+from pathlib import Path
+
+from bt_orchestrator.cli.wrong_use import WrongUse
+
+PARQUET = 'parquet'
+
+
+@contextmanager
+def tables_in(folder: Path | None, history: str) -> Iterator[Callable[[str], None]]:
+    """Give what takes one record after another; the tables are at their places at the end.
+
+    :param history: of the journal
+    :raises WrongUse: no folder is named, it cannot be written, or pyarrow is missing
+    """
+    if folder is None:
+        raise WrongUse('parquet is two tables in a folder; name it: -o FOLDER')
+    if find_spec('pyarrow') is None:
+        raise WrongUse(
+            "parquet: pyarrow cannot be imported; install it with: pip install 'pyarrow>=15'"
+        )
+    from bt_orchestrator.report.parquet.export import ParquetExport
+
+    try:
+        export = ParquetExport(folder, history)
+    except OSError as error:
+        raise WrongUse(f'cannot write {folder}: {error.strerror or error}') from error
+    try:
+        yield export.write
+        export.close()
+    except BaseException:
+        export.discard()
+        raise

@@ -1,0 +1,47 @@
+"""The export: a folder with two tables."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from bt_orchestrator.model.codec import known_event
+from bt_orchestrator.report.parquet.rows import EVENTS, TASKS, TaskRows, event_row
+from bt_orchestrator.report.parquet.table_file import TableFile
+
+
+class ParquetExport:
+    """Writes `events.parquet` and `tasks.parquet`."""
+
+    def __init__(self, folder: Path, history: str) -> None:
+        """Begin.
+
+        :param history: of the journal; kept with the tables
+        :raises OSError: the folder cannot be written
+        """
+        folder.mkdir(parents=True, exist_ok=True)
+        about = {'bt_orchestrator.history': history}
+        self._events = TableFile(folder / 'events.parquet', EVENTS, about)
+        self._tasks = TableFile(folder / 'tasks.parquet', TASKS, about)
+        self._rows = TaskRows()
+
+    def write(self, text: str) -> None:
+        """Take in one record, as JSON."""
+        record = json.loads(text)
+        self._events.add(event_row(record))
+        event = known_event(record)
+        if event is not None:
+            for row in self._rows.follow(event):
+                self._tasks.add(row)
+
+    def close(self) -> None:
+        """Complete both files."""
+        for row in self._rows.open():
+            self._tasks.add(row)
+        self._events.close()
+        self._tasks.close()
+
+    def discard(self) -> None:
+        """Leave nothing unfinished behind."""
+        self._events.discard()
+        self._tasks.discard()
