@@ -51,15 +51,20 @@ def iso_time(seconds: float) -> str:
 def csv_cell(value: Any) -> Any:
     """Return a value for one cell of a table.
 
-    A text that a spreadsheet would take for a formula gets an apostrophe in front, and characters
-    that a terminal would obey are escaped: names and messages come from devices and operators.
+    A text that a spreadsheet would take for a formula gets an apostrophe in front, and so does a
+    part of it that may come to begin a cell: where the decimal sign is a comma, spreadsheets part
+    lines at semicolons. Characters that a terminal would obey are escaped. Names and messages come
+    from devices and operators.
     """
     text = json_of(value) if isinstance(value, (Mapping, list)) else value
     if not isinstance(text, str):
         return text
     text = _CONTROLS.sub(lambda found: f'\\u{ord(found[0]):04x}', text)
-    return f"'{text}" if text.startswith(('=', '+', '-', '@', '\t', '\r')) else text
+    return _FORMULAS.sub("'", text)
 
+
+_FORMULAS = re.compile(r'^(?=[=+\-@\t\r])|(?<=[;\t\r\n])(?="*[=+\-@])')
+"""Where a formula may begin."""
 
 _CONTROLS = re.compile('[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff]')
 """All but tabs and ends of lines, which a cell may hold; half of a surrogate pair too."""

@@ -38,7 +38,7 @@ def write_items(job: JobRecord, file: IO[str]) -> None:
     fields = list(dict.fromkeys(name for item in job.items.values() for name, _ in _told(item)))
     fields.sort(key=lambda name: not name.startswith(_LOTS))
     writer = csv.writer(file)
-    writer.writerow([*COLUMNS, *fields])
+    writer.writerow([*COLUMNS, *map(csv_cell, fields)])
     for item in job.items.values():
         told = dict(_told(item))
         row = [*_about(job, item), *(told.get(name) for name in fields)]

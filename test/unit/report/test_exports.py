@@ -9,6 +9,7 @@ import re
 import xml.etree.ElementTree as ET
 from datetime import datetime
 
+import pytest
 from fakes.line import Line, with_section
 from fakes.virtual_run import VirtualRun
 
@@ -160,6 +161,21 @@ def test_one_row_an_event_under_the_same_columns() -> None:
         }
         left = record.keys() - set(COLUMNS) - {'definition'}
         assert (json.loads(row['more']) if row['more'] else {}).keys() == left
+
+
+@pytest.mark.parametrize('delimiter', [',', ';', '\t'])
+def test_no_formula_comes_of_a_text_however_lines_are_parted(delimiter: str) -> None:
+    texts = [
+        *('=1+1', '+1', '-1+1', '@SUM(1)', '\t=1', '\r=1', 'a;=1+1', 'a;"=1+1"', 'a\n=1+1'),
+        *('a\r\n=1', 'a\t=1+1', 'a\t-1', 'a";=1+1', ';;@A1', 'a;=HYPERLINK("http://x")'),
+    ]
+    records: list[dict[str, object]] = [
+        {'seq': 1, 'time': 0.0, 'event': 'x', 'message': text, 'more_of_it': text}
+        for text in texts
+    ]
+    lines = exported(CsvExport, records).splitlines(keepends=True)
+    for row in csv.reader(lines, delimiter=delimiter):
+        assert not [cell for cell in row if cell.startswith(('=', '+', '-', '@'))], row
 
 
 def test_texts_stay_in_their_cell() -> None:
