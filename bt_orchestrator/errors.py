@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 
@@ -25,6 +25,8 @@ class Finding:
     column: int
     what: str
     hint: str = ''
+    key: str = field(default='', compare=False)
+    """Of a work order, what it is about, as bind.insert; empty: its place tells."""
 
     def __str__(self) -> str:
         text = f'{self.file}:{self.line}:{self.column}: {self.what}'

@@ -1,24 +1,33 @@
-"""What is known beside the status: scripts by digest, parameters of jobs, the cell."""
+"""What is known beside the status: scripts by digest, orders of jobs, the cell."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.jobs.order import RecipeChoice
 from bt_orchestrator.model.keeping.snapshot import state_from_plain
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import Moment
 
-Params = Mapping[str, Mapping[str, object]]
+
+class Ordered(NamedTuple):
+    """What an order said that no status tells."""
+
+    params: Mapping[str, object]
+    choice: RecipeChoice | None
+    """What it named in place of a script; None: it named a script."""
+
 
 MOST_SCRIPTS = 100
 """Scripts that are kept; those of listed jobs beyond that."""
 
-MOST_PARAMS = 20_000
-"""Jobs whose parameters are kept."""
+MOST_ORDERS = 20_000
+"""Jobs whose orders are kept."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +37,7 @@ class Told:
     cell: Cell
     scripts: Mapping[str, Script]
     """Of live jobs, by digest."""
-    params: Params
+    orders: Mapping[str, Ordered]
     """By job."""
 
 
@@ -40,8 +49,9 @@ def told_by(moment: Moment) -> Told:
     :raises ValueError: the same
     """
     state = state_from_plain(moment.cell, moment.plain_state)
-    params = {name: job.job.params for name, job in state.jobs.items()}
-    return Told(moment.cell, dict(state.scripts), params)
+    jobs = {name: job.job for name, job in state.jobs.items()}
+    orders = {name: Ordered(job.params, job.recipe) for name, job in jobs.items()}
+    return Told(moment.cell, dict(state.scripts), orders)
 
 
 class Known:
@@ -50,14 +60,14 @@ class Known:
     def __init__(self) -> None:
         self.scripts: dict[str, Script] = {}
         """By digest; one says what it is, whatever journal it came from."""
-        self.params: dict[str, Mapping[str, object]] = {}
+        self.orders: dict[str, Ordered] = {}
         """By job."""
         self.cell: Cell | None = None
         self._looked_for: set[str] = set()
 
     def begin(self) -> None:
         """Forget the jobs: the cell has another journal, and perhaps another cell file."""
-        self.params.clear()
+        self.orders.clear()
         self.cell = None
         self._looked_for.clear()
 
@@ -66,15 +76,15 @@ class Known:
         if isinstance(event, e.ScriptLoaded):
             self.scripts[event.digest] = event.definition
         elif isinstance(event, (e.JobQueued, e.JobUpdated)):
-            self.params[event.job] = event.params
-            if len(self.params) > MOST_PARAMS:
-                del self.params[next(iter(self.params))]
+            self.orders[event.job] = Ordered(event.params, event.choice)
+            if len(self.orders) > MOST_ORDERS:
+                del self.orders[next(iter(self.orders))]
 
     def take(self, told: Told) -> None:
         """Take in what a moment tells."""
         self.cell = told.cell
         self.scripts |= told.scripts
-        self.params |= told.params
+        self.orders |= told.orders
 
     def lacks(self, digests: Iterable[str]) -> bool:
         """Tell whether a script is not known that was not asked for before.

@@ -7,8 +7,9 @@ import time
 from collections.abc import Mapping, Sequence, Set
 from pathlib import Path
 
-from bt_orchestrator.script.declared import Declared, readable
-from bt_orchestrator.script.recipes.declared import DeclaredRecipe, declared_recipes
+from bt_orchestrator.script.declared import Declared
+from bt_orchestrator.script.order_files import OrderFiles
+from bt_orchestrator.script.recipes.declared import DeclaredRecipe
 
 LOOK_AGAIN_S = 30.0
 """Between two looks at the folders."""
@@ -26,7 +27,7 @@ class Orderable:
         :param trees: folders of scripts
         :param recipes: folders of recipes
         """
-        self._trees, self._recipes = tuple(trees), tuple(recipes)
+        self._files = OrderFiles(trees, recipes)
         self.scripts: Mapping[str, Declared] = {}
         self.recipes: Mapping[str, DeclaredRecipe] = {}
         self.looked_at: float | None = None
@@ -56,5 +57,5 @@ class Orderable:
         return self.looked_at is None or time.monotonic() >= self.looked_at + seconds
 
     def _read(self) -> tuple[Mapping[str, Declared], Mapping[str, DeclaredRecipe]]:
-        scripts = {one.name: one for one in readable(self._trees)}
-        return scripts, {one.name: one for one in declared_recipes(self._recipes)}
+        scripts = {one.name: one for one in self._files.scripts()}
+        return scripts, {one.name: one for one in self._files.recipes()}

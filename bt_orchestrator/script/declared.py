@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.script import Parameter
 from bt_orchestrator.script.drafts import ScriptDraft
 from bt_orchestrator.script.fields import file_fields
@@ -57,12 +56,3 @@ def _files(folder: Path) -> Iterator[Path]:
         yield from (path for path in folder.iterdir() if path.suffix == ENDINGS[0])
     except OSError:
         return
-
-
-def readable(folders: Sequence[Path]) -> Iterator[Declared]:
-    """Yield the scripts of some folders; what cannot be read is left out."""
-    for path in script_files(folders):
-        try:
-            yield declared(path)
-        except Refused:
-            continue

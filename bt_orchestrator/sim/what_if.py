@@ -139,8 +139,8 @@ class EngineWhatIf:
         script = desk.made(made) if isinstance(made, MadeScript) else made
         if isinstance(script, Script):
             return script
-        if all((one.line, one.column) == (1, 1) for one in script.findings):
-            wrong = [WrongField('recipe', one.what, one.hint) for one in script.findings]
+        if all(one.key for one in script.findings):
+            wrong = [WrongField(one.key, one.what, one.hint) for one in script.findings]
             return _with_mistakes(wrong)
         return CheckedOrder(False, f'the recipe is {script.in_short}')
 

@@ -58,7 +58,7 @@ def endpoints_of(page: Page) -> list[Endpoint]:
         *me.endpoints(page.people),
         *commands.endpoints(page.tickets),
         *archive.endpoints(page.archive, page),
-        *scripts.endpoints(page.shelf, page.recipes, page),
+        *scripts.endpoints(page.shelf, page),
         *tree_watch.endpoints(page.tree),
         *planning.endpoints(page.questions, PageQueue(page)),
     ]

@@ -31,4 +31,4 @@ class CellShow:
         """Return everything that is shown."""
         self.wants_moment |= self._known.lacks(job.digest for job in status.jobs)
         described = description or CellDescription(status.cell, len(status.sections), '')
-        return parts_of(status, described, self._known.scripts, node, self._known.params)
+        return parts_of(status, described, self._known.scripts, node, self._known.orders)

@@ -14,6 +14,7 @@ from bt_orchestrator.doors.open_door import OpenDoor
 from bt_orchestrator.errors import NodeUnreachable
 from bt_orchestrator.model.status import CellDescription, CellStatus
 from bt_orchestrator.ports import CellLink
+from bt_orchestrator.script.order_files import OrderFiles
 from bt_orchestrator.web.access import Access
 from bt_orchestrator.web.archive.archive import Archive
 from bt_orchestrator.web.archive.heard import Heard
@@ -21,7 +22,6 @@ from bt_orchestrator.web.book import Book
 from bt_orchestrator.web.cell_show import CellShow
 from bt_orchestrator.web.people import People
 from bt_orchestrator.web.planning.questions import Questions
-from bt_orchestrator.web.scripts.recipe_shelf import RecipeShelf
 from bt_orchestrator.web.scripts.shelf import Shelf
 from bt_orchestrator.web.seams import Show, Sources
 from bt_orchestrator.web.stream import BEAT_S, Streams
@@ -73,9 +73,8 @@ class Page(CellClient):
             Heard(self.book, self.doors), self.sources.open_records, lambda: self.book.history
         )
         self.tree = TreeWatch(self._following.do)
-        trees = self.sources.trees
-        self.shelf = Shelf(self.known, self.archive, trees, self._ask_moment)
-        self.recipes = RecipeShelf(self.sources.recipes)
+        files = OrderFiles(self.sources.trees, self.sources.recipes)
+        self.shelf = Shelf(self.known, self.archive, files, self._ask_moment)
         self._spawn(self._beat())
 
     def _leave(self, door: CellLink) -> None:

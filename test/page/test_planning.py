@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from cell_processes import STATELESS_CELL, CellProcesses, StartCell, small_script
+from page.axe import barriers
 from page.browsing import Tab
 from page.conftest import Sit, StartPage
 
@@ -18,7 +19,7 @@ ABLE_CELL = STATELESS_CELL
 for name, does in (
     ('feeder', '{task: TASK_A, qty_change: 1}'),
     ('worker', '{task: TASK_A}'),
-    ('packer', '{task: TASK_A, qty_change: -1}'),
+    ('packer', '{task: TASK_A, qty_change: -1}, worker: {task: TASK_A}'),
 ):
     of = f'action: {name}/task'
     between = '\n    ' if name == 'worker' else ', '
@@ -40,6 +41,7 @@ def planned(start_cell: StartCell, tmp_path: Path) -> CellProcesses:
     cell = start_cell(ABLE_CELL, run_options=['--recipes', str(tmp_path / 'cell')])
     cell.connect()
     (cell.folder / 'recipe.yaml').write_text(RECIPE)
+    (cell.folder / 'before.yaml').write_text(RECIPE.replace('version: 4', 'version: 3'))
     text = small_script().replace('\nsections:', '\nparams: {lot: {type: int}}\nsections:')
     (cell.folder / 'lots.yaml').write_text(text.replace('small', 'lots'))
     cell.run_small(quantity=500, order='long')
@@ -149,7 +151,8 @@ def test_an_order_with_a_mistake_is_mended_and_queued_and_so_is_one_by_recipe(
     tab.page.locator('[name="quantity"]').fill('2')
     chosen = tab.page.locator('[name="script"]')
     chosen.select_option('recipe/P-1')
-    assert chosen.locator('option:checked').inner_text() == 'P-1 version 4'
+    version = tab.page.locator('[name="version"]')
+    assert version.locator('option').all_inner_texts() == ['the newest (4)', '4', '3']
     tab.page.locator('[data-do="order"]').click()
     tab.page.locator('[name="params.lot"][aria-invalid="true"]').fill('8')
     tab.page.locator('[data-check="fine"]').wait_for()
@@ -158,3 +161,34 @@ def test_an_order_with_a_mistake_is_mended_and_queued_and_so_is_one_by_recipe(
     queued = planned.watch.until('job.queued', job=name)
     assert (queued['recipe'], queued['recipe_version']) == ('P-1', 4)
     assert (queued['params'], queued['choice']) == ({'lot': 8}, {'recipes': ['P-1']})
+
+    tab.page.locator('.order-done').wait_for()
+    name = tab.page.locator('[name="order"]').input_value()
+    version.focus()
+    tab.page.keyboard.press('3')
+    tab.page.keyboard.press('Tab')
+    tab.page.keyboard.press('Enter')  # who does what
+    tab.page.keyboard.press('Tab')
+    tab.page.keyboard.press('w')
+    assert tab.page.locator('[name="params.lot"]').input_value() == '8', 'it is kept'
+    tab.page.locator('[data-check="fine"]').wait_for()
+    assert barriers(tab) == []
+    tab.page.locator('[data-do="order"]').click()
+    tab.page.locator('dialog [data-do="send"]').click()
+    queued = planned.watch.until('job.queued', job=name)
+    bound = {'recipes': ['P-1'], 'version': 3, 'bind': {'b': 'worker'}}
+    assert (queued['recipe_version'], queued['choice']) == (3, bound)
+
+    engineer = sit(page.port).open(f'job/{name}')
+    engineer.log_in('engineer')
+    engineer.page.locator('[data-offer="job.update"]').click()
+    dialog = engineer.page.locator('dialog[data-dialog="job.update"]')
+    assert dialog.locator('[name="version"]').input_value() == '3'
+    assert dialog.locator('[name="bind.b"]').input_value() == 'worker'
+    dialog.locator('[name="version"]').select_option('')
+    dialog.locator('[name="bind.b"]').select_option('packer')
+    assert barriers(engineer) == []
+    engineer.confirm('job.update', 'the new version')
+    updated = planned.watch.until('job.updated', job=name)
+    bound = {'recipes': ['P-1'], 'bind': {'b': 'packer'}}
+    assert (updated['recipe_version'], updated['choice']) == (4, bound)

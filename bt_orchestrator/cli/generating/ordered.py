@@ -18,7 +18,7 @@ from bt_orchestrator.planning.outcome import NotMade
 from bt_orchestrator.ports import ActionTypes, MadeScript
 from bt_orchestrator.script.orders.order_file import OrderPlaces
 from bt_orchestrator.script.orders.terms import Wrong
-from bt_orchestrator.script.recipes.bindings import Unbound, misfit, unknown_operation
+from bt_orchestrator.script.recipes.bindings import misfit, unknown_operation
 from bt_orchestrator.script.recipes.overrides_file import read_overrides
 from bt_orchestrator.script.recipes.recipe_file import read_recipe
 from bt_orchestrator.script.recipes.shelf import Shelved, find_recipe
@@ -93,20 +93,21 @@ class RecipeMaker:
         overrides = NO_OVERRIDES
         if given is not None:
             overrides = read_overrides(given, recipe, self._cell)
-        wrong = [places.finding(Wrong('bind', *one)) for one in self._unbound(choice, recipe)]
+        wrong = [places.finding(one) for one in _unbound(choice, recipe, self._cell)]
         if wrong:
             raise Refused(wrong)
         if choice.bind:
             overrides = replace(overrides, bind={**overrides.bind, **choice.bind})
         return Inputs(self._cell, recipe, overrides, self._types)
 
-    def _unbound(self, choice: RecipeChoice, recipe: Recipe) -> Iterator[Unbound]:
-        for operation, component in choice.bind.items():
-            wrong = unknown_operation(operation, recipe, 'bind') or misfit(
-                operation, component, recipe, self._cell
-            )
-            if wrong is not None:
-                yield wrong
+
+def _unbound(choice: RecipeChoice, recipe: Recipe, cell: Cell) -> Iterator[Wrong]:
+    for operation, component in choice.bind.items():
+        wrong = unknown_operation(operation, recipe, 'bind') or misfit(
+            operation, component, recipe, cell
+        )
+        if wrong is not None:
+            yield Wrong(f'bind.{operation}', *wrong)
 
 
 def _made(inputs: Inputs, without: frozenset[str]) -> Made | NotMade | NotVouchedFor:

@@ -10,6 +10,7 @@ from bt_orchestrator.mes.parts import Parameter, Text, WorkMaster
 from bt_orchestrator.model.script import Parameter as Declared
 from bt_orchestrator.opcua.bridge import Bridge
 from bt_orchestrator.opcua.job_control.structures import listed, work_master
+from bt_orchestrator.script.recipes.declared import DeclaredVersion
 
 
 class WorkMasters:
@@ -30,13 +31,16 @@ class WorkMasters:
                 name: _master(name, one.params.values()) for name, one in files.scripts.items()
             }
             recipes = {
-                name: _master(name, one.params.values(), f'recipe, version {one.versions[-1]}')
-                for name, one in files.recipes.items()
+                name: _of_recipe(one.newest) for name, one in files.recipes.items()
             }
             found = {**heard, **recipes, **read}
             self._made_from = made_from
             self._value = listed([work_master(found[name]) for name in sorted(found)])
         return self._value
+
+
+def _of_recipe(one: DeclaredVersion) -> WorkMaster:
+    return _master(one.name, one.params.values(), f'recipe, version {one.version}')
 
 
 def _master(name: str, params: Iterable[Declared], about: str = '') -> WorkMaster:

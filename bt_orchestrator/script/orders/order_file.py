@@ -53,8 +53,8 @@ class OrderPlaces:
 
     def finding(self, wrong: Wrong) -> Finding:
         """Return a mistake in one of the keys."""
-        place = self.place(wrong.key)
-        return Finding(self.file, place.line, place.column, wrong.what, wrong.hint)
+        place = self.place(*wrong.key.split('.'))
+        return Finding(self.file, place.line, place.column, wrong.what, wrong.hint, wrong.key)
 
     def is_sure(self, *path: str) -> bool:
         """Tell whether a key, and all around it, has been read as it was meant."""

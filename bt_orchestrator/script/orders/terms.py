@@ -25,6 +25,7 @@ class Wrong(NamedTuple):
     """What is wrong with one of the keys."""
 
     key: str
+    """For instance `due`, or `bind.insert`."""
     what: str
     hint: str
 

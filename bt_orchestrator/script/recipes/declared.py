@@ -2,54 +2,107 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from bt_orchestrator.errors import Refused
+from bt_orchestrator.errors import Finding, Refused
 from bt_orchestrator.model.script import Parameter
 from bt_orchestrator.script.fields import file_fields
+from bt_orchestrator.script.lookup import scripts_in
 from bt_orchestrator.script.parameters import read_parameters
 from bt_orchestrator.script.recipes.drafts import RecipeDraft
 from bt_orchestrator.script.recipes.recipe_keys import RECIPE
-from bt_orchestrator.script.recipes.shelf import shelved
+from bt_orchestrator.script.recipes.shelf import shelved_at
 from bt_orchestrator.script.report import Report
 from bt_orchestrator.script.source_text import read_text
+from bt_orchestrator.script.yaml_nodes import ListNode, MapNode, Node, Scalar
+
+
+@dataclass(frozen=True)
+class DeclaredVersion:
+    """The head of one version of a recipe, and what its operations do."""
+
+    name: str
+    """By which an order names the recipe."""
+    version: int
+    params: Mapping[str, Parameter]
+    operations: Mapping[str, tuple[str, ...]]
+    """By id, the capabilities of which one does it."""
+    has_mistakes: bool = False
+    """In what is read here: then nothing of it can be used."""
 
 
 @dataclass(frozen=True)
 class DeclaredRecipe:
-    """The head of a recipe."""
+    """A recipe, with the versions of it that can be ordered."""
 
     name: str
-    """By which an order names it."""
-    versions: tuple[int, ...]
+    versions: tuple[DeclaredVersion, ...]
     """The newest last."""
-    params: Mapping[str, Parameter]
-    """Of the newest version."""
+
+    @property
+    def newest(self) -> DeclaredVersion:
+        """The version that is made where an order names none."""
+        return self.versions[-1]
 
 
-def declared_recipes(folders: Sequence[Path]) -> Iterator[DeclaredRecipe]:
-    """Yield the recipes of some folders by name; what cannot be read is left out."""
-    found: dict[str, dict[int, Path]] = {}
-    for one in shelved(folders):
-        found.setdefault(one.name, {}).setdefault(one.version, one.path)
-    for name in sorted(found):
-        versions = sorted(found[name])
-        try:
-            params = _params(found[name][versions[-1]])
-        except Refused:
-            continue
-        yield DeclaredRecipe(name, tuple(versions), params)
+def recipe_files(folders: Sequence[Path]) -> Iterator[Path]:
+    """Yield the files in which recipes are looked up, in their order."""
+    for folder in folders:
+        yield from scripts_in(folder)
 
 
-def _params(path: Path) -> Mapping[str, Parameter]:
-    """Read the parameters of a recipe.
+def declared_version(path: Path) -> DeclaredVersion:
+    """Read what a file declares.
 
-    :raises Refused: there is a mistake in them
+    :raises Refused: it is no recipe
     """
+    file = shelved_at(path)
+    if file is None:
+        raise Refused([Finding(str(path), 1, 1, 'this is no recipe')])
     report = Report(str(path))
-    draft = RecipeDraft(file_fields(read_text(path), RECIPE, report))
-    read_parameters(draft, report)
-    report.refuse()
-    return draft.params
+    try:
+        draft = RecipeDraft(file_fields(read_text(path), RECIPE, report))
+        read_parameters(draft, report)
+        report.refuse()
+    except Refused:
+        return DeclaredVersion(file.name, file.version, {}, {}, has_mistakes=True)
+    operations = dict(_operations(draft.fields.node, 'operations'))
+    return DeclaredVersion(file.name, file.version, draft.params, operations)
+
+
+def recipes_of(declared: Iterable[DeclaredVersion]) -> Iterator[DeclaredRecipe]:
+    """Yield recipes by name; of a version that is there twice the first counts.
+
+    One whose newest version has mistakes is left out: an order of it would be refused.
+    """
+    found: dict[str, dict[int, DeclaredVersion]] = {}
+    for one in declared:
+        found.setdefault(one.name, {}).setdefault(one.version, one)
+    for name, versions in sorted(found.items()):
+        if not versions[max(versions)].has_mistakes:
+            sound = [one for _, one in sorted(versions.items()) if not one.has_mistakes]
+            yield DeclaredRecipe(name, tuple(sound))
+
+
+def _operations(node: MapNode, key: str) -> Iterator[tuple[str, tuple[str, ...]]]:
+    """Yield operations with what they do; an order of one with mistakes tells them."""
+    for one in _listed(node, key):
+        if isinstance(one, MapNode):
+            yield from _operations(one, 'repeat')
+            ids, does = (tuple(_texts(one, key)) for key in ('id', 'do'))
+            if ids and does:
+                yield ids[0], does
+
+
+def _texts(node: MapNode, key: str) -> Iterator[str]:
+    return (one.text for one in _listed(node, key) if isinstance(one, Scalar) and one.text)
+
+
+def _listed(node: MapNode, key: str) -> Sequence[Node]:
+    """Return the members of a list, or what stands for it."""
+    entry = node.find(key)
+    if entry is None:
+        return ()
+    return entry.value.items if isinstance(entry.value, ListNode) else (entry.value,)

@@ -38,7 +38,7 @@ def shelved(folders: Sequence[Path]) -> Iterator[Shelved]:
     """Yield the recipes in some folders; files that are none, or cannot be read, are left out."""
     for folder in folders:
         for path in scripts_in(folder):
-            found = None if path.stem.endswith(OVERRIDES) else _shelved(path)
+            found = shelved_at(path)
             if found is not None:
                 yield found
 
@@ -91,7 +91,10 @@ def _refuse_twins(first: Shelved, second: Shelved, places: OrderPlaces) -> None:
     raise Refused([places.finding(Wrong('recipe', what, 'give one of them another version'))])
 
 
-def _shelved(path: Path) -> Shelved | None:
+def shelved_at(path: Path) -> Shelved | None:
+    """Return the recipe of a file; None: it is none, or cannot be read."""
+    if path.stem.endswith(OVERRIDES):
+        return None
     try:
         root = compose(read_text(path), Report(str(path)))
     except Refused:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
+from bt_orchestrator.doors.known import Ordered
 from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.status import CellStatus, JobStatus
 from bt_orchestrator.web.offers import job_offers
 from bt_orchestrator.web.parts.tasks import TaskParts
+
+NOT_KNOWN = Ordered({}, None)
+"""The order of a job that was given before anybody listened."""
 
 
 def job_part(
@@ -16,7 +18,7 @@ def job_part(
     status: CellStatus,
     script: Script | None,
     tasks: TaskParts,
-    params: Mapping[str, object],
+    ordered: Ordered,
 ) -> dict[str, object]:
     """Return a job with its initialization tasks.
 
@@ -53,7 +55,8 @@ def job_part(
         'ends': _ends(job, status),
         'initialization': list(job.initialization),
         'tasks': listed,
-        'params': to_plain(params),
+        'params': to_plain(ordered.params),
+        'choice': to_plain(ordered.choice, whole=True),
         'offers': job_offers(job, status),
     }
 

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from bt_orchestrator.doors.known import Ordered
 from bt_orchestrator.drawing.task_marks import held_tasks
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.status import CellDescription, CellStatus
 from bt_orchestrator.web.parts.cell import cell_part, flags_part, hold_part, now_part
 from bt_orchestrator.web.parts.components import component_part, line_part
-from bt_orchestrator.web.parts.jobs import job_part
+from bt_orchestrator.web.parts.jobs import NOT_KNOWN, job_part
 from bt_orchestrator.web.parts.sections import belt_part, section_part
 from bt_orchestrator.web.parts.tasks import TaskParts
 from bt_orchestrator.web.parts.waits import why_part
 
-_NOTHING: Mapping[str, Mapping[str, object]] = {}
+_NOTHING: Mapping[str, Ordered] = {}
 
 
 def parts_of(
@@ -22,13 +23,13 @@ def parts_of(
     description: CellDescription,
     scripts: Mapping[str, Script],
     node: str,
-    params: Mapping[str, Mapping[str, object]] = _NOTHING,
+    orders: Mapping[str, Ordered] = _NOTHING,
 ) -> dict[str, object]:
     """Return all parts of a status.
 
     :param scripts: those that are known, by digest
     :param node: full name of the tree node
-    :param params: parameters of jobs, as far as they are known, by job
+    :param orders: those of jobs, as far as they are known, by job
     """
     tasks = TaskParts(description, held_tasks(status.holds))
     parts: dict[str, object] = {
@@ -46,7 +47,7 @@ def parts_of(
         parts[f'hold/{hold.id}'] = hold_part(hold)
     for job in status.jobs:
         script = scripts.get(job.digest)
-        parts[f'job/{job.id}'] = job_part(job, status, script, tasks, params.get(job.id, {}))
+        parts[f'job/{job.id}'] = job_part(job, status, script, tasks, orders.get(job.id, NOT_KNOWN))
     described = {one.name: one for one in description.components}
     for component in status.components:
         part = component_part(component, described.get(component.name))

@@ -21,7 +21,6 @@ from bt_orchestrator.web.endpoint import Endpoint
 from bt_orchestrator.web.parts.tasks import TaskParts
 from bt_orchestrator.web.replies import Json, Problem
 from bt_orchestrator.web.scripts.drawing import Drawings
-from bt_orchestrator.web.scripts.recipe_shelf import RecipeShelf
 from bt_orchestrator.web.scripts.shelf import Shelf, parameters
 
 _UNKNOWN = {404: 'no script with this digest is known here', 503: 'the message says why not now'}
@@ -39,9 +38,9 @@ class Cell(Protocol):
         """What exists in the cell; None: not known yet."""
 
 
-def endpoints(shelf: Shelf, recipes: RecipeShelf, cell: Cell) -> tuple[Endpoint, ...]:
+def endpoints(shelf: Shelf, cell: Cell) -> tuple[Endpoint, ...]:
     """Return the endpoints."""
-    routes = _Routes(shelf, recipes, cell)
+    routes = _Routes(shelf, cell)
     return (
         Endpoint(
             'GET',
@@ -53,8 +52,8 @@ def endpoints(shelf: Shelf, recipes: RecipeShelf, cell: Cell) -> tuple[Endpoint,
             'GET',
             '/api/recipes',
             routes.recipes,
-            'returns the recipes that an order can name, with the parameters of their newest '
-            'versions',
+            'returns the recipes that an order can name; of each version, the newest last, the '
+            'parameters, and the operations that several components can do',
         ),
         Endpoint(
             'GET',
@@ -76,9 +75,8 @@ def endpoints(shelf: Shelf, recipes: RecipeShelf, cell: Cell) -> tuple[Endpoint,
 
 
 class _Routes:
-    def __init__(self, shelf: Shelf, recipes: RecipeShelf, cell: Cell) -> None:
+    def __init__(self, shelf: Shelf, cell: Cell) -> None:
         self._shelf = shelf
-        self._recipes = recipes
         self._cell = cell
         self._drawings = Drawings()
 
@@ -86,7 +84,7 @@ class _Routes:
         return Json(await self._shelf.listed())
 
     async def recipes(self, _: Request) -> Response:
-        return Json(await self._recipes.listed())
+        return Json(await self._shelf.recipes())
 
     async def script(self, request: Request) -> Response:
         digest = request.path_params['digest']

@@ -1,26 +1,21 @@
-"""The scripts that the page can reach: in folders, from events, from the journal."""
+"""The scripts and recipes that the page can reach: in folders, from events, from the journal."""
 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable, Iterable, Sequence
-from pathlib import Path
+from collections.abc import Awaitable, Callable, Iterable, Iterator
 from typing import Any
 
 from bt_orchestrator.doors.known import Known
-from bt_orchestrator.errors import Refused
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.model.script import Parameter, Script
-from bt_orchestrator.script.declared import Declared, declared, script_files
+from bt_orchestrator.script.order_files import OrderFiles
+from bt_orchestrator.script.recipes.declared import DeclaredRecipe, DeclaredVersion
 from bt_orchestrator.web.archive.archive import Archive, Look
 from bt_orchestrator.web.archive.scanning import events
-
-_Stamp = tuple[int, int]
-"""Time of the last change, and size: a file with the same ones is not read again."""
-
 
 class Shelf:
     """All calls come from the loop's thread; folders and the journal are read in others."""
@@ -29,22 +24,22 @@ class Shelf:
         self,
         known: Known,
         archive: Archive,
-        trees: Sequence[Path],
+        files: OrderFiles,
         ask_moment: Callable[[], Awaitable[None]],
     ) -> None:
         """Prepare; nothing is read.
 
+        :param files: what orders can name
         :param ask_moment: has what a moment tells put into `known`, as far as the node answers
         """
         self._known = known
         self._archive = archive
-        self._trees = trees
+        self._files = files
         self._ask_moment = ask_moment
-        self._read: dict[Path, tuple[_Stamp, Declared | None]] = {}
 
     async def listed(self) -> list[dict[str, Any]]:
         """Return all scripts that an order can name, with their parameters."""
-        here = {one.name: one for one in await asyncio.to_thread(self._in_folders)}
+        here = {one.name: one for one in await asyncio.to_thread(self._files.scripts)}
         digests = {script.name: digest for digest, script in self._known.scripts.items()}
         listed = [
             _listed(one.name, digests.get(one.name, ''), one.params.values(), one.quantity)
@@ -56,6 +51,12 @@ class Shelf:
             if script.name not in here and digests[script.name] == digest
         ]
         return sorted(listed, key=lambda one: str(one['name']))
+
+    async def recipes(self) -> list[dict[str, Any]]:
+        """Return all recipes that an order can name, each with its versions, the newest last."""
+        found = await asyncio.to_thread(self._files.recipes)
+        cell = await self.cell() if found else None
+        return [_recipe(one, cell) for one in found]
 
     async def script(self, digest: str) -> Script | None:
         """Return a script by its digest; None: it is not known here.
@@ -74,26 +75,6 @@ class Shelf:
         if self._known.cell is None:
             await self._ask_moment()
         return self._known.cell
-
-    def _in_folders(self) -> list[Declared]:
-        """Read the folders; what cannot be read is left out, and an order tells why."""
-        found = {path: self._declared(path) for path in script_files(self._trees)}
-        self._read = {path: one for path, one in found.items() if one is not None}
-        return [one for _, one in self._read.values() if one is not None]
-
-    def _declared(self, path: Path) -> tuple[_Stamp, Declared | None] | None:
-        try:
-            about = path.stat()
-        except OSError:
-            return None
-        stamp = (about.st_mtime_ns, about.st_size)
-        known = self._read.get(path)
-        if known is not None and known[0] == stamp:
-            return known
-        try:
-            return stamp, declared(path)
-        except Refused:
-            return stamp, None
 
 
 def _loaded(look: Look, digest: str) -> Script | None:
@@ -120,6 +101,32 @@ def parameters(params: Iterable[Parameter]) -> list[dict[str, Any]]:
         }
         for one in params
     ]
+
+
+def _recipe(recipe: DeclaredRecipe, cell: Cell | None) -> dict[str, Any]:
+    return {
+        'name': recipe.name,
+        'versions': [
+            {
+                'version': one.version,
+                'parameters': parameters(one.params.values()),
+                'bind': list(_choices(one, cell)),
+            }
+            for one in recipe.versions
+        ],
+    }
+
+
+def _choices(recipe: DeclaredVersion, cell: Cell | None) -> Iterator[dict[str, Any]]:
+    """Yield the operations that several components can do, as far as the cell is known."""
+    for operation, does in recipe.operations.items():
+        able = [
+            one.name
+            for one in (cell.components.values() if cell else ())
+            if not one.capabilities.keys().isdisjoint(does)
+        ]
+        if len(able) > 1:
+            yield {'operation': operation, 'components': able}
 
 
 def _listed(

@@ -7,10 +7,12 @@ from typing import Any, cast
 
 import pytest
 from fakes.line import THREE, Line
-from fakes.virtual_run import VirtualRun
+from fakes.virtual_run import BY, VirtualRun
 
 from bt_orchestrator.doors.known import MOST_SCRIPTS, Known, told_by
 from bt_orchestrator.model.codec import digest
+from bt_orchestrator.model.jobs.job_commands import AddJobs
+from bt_orchestrator.model.jobs.order import Job, RecipeChoice
 from bt_orchestrator.model.keeping.snapshot import nearest, state_to_plain
 from bt_orchestrator.ports import Moment
 from bt_orchestrator.runtime.overview import Overview, description_of
@@ -41,8 +43,22 @@ def test_events_tell_scripts_and_parameters(run: VirtualRun) -> None:
         show.hear(event)
     parts = shown(run, show)
     assert parts['job/J']['params'] == {'lot': 'A7'}
+    assert parts['job/J']['choice'] is None
     assert [task['id'] for task in parts['section/1']['tasks']] == ['place']
     assert not show.wants_moment
+
+
+def test_an_order_by_recipe_is_told_as_it_was_given(run: VirtualRun) -> None:
+    choice = RecipeChoice(('P-1', 'P-2'), None, {'glue': 'press'})
+    run.ask(AddJobs((Job('K', run.state.script('J'), 1, {'lot': 'B'}, recipe=choice),), BY))
+    heard, told = Known(), Known()
+    for event in run.store.read():
+        heard.hear(event)
+    state = nearest(run.state)
+    told.take(told_by(Moment(run.state.cell, state_to_plain(state), run.now)))
+    assert heard.orders['K'] == told.orders['K'] == ({'lot': 'B'}, choice)
+    plain = {'recipes': ['P-1', 'P-2'], 'version': None, 'bind': {'glue': 'press'}}
+    assert shown(run, CellShow(heard))['job/K']['choice'] == plain
 
 
 def test_a_moment_tells_what_was_before_and_is_asked_for_once(run: VirtualRun) -> None:

@@ -221,9 +221,9 @@ def test_an_order_by_recipe_is_generated_and_checked(glued: Glued) -> None:
     [
         ({'params': {'n': 'x'}}, 'params.n', 'whole number'),
         ({'params': {}}, 'params.n', 'missing'),
-        ({'version': 9}, 'recipe', 'recipe BOX-7 has no version 9; there is 3'),
-        ({'bind': {'glue': 'nobody'}}, 'recipe', 'there is no component `nobody`'),
-        ({'bind': {'close': 'robot_a'}}, 'recipe', '`robot_a` does not have `close`'),
+        ({'version': 9}, 'version', 'recipe BOX-7 has no version 9; there is 3'),
+        ({'bind': {'glue': 'nobody'}}, 'bind.glue', 'there is no component `nobody`'),
+        ({'bind': {'close': 'robot_a'}}, 'bind.close', '`robot_a` does not have `close`'),
     ],
 )
 def test_mistakes_of_an_order_by_recipe_stand_at_their_fields(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import cast
 from xml.etree import ElementTree as ET
@@ -16,12 +17,14 @@ from fakes.virtual_run import VirtualRun
 from bt_orchestrator.doors.facts import Happened
 from bt_orchestrator.doors.known import Known
 from bt_orchestrator.drawing.status_marks import NotThisLine
+from bt_orchestrator.model.capability import Capability
+from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.status import CellStatus
+from bt_orchestrator.script.order_files import OrderFiles
 from bt_orchestrator.web.archive.archive import Archive
 from bt_orchestrator.web.archive.heard import Heard, HeardRecords
 from bt_orchestrator.web.scripts.drawing import Drawings, Drawn
-from bt_orchestrator.web.scripts.recipe_shelf import RecipeShelf
 from bt_orchestrator.web.scripts.shelf import Shelf
 
 WITH_PARAMS = """
@@ -40,7 +43,9 @@ def run() -> VirtualRun:
     return run.go(until=2.0)
 
 
-def shelf(run: VirtualRun, trees: Path, known: Known | None = None) -> Shelf:
+def shelf(
+    run: VirtualRun, trees: Path, known: Known | None = None, recipes: Path | None = None
+) -> Shelf:
     class AllHeard:
         async def records(self) -> HeardRecords:
             return HeardRecords('', 0, [Happened(event) for event in run.store.read()])
@@ -49,7 +54,8 @@ def shelf(run: VirtualRun, trees: Path, known: Known | None = None) -> Shelf:
         """Tell nothing: the node is silent."""
 
     archive = Archive(cast('Heard', AllHeard()))
-    return Shelf(known or Known(), archive, (trees,), no_moment)
+    files = OrderFiles((trees,), (recipes,) if recipes else ())
+    return Shelf(known or Known(), archive, files, no_moment)
 
 
 def test_scripts_of_the_folders_with_their_parameters(run: VirtualRun, tmp_path: Path) -> None:
@@ -111,20 +117,51 @@ def test_a_drawing_has_another_tag_only_when_it_is_another_one(run: VirtualRun) 
 
 
 def test_the_state_of_another_cell_is_not_drawn(run: VirtualRun) -> None:
-    from dataclasses import replace
-
     with pytest.raises(NotThisLine):
         drawn(Drawings(), run, replace(status_of(run), cell='another'))
 
 
-def test_recipes_of_the_folders_are_read_again_when_a_file_has_changed(tmp_path: Path) -> None:
-    text = 'recipe: P-1\nversion: {}\nscript: s\nparams: {{lot: {{type: str}}}}\noperations: []\n'
-    (tmp_path / 'p.yaml').write_text(text.format(1))
-    recipes = RecipeShelf([tmp_path])
-    first = asyncio.run(recipes.listed())
-    assert asyncio.run(recipes.listed()) is first
-    (one,) = first
-    assert (one['name'], one['versions']) == ('P-1', [1])
-    assert [field['name'] for field in one['parameters']] == ['lot']
-    (tmp_path / 'p_2.yaml').write_text(text.format(2))
-    assert [one['versions'] for one in asyncio.run(recipes.listed())] == [[1, 2]]
+RECIPE = """\
+recipe: P-1
+version: {}
+script: s
+params: {{lot: {{type: str}}}}
+operations:
+  - {{id: glue, do: [glue, tape]}}
+  - repeat:
+    - {{id: look, do: look}}
+    - {{id: close, do: close}}
+  - {{do: glue}}
+"""
+
+
+def able(cell: Cell) -> Cell:
+    """Return a cell in which two components can glue, and one can look."""
+    first, second, *others = cell.components.values()
+    able = [
+        replace(first, capabilities={'glue': Capability('glue', 'TASK_A')}),
+        replace(second, capabilities={name: Capability(name, 'T') for name in ('tape', 'look')}),
+    ]
+    return replace(cell, components={one.name: one for one in [*able, *others]})
+
+
+def test_recipes_with_their_versions_and_what_can_be_bound(run: VirtualRun, tmp_path: Path) -> None:
+    (tmp_path / 'p.yaml').write_text(RECIPE.format(1))
+    known = Known()
+    known.cell = able(run.state.cell)
+    recipes = shelf(run, tmp_path, known, recipes=tmp_path)
+    (one,) = asyncio.run(recipes.recipes())
+    (version,) = one['versions']
+    assert (one['name'], version['version']) == ('P-1', 1)
+    assert [field['name'] for field in version['parameters']] == ['lot']
+    able_to_glue = list(known.cell.components)[:2]
+    assert version['bind'] == [{'operation': 'glue', 'components': able_to_glue}]
+    (tmp_path / 'p_2.yaml').write_text(RECIPE.format(2))
+    (one,) = asyncio.run(recipes.recipes())
+    assert [version['version'] for version in one['versions']] == [1, 2]
+
+
+def test_while_the_cell_is_not_known_nothing_can_be_bound(run: VirtualRun, tmp_path: Path) -> None:
+    (tmp_path / 'p.yaml').write_text(RECIPE.format(1))
+    (one,) = asyncio.run(shelf(run, tmp_path, recipes=tmp_path).recipes())
+    assert one['versions'][0]['bind'] == []

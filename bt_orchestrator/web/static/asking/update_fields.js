@@ -6,6 +6,7 @@ import { part } from '../core/store.js';
 import { t } from '../core/text.js';
 import { fieldWith } from './entry.js';
 import { jsonField } from './json_field.js';
+import { recipeFields } from './recipe_fields.js';
 import { scriptParams } from './script_params.js';
 import { timeField } from './time_field.js';
 
@@ -16,10 +17,15 @@ export const UPDATE_FIELDS = {
   'job.update.quantity': (offer) => wholeField('quantity', jobOf(offer)?.quantity),
   'job.update.priority': (offer) => wholeField('priority', jobOf(offer)?.priority),
   'job.update.params': (offer) => paramFields(jobOf(offer)),
+  'job.update.version': (offer) => ofRecipe(jobOf(offer)),
+  'job.update.bind': () => SAID_ABOVE,
   'job.update.start': (offer) => momentField('start', jobOf(offer)?.start),
   'job.update.due': (offer) => momentField('due', jobOf(offer)?.due),
   'job.update.details': detailsField,
 };
+
+/** What another field speaks for. */
+const SAID_ABOVE = { element: null, read: () => ({ value: undefined }), warn: () => {} };
 
 function jobOf(offer) {
   return part(`job/${offer.body.job}`);
@@ -69,6 +75,37 @@ function detailsField() {
       };
     },
     warn: (isWrong) => field.warn(isWrong ? t('order.json') : ''),
+  };
+}
+
+/** Version and bindings of a job by recipe. Who names a recipe names all of it, so all is sent. */
+function ofRecipe(job) {
+  const element = h('div', { class: 'field wide' });
+  let fields = null;
+  let before = '';
+
+  async function load() {
+    try {
+      const found = (await get('/api/recipes')).find(({ name }) => name === job.recipe);
+      if (!found) return;
+      fields = recipeFields(found, job.choice);
+      before = JSON.stringify(fields.values());
+      children(element, fields.element);
+    } catch (refused) {
+      if (!(refused instanceof Refused)) throw refused;
+      children(element, h('p', { class: 'warn' }, refused.message || t('order.no_scripts')));
+    }
+  }
+
+  if (job?.choice) load();
+  return {
+    element,
+    read() {
+      const said = fields?.values() ?? {};
+      if (!fields || JSON.stringify(said) === before) return { value: undefined };
+      return { value: { instead: { recipe: job.choice.recipes, ...said } } };
+    },
+    warn: () => {},
   };
 }
 

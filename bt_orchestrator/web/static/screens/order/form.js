@@ -4,6 +4,7 @@ import { h, children } from '../../core/dom.js';
 import { t } from '../../core/text.js';
 import { fieldWith } from '../../asking/entry.js';
 import { jsonField } from '../../asking/json_field.js';
+import { recipeFields } from '../../asking/recipe_fields.js';
 import { scriptParams } from '../../asking/script_params.js';
 import { timeField } from '../../asking/time_field.js';
 import { newOrderId } from './order_id.js';
@@ -44,14 +45,16 @@ export function orderForm(changed, left) {
     h('input', { type: 'number', name: 'position', min: 1, step: 1, inputmode: 'numeric' }),
   );
   const held = h('input', { type: 'checkbox', name: 'held' });
+  const ofRecipe = h('div', {});
   const params = h('div', { class: 'order-params' });
   const touched = new Set();
   let entries = scriptParams([]);
+  let recipe = null;
 
   const element = h(
     'div',
     { class: 'order-parts' },
-    group('order.what', source.field.element, quantity.element, params),
+    group('order.what', source.field.element, ofRecipe, quantity.element, params),
     group('order.when', priority.element, start.element, due.element),
     h(
       'div',
@@ -82,14 +85,25 @@ export function orderForm(changed, left) {
 
   function choose() {
     const chosen = source.chosen();
-    entries = scriptParams(chosen?.parameters ?? []);
-    children(params, entries.element);
+    recipe = chosen?.versions ? recipeFields(chosen, undefined, chooseVersion) : null;
+    children(ofRecipe, recipe?.element ?? null);
+    ask((recipe?.version() ?? chosen)?.parameters ?? []);
     quantity.input.placeholder = chosen?.quantity ?? '';
+  }
+
+  function chooseVersion() {
+    ask(recipe.version().parameters, entries.values());
+  }
+
+  function ask(parameters, values = {}) {
+    entries = scriptParams(parameters, values);
+    children(params, entries.element);
   }
 
   const fields = () =>
     new Map([
       ['script', source.field],
+      ...(recipe?.fields ?? []),
       ['quantity', quantity],
       ['order', order],
       ['priority', priority],
@@ -103,6 +117,7 @@ export function orderForm(changed, left) {
   function value() {
     const said = {
       ...source.value(),
+      ...recipe?.values(),
       order: order.value(),
       quantity: whole(quantity.value()),
       priority: whole(priority.value()),

@@ -43,7 +43,7 @@ export function sourceField(changed) {
       const named = new Map(scripts.map((one) => [one.name, one]));
       const groups = [
         ['order.scripts', options([...named.values()], '', ({ name }) => name)],
-        ['order.recipes', options(recipes, RECIPE, recipeWords)],
+        ['order.recipes', options(recipes, RECIPE, ({ name }) => name)],
       ].filter(([, listed]) => listed.length);
       const shown =
         groups.length > 1
@@ -54,8 +54,4 @@ export function sourceField(changed) {
       changed();
     },
   };
-}
-
-function recipeWords({ name, versions }) {
-  return t('job.of_version', { recipe: name, version: versions.at(-1) });
 }
