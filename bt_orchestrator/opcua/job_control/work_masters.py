@@ -30,9 +30,7 @@ class WorkMasters:
             read = {
                 name: _master(name, one.params.values()) for name, one in files.scripts.items()
             }
-            recipes = {
-                name: _of_recipe(one.newest) for name, one in files.recipes.items()
-            }
+            recipes = {name: _of_recipe(one.newest) for name, one in files.recipes.items()}
             found = {**heard, **recipes, **read}
             self._made_from = made_from
             self._value = listed([work_master(found[name]) for name in sorted(found)])

@@ -47,7 +47,9 @@ def parts_of(
         parts[f'hold/{hold.id}'] = hold_part(hold)
     for job in status.jobs:
         script = scripts.get(job.digest)
-        parts[f'job/{job.id}'] = job_part(job, status, script, tasks, orders.get(job.id, NOT_KNOWN))
+        parts[f'job/{job.id}'] = job_part(
+            job, status, script, tasks, orders.get(job.id, NOT_KNOWN)
+        )
     described = {one.name: one for one in description.components}
     for component in status.components:
         part = component_part(component, described.get(component.name))

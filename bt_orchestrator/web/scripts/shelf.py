@@ -17,6 +17,7 @@ from bt_orchestrator.script.recipes.declared import DeclaredRecipe, DeclaredVers
 from bt_orchestrator.web.archive.archive import Archive, Look
 from bt_orchestrator.web.archive.scanning import events
 
+
 class Shelf:
     """All calls come from the loop's thread; folders and the journal are read in others."""
 

@@ -145,7 +145,9 @@ def able(cell: Cell) -> Cell:
     return replace(cell, components={one.name: one for one in [*able, *others]})
 
 
-def test_recipes_with_their_versions_and_what_can_be_bound(run: VirtualRun, tmp_path: Path) -> None:
+def test_recipes_with_their_versions_and_what_can_be_bound(
+    run: VirtualRun, tmp_path: Path
+) -> None:
     (tmp_path / 'p.yaml').write_text(RECIPE.format(1))
     known = Known()
     known.cell = able(run.state.cell)
