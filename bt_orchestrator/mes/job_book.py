@@ -7,9 +7,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.jobs.isa95 import OVER, QUEUED, JobWord, queued_word, word_at_work
-from bt_orchestrator.model.jobs.job_record import BY_HAND, MISSING
+from bt_orchestrator.model.jobs.job_record import MISSING, counted_as
 from bt_orchestrator.model.status import CellStatus, JobStatus, ListedJob
 from bt_orchestrator.model.stop_reason import StopReason
 
@@ -270,13 +269,13 @@ def _missing(entry: _Entry, _: e.ItemMissing) -> None:
 
 
 def _removed(entry: _Entry, event: e.ItemRemoved) -> None:
-    name = MISSING if event.how == BY_HAND else event.how
+    name = counted_as(event.how)
     if name in _COUNTED:
         entry.count(name)
 
 
 def _continued(entry: _Entry, event: e.TaskContinued) -> None:
-    if event.item is not None and event.policy == OnFailure.CONTINUE.value:
+    if event.nonconforming is not None:
         _nonconforming(entry, event)
 
 

@@ -11,16 +11,15 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.jobs.job_folds import terms_of
 from bt_orchestrator.model.jobs.job_record import (
-    BY_HAND,
     MISSING,
     REMOVED,
     RUNNING,
     FailureRecord,
     ItemRecord,
     JobRecord,
+    counted_as,
 )
 
 
@@ -104,7 +103,7 @@ def _item_missing(job: JobRecord, event: e.ItemMissing) -> None:
 
 
 def _item_removed(job: JobRecord, event: e.ItemRemoved) -> None:
-    _count(job, MISSING if event.how == BY_HAND else event.how)
+    _count(job, counted_as(event.how))
     _end_item(job, event, event.how)
 
 
@@ -129,10 +128,10 @@ def _task_failed(job: JobRecord, event: e.TaskFailed) -> None:
 
 
 def _task_continued(job: JobRecord, event: e.TaskContinued) -> None:
-    if event.item is None or event.policy != OnFailure.CONTINUE.value:
+    if event.nonconforming is None:
         return
     item = _nonconforming(job, event)
-    refused = (f.results for f in reversed(job.failures) if f.is_of(event.item, event.task))
+    refused = (f.results for f in reversed(job.failures) if f.is_of(item.item, event.task))
     results = next(refused, None)
     if results:
         item.results[event.task] = results

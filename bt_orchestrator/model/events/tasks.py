@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, ClassVar
 
+from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.events.base import Event, TaskKey
 
 
@@ -137,6 +138,11 @@ class TaskContinued(TaskEvent):
     event: ClassVar[str] = 'task.continued'
     policy: str
     """continue, reject or abort_job."""
+
+    @property
+    def nonconforming(self) -> str | None:
+        """The item that is nonconforming by it (semantics 2.7); None: none is."""
+        return self.item if self.policy == OnFailure.CONTINUE.value else None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -115,12 +115,12 @@ def task_skipped(event: e.TaskSkipped, state: CellState) -> None:
 
 def task_continued(event: e.TaskContinued, state: CellState) -> None:
     _end(state, event.key, _ENDS[event.policy])
-    if event.item is None or event.policy != OnFailure.CONTINUE.value:
+    if event.nonconforming is None:
         return
-    mark_nonconforming(state, event.item, event.task)
+    mark_nonconforming(state, event.nonconforming, event.task)
     refused = state.tasks[event.key].refused
     if refused:
-        state.items[event.item].results[event.task] = refused
+        state.items[event.nonconforming].results[event.task] = refused
 
 
 _ENDS = {

@@ -99,6 +99,11 @@ class JobRecord:
     """False: its events were removed, and with them its items and failures."""
 
 
+def counted_as(how: str) -> str:
+    """Return the count of its job to which an item adds that left the belt so (semantics 6.2)."""
+    return MISSING if how == BY_HAND else how
+
+
 def record_of(job: JobState) -> JobRecord:
     """Return what stays of a job that ended when its events are gone."""
     names = [one.name for one in dataclasses.fields(Counts)]

@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.hold_words import why_words
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.report.item.history import (
@@ -188,7 +187,7 @@ class ItemFold:
             self._ends.append((event.key, event.time))
         elif isinstance(event, (e.TaskSkipped, e.TaskMarkedDone, e.TaskContinued)):
             self.history.tasks.append(_passed(event))
-            if isinstance(event, e.TaskContinued) and event.policy == OnFailure.CONTINUE.value:
+            if isinstance(event, e.TaskContinued) and event.nonconforming:
                 self.history.nonconforming.append(event.task)
             self._ends.append((event.key, event.time))
         elif attempt is not None:
