@@ -9,6 +9,7 @@ from functools import partial
 from typing import Any, Protocol
 
 from bt_orchestrator.asking.commands import command
+from bt_orchestrator.asking.comparing import made_anew
 from bt_orchestrator.asking.orders import (
     Told,
     answer_to_refused,
@@ -19,15 +20,16 @@ from bt_orchestrator.asking.orders import (
     wanted_orders,
     with_each,
 )
+from bt_orchestrator.asking.rest import rest_of
 from bt_orchestrator.errors import CommandRefused, NotRead, Refused
 from bt_orchestrator.model.by import By
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.commands import Answer, Command, OrderAnswer, RefusedRequest
-from bt_orchestrator.model.jobs.job_commands import AddJobs, UpdateJob
+from bt_orchestrator.model.jobs.job_commands import AddJobs, RequeueJob, UpdateJob
+from bt_orchestrator.model.jobs.made_anew import MadeAnew
 from bt_orchestrator.model.jobs.order import Job
-from bt_orchestrator.model.requests import ADD, UPDATE, About, Asked
+from bt_orchestrator.model.requests import ADD, REQUEUE, UPDATE, About, Asked
 from bt_orchestrator.ports import ActionTypes
-from bt_orchestrator.report.pace_text import made_anew_words
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.script.orders.asked import asked_of, change_of
 from bt_orchestrator.script.orders.desk import AskedOrder, Reading, Wanted
@@ -65,6 +67,8 @@ class RequestHandler:
 
     async def give(self, about: About, word: str, by: By, **given: Any) -> Answer:
         """Carry out a request that came as words; unknown words are refused."""
+        if (about, word) == (About.JOB, REQUEUE.word):
+            return await self.requeue(given['job'], given.get('order') or '', by)
         state = self._engine.state
         try:
             asked: Command = command(about, word, by, given, state, self._types)
@@ -127,10 +131,31 @@ class RequestHandler:
         if isinstance(read, Job) and queued is not None:
             if digest(read.script) == queued.digest:
                 return Answer(accepted=True, message=f'{job} is made as before')
-            cell = self._engine.state.cell
-            told = made_anew_words(queued.job.script, read.script, cell)
-            by = replace(by, reason=f'{by.reason}; {told}')
+            anew = made_anew(queued, read.script, self._engine.state)
+            by = replace(by, reason=f'{by.reason}; made anew: {anew.pace_words}')
+            return await self._update_read(job, reading, by, anew)
         return await self._update_read(job, reading, by)
+
+    async def requeue(self, job: str, order: str, by: By) -> Answer:
+        """End a job on the line early, and queue its rest anew: both or neither (7.6).
+
+        :param order: id of the rest; empty: one is found
+        """
+        try:
+            check_sender(REQUEUE, by)
+            as_it_is = partial(rest_of, self._engine.state, job, order)
+            async with self._orders.read(as_it_is) as reading:
+                return await self._requeue_read(job, reading, by)
+        except NotRead as why:
+            return await self._refuse(REQUEUE.word, by, str(why), job)
+
+    async def _requeue_read(self, job: str, reading: Reading, by: By) -> Answer:
+        (read,), live = reading.read, self._engine.state.jobs[job]
+        if isinstance(read, Refused):
+            return await self._refuse_read(REQUEUE.word, read, by, job)
+        same = digest(read.script) == live.digest
+        anew = None if same else made_anew(live, read.script, self._engine.state)
+        return await self._engine.carry_out(RequeueJob(job, read, by, reading.sharing, anew))
 
     async def _update_as_asked(self, asked: Asked) -> Answer:
         job = str(asked.arguments['job'])
@@ -141,16 +166,25 @@ class RequestHandler:
         return await self.update(job, wish, asked.by)
 
     async def _update_read(
-        self, job: str, reading: Reading, by: By, *, keeps_script: bool = False
+        self,
+        job: str,
+        reading: Reading,
+        by: By,
+        anew: MadeAnew | None = None,
+        *,
+        keeps_script: bool = False,
     ) -> Answer:
         (read,) = reading.read
         if isinstance(read, Refused):
-            await self._refuse(UPDATE.word, by, read.in_short, job)
-            each = OrderAnswer(message=read.count, findings=Told().of(read))
-            return Answer(accepted=False, message=read.count, orders=(each,))
-        update = UpdateJob(read, by, reading.sharing, keeps_script)
+            return await self._refuse_read(UPDATE.word, read, by, job)
+        update = UpdateJob(read, by, reading.sharing, keeps_script, anew)
         answer = await self._engine.carry_out(update)
         return with_each(answer, [read], self._engine.state)
+
+    async def _refuse_read(self, verb: str, read: Refused, by: By, job: str) -> Answer:
+        await self._refuse(verb, by, read.in_short, job)
+        each = OrderAnswer(message=read.count, findings=Told().of(read))
+        return Answer(accepted=False, message=read.count, orders=(each,))
 
     async def _refuse(self, verb: str, by: By, message: str, *jobs: str) -> Answer:
         """Put a request on record that cannot be made a command."""

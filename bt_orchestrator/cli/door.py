@@ -15,7 +15,7 @@ from bt_orchestrator.model.by import By
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.limits import GENERATING_S
-from bt_orchestrator.model.requests import Asked, BadArguments, ask
+from bt_orchestrator.model.requests import REQUEUE, Asked, BadArguments, ask
 from bt_orchestrator.model.status import CellStatus
 
 STEP_S = 0.1
@@ -84,12 +84,12 @@ def ask_and_print(
 def answer_within_s(request: Asked) -> float | None:
     """Return how long the answer to a request may take; None: as long as any other.
 
-    A script is generated first for an order by recipe.
+    A script is generated first for an order by recipe, and for the rest of a job.
     """
     given = request.arguments
     orders: Any = given.get('orders', ())
-    is_made = bool(given.get('recipe')) or any(one.recipe for one in orders)
-    return GENERATING_S if is_made else None
+    is_ordered = bool(given.get('recipe')) or any(one.recipe for one in orders)
+    return GENERATING_S if is_ordered or request.request is REQUEUE else None
 
 
 def _show(answer: Answer, *, as_json: bool) -> None:

@@ -29,6 +29,7 @@ from bt_orchestrator.model.jobs.script_words import script_words
 from bt_orchestrator.model.requests import (
     ADD,
     MOVE,
+    REQUEUE,
     STOP_AFTERS,
     UPDATE,
     About,
@@ -41,7 +42,7 @@ from bt_orchestrator.ports import QueuePage
 from bt_orchestrator.screen.words import job_terms
 
 CONTROLS = tuple(word for word in words_about(About.JOB) if word not in (MOVE.word, UPDATE.word))
-"""What is asked of one job and takes nothing else."""
+"""What is asked of one job, by a word alone."""
 
 STOP_AFTER = 'stop-after'
 
@@ -80,6 +81,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('what', nargs='*', metavar='WHAT', help='orders, a job, a place')
     parser.add_argument('--at', type=whole_32, default=0, metavar='N', help='add: place, from 1')
     parser.add_argument('--held', action='store_true', help='add: keep them from starting')
+    parser.add_argument(
+        '--as', dest='order', default='', metavar='ID', help='requeue: id of the new order'
+    )
     parser.add_argument(
         '--quantity', type=whole_32, default=0, metavar='N', help='update: quantity'
     )
@@ -231,7 +235,9 @@ def _stop_after(args: argparse.Namespace) -> int:
 
 def _control(args: argparse.Namespace) -> int:
     (job,) = _expect(args, 1, 'one job')
-    return _ask(args, _control_of(args.action).name, job=job)
+    request = _control_of(args.action)
+    given = {'order': args.order or None} if request is REQUEUE else {}
+    return _ask(args, request.name, job=job, **given)
 
 
 _ASK: Mapping[str, Callable[[argparse.Namespace], int]] = {

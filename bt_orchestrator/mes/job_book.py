@@ -183,7 +183,7 @@ class JobBook:
 
 _TERMS = (
     *('digest', 'recipe', 'recipe_version', 'quantity', 'priority', 'start', 'due'),
-    *('awaits_start', 'awaits_release', 'unavailable'),
+    *('awaits_start', 'awaits_release', 'unavailable', 'anew'),
 )
 
 
@@ -195,6 +195,8 @@ def _ordered(event: e.JobQueued) -> ListedJob:
         queued_at=event.time,
         position=event.position or 0,
         held=event.held,
+        rest_of=event.rest_of,
+        by_recipe=event.choice is not None,
         **_terms(event),
     )
     return ListedJob(status, event.params, event.details, choice=event.choice)
@@ -205,7 +207,7 @@ def _terms(event: e.JobQueued | e.JobUpdated) -> dict[str, Any]:
 
 
 def _updated(entry: _Entry, event: e.JobUpdated) -> None:
-    _queued(entry, script=event.script, **_terms(event))
+    _queued(entry, script=event.script, by_recipe=event.choice is not None, **_terms(event))
     entry.job = replace(entry.job, params=event.params, details=event.details, choice=event.choice)
 
 

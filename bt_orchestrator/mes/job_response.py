@@ -35,12 +35,15 @@ ENDING = 'Ending'
 
 RECIPE = 'RecipeID'
 
+REST_OF = 'RestOf'
+
 EXTRAS: Mapping[str, str] = {
     'ScrapQuantity': 'items that left the line rejected',
     'NonconformingQuantity': 'items of which a task failed and was continued',
     'MissingQuantity': 'items that were never placed, or taken off the belt by hand',
     RECIPE: 'recipe that the script was generated from; not there: none',
     RECIPE_VERSION: 'version of the recipe; not there: none, or not known',
+    REST_OF: 'job whose items it makes that this had not begun; not there: none',
     ENDING: 'stopping or aborting: it ends when its last item has left the line',
 }
 """Parameters that no standard names, and what they mean."""
@@ -92,6 +95,7 @@ def response_of_record(record: JobRecord) -> JobResponse | None:
         word,
         recipe=record.recipe,
         recipe_version=record.recipe_version,
+        rest_of=record.rest_of,
         quantity=record.quantity,
         queued_at=record.queued,
         started_at=record.started,
@@ -133,6 +137,8 @@ def _data(status: JobStatus, reason: str) -> Iterator[Parameter]:
         yield Parameter(RECIPE, status.recipe)
     if status.recipe_version is not None:
         yield Parameter(RECIPE_VERSION, status.recipe_version)
+    if status.rest_of:
+        yield Parameter(REST_OF, status.rest_of)
     if status.expected_end_s is not None:
         yield Parameter('EstimatedRemainingTime', _rounded_ms(status.expected_end_s))
     if reason:

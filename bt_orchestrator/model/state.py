@@ -13,6 +13,7 @@ from bt_orchestrator.model.events import INDEX_KEY, TaskKey
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.initialization import Preparation
 from bt_orchestrator.model.jobs.live_jobs import LiveJobs
+from bt_orchestrator.model.jobs.made_anew import MadeAnew
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.judging.used_ids import UsedIds
 from bt_orchestrator.model.packml import PackmlState
@@ -152,6 +153,10 @@ class JobState:
     recipe: str = ''
     """What its script was generated from; of equal scripts the state keeps one."""
     recipe_version: int | None = None
+    rest_of: str = ''
+    """The job whose items it makes that this had not begun (semantics 7.6); empty: none."""
+    anew: MadeAnew | None = None
+    """Why its script was generated again, if it was (semantics 7.5)."""
     queued_at: float = 0.0
     started_at: float | None = None
     ended_at: float | None = None

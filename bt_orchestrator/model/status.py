@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from bt_orchestrator.model.jobs.isa95 import JobWord
+from bt_orchestrator.model.jobs.made_anew import MadeAnew
 from bt_orchestrator.model.jobs.order import RecipeChoice
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.roles import Role
@@ -140,6 +141,12 @@ class JobStatus:
     """Name of the recipe that the script was generated from; empty: none."""
     recipe_version: int | None = None
     """Version of the recipe; None: it has none, or is not known."""
+    by_recipe: bool = False
+    """Its order named a recipe: it can be made anew."""
+    rest_of: str = ''
+    """The job whose items it makes that this had not begun (semantics 7.6); empty: none."""
+    anew: MadeAnew | None = None
+    """Why its script was generated again, and the pace since (semantics 7.5); None: it was not."""
     position: int = 0
     """Place in the queue, from 1; 0: it has started, or ended."""
     ending: str = ''
@@ -186,6 +193,12 @@ class JobStatus:
     def unreleased(self) -> str:
         """The digest of its script, if it waits for the release of it; else empty."""
         return self.digest if self.awaits_release else ''
+
+    @property
+    def to_begin(self) -> int:
+        """Count the items that it will still begin."""
+        is_over = self.ending or self.ended_at is not None
+        return 0 if is_over else max(self.quantity - self.started, 0)
 
     @property
     def left(self) -> int:

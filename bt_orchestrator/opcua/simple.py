@@ -53,6 +53,10 @@ JOB: Mapping[str, Shown] = {
     'Script': Shown(TEXT, 'name of its script'),
     'Recipe': Shown(TEXT, 'recipe that the script was generated from; empty: none'),
     'RecipeVersion': Shown(COUNT, 'version of the recipe; 0: none, or not known'),
+    'RestOf': Shown(TEXT, 'job whose items it makes that this had not begun; empty: none'),
+    'MadeAnew': Shown(
+        TEXT, 'because of what its script was generated again, and the pace; empty: it was not'
+    ),
     'State': Shown(
         TEXT, 'ISA-95 state, for instance Running, Interrupted/Held, Interrupted/Suspended, Ended'
     ),
@@ -171,6 +175,8 @@ def _job(name: str, job: JobStatus | None, status: CellStatus) -> Iterator[tuple
         found.script,
         found.recipe,
         found.recipe_version or 0,
+        found.rest_of,
+        '' if found.anew is None else found.anew.words,
         found.state.value if job else '',
         list(found.unavailable),
         found.awaits_release,

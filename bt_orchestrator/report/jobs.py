@@ -54,6 +54,7 @@ class JobFold:
             digest=event.digest,
             recipe=event.recipe,
             recipe_version=event.recipe_version,
+            rest_of=event.rest_of,
             params=event.params,
             terms=terms_of(event),
         )

@@ -8,7 +8,7 @@ from typing import Any
 
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import INDEX, Script
-from bt_orchestrator.proof.pace import Limit, Pace, PacedLine, pace
+from bt_orchestrator.proof.pace import Limit, Pace, PacedLine
 from bt_orchestrator.proof.quicker import Quicker, Roomier, quicker, roomier
 
 
@@ -55,22 +55,6 @@ class ScriptPace:
                 **_then(larger.then),
             }
         return found
-
-
-def compared_words(per_item_s: float, slower: float) -> str:
-    """Say how long one item takes, as in `18.1 s per item (+44 %)`.
-
-    :param slower: than before, as a part of the time before
-    """
-    told = f' ({slower:+.0%})'.replace('%', ' %') if round(slower, 2) else ''
-    return f'{per_item_s:.1f} s per item{told}'
-
-
-def made_anew_words(before: Script, now: Script, cell: Cell) -> str:
-    """Say how fast a line makes what another script says now, compared with the one before."""
-    paces = [pace(one, cell) for one in (before, now)]
-    before_s, now_s = (0.0 if one is None else one.per_item_s for one in paces)
-    return f'made anew: {compared_words(now_s, now_s / before_s - 1 if before_s else 0.0)}'
 
 
 def script_pace(script: Script, cell: Cell) -> ScriptPace:

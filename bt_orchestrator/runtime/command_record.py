@@ -20,6 +20,7 @@ from bt_orchestrator.model.jobs.job_commands import (
     AddJobs,
     ControlJob,
     MoveJob,
+    RequeueJob,
     RunNext,
     StopAfter,
     UpdateJob,
@@ -93,7 +94,7 @@ def _what(command: OnRecord) -> tuple[str, dict[str, Any]]:
             word, about = '', {'digest': script}
         case ControlJob(word, name):
             about = {'job': name}
-        case MoveJob(name) | RunNext(name):
+        case MoveJob(name) | RunNext(name) | RequeueJob(name):
             word, about = '', {'job': name}
         case UpdateJob(job):
             word, about = '', {'job': job.id}

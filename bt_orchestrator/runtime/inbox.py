@@ -25,6 +25,7 @@ from bt_orchestrator.model.jobs.job_commands import (
     AddJobs,
     ControlJob,
     MoveJob,
+    RequeueJob,
     RunNext,
     StopAfter,
     UpdateJob,
@@ -37,7 +38,7 @@ from bt_orchestrator.runtime.ledger import Ledger
 from bt_orchestrator.runtime.refusals import Refusals, sender_of
 
 _MUST_WAIT = (
-    *(AddJobs, UpdateJob, MoveJob, RunNext, StopAfter, ReleaseScript),
+    *(AddJobs, UpdateJob, RequeueJob, MoveJob, RunNext, StopAfter, ReleaseScript),
     *(Resume, Reset, Start, Clear),
 )
 """Commands that can be repeated without limit, so their rate is limited. A stop, pause or answer

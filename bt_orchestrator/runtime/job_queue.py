@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from functools import singledispatch
 
-from bt_orchestrator.errors import CommandRefused
+from bt_orchestrator.errors import CommandRefused, counted
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.jobs import job_control
@@ -15,12 +16,14 @@ from bt_orchestrator.model.jobs.job_commands import (
     ControlJob,
     JobCommand,
     MoveJob,
+    RequeueJob,
     RunNext,
     StopAfter,
     UpdateJob,
 )
 from bt_orchestrator.model.jobs.job_control import lacks_words
 from bt_orchestrator.model.jobs.job_folds import terms_of
+from bt_orchestrator.model.jobs.needs import awaited_when_stopped, items_wait_words
 from bt_orchestrator.model.limits import listed
 from bt_orchestrator.model.packml import Cause, PackmlState
 from bt_orchestrator.model.requests import About, of_word
@@ -33,6 +36,7 @@ from bt_orchestrator.runtime.lifecycle import transition
 Events = Iterator[e.Event]
 
 _AWAITS = 'it waits for its start,'
+_ENDS = 'ends when its items on the line are finished'
 
 
 def carry_out(command: JobCommand, state: CellState, now: float) -> tuple[str, list[e.Event]]:
@@ -82,12 +86,37 @@ def _how(queued: e.JobQueued) -> str:
 @_carry_out.register
 def _update(command: UpdateJob, state: CellState, now: float) -> tuple[str, list[e.Event]]:
     new = command.job
-    _allowed(state, job_control.UPDATE, new.id)
-    changed = orders.change(state, new, now, command.sharing, keeps_script=command.keeps_script)
+    allowed(state, job_control.UPDATE, new.id)
+    changed = orders.change(
+        state, new, now, command.sharing, command.anew, keeps_script=command.keeps_script
+    )
     (updated,) = (event for event in changed if isinstance(event, e.JobUpdated))
     unreleased = updated.digest if updated.awaits_release else ''
     lacks = lacks_words(unreleased, updated.unavailable)
     return '\n'.join([f'{new.id} is updated', *lacks]), changed
+
+
+@_carry_out.register
+def _requeue(command: RequeueJob, state: CellState, _: float) -> tuple[str, list[e.Event]]:
+    """Stop a job and queue its rest, both or neither: whatever is wrong is found before."""
+    job = allowed(state, job_control.REQUEUE, command.job)
+    rest = replace(command.rest, quantity=job.cycles_left)
+    events = orders.queue_rest(state, rest, command.job, command.anew, command.sharing)
+    (queued,) = (event for event in events if isinstance(event, e.JobQueued))
+    said = [f'{command.job} {_ENDS}', _how_rest(queued)]
+    waits_for = awaited_when_stopped(state, job)
+    if waits_for:
+        said.append(items_wait_words(command.job, waits_for))
+    stopped = _stop(state, job, command.by.deciding(job_control.REQUEUE.verb))
+    return '\n'.join([*said, *standing(state)]), [*stopped, *events]
+
+
+def _how_rest(queued: e.JobQueued) -> str:
+    what = f'{queued.job} is queued first, with {counted(queued.quantity, "item")}'
+    anew = f', {queued.anew.words}' if queued.anew else ''
+    unreleased = queued.digest if queued.awaits_release else ''
+    lacks = ''.join(f'; {one}' for one in lacks_words(unreleased, queued.unavailable))
+    return f'{what}{anew}{lacks}'
 
 
 def standing(state: CellState) -> Iterator[str]:
@@ -132,7 +161,7 @@ def _lacks(job: JobState) -> Iterator[str]:
 @_carry_out.register
 def _control(command: ControlJob, state: CellState, _: float) -> tuple[str, list[e.Event]]:
     method, answer, act = _method(command.verb)
-    job = _allowed(state, method, command.job)
+    job = allowed(state, method, command.job)
     events = list(act(state, job, command.by.deciding(command.verb)))
     more = _after_release(state, job) if method is job_control.START else ()
     return '\n'.join([f'{command.job} {answer}', *more]), events
@@ -200,7 +229,7 @@ CONTROLS: Mapping[str, _Control] = {
         (job_control.START, 'is released', _release),
         (job_control.PAUSE, 'begins no more items', _pause),
         (job_control.RESUME, 'goes on', _resume),
-        (job_control.STOP, 'ends when its items on the line are finished', _stop),
+        (job_control.STOP, _ENDS, _stop),
         (job_control.ABORT, 'is being aborted', _abort),
         (job_control.CANCEL, 'is out of the queue', _remove),
         (job_control.CLEAR, 'is listed no more', _clear),
@@ -243,8 +272,11 @@ def _is_empty(state: CellState) -> bool:
 # --- refusals -------------------------------------------------------------------------------
 
 
-def _allowed(state: CellState, method: job_control.Method, name: str) -> JobState:
-    """Return a job whose state allows a method now."""
+def allowed(state: CellState, method: job_control.Method, name: str) -> JobState:
+    """Return a job whose state allows a method now.
+
+    :raises CommandRefused: there is no such job, or its state does not allow it
+    """
     job = listed_jobs.find(state, name)
     ending = job.ending if job.ended_at is None else ''
     refused = job_control.refusal(
@@ -256,6 +288,8 @@ def _allowed(state: CellState, method: job_control.Method, name: str) -> JobStat
         unreleased=job.unreleased,
         unavailable=job.unavailable,
         is_held=job.held,
+        is_by_recipe=job.job.recipe is not None,
+        left=job.cycles_left,
     )
     if refused is not None:
         raise CommandRefused(refused)

@@ -12,6 +12,7 @@ from bt_orchestrator.model.by import By
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.jobs.job_commands import Sharing
 from bt_orchestrator.model.jobs.job_folds import recipe_key
+from bt_orchestrator.model.jobs.made_anew import MadeAnew
 from bt_orchestrator.model.jobs.needs import unavailable_to
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.jobs.releases import awaits_release
@@ -63,17 +64,42 @@ def queue(
     return events
 
 
+def queue_rest(
+    state: CellState,
+    job: Job,
+    of: str,
+    anew: MadeAnew | None,
+    sharing: Sharing | None = None,
+) -> list[e.Event]:
+    """Queue the rest of a job in front of all others; it does not wait for its start again.
+
+    :raises CommandRefused: as of `queue`
+    """
+    _refuse_unless_all_fit(state, [job], sharing)
+    queued = e.JobQueued(
+        **_ordered(job),
+        position=1,
+        awaits_release=awaits_release(state, job.script),
+        unavailable=unavailable_to(state, job.script),
+        rest_of=of,
+        anew=anew,
+    )
+    return [*_loaded(job.script, set(state.scripts)), queued]
+
+
 def change(
     state: CellState,
     job: Job,
     now: float,
     sharing: Sharing | None = None,
+    anew: MadeAnew | None = None,
     *,
     keeps_script: bool = False,
 ) -> list[e.Event]:
     """Replace the order of a queued job.
 
     :param now: time on the wall clock
+    :param anew: why its script was generated again; None: it was not
     :param keeps_script: jobs of several versions may have one script in common, which does not
         tell then what this one was made from
     :raises CommandRefused: its flags contradict those of another live job, or the version of its
@@ -94,6 +120,7 @@ def change(
         ordered['recipe_digest'] = state.recipe_digests.get(key, '')
     updated = e.JobUpdated(
         **ordered,
+        anew=live.anew if digest(job.script) == live.digest else anew,
         position=_new_place(state, live, job),
         awaits_start=_waits(state, live, job, now),
         awaits_release=_waits_for_release(state, live, job),

@@ -15,6 +15,7 @@ from bt_orchestrator.model.jobs.job_commands import (
     AddJobs,
     ControlJob,
     MoveJob,
+    RequeueJob,
     RunNext,
     StopAfter,
     UpdateJob,
@@ -28,6 +29,7 @@ from bt_orchestrator.model.requests import (
     OUT_OF_SERVICE,
     RELEASE_SCRIPT,
     REMOVE_ITEM,
+    REQUEUE,
     STOP_AFTERS,
     UPDATE,
     About,
@@ -62,6 +64,8 @@ def request_of(command: Command) -> Request | None:
             return NEXT
         case UpdateJob():
             return UPDATE
+        case RequeueJob():
+            return REQUEUE
         case ControlJob(verb):
             return of_word(About.JOB, verb)
         case StopAfter(after):

@@ -78,4 +78,7 @@ def _of_taking_out(state: CellState, component: str, passed: tuple[str, ...]) ->
             yield f'by recipe, and made anew without it where that can be: {names}'
     for job in state.on_the_line:
         if component in still_needed(state, job):
-            yield on_the_line_words(job.job.id, (component,))
+            is_by_recipe, to_begin = job.job.recipe is not None, job.cycles_left
+            yield on_the_line_words(
+                job.job.id, (component,), is_by_recipe=is_by_recipe, to_begin=to_begin
+            )

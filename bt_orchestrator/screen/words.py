@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator
 from datetime import datetime
 
 from bt_orchestrator.model.hold_words import again_words, hold_words
+from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.jobs.needs import on_the_line_words
 from bt_orchestrator.model.jobs.script_words import script_words
 from bt_orchestrator.model.state import Hold
@@ -58,7 +59,10 @@ def status_lines(status: CellStatus, shell: Shell | None) -> Iterator[str]:
             release = shell.command(f'release-script {job.digest} {WHY}')
             yield f'    an engineer releases it: {release}'
         if shell and job.unavailable and job.started_at is not None:
-            yield f'    {one_line(on_the_line_words(job.id, job.unavailable))}'
+            waits = on_the_line_words(
+                job.id, job.unavailable, is_by_recipe=job.by_recipe, to_begin=job.to_begin
+            )
+            yield f'    {one_line(waits)}'
     if unlisted(status):
         where = f': {shell.command("queue")}' if shell else ''
         yield f'  {unlisted(status)} more jobs in the queue{where}'
@@ -119,7 +123,17 @@ def job_terms(job: JobStatus) -> str:
         told.append(start_wait(job) or f', start {_moment(job.start)}')
     if job.due is not None:
         told.append(f', due {_moment(job.due)}')
-    return ''.join([*told, lacks(job)])
+    return ''.join([*told, of_its_making(job), lacks(job)])
+
+
+def of_its_making(job: JobStatus) -> str:
+    """Say whose rest a job is, and why and at what pace it was made anew, while it matters."""
+    if job.state in OVER:
+        return ''
+    told = [f', rest of {one_line(job.rest_of)}'] if job.rest_of else []
+    if job.anew is not None:
+        told.append(f', {one_line(job.anew.words)}')
+    return ''.join(told)
 
 
 def lacks(job: JobStatus) -> str:

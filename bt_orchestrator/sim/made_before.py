@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 
 from bt_orchestrator.errors import NotRead, Refused
 from bt_orchestrator.model.jobs.order import Job, RecipeChoice, WorkOrder
-from bt_orchestrator.model.requests import ADD, UPDATE, Asked
+from bt_orchestrator.model.requests import ADD, REQUEUE, UPDATE, Asked
 from bt_orchestrator.ports import MadeScript
 from bt_orchestrator.script.orders.asked import choice_of
 
@@ -65,3 +65,7 @@ def choices_in(requests: Sequence[Asked], jobs: Iterable[Job] = ()) -> Iterator[
             if choice is not None:
                 ordered[job] = choice = choice.over(ordered.get(job))
                 yield choice
+        elif asked.request is REQUEUE:
+            made_from = ordered.get(str(asked.arguments['job']))
+            if made_from is not None:
+                yield made_from

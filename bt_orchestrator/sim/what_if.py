@@ -15,7 +15,7 @@ from bt_orchestrator.errors import Refused, counted
 from bt_orchestrator.model.by import By, Known
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.jobs.order import Job, RecipeChoice, WorkOrder
-from bt_orchestrator.model.requests import ADD, Asked
+from bt_orchestrator.model.requests import ADD, REQUEUE, Asked
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import (
@@ -72,7 +72,7 @@ class EngineWhatIf:
 
         Nothing is done, so anybody may ask anything; the roles decide when it is asked in earnest.
         """
-        if any(choices_in(requests)):
+        if any(choices_in(requests)) or any(asked.request is REQUEUE for asked in requests):
             with closing(self._begin()) as run:
                 jobs = [job.job for job in run.state.jobs.values()]
             self._generate([*choices_in(requests, jobs)])

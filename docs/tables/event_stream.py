@@ -9,6 +9,7 @@ from typing import Any, get_args, get_origin
 
 from bt_orchestrator.model import events
 from bt_orchestrator.model.codec import event_types, hints_of
+from bt_orchestrator.model.jobs.made_anew import MadeAnew
 from bt_orchestrator.model.jobs.order import RecipeChoice
 from bt_orchestrator.model.script import Script
 from tables import docstrings
@@ -56,6 +57,7 @@ KINDS: Mapping[Any, str] = {
     Mapping: 'object',
     Script: 'object',
     RecipeChoice: 'object',
+    MadeAnew: 'object',
     str: '',
 }
 """What a field holds, by the origin of its annotation; nothing is said of text."""

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from bt_orchestrator.model.fault import FaultKind
 from bt_orchestrator.model.jobs.isa95 import JobWord
-from bt_orchestrator.model.jobs.job_control import METHODS, Method
+from bt_orchestrator.model.jobs.job_control import METHODS, REQUEUE, Method
 from bt_orchestrator.model.packml import MEANINGS, TRANSITIONS, VERBS, Cause, PackmlState
 from bt_orchestrator.model.stop_reason import WORDS, StopReason
 from tables import docstrings
@@ -55,16 +55,19 @@ def stop_reasons() -> Iterator[str]:
     )
 
 
+_ALL = (*METHODS, REQUEUE)
+
+
 def methods_of_a_job() -> Iterator[str]:
     """Yield what every method of a job does."""
-    titles = ('method (ISA-95)', '`queue ...`', 'does')
-    yield from table(titles, ((m.name, f'`{m.verb}`', cell(m.meaning)) for m in METHODS))
+    titles = ('method', '`queue ...`', 'does')
+    yield from table(titles, ((m.name, f'`{m.verb}`', cell(m.meaning)) for m in _ALL))
 
 
 def states_of_a_job() -> Iterator[str]:
     """Yield which state follows from which method in which state."""
     titles = ('', *(word.value for word in JobWord))
-    rows = ((m.name, *(_after(m, word) for word in JobWord)) for m in METHODS[2:])
+    rows = ((m.name, *(_after(m, word) for word in JobWord)) for m in _ALL[2:])
     yield from table(titles, rows)
 
 

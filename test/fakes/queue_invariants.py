@@ -39,6 +39,8 @@ class QueueInvariants:
         """The job of the last item that was begun."""
         self._begins_nothing: set[str] = set()
         """Jobs that are paused, or end."""
+        self._stopped = ''
+        """The job that was stopped last."""
         self._quantity: dict[str, int] = {}
         self._items: dict[str, list[str]] = {}
         self._stop_after = ''
@@ -65,13 +67,24 @@ class QueueInvariants:
         self._queue.insert(at, event.job)
         if event.held:
             self._held.add(event.job)
+        if event.rest_of:
+            self._is_rest(event)
         self._quantity[event.job] = event.quantity
         self._items[event.job] = []
+
+    def _is_rest(self, event: e.JobQueued) -> None:
+        """A rest comes first, with all that its job has not begun and begins no more (7.6)."""
+        of = event.rest_of
+        assert (event.position, event.held) == (1, False), event
+        assert of in self._running, event
+        assert self._stopped == of, event
+        assert event.quantity == self._quantity[of] - len(self._items[of]) > 0, event
 
     def _note(self, event: e.JobQueued | e.JobUpdated) -> None:
         """Note how urgent a job is, and whether it waits for its start (6.7)."""
         same = event.job in self._terms and self._terms[event.job][1] == (event.start or inf)
-        comes = self._waits_count and (event.start or 0.0) > event.time
+        is_rest = isinstance(event, e.JobQueued) and event.rest_of
+        comes = self._waits_count and not is_rest and (event.start or 0.0) > event.time
         assert event.awaits_start == (event.job in self._early if same else comes), event
         self._early.pop(event.job, None)
         self._lacks.pop(event.job, None)
@@ -186,6 +199,7 @@ class QueueInvariants:
 
     def _ending(self, event: e.JobPaused | e.JobStopping | e.JobAborting) -> None:
         self._begins_nothing.add(event.job)
+        self._stopped = event.job if isinstance(event, e.JobStopping) else ''
         if isinstance(event, e.JobAborting):
             self._early.pop(event.job, None)
             self._lacks.pop(event.job, None)

@@ -49,10 +49,14 @@ class Appends(MemoryStore):
 class Bench:
     """A cell whose scripts are generated when the test says so. Implements `ports.Generating`."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, sim: Simulation | None = None) -> None:
+        """Take orders for a cell.
+
+        :param sim: a cell that runs already; None: one that notes what was made durable together
+        """
         (folder / 'test.yaml').write_text(LINE)
         self.store = Appends()
-        self.sim = Simulation(cell(), TYPES, self.store)
+        self.sim = sim or Simulation(cell(), TYPES, self.store)
         self.engine: Orchestrator = self.sim.orchestrator
         desk = DeskHere(cell(), TYPES, [folder], self.engine.state)
         orders = RecipeOrders(desk, self, self.engine.state)

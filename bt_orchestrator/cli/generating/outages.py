@@ -9,9 +9,9 @@ from typing import Any
 from bt_orchestrator.cli.generating.inputs import Inputs
 from bt_orchestrator.cli.generating.making import judge_of, plan
 from bt_orchestrator.errors import counted
+from bt_orchestrator.model.jobs.made_anew import compared_words
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.planning.outcome import Generated, NotFound, NotMade
-from bt_orchestrator.report.pace_text import compared_words
 
 
 @dataclass(frozen=True)

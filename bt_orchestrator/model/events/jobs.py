@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from bt_orchestrator.model.events.base import Event
+from bt_orchestrator.model.jobs.made_anew import MadeAnew
 from bt_orchestrator.model.jobs.order import RecipeChoice
 from bt_orchestrator.model.script import Script
 
@@ -73,6 +74,10 @@ class JobQueued(Event):
     """What the order named in place of a script; absent: it named a script."""
     unavailable: tuple[str, ...] = ()
     """Components out of service that it needs: it is passed (semantics 7.5)."""
+    rest_of: str = ''
+    """The job whose items it makes that this had not begun (semantics 7.6); empty: none."""
+    anew: MadeAnew | None = None
+    """How its script differs from that of the job, as in `job.updated`; absent: it does not."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -120,6 +125,10 @@ class JobUpdated(Event):
     """What the order named in place of a script; absent: it named a script."""
     unavailable: tuple[str, ...] = ()
     """Components out of service that it needs: it is passed (semantics 7.5)."""
+    anew: MadeAnew | None = None
+    """Why its script was generated again: `without` components out of service, or because some are
+    `back`; the pace in `per_item_s`, and in `before_s` that of before. Absent: it was not, or the
+    record is of an older program."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from bt_orchestrator.model.by import By
+from bt_orchestrator.model.jobs.made_anew import MadeAnew
 from bt_orchestrator.model.jobs.order import Job
 
 
@@ -64,6 +65,20 @@ class UpdateJob:
     sharing: Sharing | None = None
     keeps_script: bool = False
     """Nothing else was named or generated: what the script was made from stays on record."""
+    anew: MadeAnew | None = None
+    """Why its script was generated again; None: it was not."""
+
+
+@dataclass(frozen=True)
+class RequeueJob:
+    """End a job on the line early, and queue its rest anew (semantics 7.6)."""
+
+    job: str
+    rest: Job
+    """Its quantity is the one that is left when this is carried out."""
+    by: By
+    sharing: Sharing | None = None
+    anew: MadeAnew | None = None
 
 
 @dataclass(frozen=True)
@@ -84,4 +99,4 @@ class StopAfter:
     by: By
 
 
-JobCommand = AddJobs | MoveJob | RunNext | UpdateJob | ControlJob | StopAfter
+JobCommand = AddJobs | MoveJob | RunNext | UpdateJob | RequeueJob | ControlJob | StopAfter

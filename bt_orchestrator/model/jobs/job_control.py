@@ -81,6 +81,15 @@ CLEAR = Method(
     {ENDED: None, ABORTED: None},
 )
 
+REQUEUE = Method(
+    'Requeue',
+    'requeue',
+    'end a job by recipe early, and queue what it has not begun anew, without what is out of '
+    'service',
+    STOP.changes,
+)
+"""Ours: ISA-95 has nothing like it."""
+
 METHODS = (
     STORE,
     STORE_AND_START,
@@ -94,6 +103,7 @@ METHODS = (
     CANCEL,
     CLEAR,
 )
+"""Those of ISA-95."""
 
 LEFT_WHILE_ENDING: Mapping[str, tuple[Method, ...]] = {'stopping': (ABORT,), 'aborting': ()}
 """What may still be asked of a job that ends when its last item has left."""
@@ -118,6 +128,8 @@ def refusal(
     unreleased: str = '',
     unavailable: Sequence[str] = (),
     is_held: bool = True,
+    is_by_recipe: bool = True,
+    left: int = 1,
 ) -> str | None:
     """Say why something cannot be asked of a job now; None: it can.
 
@@ -126,6 +138,8 @@ def refusal(
     :param unreleased: digest of its script, if that is not released (semantics 6.10)
     :param unavailable: components out of service that it needs (semantics 7.5)
     :param is_held: a person holds it; of a job that is passed for nothing else its state says so
+    :param is_by_recipe: its order named a recipe
+    :param left: how many of its items have not begun
     """
     if word is NOT_ALLOWED and (unreleased or unavailable) and not is_held:
         if method in MORE_WHILE_PASSED:
@@ -138,9 +152,21 @@ def refusal(
         fitting = ' or '.join(before.value for before in method.changes if before is not None)
         return f'{job} is {word.value}; {method.title} is for jobs that are {fitting}'
     if ending and method not in LEFT_WHILE_ENDING[ending]:
-        left = ', '.join(one.title for one in LEFT_WHILE_ENDING[ending])
+        left_to_ask = ', '.join(one.title for one in LEFT_WHILE_ENDING[ending])
         what = f'{job} is {ending} already and ends when its last item has left the line'
-        return f'{what}; only {left} is left' if left else what
+        return f'{what}; only {left_to_ask} is left' if left_to_ask else what
+    return _no_rest(job, is_by_recipe=is_by_recipe, left=left) if method is REQUEUE else None
+
+
+def _no_rest(job: str, *, is_by_recipe: bool, left: int) -> str | None:
+    """Say why nothing of a job on the line can be made anew; None: something can."""
+    if not is_by_recipe:
+        return (
+            f'{job} was ordered by its script, so it cannot be made anew; stop it (queue stop '
+            f'{job}), and give an order for the rest'
+        )
+    if not left:
+        return f'{job} has begun all of its items, so nothing is left to queue; nothing was done'
     return None
 
 

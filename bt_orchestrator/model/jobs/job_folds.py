@@ -34,6 +34,8 @@ def job_queued(event: e.JobQueued, state: CellState) -> None:
         event.digest,
         recipe=event.recipe,
         recipe_version=event.recipe_version,
+        rest_of=event.rest_of,
+        anew=event.anew,
         queued_at=event.time,
         held=event.held,
         awaits_start=event.awaits_start,
@@ -62,6 +64,7 @@ def job_updated(event: e.JobUpdated, state: CellState) -> None:
         changed.job = _job_of(event, script)
         changed.digest = event.digest
         changed.recipe, changed.recipe_version = event.recipe, event.recipe_version
+        changed.anew = event.anew
         changed.awaits_start = event.awaits_start
         changed.awaits_release = event.awaits_release
         changed.unavailable = event.unavailable

@@ -84,6 +84,8 @@ class JobRecord:
     recipe: str = ''
     """Name of the recipe that the script was generated from; empty: none."""
     recipe_version: int | None = None
+    rest_of: str = ''
+    """The job whose items it makes that this had not begun (semantics 7.6); empty: none."""
     params: Mapping[str, Any] = field(default_factory=dict)
     terms: Terms = NO_TERMS
     started: float | None = None
@@ -115,6 +117,7 @@ def record_of(job: JobState) -> JobRecord:
         digest=job.digest,
         recipe=job.recipe,
         recipe_version=job.recipe_version,
+        rest_of=job.rest_of,
         params=job.job.params,
         terms=job.job.terms,
         started=job.started_at,

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.events import TaskKey
+from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.line import is_done_with
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState, JobState, Phase
@@ -40,11 +41,37 @@ def still_needed(state: CellState, job: JobState) -> frozenset[str]:
     return frozenset(_still_needed(state, job))
 
 
-def on_the_line_words(job: str, unavailable: Sequence[str]) -> str:
-    """Say that a job on the line needs what is out of service, and what can be done."""
+def awaited_when_stopped(state: CellState, job: JobState) -> tuple[str, ...]:
+    """Return the components out of service that the items of a job on the line still need."""
+    items = any(not item.gone for item in job.items.values())
+    return awaited_by(state, changed(job, stopping=True)) if items else ()
+
+
+def on_the_line_words(
+    job: str, unavailable: Sequence[str], *, is_by_recipe: bool, to_begin: int
+) -> str:
+    """Say that a job on the line needs what is out of service, and what can be done.
+
+    :param to_begin: how many items it will still begin
+    """
+    needs = f'{job} on the line needs {" and ".join(unavailable)} and waits; '
+    if not to_begin:
+        return f'{needs}{_for_items(job)}'
+    if is_by_recipe:
+        return f'{needs}to make the rest without it now: queue requeue {job}'
+    return f'{needs}to make the rest otherwise, stop it (queue stop {job}) and queue the rest anew'
+
+
+def items_wait_words(job: str, unavailable: Sequence[str]) -> str:
+    """Say that a job that begins no more items still waits for what is out of service."""
+    names = ' and '.join(unavailable)
+    return f'its items on the line still need {names} and wait; {_for_items(job)}'
+
+
+def _for_items(job: str) -> str:
     return (
-        f'{job} on the line needs {" and ".join(unavailable)} and waits; to make the rest '
-        f'otherwise, stop it (queue stop {job}) and queue the rest anew'
+        'in-service lets it go on, or an engineer takes its items off (remove-item) or aborts it '
+        f'(queue abort {job})'
     )
 
 

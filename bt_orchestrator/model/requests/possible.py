@@ -32,6 +32,8 @@ def of_job(
     unreleased: str = '',
     unavailable: Sequence[str] = (),
     is_held: bool = True,
+    is_by_recipe: bool = True,
+    left: int = 1,
 ) -> tuple[Request, ...]:
     """Return the requests to a job that a state allows; see `job_control.refusal`."""
     is_queued = word in QUEUED
@@ -48,6 +50,8 @@ def of_job(
             unreleased=unreleased,
             unavailable=unavailable,
             is_held=is_held,
+            is_by_recipe=is_by_recipe,
+            left=left,
         )
         is None
     )

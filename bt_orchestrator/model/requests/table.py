@@ -153,6 +153,12 @@ UPDATE = _of_method(
     Parameter('details', Kind.VALUES, 'JSON of the customer; empty: take it away'),
 )
 
+REQUEUE = _of_method(
+    job_control.REQUEUE,
+    _BOTH,
+    Parameter('order', Kind.TEXT, 'id of the new order; else that of the job, with -rest'),
+)
+
 JOB: tuple[tuple[Method, Request], ...] = (
     (job_control.START, _of_method(job_control.START, _BOTH)),
     (job_control.REVOKE_START, _of_method(job_control.REVOKE_START, _BOTH)),
@@ -160,6 +166,7 @@ JOB: tuple[tuple[Method, Request], ...] = (
     (job_control.PAUSE, _of_method(job_control.PAUSE, _BOTH)),
     (job_control.RESUME, _of_method(job_control.RESUME, _BOTH)),
     (job_control.STOP, _of_method(job_control.STOP, _BOTH)),
+    (job_control.REQUEUE, REQUEUE),
     (job_control.ABORT, _of_method(job_control.ABORT, _ENGINEERS, is_confirmed=True)),
     (job_control.CANCEL, _of_method(job_control.CANCEL, _PLANNERS, is_confirmed=True)),
     # It changes only the list; the MES that ordered a job must be able to clear it.

@@ -76,6 +76,8 @@ def worthwhile_for_job(
     unreleased: str,
     unavailable: Sequence[str],
     is_held: bool,
+    is_by_recipe: bool,
+    left: int,
     is_next: bool,
     is_alone: bool,
     is_cell_stopped: bool,
@@ -86,6 +88,8 @@ def worthwhile_for_job(
     :param unreleased: digest of its script, if that is not released
     :param unavailable: components out of service that it needs
     :param is_held: a person keeps it from starting
+    :param is_by_recipe: its order named a recipe
+    :param left: how many of its items have not begun
     :param is_next: it is the first one in the queue
     :param is_alone: no other job is in the queue
     :param is_cell_stopped: a person has stopped it; then every job on it has the word of a pause
@@ -94,6 +98,7 @@ def worthwhile_for_job(
         MOVE.word: is_alone,
         NEXT.word: is_next and not is_held and not awaits_start,
         job_control.RESUME.verb: is_cell_stopped,
+        job_control.REQUEUE.verb: not unavailable,
     }
     possible = of_job(
         word,
@@ -102,5 +107,7 @@ def worthwhile_for_job(
         unreleased=unreleased,
         unavailable=unavailable,
         is_held=is_held,
+        is_by_recipe=is_by_recipe,
+        left=left,
     )
     return tuple(one for one in possible if not nothing_new.get(one.word, False))

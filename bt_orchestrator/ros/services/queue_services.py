@@ -20,6 +20,7 @@ from rclpy.node import Node
 from bt_orchestrator.asking.handler import RequestHandler
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model.codec import json_of
+from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.limits import QUEUE_PAGE, fitting
 from bt_orchestrator.model.requests import MOVE, About
 from bt_orchestrator.model.state import CellState, JobState
@@ -87,14 +88,15 @@ class QueueServices:
         await self._tell(request, response, MOVE.word, position=request.position)
 
     async def _command(self, request: Any, response: Any) -> None:
-        await self._tell(request, response, request.command)
+        answer = await self._tell(request, response, request.command, order=request.order)
+        for of_order in answer.orders:
+            response.findings = of_order.findings
 
-    async def _tell(self, request: Any, response: Any, word: str, **given: Any) -> None:
-        job = request.job
-        tell(
-            response,
-            await self._handler.give(About.JOB, word, self._senders.by(request), job=job, **given),
-        )
+    async def _tell(self, request: Any, response: Any, word: str, **given: Any) -> Answer:
+        by, job = self._senders.by(request), request.job
+        answer = await self._handler.give(About.JOB, word, by, job=job, **given)
+        tell(response, answer)
+        return answer
 
     async def _stop_after(self, request: Any, response: Any) -> None:
         word = STOP_AFTER + request.after

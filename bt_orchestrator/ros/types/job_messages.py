@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+from typing import Any
 
 from bt_orchestrator_interfaces import msg
 
 from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.jobs.isa95 import JobWord
+from bt_orchestrator.model.jobs.made_anew import MadeAnew
 from bt_orchestrator.model.status import JobStatus, ListedJob
 from bt_orchestrator.ros.stamps import from_moment, from_time, to_moment, to_time
 from bt_orchestrator.ros.types.choice_messages import choice_fields, choice_from
@@ -29,6 +31,9 @@ def job_message(job: JobStatus) -> msg.JobStatus:
         digest=job.digest,
         recipe=job.recipe,
         recipe_version=job.recipe_version or 0,
+        by_recipe=job.by_recipe,
+        rest_of=job.rest_of,
+        **_anew_fields(job.anew),
         state=job.state.state,
         substate=job.state.substate,
         position=job.position,
@@ -67,6 +72,9 @@ def job_status(message: msg.JobStatus) -> JobStatus:
         digest=message.digest,
         recipe=message.recipe,
         recipe_version=message.recipe_version or None,
+        by_recipe=message.by_recipe,
+        rest_of=message.rest_of,
+        anew=_anew(message),
         state=JobWord(f'{message.state}{substate}'),
         position=message.position,
         ending=message.ending,
@@ -92,6 +100,29 @@ def job_status(message: msg.JobStatus) -> JobStatus:
         initialization=tuple(message.initialization),
         running=tuple(map(task_status, message.running)),
         passed=tuple(map(passed_task, message.passed)),
+    )
+
+
+def _anew_fields(anew: MadeAnew | None) -> dict[str, Any]:
+    if anew is None:
+        return {}
+    return {
+        'made_anew': True,
+        'made_without': anew.without,
+        'made_with': anew.back,
+        'made_per_item_s': anew.per_item_s,
+        'made_before_s': anew.before_s,
+    }
+
+
+def _anew(message: msg.JobStatus) -> MadeAnew | None:
+    if not message.made_anew:
+        return None
+    return MadeAnew(
+        tuple(message.made_without),
+        tuple(message.made_with),
+        message.made_per_item_s,
+        message.made_before_s,
     )
 
 

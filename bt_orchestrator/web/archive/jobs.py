@@ -88,6 +88,7 @@ def summary(record: JobRecord, *, is_whole: bool) -> dict[str, Any]:
         'script': record.script,
         'recipe': record.recipe,
         'recipe_version': record.recipe_version,
+        'rest_of': record.rest_of,
         'status': record.status,
         'reason': record.reason,
         'quantity': record.quantity,

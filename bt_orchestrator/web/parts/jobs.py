@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bt_orchestrator.doors.known import Ordered
 from bt_orchestrator.model.codec import to_plain
+from bt_orchestrator.model.jobs.made_anew import MadeAnew
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.status import CellStatus, JobStatus
 from bt_orchestrator.web.offers import job_offers
@@ -30,6 +31,8 @@ def job_part(
         'script': job.script,
         'recipe': job.recipe,
         'recipe_version': job.recipe_version,
+        'rest_of': job.rest_of,
+        'anew': _anew(job.anew),
         'digest': job.digest,
         'state': job.state.state,
         'substate': job.state.substate,
@@ -59,6 +62,11 @@ def job_part(
         'choice': to_plain(ordered.choice, whole=True),
         'offers': job_offers(job, status),
     }
+
+
+def _anew(anew: MadeAnew | None) -> dict[str, object] | None:
+    """Return why it was made anew, and the pace since; None: it was not."""
+    return None if anew is None else {**to_plain(anew, whole=True), 'slower': anew.slower}
 
 
 def _ends(job: JobStatus, status: CellStatus) -> float | None:

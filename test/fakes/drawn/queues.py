@@ -10,15 +10,22 @@ from fakes.virtual_run import BY, VirtualRun
 from bt_orchestrator.model.belt_statement import believed, parse_slots
 from bt_orchestrator.model.cell_commands import Abort, Clear, Reset, Resume, Start, Stop
 from bt_orchestrator.model.commands import Answer
-from bt_orchestrator.model.jobs.job_commands import AddJobs, MoveJob, RunNext, StopAfter, UpdateJob
-from bt_orchestrator.model.jobs.order import Job, Terms
+from bt_orchestrator.model.jobs.job_commands import (
+    AddJobs,
+    MoveJob,
+    RequeueJob,
+    RunNext,
+    StopAfter,
+    UpdateJob,
+)
+from bt_orchestrator.model.jobs.order import Job, RecipeChoice, Terms
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.runtime.job_queue import CONTROLS
 
 KINDS = (
     *('add', 'add', 'move', 'next', 'update', 'control', 'control', 'stop', 'cell', 'service'),
-    'script',
+    *('script', 'requeue', 'requeue'),
 )
 CELL = (Reset, Start, Stop, Abort, Resume)
 
@@ -96,9 +103,16 @@ class QueueOperator:
             return run.ask(MoveJob(name, chance.randint(1, 3), BY))
         if kind == 'next':
             return run.ask(RunNext(name, BY))
+        if kind == 'requeue':
+            return self._requeue(run)
         if kind == 'update':
             return run.ask(UpdateJob(self._job(name), BY))
         return run.control(chance.choice(list(CONTROLS)), name)
+
+    def _requeue(self, run: VirtualRun) -> Answer:
+        name = self._chance.choice([*run.state.jobs.line, f'Q{self._given}'])
+        self._given += 1
+        return run.ask(RequeueJob(name, self._job(f'Q{self._given - 1}'), BY))
 
     def _cell(self, run: VirtualRun) -> Answer:
         number = self._chance.randint(0, len(CELL) + 1)
@@ -124,4 +138,6 @@ class QueueOperator:
         chance = self._chance
         start = chance.choice((None, None, 20.0, 60.0))
         terms = Terms(chance.choice((0, 0, 0, 2, -1)), start)
-        return Job(name, chance.choice(self._scripts), chance.randint(1, 2), {}, terms)
+        recipe = chance.choice((RecipeChoice(('R-1',)), None))
+        quantity = chance.choice((1, 2, 2, 5))
+        return Job(name, chance.choice(self._scripts), quantity, {}, terms, recipe)

@@ -20,6 +20,7 @@ WHY = ['--reason', 'rush']
     [
         (['hold', 'a'], 'say why, with --reason TEXT'),
         (['hold', *WHY], 'expected one job, found nothing'),
+        (['requeue', '--as', 'B', *WHY], 'expected one job, found nothing'),
         (['list', 'a'], 'expected nothing, found a'),
         (['add'], 'name at least one order'),
         (['move', 'a', *WHY], 'expected a job and its place, found a'),

@@ -20,6 +20,7 @@ from bt_orchestrator.model.codec import (
     to_text,
 )
 from bt_orchestrator.model.condition import Condition
+from bt_orchestrator.model.jobs.made_anew import MadeAnew
 from bt_orchestrator.model.jobs.order import RecipeChoice
 from bt_orchestrator.model.reference import Reference, Template
 
@@ -122,6 +123,8 @@ SAMPLES: dict[str, Any] = {
     'recipe': 'WM-100',
     'recipe_version': 3,
     'recipe_digest': '1c2d3e4f5a6b',
+    'rest_of': 'WO-1000',
+    'anew': MadeAnew(('component_4b',), ('component_3a',), 18.1, 12.5),
     'choice': RecipeChoice(('WM-100', 'WM-101'), 3, {'insert': 'component_3a'}),
     'held': True,
     'ranked': True,

@@ -34,12 +34,13 @@ def test_who_may_ask_what() -> None:
     assert words(Role.VIEW) == set()
     assert words(Role.ENGINEER) == set(REQUESTS)
     queue = {'queue.add'} | {f'job.{word}' for word in ('hold', 'release', 'pause', 'resume')}
-    assert words(Role.MES) == queue | {'job.update', 'job.stop', 'job.cancel', 'job.clear'}
+    queue |= {'job.stop', 'job.requeue', 'job.clear'}
+    assert words(Role.MES) == queue | {'job.update', 'job.cancel'}
     answers = {f'hold.{word}' for word in ('retry', 'again', 'mark_done', 'skip', 'reject')}
     remarks = {'hold.acknowledge', 'hold.comment'}
     cell = {f'cell.{word}' for word in ('reset', 'start', 'pause', 'resume', 'stop', 'abort')}
     after = {f'cell.stop_after_{word}' for word in ('item', 'job', 'never')}
-    places = {'job.move', 'job.next', 'job.stop', 'job.clear'}
+    places = {'job.move', 'job.next'}
     service = {'component.out_of_service', 'component.in_service'}
     assert words(Role.OPERATE) == queue | answers | remarks | cell | after | places | service
 
@@ -64,6 +65,9 @@ def test_what_is_possible_where() -> None:
     assert queued == ['move', 'next', 'hold', 'update', 'abort', 'cancel']
     assert [r.word for r in of_job(JobWord.RUNNING, 'stopping')] == ['abort']
     assert [r.word for r in of_job(JobWord.ENDED)] == ['clear']
+    assert [r.word for r in of_job(JobWord.RUNNING)] == ['pause', 'stop', 'requeue', 'abort']
+    for more in ({'is_by_recipe': False}, {'left': 0}):
+        assert [r.word for r in of_job(JobWord.RUNNING, **more)] == ['pause', 'stop', 'abort']
     assert [r.name for r in of_hold(('retry', 'remove_item', 'resume'))] == [
         'hold.retry',
         'item.remove_item',

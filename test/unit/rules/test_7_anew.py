@@ -7,13 +7,16 @@ from pathlib import Path
 
 import pytest
 from fakes.operator import ann
-from fakes.recipe_bench import Bench
-from fakes.script_texts import LINE
+from fakes.recipe_bench import BOX, Bench
+from fakes.script_texts import LINE, script
 
 from bt_orchestrator.asking.anew import QueueAnew
 from bt_orchestrator.errors import Finding, Refused
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.commands import SetService
+from bt_orchestrator.model.jobs.job_commands import AddJobs
+from bt_orchestrator.model.jobs.made_anew import MadeAnew
+from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.requests import ask
 from bt_orchestrator.model.state import JobState
 from bt_orchestrator.ports import MadeScript
@@ -26,6 +29,14 @@ def at(component: str) -> MadeScript:
     """Return the script in which a component glues."""
     glue = f'  3: [{{id: glue, task: TASK_A, action: /{component}/task}}]'
     return MadeScript('BOX-7', f'{LINE}{glue}\n{ORIGIN}\n')
+
+
+def slow(component: str) -> MadeScript:
+    """Return the same, with a section in which two tasks follow each other."""
+    made = at(component)
+    looks = (f'{{id: {name}, task: RUN, action: /camera/task}}' for name in ('look', 'again'))
+    more = f'  2: [{", ".join(looks)}]\n'
+    return made._replace(text=made.text.replace('made_from', f'{more}made_from'))
 
 
 NOT_MADE = Refused([Finding('recipe BOX-7', 1, 1, 'glue: only press could')])
@@ -52,9 +63,13 @@ class Node:
     def service(self, component: str, *, out: bool) -> str:
         answer = begin(self.bench.engine.carry_out(SetService(component, not out, ann())))
         assert answer.value.accepted, answer.value.message
+        self.settle()
+        return answer.value.message
+
+    def settle(self) -> None:
+        """Do what is to be done later."""
         while self._calls:
             self._calls.pop(0)()
-        return answer.value.message
 
     @property
     def asked(self) -> list[frozenset[str]]:
@@ -92,6 +107,37 @@ def test_7_5_queued_jobs_by_recipe_are_made_anew_without_it(node: Node) -> None:
     assert {vars(one)['reason'] for one in decided} == {
         'press is out of service; made anew: 2.0 s per item'
     }
+
+
+def test_7_5_the_job_tells_without_what_it_is_made_and_how_fast(node: Node) -> None:
+    node.order('A')
+    node.service('press', out=True)
+    node.bench.give(slow('table'))
+    assert node.job('A').anew == MadeAnew(('press',), (), 3.0, 2.0)
+    node.service('camera', out=True)
+    node.bench.give(at('table'))
+    assert node.job('A').anew == MadeAnew(('press', 'camera'), (), 2.0, 2.0)
+    node.service('press', out=False)
+    node.bench.give(at('press'))
+    assert node.job('A').anew == MadeAnew(('camera',), (), 2.0, 2.0), 'against all in service'
+    node.service('camera', out=False)
+    node.bench.give(slow('press'))
+    assert node.job('A').anew == MadeAnew((), ('camera',), 3.0, 2.0)
+    begin(node.bench.handler.carry_out(ask('job.update', ann(), job='A', priority=3)))
+    assert node.job('A').anew is not None, 'it has the same script'
+    begin(node.bench.handler.carry_out(ask('job.update', ann(), job='A', script='test')))
+    assert node.job('A').anew is None
+
+
+def test_7_5_what_went_out_of_service_while_an_order_was_read_is_left_out_then(
+    node: Node,
+) -> None:
+    node.service('press', out=True)
+    engine, made_before = node.bench.engine, script(at('press').text)
+    assert begin(engine.carry_out(AddJobs((Job('A', made_before, 1, recipe=BOX),)))).value.accepted
+    node.settle()
+    node.bench.give(at('table'))
+    assert node.job('A').unavailable == ()
 
 
 def test_7_5_one_that_cannot_be_made_stays_unavailable_with_the_reason(node: Node) -> None:

@@ -21,6 +21,7 @@ from bt_orchestrator.model.jobs.job_commands import (
     AddJobs,
     ControlJob,
     MoveJob,
+    RequeueJob,
     RunNext,
     StopAfter,
     UpdateJob,
@@ -50,6 +51,7 @@ COMMANDS: dict[str, Callable[[By], Command]] = {
     'job.move': lambda by: MoveJob('J', 1, by),
     'job.next': lambda by: RunNext('J', by),
     'job.update': lambda by: UpdateJob(Job('J', SCRIPT, 7, {}), by),
+    'job.requeue': lambda by: RequeueJob('J', Job('J-rest', SCRIPT, 1, {}), by),
     **{
         f'job.{verb}': lambda by, verb=verb: ControlJob(verb, 'J', by)  # type: ignore[misc]
         for verb in ('hold', 'release', 'pause', 'resume', 'stop', 'abort', 'cancel', 'clear')

@@ -10,6 +10,7 @@ import pytest
 from fakes import statuses
 
 from bt_orchestrator.model.jobs.isa95 import JobWord
+from bt_orchestrator.model.jobs.made_anew import MadeAnew
 from bt_orchestrator.model.packml import VERBS, PackmlState, possible_in
 from bt_orchestrator.model.status import CellStatus, ComponentStatus
 from bt_orchestrator.model.status_words import job_count_words
@@ -266,3 +267,25 @@ def test_a_job_that_needs_a_component_out_of_service_says_so_and_what_can_be_don
     lines = list(words.status_lines(statuses.status(jobs=[running]), NODE))
     offered = f'stop it (queue stop {running.id}) and queue the rest anew'
     assert any('needs arm and belt' in line and offered in line for line in lines)
+    for more, way in (
+        ({}, 'to make the rest without it now: queue requeue WO-1'),
+        ({'started': 10}, 'or aborts it (queue abort WO-1)'),
+        ({'ending': 'stopping'}, 'or aborts it (queue abort WO-1)'),
+    ):
+        job = statuses.job(unavailable=('arm',), started_at=3.0, by_recipe=True, **more)
+        told = '\n'.join(words.status_lines(statuses.status(jobs=[job]), NODE))
+        assert f'{way}\n' in told
+
+
+def test_a_job_that_was_made_anew_says_without_what_and_how_fast_it_is() -> None:
+    anew = MadeAnew(('arm', 'lid'), (), 4.0, 3.0)
+    job = statuses.job(rest_of='WO-9', anew=anew, state=JobWord.ALLOWED_TO_START, position=1)
+    said = ', rest of WO-9, made anew without arm and lid: 4.0 s per item (+33 %)'
+    assert words.job_terms(job) == said
+    for other, told in (
+        (MadeAnew((), ('arm',), 3.0, 4.0), 'made anew with arm: 3.0 s per item (-25 %)'),
+        (MadeAnew(('arm',), (), 3.0, 3.0), 'made anew without arm: 3.0 s per item'),
+        (MadeAnew(('arm',)), 'made anew without arm'),
+    ):
+        assert words.job_terms(statuses.job(anew=other)) == f', {told}'
+    assert words.job_terms(statuses.job(anew=anew, state=JobWord.ENDED)) == ''

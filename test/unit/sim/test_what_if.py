@@ -16,12 +16,13 @@ from fakes.operator import ann
 
 from bt_orchestrator.cli.generating.ordered import RecipeMaker
 from bt_orchestrator.model.commands import SetService
-from bt_orchestrator.model.jobs.order import Job, WorkOrder
+from bt_orchestrator.model.jobs.order import Job, RecipeChoice, WorkOrder
 from bt_orchestrator.model.keeping.snapshot import state_to_plain
 from bt_orchestrator.model.requests import Asked, ask
-from bt_orchestrator.ports import CheckedOrder, Consequence, Moment
+from bt_orchestrator.ports import CheckedOrder, Consequence, MadeScript, Moment
 from bt_orchestrator.script.cell_file import parse_cell
 from bt_orchestrator.script.orders.plain_order import order_from
+from bt_orchestrator.script.script_file import parse_script
 from bt_orchestrator.sim import what_if
 from bt_orchestrator.sim.run_on import RunOn
 from bt_orchestrator.sim.simulation import Simulation
@@ -197,16 +198,20 @@ class Glued:
     def __init__(self, recipes: Path) -> None:
         self.recipes = recipes
         self.cell = parse_cell(glue_cell.CELL, 'cell', TYPES)
-        self._maker = RecipeMaker(self.cell, TYPES, [recipes])
+        self.maker = RecipeMaker(self.cell, TYPES, [recipes])
 
     def what_if(self, *lost: str) -> EngineWhatIf:
         """Ask from a moment in which some components are out of service."""
         with closing(Simulation(self.cell, TYPES, MemoryStore())) as simulation:
             for name in lost:
                 simulation.orchestrator.ask(SetService(name, in_service=False, by=ann()))
-            plain = json.loads(json.dumps(state_to_plain(simulation.state)))
-            moment = Moment(self.cell, plain, simulation.clock.now())
-        return EngineWhatIf(moment, TYPES, (), (self.recipes,), make=self._maker.script)
+            return self.at(simulation)
+
+    def at(self, simulation: Simulation) -> EngineWhatIf:
+        """Ask from the moment of a run."""
+        plain = json.loads(json.dumps(state_to_plain(simulation.state)))
+        moment = Moment(self.cell, plain, simulation.clock.now())
+        return EngineWhatIf(moment, TYPES, (), (self.recipes,), make=self.maker.script)
 
 
 BOX: dict[str, object] = {'recipe': 'BOX-7', 'order': 'D', 'quantity': 1, 'params': {'n': 1}}
@@ -214,6 +219,22 @@ BOX: dict[str, object] = {'recipe': 'BOX-7', 'order': 'D', 'quantity': 1, 'param
 
 def test_an_order_by_recipe_is_generated_and_checked(glued: Glued) -> None:
     assert glued.what_if().check(BOX) == CheckedOrder(True, '')
+
+
+def test_the_rest_of_a_job_is_made_in_the_run_alone(glued: Glued) -> None:
+    choice = RecipeChoice(('BOX-7',))
+    made = glued.maker.script(choice, frozenset())
+    assert isinstance(made, MadeScript)
+    script = parse_script(made.text, made.name, glued.cell, TYPES)
+    with closing(Simulation(glued.cell, TYPES, MemoryStore())) as simulation:
+        simulation.submit([Job('A', script, 8, {'n': 1}, recipe=choice)])
+        simulation.orchestrator.settle()
+        what_if = glued.at(simulation)
+    found = what_if.ask([ask('job.requeue', ann(), job='A')])
+    assert found.refusals == ()
+    assert [job.job for job in found.after] == ['A', 'A-rest']
+    (refused,) = what_if.ask([ask('job.requeue', ann(), job='B')]).refusals
+    assert refused.startswith('job.requeue: there is no job B')
 
 
 @pytest.mark.parametrize(

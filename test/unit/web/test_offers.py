@@ -10,6 +10,8 @@ from fakes.page_parts import offered, page_parts
 from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.model.cell_commands import Abort, Clear, Reset, Start, Stop
+from bt_orchestrator.model.jobs.job_commands import AddJobs
+from bt_orchestrator.model.jobs.order import Job, RecipeChoice
 
 
 def words(run: VirtualRun) -> set[str]:
@@ -157,6 +159,23 @@ def test_jobs_offer_what_their_state_allows() -> None:
     assert update['quantity'] == ['mes', 'engineer']
     run.control('pause', 'J')
     assert 'job.resume' in offered(page_parts(run)['job/J'])
+
+
+def test_a_job_by_recipe_that_lacks_a_component_can_be_requeued() -> None:
+    line, box = Line(3), RecipeChoice(('BOX',))
+    run = VirtualRun(line.cell, line.types)
+    script = line.script(THREE)
+    assert run.ask(AddJobs((Job('J', script, 5, recipe=box), Job('K', script, 1)))).accepted
+    run.go(until=1.0)
+    assert 'job.requeue' not in offered(page_parts(run)['job/J']), 'nothing is out of service'
+    assert run.service('a2', out=True).accepted
+    part = page_parts(run)['job/J']
+    assert offer(part, 'requeue')['body'] == {'job': 'J', 'command': 'requeue'}
+    assert [one['name'] for one in offer(part, 'requeue')['parameters']] == ['order']
+    assert offer(part, 'requeue')['foresee']['name'] == 'job.requeue'
+    assert 'job.requeue' not in offered(page_parts(run)['job/K']), 'it has not started'
+    run.control('stop', 'J')
+    assert 'job.requeue' not in offered(page_parts(run)['job/J'])
 
 
 def test_a_job_is_not_resumed_while_a_person_has_stopped_the_whole_cell() -> None:

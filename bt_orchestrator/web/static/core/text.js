@@ -68,6 +68,11 @@ export function number(value) {
   return value.toLocaleString(LOCALES[language]);
 }
 
+/** Say a part of a whole in whole percent, as more or less. */
+export function percent(part) {
+  return Math.round(part * 100).toLocaleString(LOCALES[language], { signDisplay: 'always' });
+}
+
 /** Say when: the time alone if it is today. */
 export function at(epoch) {
   if (epoch === null || epoch === undefined) return '';

@@ -5,6 +5,7 @@ import { part } from '../core/store.js';
 import { about, t, tOr } from '../core/text.js';
 import { foremostWait, waitWords } from '../core/waits.js';
 import { jobBar } from './bar.js';
+import { makingWords } from './making.js';
 
 const MADE = ['done', 'marked_done', 'skipped', 'continued'];
 
@@ -16,12 +17,14 @@ export function jobRow() {
   const count = h('span', { class: 'job-count' });
   const ends = h('span', { class: 'job-ends' });
   const bar = jobBar();
+  const making = h('p', { class: 'job-making' });
   const preparing = h('p', { class: 'job-preparing one-line' });
   const element = h(
     'li',
     { class: 'job' },
     h('div', { class: 'job-head' }, link, script, state, count, ends),
     bar.element,
+    making,
     preparing,
   );
   return {
@@ -39,6 +42,9 @@ export function jobRow() {
       text(count, waits ? t('overview.items', { count: job.quantity }) : '');
       show(bar.element, !waits);
       bar.update(job);
+      const made = makingWords(job);
+      show(making, made);
+      text(making, made);
       const said = preparingWords(job);
       show(preparing, said);
       text(preparing, said);

@@ -9,6 +9,7 @@ import { holdList } from '../parts/hold_list.js';
 import { inPath, sectionLink } from '../parts/links.js';
 import { shape } from '../core/shape.js';
 import { offers } from '../parts/offers.js';
+import { requeues } from '../parts/requeues.js';
 import { troubleWords } from '../parts/side_lists.js';
 import { taskList } from '../parts/task_list.js';
 import { jsonValues } from '../parts/values.js';
@@ -31,6 +32,7 @@ class Component {
     this.facts = h('dl', { class: 'facts' });
     this.holds = holdList();
     this.offers = offers({ about: () => name, label: t('component.offers') });
+    this.requeues = requeues();
     this.list = taskList();
     this.feedback = h('div', { class: 'feedback' });
     this.history = history(`/api/components/${inPath(name)}/history`);
@@ -39,6 +41,7 @@ class Component {
       {},
       this.trouble,
       this.offers.element,
+      this.requeues.element,
       this.holds.element,
       h(
         'div',
@@ -67,6 +70,7 @@ class Component {
   end() {
     this.holds.update([]);
     this.offers.end();
+    this.requeues.end();
   }
 
   update() {
@@ -80,6 +84,7 @@ class Component {
     if (now !== this.shown) this.#show(component);
     this.shown = now;
     this.list.update(tasks);
+    this.requeues.update(this.name);
     this.holds.update(
       partsOf('hold/')
         .map(([, one]) => one)

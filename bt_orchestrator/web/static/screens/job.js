@@ -5,7 +5,8 @@ import { part, subscribe } from '../core/store.js';
 import { at, duration, t } from '../core/text.js';
 import { jobBar } from '../parts/bar.js';
 import { failureTable } from '../parts/failures.js';
-import { inPath, itemLink } from '../parts/links.js';
+import { inPath, itemLink, jobLink } from '../parts/links.js';
+import { anewWords } from '../parts/making.js';
 import { recipeWords } from '../parts/job_row.js';
 import { offers } from '../parts/offers.js';
 import { table } from '../parts/table.js';
@@ -97,6 +98,8 @@ class Job {
       ['reason', job.reason],
       ['script', job.script],
       ['recipe', recipeWords(job)],
+      ['rest_of', job.rest_of && jobLink(job.rest_of)],
+      ['making', anewWords(part(`job/${this.id}`) ?? {})],
       ['quantity', job.quantity],
       ['queued', at(job.queued)],
       ['started', at(job.started)],

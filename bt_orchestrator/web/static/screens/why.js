@@ -13,6 +13,7 @@ import {
   partNames,
 } from '../parts/chain.js';
 import { picture } from '../parts/picture.js';
+import { requeues } from '../parts/requeues.js';
 import { shape } from '../core/shape.js';
 
 /** Show it in a root; `route.id` names the part whose chain is open. */
@@ -75,6 +76,7 @@ class Why {
 
   end() {
     this.picture.end();
+    this.fillCauses([]);
   }
 
   #listScripts() {
@@ -170,11 +172,13 @@ class Why {
 function makeCause(first) {
   const what = h('span');
   const waiting = h('span', { class: 'quiet' });
+  const lost = /^component\/(.*)$/.exec(first.kind === 'out_of_service' ? first.part : '')?.[1];
+  const ways = lost ? requeues() : null;
   const element = h(
     'li',
     {},
     first.is_ordinary ? null : shape('triangle'),
-    h('div', {}, nameLink(first.part), what, waiting),
+    h('div', {}, nameLink(first.part), what, waiting, ways?.element),
   );
   return {
     element,
@@ -182,6 +186,8 @@ function makeCause(first) {
       attribute(element, 'data-ordinary', String(cause.is_ordinary));
       text(what, causeWords(cause));
       text(waiting, t('why.waiting', { parts: partNames(cause.waiting) }));
+      ways?.update(lost);
     },
+    end: () => ways?.end(),
   };
 }

@@ -6,12 +6,14 @@ import { about, t } from '../../core/text.js';
 import { everySecond } from '../../core/tick.js';
 import { jobBar } from '../../parts/bar.js';
 import { scriptWords } from '../../parts/job_row.js';
+import { makingWords } from '../../parts/making.js';
 import { offers } from '../../parts/offers.js';
+import { REQUEUE } from '../../parts/requeues.js';
 import { shape } from '../../core/shape.js';
 import { dueWords, stateWords } from './job_words.js';
 
 /** What the row itself shows as handle and buttons; the rest is unfolded. */
-const IN_ROW = ['job.next'];
+const IN_ROW = ['job.next', REQUEUE];
 const BY_HANDLE = 'job.move';
 
 /** Make a row: an element, `update(job)`, `end()`. */
@@ -26,6 +28,7 @@ export function jobRow(id, context) {
   );
   const name = h('a', { href: `#/job/${id}`, class: 'job-id' }, id);
   const script = h('span', { class: 'quiet one-line' });
+  const making = h('span', { class: 'job-making' });
   const state = h('span', { class: 'job-state' });
   const bar = jobBar();
   const cells = Object.fromEntries(
@@ -63,7 +66,7 @@ export function jobRow(id, context) {
       'div',
       { class: 'job-line' },
       handle,
-      h('div', { class: 'job-name' }, name, script),
+      h('div', { class: 'job-name' }, name, script, making),
       state,
       bar.element,
       Object.values(cells).map((one) => one.element),
@@ -108,6 +111,9 @@ export function jobRow(id, context) {
       t('queue.handle', { job: id, place: job.position, count: move.count() }),
     );
     text(script, t('queue.of_script', { script: scriptWords(job), quantity: job.quantity }));
+    const made = makingWords(job);
+    show(making, made);
+    text(making, made);
     text(state, stateWords(job));
     bar.update(job);
     cells.priority.say(job.priority ? String(job.priority) : '');

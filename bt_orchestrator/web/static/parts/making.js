@@ -1,0 +1,23 @@
+/** How a job came to its script: whose rest it is, and without what it was made anew. */
+
+import { percent, seconds, t } from '../core/text.js';
+
+/** Say it all in one line; empty: it was ordered so. */
+export function makingWords(job) {
+  const isOver = job.state === 'Ended' || job.state === 'Aborted';
+  if (isOver) return '';
+  const rest = job.rest_of ? t('job.is_rest_of', { job: job.rest_of }) : '';
+  return [rest, anewWords(job)].filter(Boolean).join(', ');
+}
+
+/** Say without what it was made anew, and the pace since; empty: it was not. */
+export function anewWords({ anew }) {
+  if (!anew) return '';
+  const { without, back, per_item_s: now, slower } = anew;
+  const key = without.length ? 'anew_without' : back.length ? 'anew_with' : 'anew';
+  const what = t(`job.${key}`, { names: [...without, ...back].join(', ') });
+  if (!now) return what;
+  const isOther = Math.round(slower * 100) !== 0;
+  const said = { what, time: seconds(now), slower: percent(slower) };
+  return t(isOther ? 'job.at_other_pace' : 'job.at_pace', said);
+}
