@@ -11,7 +11,7 @@ import traceback
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from bench import opcua_rows, page_rows, report, ros_rows, virtual_rows
+from bench import opcua_rows, page_rows, reader_rows, report, ros_rows, virtual_rows
 from bench.plot import draw
 from bench.rows import TARGETS, Row, merged
 
@@ -35,6 +35,9 @@ def benches(args: argparse.Namespace) -> dict[tuple[str, ...], Bench]:
         ('restart',): lambda: virtual_rows.restart(rounds, events),
         ('dispatch', 'polling', 'wrap', 'cpu', 'watcher'): lambda: ros_rows.dispatch(
             rounds, 3 if quick else 20
+        ),
+        ('readers', 'readers_cpu'): lambda: reader_rows.readers(
+            rounds, *((3, 2_000) if quick else (20, 50_000))
         ),
         ('recipe_load',): lambda: ros_rows.planning(rounds, *((3, 1) if quick else (40, 10))),
         ('page_cpu', 'page_node', 'page_reader', 'page_readers'): lambda: page_rows.page(

@@ -63,6 +63,8 @@ TARGETS = {
     ),
     'recipe_time': Target('generating it, two candidates for each operation, s', 5, 1),
     'recipe_load': Target('dispatch p50, ten recipes are ordered and generated / none', 1.2, 1.05),
+    'readers': Target('dispatch p50, the journal is read all the time / not', 1.1, 1.02),
+    'readers_cpu': Target('CPU of the node a task, the journal is read / not', 1.1, 1.02),
     'restart': Target('restart, journal of many events / empty one', 5, 1.5),
 }
 

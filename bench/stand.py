@@ -150,7 +150,7 @@ def _measure(tail: Tail, pid: int, cycles: int) -> Measured:
     tail.until_ended((WARM_UP + cycles) * TASKS_A_CYCLE, PATIENCE_S + cycles)
     used_s, tasks = family_cpu_s(pid) - before_s, tail.ended - tasks
     records = tail.records[first:]
-    return Measured(list(_sequences(records)), list(_wraps(records)), used_s / tasks)
+    return Measured(list(sequences(records)), list(_wraps(records)), used_s / tasks)
 
 
 @contextmanager
@@ -185,7 +185,8 @@ def watcher(attached: bool) -> Iterator[None]:
         process.stdout.close()
 
 
-def _sequences(records: Sequence[dict[str, Any]]) -> Iterator[float]:
+def sequences(records: Sequence[dict[str, Any]]) -> Iterator[float]:
+    """Yield the times from the end of a section's first task to the arrival of its second."""
     ended: dict[str, float] = {}
     for record in records:
         component = record['component']

@@ -77,11 +77,16 @@ class LongRun:
         self.store.close()
 
 
-def make_long_journal(path: Path, events: int, *, quantity: int = 100) -> int:
-    """Write a journal of at least so many events; returns how many they are."""
-    run = LongRun(path)
+def make_long_journal(
+    path: Path, events: int, *, quantity: int = 100, line: Line | None = None, text: str = THREE
+) -> int:
+    """Write a journal of at least so many events; returns how many they are.
+
+    :param text: of the script that the line runs
+    """
+    run = LongRun(path, line)
     for number in itertools.count(1):
-        run.job(f'WO-{number}', quantity)
+        run.job(f'WO-{number}', quantity, text)
         if run.orchestrator.state.seq >= events:
             break
     seq = run.orchestrator.state.seq
