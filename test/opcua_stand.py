@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from bt_orchestrator.opcua.server import OpcUaServer
     from bt_orchestrator.ports import EventStore
 
-PATIENCE_S = 30.0
+PATIENCE_S = 120.0
 """The longest wait for something that must come."""
 
 
