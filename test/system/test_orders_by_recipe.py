@@ -9,7 +9,14 @@ from typing import Any
 
 from bt_orchestrator_interfaces.action import RunJob
 from bt_orchestrator_interfaces.msg import WorkOrder
-from bt_orchestrator_interfaces.srv import Command, QueueAdd, QueueList, QueueUpdate, SubmitOrder
+from bt_orchestrator_interfaces.srv import (
+    Command,
+    QueueAdd,
+    QueueCommand,
+    QueueList,
+    QueueUpdate,
+    SubmitOrder,
+)
 from cell_processes import SMALL_CELL, CellProcesses, StartCell, runs, small_script
 from diagnostic_msgs.msg import KeyValue
 
@@ -18,7 +25,7 @@ MODULE = 'bt_orchestrator.cli.generating.process'
 ABLE = {
     'feeder': 'feed: {task: TASK_A, qty_change: 1}',
     'worker': 'work: {task: TASK_A}',
-    'packer': 'work: {task: TASK_A}, pack: {task: TASK_A, qty_change: -1}',
+    'packer': 'work: {task: TASK_A}, pack: {task: TASK_A, qty_change: -1, runs_for: all}',
 }
 
 RECIPE = """\
@@ -66,6 +73,7 @@ def test_orders_by_recipe(start_cell: StartCell, tmp_path: Path) -> None:
     _run_job_takes_the_text_of_an_order(cell)
     _what_is_out_of_service_is_left_out(cell)
     _queued_jobs_follow_what_is_out_of_service(cell)
+    _the_rest_of_a_job_is_made_without_it(cell)
     _a_version_says_one_thing(cell, recipes)
     cell.stop()
 
@@ -73,20 +81,31 @@ def test_orders_by_recipe(start_cell: StartCell, tmp_path: Path) -> None:
 def _a_node_that_is_killed_while_it_generates_has_queued_nothing(cell: CellProcesses) -> None:
     request = SubmitOrder.Request(order='A', recipes=['BOX'], quantity=1)
     first = cell.watch.begin(SubmitOrder, 'submit_order', request)
-    child = cell.child(MODULE)
-    os.kill(child, signal.SIGSTOP)
+    child = _stopped_child(cell)
     # Held, so that nothing runs when the node is killed.
     script = str(cell.script(small_script()))
     request = QueueAdd.Request(orders=[WorkOrder(order='S', script=script, quantity=1)], held=True)
     assert cell.watch.call(QueueAdd, 'queue/add', request).accepted
     assert not first.done(), 'the order by script came first'
+    _begin_anew(cell, child)
+    request = QueueAdd.Request(orders=[by_recipe('A')], held=True)
+    assert cell.watch.call(QueueAdd, 'queue/add', request).accepted, 'its id was not used'
+
+
+def _stopped_child(cell: CellProcesses) -> int:
+    """Return the process that generates, which does not go on."""
+    child = cell.child(MODULE)
+    os.kill(child, signal.SIGSTOP)
+    return child
+
+
+def _begin_anew(cell: CellProcesses, child: int) -> None:
+    """Kill the node, whose process ends with it, and start another one."""
     cell.node.kill()
     os.kill(child, signal.SIGCONT)
     cell.watch.ros.spin_until(lambda: not runs(child, MODULE), 'the end of the process')
     cell.start_node()
     cell.node.wait_ready()
-    request = QueueAdd.Request(orders=[by_recipe('A')], held=True)
-    assert cell.watch.call(QueueAdd, 'queue/add', request).accepted, 'its id was not used'
 
 
 def _a_request_is_refused_as_a_whole(cell: CellProcesses) -> None:
@@ -148,6 +167,52 @@ def _queued_jobs_follow_what_is_out_of_service(cell: CellProcesses) -> None:
     for component in ('feeder', 'worker'):
         assert watch.command('in_service', component=component, who='Ada').accepted
     watch.until('job.updated', job='A', digest=whole)
+
+
+def _the_rest_of_a_job_is_made_without_it(cell: CellProcesses) -> None:
+    watch = cell.watch
+    whole = watch.until('job.queued', job='A')['digest']
+    order = WorkOrder(order='H', recipes=['BOX'], quantity=400)
+    assert watch.call(QueueAdd, 'queue/add', QueueAdd.Request(orders=[order])).accepted
+    watch.until('item.placed', job='H')
+    told = watch.command('out_of_service', component='worker', who='Ada')
+    assert 'to make the rest without it now: queue requeue H' in told.message
+
+    requeue = QueueCommand.Request(command='requeue', job='H', reason='worn')
+    child = _stopped_child(cell)
+    watch.begin(QueueCommand, 'queue/command', requeue)
+    _begin_anew(cell, child)
+    watch.until_status(
+        lambda told: {job.id: job.ending for job in told.jobs if job.id[0] == 'H'} == {'H': ''},
+        'nothing has changed',
+    )
+
+    told = watch.call(QueueCommand, 'queue/command', requeue)
+    assert told.accepted, (told.message, told.findings)
+    assert 'its items on the line still need worker and wait' in told.message
+    rest = watch.until('job.queued', job='H-rest')
+    assert (rest['rest_of'], rest['position'], rest['anew']['without']) == ('H', 1, ['worker'])
+    assert watch.until('job.stopping', job='H')['seq'] < rest['seq']
+    begun = len({one['item'] for one in watch.seen('cycle.started', job='H')})
+    assert rest['quantity'] == 400 - begun
+    status = watch.until_status(
+        lambda told: any(job.id == 'H-rest' and job.made_anew for job in told.jobs), 'the rest'
+    )
+    (job,) = (one for one in status.jobs if one.id == 'H-rest')
+    assert (job.rest_of, list(job.made_without)) == ('H', ['worker'])
+    assert job.made_per_item_s >= job.made_before_s > 0
+
+    abort = QueueCommand.Request(command='abort', job='H', reason='they wait for it')
+    assert watch.call(QueueCommand, 'queue/command', abort).accepted
+    watch.until('job.aborted', job='H')
+    assert watch.until('task.started', job='H-rest', task='work')['component'] == 'packer'
+    requeue.job, requeue.order = 'H-rest', 'H-end'
+    assert watch.call(QueueCommand, 'queue/command', requeue).accepted
+    cancel = QueueCommand.Request(command='cancel', job='H-end', reason='enough')
+    assert watch.call(QueueCommand, 'queue/command', cancel).accepted
+    assert watch.until('job.completed', job='H-rest')['exit_status'] == 'stopped'
+    assert watch.command('in_service', component='worker', who='Ada').accepted
+    watch.until('job.updated', count=2, job='A', digest=whole)
 
 
 def _a_version_says_one_thing(cell: CellProcesses, recipes: Path) -> None:

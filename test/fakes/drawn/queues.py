@@ -27,6 +27,7 @@ KINDS = (
     *('add', 'add', 'move', 'next', 'update', 'control', 'control', 'stop', 'cell', 'service'),
     *('script', 'requeue', 'requeue'),
 )
+BY_RECIPE = RecipeChoice(('R-1',))
 CELL = (Reset, Start, Stop, Abort, Resume)
 
 
@@ -110,7 +111,9 @@ class QueueOperator:
         return run.control(chance.choice(list(CONTROLS)), name)
 
     def _requeue(self, run: VirtualRun) -> Answer:
-        name = self._chance.choice([*run.state.jobs.line, f'Q{self._given}'])
+        line = run.state.jobs.line
+        able = [name for name, job in line.items() if job.cycles_left and job.job.recipe]
+        name = self._chance.choice([*line, *able, *able, f'Q{self._given}'])
         self._given += 1
         return run.ask(RequeueJob(name, self._job(f'Q{self._given - 1}'), BY))
 
@@ -138,6 +141,6 @@ class QueueOperator:
         chance = self._chance
         start = chance.choice((None, None, 20.0, 60.0))
         terms = Terms(chance.choice((0, 0, 0, 2, -1)), start)
-        recipe = chance.choice((RecipeChoice(('R-1',)), None))
-        quantity = chance.choice((1, 2, 2, 5))
+        recipe = chance.choice((BY_RECIPE, BY_RECIPE, None))
+        quantity = chance.choice((1, 2, 2, 6))
         return Job(name, chance.choice(self._scripts), quantity, {}, terms, recipe)
