@@ -14,7 +14,8 @@ def fold_at(reading: Reading, period: Period) -> tuple[AccountFold, Wanted]:
 
     Where the clock was set back, events of before the period may be among those.
     """
-    wanted = Wanted(events=FOLLOWED, until=period.end_us / US)
+    end = period.end_us + 0.5  # a time that is rounded to the end is in it
+    wanted = Wanted(events=FOLLOWED, until=end / US)
     is_whole = reading.records.extent().first_seq == 1
     fold = AccountFold(period.planned, is_whole=is_whole)
     for event in reading.events(wanted):

@@ -6,10 +6,12 @@ import pytest
 from fakes.day import Day, at
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.report.account.account import account, of_job, whole
 from bt_orchestrator.report.account.fold import AccountFold, Times
 from bt_orchestrator.report.account.losses import Loss
 from bt_orchestrator.report.account.planned import US, Planned, us_of
 from bt_orchestrator.report.account.stops import MOST_HOLDS
+from bt_orchestrator.report.reading import Reading
 
 NODE = e.OrchestratorStarted(cell='c', digest='d')
 ORDER = e.JobQueued(job='J', script='s', digest='d', quantity=1)
@@ -174,3 +176,13 @@ def test_a_stop_that_lasts_over_a_break_is_one_stop_whatever_is_recorded_in_the_
         fold.follow(event)
     (stop,) = fold.until(us_of(at('07:00'))).stops
     assert (stop.times, stop.us / US / 60) == (1, 20)
+
+
+@pytest.mark.parametrize('part', [-0.4, 0.4])
+def test_what_ends_a_period_is_in_it_whatever_its_time_is_rounded_to(part: float) -> None:
+    day, end = at_work(), at('06:30') + part * 1e-6
+    day.note(end, e.ItemRemoved(job='J', item='J/1', how='packed'), e.JobCompleted(job='J'))
+    reading = Reading(day.records())
+    for period in (of_job(reading, 'J', 'x'), whole(reading, 'x')):
+        (made,) = account(reading, period, None).figures.times.made
+        assert (made.good, made.outside) == (1, 0), period
