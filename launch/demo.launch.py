@@ -65,6 +65,12 @@ def generate_launch_description() -> LaunchDescription:
                 'page_port', default_value='8080', description='Port of the operator page.'
             ),
             DeclareLaunchArgument(
+                'shifts',
+                default_value='',
+                description='File of shifts (YAML): the page shows OEE and losses of the shift '
+                'that runs.',
+            ),
+            DeclareLaunchArgument(
                 'opcua',
                 default_value='false',
                 choices=['true', 'false'],
@@ -94,6 +100,7 @@ def _processes(context: LaunchContext) -> list[Node]:
             'namespace',
             'page',
             'page_port',
+            'shifts',
             'opcua',
             'opcua_port',
         )
@@ -148,20 +155,21 @@ def _tree_node(values: dict[str, str]) -> Node:
 
 
 def _page(values: dict[str, str]) -> Node:
-    return _server('page', values['page_port'], '--trust-this-computer', values)
+    account = ['--shifts', values['shifts'], '--cell', values['cell']] if values['shifts'] else []
+    return _server('page', values['page_port'], ['--trust-this-computer', *account], values)
 
 
 def _opcua(values: dict[str, str]) -> Node:
-    return _server('opcua', values['opcua_port'], '--insecure', values)
+    return _server('opcua', values['opcua_port'], ['--insecure'], values)
 
 
-def _server(verb: str, port: str, trust: str, values: dict[str, str]) -> Node:
+def _server(verb: str, port: str, options: list[str], values: dict[str, str]) -> Node:
     namespace = values['namespace'].strip('/')
     node = f'/{namespace}/bt_orchestrator' if namespace else '/bt_orchestrator'
     return Node(
         package=PACKAGE,
         executable='bt-orchestrator',
         name=verb,
-        arguments=[verb, '--node', node, '--port', port, trust],
+        arguments=[verb, '--node', node, '--port', port, *options],
         output='screen',
     )

@@ -14,7 +14,7 @@ from starlette.routing import BaseRoute, Mount, Route
 from starlette.staticfiles import StaticFiles
 
 from bt_orchestrator.model.codec import to_plain
-from bt_orchestrator.web import archive, commands, me, scripts, tree_watch
+from bt_orchestrator.web import account, archive, commands, me, scripts, tree_watch
 from bt_orchestrator.web.endpoint import Endpoint, routes
 from bt_orchestrator.web.guards import GuardMiddleware
 from bt_orchestrator.web.openapi import with_description
@@ -58,6 +58,7 @@ def endpoints_of(page: Page) -> list[Endpoint]:
         *me.endpoints(page.people),
         *commands.endpoints(page.tickets),
         *archive.endpoints(page.archive, page),
+        *account.endpoints(page.shift, page),
         *scripts.endpoints(page.shelf, page),
         *tree_watch.endpoints(page.tree),
         *planning.endpoints(page.questions, PageQueue(page)),

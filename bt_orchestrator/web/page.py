@@ -16,6 +16,7 @@ from bt_orchestrator.model.status import CellDescription, CellStatus
 from bt_orchestrator.ports import CellLink
 from bt_orchestrator.script.order_files import OrderFiles
 from bt_orchestrator.web.access import Access
+from bt_orchestrator.web.account import ShiftWatch
 from bt_orchestrator.web.archive.archive import Archive
 from bt_orchestrator.web.archive.heard import Heard
 from bt_orchestrator.web.book import Book
@@ -69,13 +70,16 @@ class Page(CellClient):
     def _prepare(self) -> None:
         self.streams = Streams(self.book, self.doors, self._refresh)
         self.questions = Questions(self.sources.planning, self.doors.moment)
-        self.archive = Archive(
-            Heard(self.book, self.doors), self.sources.open_records, lambda: self.book.history
+        heard = Heard(self.book, self.doors)
+        self.archive, own = (
+            Archive(heard, self.sources.open_records, lambda: self.book.history) for _ in range(2)
         )
+        self.shift = ShiftWatch(self.sources.plant, own, self._tell_shift)
         self.tree = TreeWatch(self._following.do)
         files = OrderFiles(self.sources.trees, self.sources.recipes)
         self.shelf = Shelf(self.known, self.archive, files, self._ask_moment)
         self._spawn(self._beat())
+        self._spawn(self.shift.run())
 
     def _leave(self, door: CellLink) -> None:
         """Keep nothing of a door that will be closed; called in its thread."""
@@ -90,6 +94,7 @@ class Page(CellClient):
         super().end()
         self.people.close()
         self.archive.close()
+        self.shift.close()
         self.questions.close()
 
     @property
@@ -146,6 +151,11 @@ class Page(CellClient):
                 self.known.take(told)
                 self._show_anew()
 
+    def _tell_shift(self) -> None:
+        self._is_stale = True
+        if self.streams.readers:
+            self._show_anew()
+
     def _show_anew(self) -> None:
         self._is_stale = True
         self._refresh()
@@ -174,7 +184,8 @@ class Page(CellClient):
         if status is None:
             return
         self._is_stale = False
-        self.book.put(self.show.parts(status, self.description, self.node))
+        parts = self.show.parts(status, self.description, self.node)
+        self.book.put({**parts, **self.shift.parts()})
         self._refreshed_at = time.monotonic()
         if self.show.wants_moment:
             self.show.wants_moment = False

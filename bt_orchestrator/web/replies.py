@@ -6,6 +6,7 @@ import asyncio
 import json
 from collections.abc import Mapping
 from typing import Any
+from urllib.parse import quote
 
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
@@ -41,6 +42,12 @@ class Problem(Exception):
         wait_s = self.more.get('wait_s')
         headers = None if wait_s is None else {'retry-after': str(wait_s)}
         return Json({'message': str(self), **self.more}, self.status, headers=headers)
+
+
+def attached(name: str) -> dict[str, str]:
+    """Return the headers of a file to keep; a document has a style of its own, as no page may."""
+    named = quote(name, safe='')
+    return {'content-disposition': f"attachment; filename*=UTF-8''{named}"}
 
 
 async def _of_http(request: Request, error: Exception) -> Response:

@@ -7,9 +7,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
+from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.events import Event
+from bt_orchestrator.model.plant.shifts import Shifts
 from bt_orchestrator.model.status import CellDescription, CellStatus
 from bt_orchestrator.ports import Planning, Records
+
+
+@dataclass(frozen=True)
+class Plant:
+    """When the cell is meant to work, and how quickly."""
+
+    shifts: Shifts
+    cell: Cell | None
+    """For the pace; None: there is no performance and no OEE."""
 
 
 @dataclass(frozen=True)
@@ -24,6 +35,8 @@ class Sources:
     """Folders in which recipes are looked up by name."""
     planning: Planning | None = None
     """Works out what-if and checks orders; the page closes it."""
+    plant: Plant | None = None
+    """For the account of the shift that runs; None: it is not shown."""
 
 
 class Show(Protocol):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,12 @@ from page.axe import barriers
 from page.browsing import Person, Tab
 from page.conftest import Sit
 from page.stands import Stand, stand
+
+from bt_orchestrator.report.account.account import account
+from bt_orchestrator.report.account.period import Period
+from bt_orchestrator.report.account.words import percent
+from bt_orchestrator.report.reading import Reading
+from bt_orchestrator.store.memory import MemoryRecords, MemoryStore
 
 SCREENS = (
     'overview',
@@ -51,6 +58,37 @@ def test_no_screen_has_a_barrier(held: Stand, sit: Sit, theme: str, language: st
     if in_dialog := barriers(tab):
         found['dialog'] = in_dialog
     assert not found
+
+
+def test_the_overview_shows_the_figures_of_the_report(held: Stand, sit: Sit) -> None:
+    tab = sit(held.port).open()
+    shown: dict[str, str] = {}
+
+    def are_those_of_the_report() -> bool:
+        """The shift goes on: compare with a report of the moment of which the page tells."""
+        told = tab.page.evaluate('() => fetch("/api/shift").then((answer) => answer.json())')
+        begin, end = (round(at(told['period'][name]) * 1e6) for name in ('from', 'to'))
+        with held.cell.lock:
+            assert isinstance(held.cell.store, MemoryStore)
+            reading = Reading(MemoryRecords(held.cell.store))
+            made = account(reading, Period.all_planned('', begin, end), held.cell.cell).figures
+        found = ('oee', 'availability', 'performance', 'quality')
+        for name in found:
+            shown[name] = tab.page.locator(f'[data-figure="{name}"]').inner_text()
+        assert made.oee is not None
+        return shown == {name: percent(getattr(made, name)) for name in found}
+
+    tab.until(lambda: tab.count('[data-part="shift"][data-runs]'), 'the shift')
+    tab.until(are_those_of_the_report, 'the figures of the report')
+    assert shown['oee'] not in ('', '-', '0.0 %')
+    assert tab.count('[data-part="shift"] [data-loss]') > 1
+    with tab.page.expect_download() as download:
+        tab.page.locator('[data-part="shift"] a[download]').click()
+    assert download.value.suggested_filename.startswith('shift-early-of-')
+
+
+def at(moment: str) -> float:
+    return datetime.fromisoformat(moment).timestamp()
 
 
 def test_barriers_and_what_is_too_wide_are_found(held: Stand, sit: Sit) -> None:

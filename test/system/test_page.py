@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import threading
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
+from typing import Any, cast
+from urllib.request import urlopen
 
 import pytest
 from cell_processes import StartCell
@@ -13,6 +17,11 @@ from program_process import PATIENCE_S
 from web.sse_client import Message, SseClient
 
 from bt_orchestrator.cli.journal_file import open_records
+from bt_orchestrator.cli.moments import moment
+from bt_orchestrator.report.account.account import account
+from bt_orchestrator.report.account.period import Period
+from bt_orchestrator.report.account.plain import account_plain
+from bt_orchestrator.report.reading import Reading as RecordsReading
 
 
 class Reading:
@@ -47,9 +56,18 @@ class Reading:
 
 @pytest.fixture
 def page(tmp_path: Path) -> Iterator[PageProcess]:
-    found = PageProcess(tmp_path, '/bt_orchestrator')
+    shifts = tmp_path / 'shifts.yaml'
+    shifts.write_text('shifts: {day: {from: 00:00, to: 00:00}}')
+    found = PageProcess(tmp_path, '/bt_orchestrator', ['--shifts', str(shifts)])
     yield found
     found.close()
+
+
+def shift_of(page: PageProcess) -> dict[str, Any]:
+    """Return the account of the shift that runs."""
+    url = f'http://127.0.0.1:{page.port}/api/shift'
+    with urlopen(url, timeout=PATIENCE_S) as answer:
+        return cast('dict[str, Any]', json.load(answer))
 
 
 def test_each_event_is_told_once_although_the_node_is_killed(
@@ -67,10 +85,15 @@ def test_each_event_is_told_once_although_the_node_is_killed(
         cell.kill_and_restart_node()
         cell.watch.connect_anew()
     cell.watch.until_ended('WO-1')
-    with_journal = open_records(journal)
-    last = with_journal.extent().last_seq
-    with_journal.close()
-    cell.watch.ros.spin_until(lambda: reading.seqs[-1:] == [last], 'the last event is told')
+    with closing(open_records(journal)) as records:
+        last = records.extent().last_seq
+        cell.watch.ros.spin_until(lambda: reading.seqs[-1:] == [last], 'the last event is told')
+        cell.watch.ros.spin_until(lambda: shift_of(page)['quantities']['good'] == 12, 'the shift')
+        told = shift_of(page)
+        borders = (round(moment(told['period'][name]) * 1e6) for name in ('from', 'to'))
+        made = account(RecordsReading(records), Period.all_planned('', *borders), None)
+    assert told['losses'] == account_plain(made)['losses']
+    assert told['losses']['no_node'] > 0
 
     page.stop()  # although somebody reads, who would never end by himself
     reading.join()

@@ -90,6 +90,7 @@ def test_every_argument_is_described_and_has_a_default(launched: LaunchFile) -> 
         'namespace',
         'page',
         'page_port',
+        'shifts',
         'opcua',
         'opcua_port',
     ]
@@ -143,6 +144,10 @@ def test_a_page_is_served_if_it_is_wanted(launched: LaunchFile) -> None:
     args = main.parsed([*page['arguments'], '--ros-args', '-r', '__node:=page'])
     assert (args.verb, args.node, args.port) == ('page', '/cell_b/bt_orchestrator', 8181)
     assert args.trust_this_computer
+    assert (args.shifts, args.cell) == (None, None)
+    (*_, shift) = launched.processes(page='true', shifts='/x/shifts.yaml')
+    args = main.parsed(shift['arguments'])
+    assert (args.shifts, args.cell) == (Path('/x/shifts.yaml'), REFERENCE_CELL)
     (*_, alone) = launched.processes(page='true')
     assert main.parsed(alone['arguments']).node == DEFAULT_NODE
 

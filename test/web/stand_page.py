@@ -12,11 +12,12 @@ from web.stand_cell import StandCell
 
 from bt_orchestrator.cli.planning_process import PlanningProcess
 from bt_orchestrator.model.jobs.order import Terms, WorkOrder
+from bt_orchestrator.model.plant.shifts import DAY_MIN, Hours, Shift, Shifts
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.store.memory import MemoryStore
 from bt_orchestrator.web.access import Access
 from bt_orchestrator.web.page import Page
-from bt_orchestrator.web.seams import Sources
+from bt_orchestrator.web.seams import Plant, Sources
 from bt_orchestrator.web.server import PageServer
 
 USERS = {'ann': Role.OPERATE, 'eve': Role.ENGINEER, 'mes': Role.MES, 'vic': Role.VIEW}
@@ -38,8 +39,17 @@ def stand_page(folder: Path, args: argparse.Namespace) -> tuple[StandCell, PageS
         local_user='' if args.login else 'stand',
     )
     trees = (TREES if args.sections == 5 else folder,)
-    sources = Sources(trees=trees, recipes=(RECIPES,), planning=PlanningProcess(trees, (RECIPES,)))
+    planning = PlanningProcess(trees, (RECIPES,))
+    plant = Plant(_shifts(), stand.cell)
+    sources = Sources(trees=trees, recipes=(RECIPES,), planning=planning, plant=plant)
     return stand, PageServer(Page(stand.node.name, stand.open_door, access, sources))
+
+
+def _shifts() -> Shifts:
+    """Return a shift that has begun in this minute."""
+    begin_min = int(time.time() // 60) % DAY_MIN
+    hours = Hours(begin_min, (begin_min + 480) % DAY_MIN)
+    return Shifts({'early': Shift('early', hours)}, 'UTC')
 
 
 def _order(stand: StandCell, number: int, quantity: int) -> WorkOrder:

@@ -36,6 +36,8 @@ class DemoRecord:
     executor: str = 'single'
     page: int | None = None
     """Port of the operator page; None: there is none."""
+    shifts: str = ''
+    """File of shifts for the page; empty: it shows no account."""
     opcua: int | None = None
     """Port of the OPC UA server; None: there is none."""
     processes: Mapping[str, int] = field(default_factory=dict)

@@ -122,7 +122,9 @@ class DemoPrograms:
         if self._record.page is not None:
             journal = ['--journal', str(self._folder.journal)]
             port = ['--port', str(self._record.page)]
-            yield PAGE, ['page', *port, '--trust-this-computer', *journal, *trees]
+            account = ['--shifts', self._record.shifts, '--cell', self._record.cell]
+            account = account if self._record.shifts else []
+            yield PAGE, ['page', *port, '--trust-this-computer', *journal, *trees, *account]
         if self._record.opcua is not None:
             options = opcua_options(self._folder.path)
             yield OPCUA, ['opcua', '--port', str(self._record.opcua), *options, *trees]

@@ -39,6 +39,7 @@ from bt_orchestrator.screen.keys import keyboard as person_at_keyboard
 from bt_orchestrator.screen.plain import EventLines
 from bt_orchestrator.screen.words import hold_text
 from bt_orchestrator.script.orders.order_file import read_order
+from bt_orchestrator.script.shifts.shifts_file import read_shifts
 from bt_orchestrator.sim.controllers.selection import WrongSelection, select
 from bt_orchestrator.stop_signals import StopSignals
 from bt_orchestrator.web.access import PORT
@@ -95,6 +96,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar='PORT',
         help=f'serve the operator page as well, on this computer (default port {PORT}), and go '
         'on after the order, until Ctrl-C',
+    )
+    parser.add_argument(
+        '--shifts',
+        type=Path,
+        metavar='FILE',
+        help='with --page: file of shifts, for OEE and losses of the shift that runs; the pace is '
+        'that of --speed 1',
     )
     parser.add_argument(
         '--opcua',
@@ -161,6 +169,8 @@ def _checked(args: argparse.Namespace, types: ActionTypes) -> DemoRecord:
     except WrongSelection as error:
         raise WrongUse(str(error)) from error
     read_order(order)
+    if args.shifts is not None:
+        read_shifts(args.shifts)
     return DemoRecord(
         domain=os.environ.get('ROS_DOMAIN_ID') or str(random.randint(1, 101)),
         cell=str(path.resolve()),
@@ -170,6 +180,7 @@ def _checked(args: argparse.Namespace, types: ActionTypes) -> DemoRecord:
         trees=[str(folder.resolve()) for folder in args.trees],
         executor=args.executor,
         page=args.page,
+        shifts='' if args.shifts is None else str(args.shifts.resolve()),
         opcua=args.opcua,
     )
 

@@ -16,6 +16,7 @@ from bt_orchestrator.cli.folders import (
 )
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.page.access_options import access_of, add_access_options
+from bt_orchestrator.cli.page.plant_options import add_plant_options, plant_of
 from bt_orchestrator.cli.planning_process import PlanningProcess
 from bt_orchestrator.cli.server_log import server_log
 from bt_orchestrator.cli.wrong_use import WrongUse
@@ -42,6 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help='journal of the node, for everything that has been; it is only read (default: what '
         'the node tells of its last events)',
     )
+    add_plant_options(parser)
     add_node_options(parser)
 
 
@@ -60,6 +62,7 @@ def run(args: argparse.Namespace) -> int:
         open_records=None if journal is None else partial(open_records, journal),
         trees=script_folders(args.trees),
         recipes=recipe_folders(args.recipes),
+        plant=plant_of(args),
         planning=PlanningProcess(script_folders(args.trees), recipe_folders(args.recipes)),
     )
     with StopSignals() as stop, server_log(ROOM):

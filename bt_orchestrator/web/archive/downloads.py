@@ -6,7 +6,6 @@ import time
 from collections.abc import Awaitable, Callable
 from io import StringIO
 from typing import NamedTuple
-from urllib.parse import quote
 
 from starlette.requests import Request
 from starlette.responses import Response
@@ -21,7 +20,7 @@ from bt_orchestrator.web.archive.archive import Archive, Look
 from bt_orchestrator.web.archive.items import reading
 from bt_orchestrator.web.archive.jobs import job_record
 from bt_orchestrator.web.endpoint import Endpoint
-from bt_orchestrator.web.replies import Problem
+from bt_orchestrator.web.replies import Problem, attached
 
 _REFUSALS = {
     404: 'nothing is known of the job',
@@ -99,15 +98,10 @@ def _document(archive: Archive) -> Callable[[Request], Awaitable[Response]]:
         except JournalUnusable as error:
             raise Problem(503, str(error)) from error
         return Response(
-            text.encode(), media_type='text/html', headers=_attached(f'{_plain(name)}.html')
+            text.encode(), media_type='text/html', headers=attached(f'{_plain(name)}.html')
         )
 
     return answer
-
-
-def _attached(name: str) -> dict[str, str]:
-    named = quote(name, safe='')
-    return {'content-disposition': f"attachment; filename*=UTF-8''{named}"}
 
 
 def _plain(item: str) -> str:
@@ -124,7 +118,7 @@ def _answer(archive: Archive, kind: Kind) -> Callable[[Request], Awaitable[Respo
             raise Problem(503, str(error)) from error
         # a file cannot say what it lacks in a way that every reader sees; its name can
         lacks = '' if is_whole else '-incomplete'
-        headers = _attached(f'{name}-items{lacks}.{kind.ending}')
+        headers = attached(f'{name}-items{lacks}.{kind.ending}')
         return Response(text.encode(), media_type=kind.media, headers=headers)
 
     return answer

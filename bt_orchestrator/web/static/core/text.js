@@ -73,6 +73,13 @@ export function percent(part) {
   return Math.round(part * 100).toLocaleString(LOCALES[language], { signDisplay: 'always' });
 }
 
+/** Say a part of a whole; a dash: not known. */
+export function ratio(part) {
+  if (part === null || part === undefined) return '–';
+  const digits = { minimumFractionDigits: 1, maximumFractionDigits: 1 };
+  return t('unit.percent', { value: (part * 100).toLocaleString(LOCALES[language], digits) });
+}
+
 /** Say when: the time alone if it is today. */
 export function at(epoch) {
   if (epoch === null || epoch === undefined) return '';

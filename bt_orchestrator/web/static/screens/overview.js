@@ -8,6 +8,7 @@ import { beltStrip } from '../parts/belt_strip.js';
 import { holdCard } from '../parts/hold_card.js';
 import { jobRow } from '../parts/job_row.js';
 import { sectionCard } from '../parts/section_card.js';
+import { shiftCard } from '../parts/shift_card.js';
 import { flagList, troubleList } from '../parts/side_lists.js';
 
 const OVER = ['Ended', 'Aborted'];
@@ -22,6 +23,7 @@ export function mount(root) {
   const jobs = jobList();
   const troubles = troubleList();
   const flags = flagList();
+  const shift = shiftCard();
   const page = h(
     'div',
     { class: 'overview' },
@@ -31,7 +33,7 @@ export function mount(root) {
       'div',
       { class: 'overview-side' },
       jobs.element,
-      h('div', { class: 'overview-aside' }, troubles.element, flags.element),
+      h('div', { class: 'overview-aside' }, troubles.element, shift.element, flags.element),
     ),
   );
   const silence = h('p', { class: 'panel' }, t('overview.nothing_heard'));
@@ -44,12 +46,13 @@ export function mount(root) {
     [['cell', 'job/'], jobs.update],
     [['component/'], troubles.update],
     [['flags'], flags.update],
+    [['shift'], shift.update],
   ];
   const ends = shown.flatMap(([prefixes, update]) => {
     update();
     return prefixes.map((prefix) => subscribe(prefix, update));
   });
-  everySecond(page, () => [holds, belt, sections].forEach((one) => one.tick()));
+  everySecond(page, () => [holds, belt, sections, shift].forEach((one) => one.tick()));
   return () => {
     ends.forEach((end) => end());
     holds.end();
