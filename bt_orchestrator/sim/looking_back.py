@@ -159,7 +159,7 @@ class LookingBack:
 
     def _follow(self, span: _Span, forecast_end_us: int, sinks: Sequence[EventSink]) -> None:
         """Hand out what happened, as far as the longer of both goes."""
-        until = max(span.end_us, forecast_end_us) / US
+        until = (max(span.end_us, forecast_end_us) + 0.5) / US  # times are rounded
         for event in self._reading.events(Wanted(span.start.seq - 1, until=until)):
             _hand(event, sinks)
 

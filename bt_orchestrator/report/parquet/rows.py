@@ -79,8 +79,8 @@ class TaskRows:
         elif isinstance(event, e.TaskStarted):
             lost = self._spans.start_of(event)
             if lost is not None:
+                self._untimed.discard(event.key)
                 yield self._begun(lost)
-            self._untimed.discard(event.key)
         span = self._spans.follow(event)
         if span is not None:
             yield self._ended(span)

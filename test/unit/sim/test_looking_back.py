@@ -81,6 +81,34 @@ def test_a_slow_component_is_named() -> None:
     assert worst.late_us == 10 * US
 
 
+def test_what_comes_after_the_end_is_not_counted() -> None:
+    found = looked(ran(LINE, 5, 3, slower=-2.0), 'J0')
+    assert difference_us(found) == {'production': -10 * US}
+    busy = {pair.what: (pair.forecast, pair.real) for pair in found.busy()}
+    assert busy['a2'] == (25 * US, 15 * US)
+    assert busy['conveyor'] == (12 * US, 12 * US), 'later moves are of the next job alone'
+
+
+@pytest.mark.parametrize('part_s', [4e-7, 6e-7])
+def test_the_end_is_found_whatever_its_time_is_rounded_to(part_s: float) -> None:
+    found = looked(ran(LINE, 1, slower=part_s), 'J0')
+    assert found.late_us == round(part_s * US)
+
+
+def test_a_move_that_is_under_way_at_the_start_is_counted() -> None:
+    run = VirtualRun(LINE.cell, TYPES)
+    run.submit('J0', LINE.script(THREE), 1)
+    early = '[{id: ready, @b1, requires_conveyor: false}, {id: place, @a1, qty_change: 1}]'
+    run.submit('J1', LINE.script(THREE.replace('[{id: place, @a1, qty_change: 1}]', early)), 1)
+    run.go()
+    found = looked(run, 'J1')
+    (first, *_) = (r['time'] for r in run.all('task.started', task='index'))
+    assert first * US == found.begin_us
+    moves = len(run.all('task.started', task='index'))
+    assert found.real.busy_us['conveyor'] == found.forecast.busy_us['conveyor']
+    assert found.real.busy_us['conveyor'] == moves * 2 * US
+
+
 def test_retries_and_holds_account_for_the_difference() -> None:
     line = Line(3, seconds={'a2': 5.0}, faults={'a2': '#2=abort #5=abort #6=abort'})
     run = ran(line, 5, text=RETRIED)
@@ -108,9 +136,11 @@ def test_retries_and_holds_account_for_the_difference() -> None:
 def test_a_job_that_runs_is_compared_so_far() -> None:
     run = VirtualRun(LINE.cell, TYPES)
     run.submit('J0', LINE.script(THREE), 6)
-    run.go(until=22.0)
+    run.go(until=20.0)
     found = looked(run, 'J0')
     assert found.late_us is None
+    assert found.real.until_us == 18 * US, 'the last event'
+    assert found.real.busy_us['a2'] == 11 * US, 'two items, and one second of the third'
     assert found.forecast.end_us is not None
     assert found.forecast.end_us > found.real.until_us == found.forecast.until_us
     pairs = [*found.times(), *found.items(), *found.busy(), found.total]
@@ -133,6 +163,15 @@ def test_another_cell_file_is_said() -> None:
     assert found.cell_differs
     assert found.late_us == -8 * US
     assert 'the node ran with another cell file than this one' in '\n'.join(retrospect_text(found))
+
+
+def test_a_forecast_that_would_wait_for_a_person_is_none() -> None:
+    unless = "fails_unless: {value: '${results.work.measurement}', at_least: 4.0}"
+    line = Line(3, faults={'a2': '#1=reads:5.0'})
+    run = ran(line, 1, text=with_section(2, f'- {{id: work, @a2, {unless}}}'))
+    assert run.ended, 'the real scale read what is wanted; the simulated one reads 0'
+    with pytest.raises(NoForecast, match=r'a person has to answer: section 2, work \(TASK_A\)'):
+        looked(run, 'J0', line.cell)
 
 
 def test_without_a_forecast_it_is_said_why() -> None:
