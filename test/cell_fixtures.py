@@ -8,17 +8,13 @@ from typing import Any
 
 import pytest
 from cell_processes import SMALL_CELL, CellProcesses, StartCell
-from ros_domain import discover_fast
+from ros_domain import discovering_fast
 
 
 @pytest.fixture(scope='session', autouse=True)
 def fast_discovery() -> Iterator[None]:
     """Let processes find each other in tenths of a second instead of up to three seconds."""
-    with pytest.MonkeyPatch.context() as patch:
-        changed: dict[str, str] = {}
-        discover_fast(changed)
-        for name, value in changed.items():
-            patch.setenv(name, value)
+    with discovering_fast():
         yield
 
 

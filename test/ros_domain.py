@@ -30,6 +30,17 @@ def discover_fast(environment: MutableMapping[str, str] = os.environ) -> None:
     environment[PROFILES[is_jazzy]] = str(profile)
 
 
+@contextmanager
+def discovering_fast() -> Iterator[None]:
+    """Do the same for a while."""
+    changed: dict[str, str] = {}
+    discover_fast(changed)
+    with pytest.MonkeyPatch.context() as patch:
+        for name, value in changed.items():
+            patch.setenv(name, value)
+        yield
+
+
 class OwnDomain:
     """The domain of this process and of those it starts; locked against other test processes.
 

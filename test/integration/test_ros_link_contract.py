@@ -12,7 +12,7 @@ import pytest
 from contract.link_bench import LinkBench, folder_with_files
 from contract.link_contract import LinkContract
 from program_process import ProgramProcess
-from ros_domain import discover_fast
+from ros_domain import discovering_fast
 
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.events import Event
@@ -100,9 +100,5 @@ class TestRosLink(LinkContract):
     @pytest.fixture(scope='class', autouse=True)
     @staticmethod
     def fast_discovery() -> Iterator[None]:
-        with pytest.MonkeyPatch.context() as patch:
-            found: dict[str, str] = {}
-            discover_fast(found)
-            for name, value in found.items():
-                patch.setenv(name, value)
+        with discovering_fast():
             yield

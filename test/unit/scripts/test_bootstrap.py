@@ -10,18 +10,12 @@ import projects
 import pytest
 import report
 from commands import run_logged
+from fakes.programs import program
 from installer import Installer
 from projects import Project, interface_project
 from sources import digest, find_sources
 
 PACKAGE_XML = '<package><name>drill_interfaces</name></package>'
-
-
-def program(path: Path, *lines: str) -> Path:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text('\n'.join(['#!/bin/sh', *lines, '']))
-    path.chmod(0o755)
-    return path
 
 
 @pytest.fixture

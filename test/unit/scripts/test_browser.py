@@ -7,6 +7,7 @@ from pathlib import Path
 import browser
 import pytest
 from browser import find_browser, install_missing_browser
+from fakes.programs import program
 from report import Failure
 
 
@@ -16,12 +17,6 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv('PATH', str(tmp_path))
     monkeypatch.delenv('CHROMIUM', raising=False)
     return tmp_path
-
-
-def program(path: Path, *lines: str) -> Path:
-    path.write_text('\n'.join(['#!/bin/sh', *lines, '']))
-    path.chmod(0o755)
-    return path
 
 
 def test_the_browser_on_path_is_taken(folder: Path) -> None:

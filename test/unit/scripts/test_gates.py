@@ -8,14 +8,9 @@ import sys
 from pathlib import Path
 
 import pytest
+from fakes.programs import program
 
 ROOT = Path(__file__).parents[3]
-
-
-def program(path: Path, *lines: str) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text('\n'.join(['#!/bin/sh', *lines, '']))
-    path.chmod(0o755)
 
 
 def run(command: list[str], cwd: Path, **variables: str) -> subprocess.CompletedProcess[str]:

@@ -8,17 +8,11 @@ from pathlib import Path
 
 import pytest
 import steps
+from fakes.programs import program
 from node_packages import FILES, install_node_packages
 from report import Failure
 
 LISTS = steps.NODE_PACKAGES
-
-
-def program(path: Path, *lines: str) -> Path:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text('\n'.join(['#!/bin/sh', *lines, '']))
-    path.chmod(0o755)
-    return path
 
 
 @pytest.fixture
