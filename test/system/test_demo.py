@@ -23,6 +23,9 @@ INTERRUPTED = 130
 ALL_PACKED = r'^WO-1001 +reference_process( +3){2}( +0){3} '
 """Items, packed, rejected, missing, nonconforming."""
 
+COMPLETED = r'^ *(\S+) s  WO-1001 completed'
+FINISHED = ALL_PACKED + r'.* (\S+) s$'
+"""When, as the events say and as the summary says."""
 
 FIRST_TASK = ' at /unpacking/unpacking_action'
 
@@ -60,7 +63,10 @@ def is_there(pid: int) -> bool:
 @pytest.mark.every_distro
 def test_the_demo_packs_its_order_and_leaves_nothing(demo: ProgramProcess) -> None:
     assert demo.wait(2 * PATIENCE_S) == 0, demo.errors
-    assert re.search(ALL_PACKED, demo.output, re.MULTILINE)
+    summary, line = (re.search(p, demo.output, re.MULTILINE) for p in (FINISHED, COMPLETED))
+    assert summary is not None
+    assert line is not None
+    assert float(summary[3]) == pytest.approx(float(line[1]), abs=0.1), 'both from the order on'
     demo.assert_clean()
     pids = started_pids(demo)
     assert len(pids) == 3

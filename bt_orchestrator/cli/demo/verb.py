@@ -10,6 +10,7 @@ import shlex
 import sys
 from collections.abc import Sequence
 from contextlib import ExitStack, closing
+from itertools import dropwhile
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,7 @@ from bt_orchestrator.cli.watch import live_or, say
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import from_record
+from bt_orchestrator.model.events import JobQueued
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.opcua.access import PORT as OPCUA_PORT
 from bt_orchestrator.ports import ActionTypes
@@ -215,7 +217,9 @@ def _show(
 def _sum_up(folder: DemoFolder, cell: Cell, job: str) -> int:
     with closing(open_records(folder.journal)) as journal:
         records = [json.loads(record.text) for record in Reading(journal).each(Wanted())]
-    result = forecast([from_record(record) for record in records], cell)
+    events = (from_record(record) for record in records)
+    # As the lines before it, the summary counts from the order on, and not from the node's start.
+    result = forecast(dropwhile(lambda one: not isinstance(one, JobQueued), events), cell)
     print()
     for line in forecast_lines(result):
         print(line)
