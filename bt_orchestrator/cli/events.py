@@ -165,6 +165,8 @@ def _of_journal(args: argparse.Namespace, stop: StopSignals) -> int:
     with closing(open_records(args.journal)) as records, _output(args, records) as write:
         reading = Reading(records, say_damage)
         for text in itertools.islice(_records(reading, args, stop), args.count):
+            if stop.requested and not args.follow:
+                raise KeyboardInterrupt  # the rest may be long, and nobody waits for it
             write(text)
         return 1 if reading.lost else 0
 

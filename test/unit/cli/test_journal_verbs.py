@@ -5,13 +5,17 @@ from __future__ import annotations
 import csv
 import json
 import shutil
+import signal
 import threading
+import time
 import xml.etree.ElementTree as ET
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from bt_orchestrator.cli.main import main
+from bt_orchestrator.cli import events
+from bt_orchestrator.cli.main import INTERRUPTED, main
 from bt_orchestrator.model.events import JobStarted
 from bt_orchestrator.store.sqlite.store import SqliteStore
 
@@ -143,6 +147,20 @@ def test_what_makes_no_sense(journal: str, capsys: pytest.CaptureFixture[str]) -
     assert 'leave --follow out' in said(capsys, *words, '--follow', status=2)
     nowhere = ('-o', '/none/there')
     assert 'cannot write /none/there: No such file' in said(capsys, *words, *nowhere, status=2)
+
+
+def test_a_long_export_ends_at_ctrl_c(
+    journal: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def endless(*_: object) -> Iterator[str]:
+        signal.raise_signal(signal.SIGINT)
+        deadline = time.monotonic() + 20.0
+        while time.monotonic() < deadline:
+            yield '{"seq": 1, "time": 0.0, "event": "x"}'
+
+    monkeypatch.setattr(events, '_records', endless)
+    words = ('events', '--journal', journal, '--format', 'csv', '-o', str(tmp_path / 'x.csv'))
+    assert main(words) == INTERRUPTED
 
 
 def test_what_comes_is_followed(journal: str, capsys: pytest.CaptureFixture[str]) -> None:

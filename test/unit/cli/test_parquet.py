@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import shutil
 import sqlite3
+from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
 
 import pytest
 
+from bt_orchestrator.cli import events as verb
 from bt_orchestrator.cli import parquet_folder
-from bt_orchestrator.cli.main import main
+from bt_orchestrator.cli.main import INTERRUPTED, main
 
 SCHEMA_1 = Path(__file__).parents[2] / 'data' / 'journal_schema_1.sqlite3'
 
@@ -50,6 +52,25 @@ def test_a_damaged_record_is_left_out_and_said(
     seqs = pq.read_table(tmp_path / 'out' / 'events.parquet')['seq'].to_pylist()
     assert 100 not in seqs
     assert len(seqs) == 155
+
+
+def test_what_is_interrupted_leaves_the_tables_of_before(
+    journal: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pq = pytest.importorskip(
+        'pyarrow.parquet', reason='needs pyarrow: ./scripts/bootstrap --parquet'
+    )
+    out = tmp_path / 'out'
+    assert events(journal, '-o', str(out), '--count', '3') == 0
+
+    def interrupted(*_: object) -> Iterator[str]:
+        yield '{"seq": 7, "time": 0.0, "event": "x"}'
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(verb, '_records', interrupted)
+    assert events(journal, '-o', str(out)) == INTERRUPTED
+    assert pq.read_table(out / 'events.parquet')['seq'].to_pylist() == [1, 2, 3]
+    assert len(list(out.iterdir())) == 2
 
 
 @pytest.mark.parametrize(
