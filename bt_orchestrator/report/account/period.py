@@ -26,6 +26,11 @@ class Period:
         """Return a period without shifts: all of it counts."""
         return cls(name, begin_us, end_us, Planned.of([(begin_us, end_us)]))
 
+    @property
+    def until_s(self) -> float:
+        """Its end as a time of events: one that is rounded to the end is in it."""
+        return (self.end_us + 0.5) / US
+
     def cut(self) -> Period:
         """Return it with what is planned within it alone."""
         pieces = [

@@ -75,7 +75,7 @@ def durations(reading: Reading, period: Period, cell: Cell | None) -> Durations:
     begin, end = period.begin_us / US, period.end_us / US
     by_hour = end - begin < SHORT.total_seconds()
     fold = TimesFold(period.zone, by_hour=by_hour)
-    for event in reading.events(Wanted(since=begin, until=end, events=FOLLOWED)):
+    for event in reading.events(Wanted(since=begin, until=period.until_s, events=FOLLOWED)):
         fold.follow(event)
     since = datetime.fromtimestamp(end, period.zone) - LATELY
     tasks = [_task(kind, buckets, cell, since) for kind, buckets in fold.kinds.items()]

@@ -12,13 +12,18 @@ from typing import Any
 
 import pytest
 from fakes.action_types import FakeActionTypes
+from fakes.day import Day, at
 from fakes.shipped import REFERENCE_CELL
 
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.main import main
 from bt_orchestrator.model import events as e
+from bt_orchestrator.report.account.period import Period
+from bt_orchestrator.report.account.planned import us_of
 from bt_orchestrator.report.durations.drift import drift_of
+from bt_orchestrator.report.durations.durations import durations
 from bt_orchestrator.report.durations.times import MOST_KEPT, Kind, Samples, TimesFold
+from bt_orchestrator.report.reading import Reading
 from bt_orchestrator.script.cell_file import parse_cell
 from bt_orchestrator.script.writing.duration_edits import NotEditable, with_durations
 from bt_orchestrator.store.sqlite.store import SqliteStore
@@ -62,6 +67,16 @@ def buckets(events: Iterable[e.Event]) -> dict[datetime, Samples]:
         fold.follow(event)
     (found,) = fold.kinds.values()
     return found
+
+
+def test_an_attempt_that_ends_a_period_is_in_it_whatever_its_time_is_rounded_to() -> None:
+    day, begin = Day(), at('06:30')
+    for event in attempts('a2', 'TASK_A', [(datetime.fromtimestamp(begin), 5.0)]):
+        day.note(event.time + 4e-7, event)
+    end_us = us_of(begin + 5.0)
+    period = Period.all_planned('p', us_of(begin), end_us)
+    (task,) = durations(Reading(day.records()), period, None).tasks
+    assert task.count == 1
 
 
 def test_the_day_since_which_a_task_is_slower_is_found() -> None:
