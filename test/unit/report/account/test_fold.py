@@ -167,7 +167,8 @@ def test_asking_meanwhile_tells_the_time_until_then_and_changes_nothing() -> Non
 def test_a_stop_that_lasts_over_a_break_is_one_stop_whatever_is_recorded_in_the_break() -> None:
     day = at_work()
     day.note('06:10', e.StopReasonChanged(stop_reason='operator', reason='x'))
-    day.note('06:25', e.JobHeld(job='Z'))
+    day.note('06:22', e.JobHeld(job='Z'))
+    day.note('06:27', e.JobHeld(job='Z'))
     day.note('06:40', e.StopReasonChanged(stop_reason=''))
     pieces = [('06:00', '06:20'), ('06:30', '07:00')]
     planned = Planned.of((us_of(at(begin)), us_of(at(end))) for begin, end in pieces)
