@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple, TypeVar
 
+from bt_orchestrator.cli.bookkeeping.process import BooksProcess
 from bt_orchestrator.cli.foresight_process import ForesightProcess
 from bt_orchestrator.cli.generating.ordered import RecipeMaker
 from bt_orchestrator.cli.generating.process import GeneratingProcess
@@ -18,6 +19,7 @@ from bt_orchestrator.model.recipe import Recipe
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import (
     ActionTypes,
+    Bookkeeping,
     EventSink,
     EventStore,
     Foresight,
@@ -156,6 +158,11 @@ def load_script(
 def build_foresight(cell: Cell) -> Foresight:
     """Build what forecasts the ends of jobs, in a process that starts with the first question."""
     return ForesightProcess(cell)
+
+
+def build_bookkeeping(journal: Path) -> Bookkeeping:
+    """Build what makes the books of a journal, in a process that starts with each work."""
+    return BooksProcess(journal)
 
 
 def build_generating(

@@ -75,6 +75,7 @@ def run(args: argparse.Namespace) -> int:
 def _run(args: argparse.Namespace, stop: StopSignals) -> int:
     # Imported here, so that --help needs no ROS.
     from bt_orchestrator.cli.bootstrap import (
+        build_bookkeeping,
         build_foresight,
         build_generating,
         memory_store,
@@ -87,7 +88,7 @@ def _run(args: argparse.Namespace, stop: StopSignals) -> int:
     told['recipes'] = tuple(recipe_folders(args.recipes))
     defaults = NodeParameters(**told)
     ros_args = getattr(args, 'ros_args', ())
-    parts = Parts(open_journal, memory_store, build_foresight, build_generating)
+    parts = Parts(open_journal, memory_store, build_foresight, build_bookkeeping, build_generating)
     left = run_node(defaults, parts, stop, _say, namespace=args.namespace, ros_args=ros_args)
     for task in left:
         print(f'still running at its server: {task}', file=sys.stderr)

@@ -3,6 +3,7 @@
 Every implementation of a port passes the contract tests of that port (test/contract).
 """
 
+from bt_orchestrator.ports.bookkeeping import Bookkeeping
 from bt_orchestrator.ports.clock import Clock, Timer
 from bt_orchestrator.ports.door import CellLink, EventPage, Listener, Moment, QueuePage, Watch
 from bt_orchestrator.ports.foresight import Foresight
@@ -36,6 +37,7 @@ __all__ = [
     'Writing',
     'Writer',
     'EventSink',
+    'Bookkeeping',
     'Foresight',
     'MadeScript',
     'Generating',

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Sequence
 from typing import NamedTuple, Protocol
 
+from bt_orchestrator.model.books import Books
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.job_record import JobRecord
 
@@ -97,6 +98,18 @@ class Journal(EventStore, Protocol):
 
     def begin_with(self, snapshot: Snapshot) -> None:
         """Make replay begin with a state: events up to it may be removed.
+
+        :raises JournalFailed: nothing has changed
+        """
+
+    def booked(self) -> int:
+        """Return the seq of the last event that is in books; 0: none is.
+
+        :raises JournalUnusable: it cannot be read
+        """
+
+    def keep_books(self, made: Books) -> None:
+        """Store books: the account of some events, which outlives them.
 
         :raises JournalFailed: nothing has changed
         """

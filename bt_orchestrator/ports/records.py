@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
+from bt_orchestrator.model.books import KeptScript, KeptState, SlotPage
 from bt_orchestrator.model.records import Extent, JobPlace, Page, Summaries, Wanted
 from bt_orchestrator.ports.journal import Snapshot
 
@@ -44,6 +45,30 @@ class Records(Protocol):
         """Return a stored state from which few events lead to the state after an event.
 
         None: there is none; then replay begins with the first event, if that is kept.
+
+        :raises JournalUnusable: it cannot be read
+        """
+
+    def booked(
+        self, begin_us: int, end_us: int, most: int = 1000, *, newest_first: bool = False
+    ) -> SlotPage:
+        """Return the slots of the account that lie between two moments, or touch what does.
+
+        In their order, which `newest_first` turns round; only oldest first it goes on with
+        `SlotPage.rest_us`.
+
+        :raises JournalUnusable: it cannot be read
+        """
+
+    def book_state(self, at_us: int, first_seq: int = 0) -> KeptState | None:
+        """Return the newest sound state of the account that is not after a moment.
+
+        :param first_seq: nor is it before this event
+        :raises JournalUnusable: it cannot be read
+        """
+
+    def book_script(self, digest: str) -> KeptScript | None:
+        """Return a script of which something was made; None: it is not there, or damaged.
 
         :raises JournalUnusable: it cannot be read
         """

@@ -44,7 +44,7 @@ class Reading:
     def page(self, wanted: Wanted, most: int = MOST) -> Page:
         """Return the next page, with its damage told."""
         page = self.records.page(wanted, most)
-        self._tell_new(page.damage)
+        self.tell_new(page.damage)
         return page
 
     def pages(self, wanted: Wanted, *, is_continued: bool = False) -> Iterator[Page]:
@@ -106,7 +106,7 @@ class Reading:
         after, is_first = None, True
         while is_first or after is not None:
             found = self.records.summaries(after)
-            self._tell_new(found.damage)
+            self.tell_new(found.damage)
             yield from found.jobs
             after, is_first = found.rest, False
 
@@ -127,7 +127,8 @@ class Reading:
                 return event.definition
         return None
 
-    def _tell_new(self, damage: Iterable[Damage]) -> None:
+    def tell_new(self, damage: Iterable[Damage]) -> None:
+        """Tell what cannot be shown, each once."""
         for one in damage:
             if one.what not in self._told:
                 self._told.add(one.what)

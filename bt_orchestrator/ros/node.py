@@ -25,7 +25,7 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.commands import FoundTwin, Shutdown
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.node_parameters import NodeParameters
-from bt_orchestrator.ports import EventStore, Foresight, Generating, Journal
+from bt_orchestrator.ports import Bookkeeping, EventStore, Foresight, Generating, Journal
 from bt_orchestrator.replies import begin
 from bt_orchestrator.ros.actions.gateway import RosGateway
 from bt_orchestrator.ros.clock import RosClock
@@ -92,6 +92,8 @@ class Parts(NamedTuple):
     make_memory_store: Callable[[], EventStore]
     """Makes one that is gone with the process, where no file is named."""
     make_foresight: Callable[[Cell], Foresight]
+    make_bookkeeping: Callable[[Path], Bookkeeping]
+    """Makes what makes the books of the journal in a file."""
     make_generating: Callable[[Cell, Sequence[Path], Soon], Generating]
     """Makes what generates the scripts of orders by recipe, from recipes in some folders; what it
     is given lets the tick thread call something."""
@@ -131,6 +133,8 @@ class TreeNode:
         self._overview = Overview(
             self.orchestrator, self._durations, self._senders.unauthenticated
         )
+        journal = self.parameters.journal
+        self._bookkeeping = None if journal is None else parts.make_bookkeeping(journal)
         self._housekeeping = self._keep_house()
         pulse = Pulse(node)
         self._expected = self._look_ahead(parts, pulse, store)
@@ -188,6 +192,8 @@ class TreeNode:
         self._expected.close()
         self._generating.close()
         self._order_process.close()
+        if self._bookkeeping is not None:
+            self._bookkeeping.close()
         if self._housekeeping is not None and self._is_durable:
             self._housekeeping.finish()
         self.orchestrator.close()
@@ -223,7 +229,8 @@ class TreeNode:
         if self._journal is None:
             return None
         keep_jobs = self.parameters.journal_keep_jobs
-        return Housekeeping(self.orchestrator.state, self._journal, keep_jobs, self._writer)
+        state, journal, writer = self.orchestrator.state, self._journal, self._writer
+        return Housekeeping(state, journal, keep_jobs, writer, self._bookkeeping)
 
     def _read_orders(self) -> OrderReader:
         parameters, state = self.parameters, self.orchestrator.state

@@ -19,8 +19,9 @@ from bt_orchestrator.model.jobs.job_folds import ENDED_KEPT
 from bt_orchestrator.model.jobs.job_record import record_of
 from bt_orchestrator.model.keeping.state_text import StateText
 from bt_orchestrator.model.state import CellState
-from bt_orchestrator.ports import Journal, Snapshot, Writer
+from bt_orchestrator.ports import Bookkeeping, Journal, Snapshot, Writer
 from bt_orchestrator.replies import Reply, begin
+from bt_orchestrator.runtime.book_work import BookWork
 from bt_orchestrator.runtime.recovery import stamp
 from bt_orchestrator.runtime.writers import AtOnce
 
@@ -61,16 +62,21 @@ class Housekeeping:
         journal: Journal,
         keep_jobs: int = KEEP_JOBS,
         writer: Writer | None = None,
+        bookkeeping: Bookkeeping | None = None,
     ) -> None:
         """Prepare for a journal.
 
         :param keep_jobs: how many ended jobs keep their events, at least; KEEP_ALL: all
         :param writer: waits for the disk; None: the caller
+        :param bookkeeping: makes the books of the account; None: there are none
         """
         self._state = state
         self._journal = journal
         self._keep_jobs = keep_jobs
         self._writer = writer or AtOnce()
+        self._books = (
+            None if bookkeeping is None else BookWork(state, journal, bookkeeping, self._writer)
+        )
         self._stamp = stamp(state.cell)
         self._saved_seq = max(
             (one.seq for one in journal.snapshots() if one.stamp == self._stamp), default=0
@@ -79,6 +85,7 @@ class Housekeeping:
         self._not_looked_after = 0
         """Jobs stored since the last check for events to remove."""
         self._remove_before = 0
+        self._removed_before = 0
         self._failed_seq = 0
         """Last event at the last failure; there is no new attempt before the next event."""
         self._quiet_turns = 0
@@ -91,6 +98,8 @@ class Housekeeping:
         :param quiet: nothing happens at this moment
         """
         self._quiet_turns = self._quiet_turns + 1 if quiet else 0
+        if self._books is not None:
+            self._books.turn(quiet=quiet)
         if self._next_turn is not None:
             turn, self._next_turn = self._next_turn, None
             turn.give(None)
@@ -143,10 +152,15 @@ class Housekeeping:
         return self._state.jobs.waiting
 
     async def _remove_some(self) -> None:
-        before = self._remove_before
+        wanted = self._remove_before
+        before = wanted if self._books is None else self._books.removable(wanted)
+        if before <= self._removed_before:
+            return  # these events are not in the books yet
         there_are_more = await self._written(partial(self._journal.remove_batch, before))
         if not there_are_more:
-            self._remove_before = 0
+            self._removed_before = before
+            if before == wanted:
+                self._remove_before = 0
 
     async def _save(self, first: int = 0) -> None:
         """Store a snapshot, and the summaries of jobs that ended.

@@ -21,6 +21,7 @@ from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 
 from bt_orchestrator.cli.bootstrap import (
+    build_bookkeeping,
     build_foresight,
     build_generating,
     memory_store,
@@ -91,7 +92,7 @@ def tree_node(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[TreeNo
     node = TreeNode(
         Node(NODE_NAME),
         parameters,
-        Parts(open_journal, memory_store, build_foresight, build_generating),
+        Parts(open_journal, memory_store, build_foresight, build_bookkeeping, build_generating),
     )
     yield node
     node.close()

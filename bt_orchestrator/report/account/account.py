@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model import events as e
@@ -11,13 +11,17 @@ from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.records import Extent, Wanted
 from bt_orchestrator.report.account.beginning import fold_at
+from bt_orchestrator.report.account.booked import booked, first_booked
 from bt_orchestrator.report.account.figures import Figures, Paces, figures
-from bt_orchestrator.report.account.fold import AccountFold
+from bt_orchestrator.report.account.fold import AccountFold, FromBooks
 from bt_orchestrator.report.account.period import Period
 from bt_orchestrator.report.account.planned import us_of
 from bt_orchestrator.report.reading import Reading
 
 _OF_A_JOB = (e.JobStarted.event, e.JobCompleted.event, e.JobAborted.event)
+
+
+_MOST_MOMENTS = 4
 
 
 class NothingToReport(OrchestratorError):
@@ -35,11 +39,15 @@ class Source:
     unreadable: int
     """Damaged records: what they said is not in it."""
 
-    def lines(self) -> tuple[str, ...]:
-        """Say it for a person."""
+    def lines(self, books: str) -> tuple[str, ...]:
+        """Say it for a person.
+
+        :param books: that it was made from, too; empty: there were none
+        """
         history, first = self.extent.history, self.extent.first_seq
-        events = f'events {self.first_seq} to {self.last_seq}' if self.first_seq else 'no event'
-        said = [f'made from {events} of history {history}']
+        events = f'events {self.first_seq} to {self.last_seq}' if self.first_seq else ''
+        of = ' and '.join(filter(None, (books, events))) or 'no event'
+        said = [f'made from {of} of history {history}']
         if first > 1:
             said.append(f'events 1 to {first - 1} were removed from the journal')
         if self.unreadable:
@@ -54,6 +62,7 @@ class Account:
     period: Period
     figures: Figures
     source: Source
+    books: FromBooks
     has_cell: bool
     """A cell file was given, for the pace."""
     cell_differs: bool
@@ -61,7 +70,16 @@ class Account:
 
     def notes(self) -> tuple[str, ...]:
         """Say what it was made from, and what limits it."""
-        said = [*self.source.lines()]
+        when, books = self.period.when, self.books
+        span = f'books of {" to ".join(map(when, books.span))}' if books.span else ''
+        said = [*self.source.lines(span)]
+        if books.rounded:
+            moments = ', '.join(map(when, books.rounded[:_MOST_MOMENTS]))
+            more = ' and others' if books.rounded[_MOST_MOMENTS:] else ''
+            said.append(
+                'planned time is rounded to whole slots of the books, as the events of these are '
+                f'removed: {moments}{more}'
+            )
         shown = self.figures
         if shown.unpaced:
             named = ', '.join(shown.unpaced)
@@ -95,7 +113,7 @@ def account(reading: Reading, period: Period, cell: Cell | None) -> Account:
         if us_of(event.time) >= period.begin_us:
             first, last = first or event.seq, event.seq
         fold.follow(event)
-    if not first:
+    if not first and not fold.books.span:
         raise NothingToReport(f'the journal has no event of {_span(period)}{_reach(reading)}')
     return account_of(fold, period, Paces(cell), Source(extent, first, last, reading.lost))
 
@@ -105,9 +123,10 @@ def account_of(fold: AccountFold, period: Period, paces: Paces, source: Source) 
     times, cell = fold.until(period.end_us), paces.cell
     named = digest(cell) if cell is not None else ''
     return Account(
-        period,
+        replace(period, planned=times.planned),
         figures(times, paces),
         source,
+        fold.books,
         cell is not None,
         bool(named) and any(one != named for one in times.cells),
     )
@@ -125,14 +144,26 @@ def of_job(reading: Reading, job: str, journal: str) -> Period:
         else:
             end = us_of(event.time)
     if begin is None:
-        known = any(one.job == job for one in reading.summaries())
-        why = 'keeps only a summary of' if known else 'knows no start of'
-        raise NothingToReport(f'{journal} {why} job {job}; history --job {job} shows what it has')
+        return _by_summary(reading, job, journal)
     return Period.all_planned(f'job {job}', begin, end or whole(reading, journal).end_us)
 
 
+def _by_summary(reading: Reading, job: str, journal: str) -> Period:
+    """Return the period of a job whose events are removed, if there are books of it.
+
+    :raises NothingToReport: there are none
+    """
+    known = next((one for one in reading.summaries() if one.job == job), None)
+    if known is not None and known.started is not None and known.ended is not None:
+        begin, end = us_of(known.started), us_of(known.ended)
+        if next(booked(reading, begin, end), None) is not None:
+            return Period.all_planned(f'job {job}', begin, end)
+    why = 'knows no start of' if known is None else 'keeps only a summary of'
+    raise NothingToReport(f'{journal} {why} job {job}; history --job {job} shows what it has')
+
+
 def whole(reading: Reading, journal: str) -> Period:
-    """Return the period from the first event that is kept to the last.
+    """Return the period from the first slot of the books, or kept event, to the last event.
 
     :raises NothingToReport: there is none
     """
@@ -140,6 +171,9 @@ def whole(reading: Reading, journal: str) -> Period:
     if not all(ends):
         raise NothingToReport(f'{journal} has no event')
     begin, end = (us_of(json.loads(records[0].text)['time']) for records in ends)
+    first = first_booked(reading)
+    if first is not None:
+        begin = min(begin, first.begin_us)
     return Period.all_planned('all that the journal has', begin, end)
 
 

@@ -28,6 +28,9 @@ FOLLOWED = (
 )
 """Names of the events that an account needs."""
 
+EVER_US = 1 << 62
+"""After any moment."""
+
 _NOT_RECORDED = Cause(Loss.NOT_RECORDED)
 
 
@@ -103,17 +106,20 @@ class Course:
         self.pass_until(event, ledger)
         self._take(event, ledger)
 
-    def pass_until(self, event: e.Event, ledger: Ledger) -> None:
-        """Let the time pass up to an event, without taking it in."""
+    def pass_until(self, event: e.Event, ledger: Ledger, most: int = EVER_US) -> None:
+        """Let the time pass up to an event, or to a moment before it; the event comes then.
+
+        :param most: the moment
+        """
         now, cause = us_of(event.time), self.cause
         if isinstance(event, e.OrchestratorStarted) and self._standing.has_node:
             # A node that was killed says nothing; of the very first nothing was before.
             cause = self._standing.without_node() if cause != _NOT_RECORDED else cause
         elif isinstance(event, e.ClockStepped):
             # This event has the new time already; what really passed goes on from the old one.
-            self._pass(now - us_of(event.seconds), cause, ledger)
+            self._pass(min(most, now - us_of(event.seconds)), cause, ledger)
             cause = _NOT_RECORDED
-        self._pass(now, cause, ledger)
+        self._pass(min(most, now), cause, ledger)
 
     def rest(self, end: int) -> Stretch | None:
         """Return the time from now to a moment up to which no event comes; None: there is none."""

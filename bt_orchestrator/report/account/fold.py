@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from copy import deepcopy
+from typing import NamedTuple
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.script import Script
@@ -16,21 +18,52 @@ from bt_orchestrator.report.account.total import Times, Total
 __all__ = ['FOLLOWED', 'AccountFold', 'Times']
 
 
+class FromBooks(NamedTuple):
+    """What of an account comes from books."""
+
+    span: tuple[int, ...] = ()
+    """From when to when there were slots; empty: there were none."""
+    rounded: tuple[int, ...] = ()
+    """Begins of slots of which planned time is a part, and whose events are gone."""
+
+
+class Begun(NamedTuple):
+    """The first part of an account, taken in elsewhere."""
+
+    course: Course
+    total: Total
+    until_us: int
+    """Up to when slots were taken in."""
+    last: Slot | None
+    """The newest of them, if it is not in the total yet."""
+    books: FromBooks
+    find: Callable[[str], Script | None]
+    """Finds scripts by digest that no event has told of."""
+
+
 class AccountFold:
     """Takes in one event after another, oldest first."""
 
-    def __init__(self, planned: Planned, *, is_whole: bool) -> None:
+    def __init__(
+        self, planned: Planned, *, is_whole: bool = False, begun: Begun | None = None
+    ) -> None:
         """Begin.
 
         :param is_whole: the first event that comes is the first of all
+        :param begun: where to go on; None: with the first planned moment
         """
-        self._planned = planned
         borders = [moment for piece in planned.pieces for moment in piece]
-        self._begin = borders[0] if borders else 0
-        self._course = Course(is_whole=is_whole, begin=self._begin)
+        if begun is None:
+            begin = borders[0] if borders else 0
+            course = Course(is_whole=is_whole, begin=begin)
+            begun = Begun(course, Total(), begin, None, FromBooks(), lambda _: None)
+        self._planned = planned
+        self._course, self._total, self._begin, last, self.books, self._find = begun
         self._slots = Slots(self._course.holds, self._add, self._begin, borders)
-        self._total = Total()
-        self._scripts: dict[str, Script] = {}
+        self._slots.runs(self._course.cell, self._course.digest)
+        if last is not None:
+            self._slots.go_on_from(last)
+        self._scripts: dict[str, Script | None] = {}
 
     @property
     def cause(self) -> Cause | None:
@@ -52,9 +85,14 @@ class AccountFold:
         total = deepcopy(self._total)
         for slot in self._slots.until(self._course.rest(end)):
             total.add(slot, is_planned=self._planned.includes(slot.until_us))
-        used = {one.digest for one in total.made}
-        scripts = {digest: one for digest, one in self._scripts.items() if digest in used}
-        return total.times(self._planned.before(end), scripts)
+        used = (self._script(one.digest) for one in total.made)
+        return total.times(self._planned.before(max(end, self._begin)), dict(filter(None, used)))
+
+    def _script(self, digest: str) -> tuple[str, Script] | None:
+        if digest and digest not in self._scripts:
+            self._scripts[digest] = self._find(digest)
+        script = self._scripts.get(digest)
+        return None if script is None else (digest, script)
 
     def _add(self, slot: Slot) -> None:
         self._total.add(slot, is_planned=self._planned.includes(slot.until_us))

@@ -72,13 +72,16 @@ def _period(account: Account) -> dict[str, Any]:
 
 
 def _source(account: Account) -> dict[str, Any]:
-    source = account.source
+    source, when = account.source, account.period.iso
+    span = [when(us) for us in account.books.span]
     return {
         'history': source.extent.history,
         'first_seq': source.first_seq,
         'last_seq': source.last_seq,
         'removed_before_seq': source.extent.first_seq,
         'damaged': source.unreadable,
+        'books': {'from': span[0], 'to': span[1]} if span else None,
+        'rounded': [when(us) for us in account.books.rounded],
     }
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from copy import deepcopy
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.report.account.course import Stretch
+from bt_orchestrator.report.account.course import EVER_US, Stretch
 from bt_orchestrator.report.account.made import Left
 from bt_orchestrator.report.account.open_slot import OpenSlot
 from bt_orchestrator.report.account.slot import QUARTER_US, Slot
@@ -43,9 +43,9 @@ class Slots:
         self._cell = self._digest = ''
 
     def go_on_from(self, slot: Slot) -> None:
-        """Go on with a slot that is not complete."""
-        self._cell, self._digest = slot.cell, slot.cells[-1] if slot.cells else ''
-        self._open = OpenSlot(slot.begin_us, self._border(slot.begin_us), '', '')
+        """Go on with a slot that is not complete, or may be: more may happen at its end."""
+        ends = max(self._border(slot.begin_us), slot.until_us)
+        self._open = OpenSlot(slot.begin_us, ends, '', '')
         self._open.go_on_from(slot)
 
     def passes(self, stretch: Stretch) -> None:
@@ -80,7 +80,7 @@ class Slots:
             self._open.left(item)
 
     def runs(self, cell: str, digest: str) -> None:
-        """Take in that a node began to run with a cell file."""
+        """Take in that a node began to run with a cell file; before the begin: that it runs."""
         self._cell, self._digest = cell, digest
         if self._open is not None:
             self._open.runs(cell, digest)
@@ -121,7 +121,4 @@ class Slots:
 
     def _special(self, moment: int) -> int:
         at = bisect_right(self._borders, moment)
-        return self._borders[at] if at < len(self._borders) else _NEVER
-
-
-_NEVER = 1 << 62
+        return self._borders[at] if at < len(self._borders) else EVER_US

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from bt_orchestrator.errors import DamagedRecord, JournalUnusable
+from bt_orchestrator.model.books import KeptScript, KeptState, SlotPage
 from bt_orchestrator.model.records import (
     Damage,
     Extent,
@@ -19,7 +20,7 @@ from bt_orchestrator.model.records import (
     Wanted,
 )
 from bt_orchestrator.ports import Snapshot
-from bt_orchestrator.store.sqlite import looking, snapshots, summaries
+from bt_orchestrator.store.sqlite import books, looking, snapshots, summaries
 from bt_orchestrator.store.sqlite.checks import check_of_event
 from bt_orchestrator.store.sqlite.database import has_log, unchanging, unusable_otherwise
 from bt_orchestrator.store.sqlite.mark import mark_of, read_mark
@@ -118,6 +119,46 @@ class SqliteRecords:
         with unusable_otherwise(self._path):
             return snapshots.state_before(self._database, seq)
 
+    def booked(
+        self,
+        begin_us: int,
+        end_us: int,
+        most: int = looking.MOST,
+        *,
+        newest_first: bool = False,
+    ) -> SlotPage:
+        """Return the slots of the account that lie between two moments, or touch what does.
+
+        :raises JournalUnusable: the file is damaged as a whole
+        """
+        if self._schema < _HAS_BOOKS:
+            return SlotPage((), (), None)
+        most = max(1, min(most, looking.MOST))
+        with unusable_otherwise(self._path):
+            found = books.slots(self._database, begin_us, end_us, most, newest_first=newest_first)
+        where = f'in the journal {self._path}'
+        return replace(found, damage=[Damage(f'{one.what} {where}') for one in found.damage])
+
+    def book_state(self, at_us: int, first_seq: int = 0) -> KeptState | None:
+        """Return the newest sound state of the account that is not after a moment.
+
+        :raises JournalUnusable: the file is damaged as a whole
+        """
+        if self._schema < _HAS_BOOKS:
+            return None
+        with unusable_otherwise(self._path):
+            return books.states(self._database, at_us, first_seq)
+
+    def book_script(self, digest: str) -> KeptScript | None:
+        """Return a script of which something was made; None: it is not there, or damaged.
+
+        :raises JournalUnusable: the file is damaged as a whole
+        """
+        if self._schema < _HAS_BOOKS:
+            return None
+        with unusable_otherwise(self._path):
+            return books.script(self._database, digest)
+
     # --- its own data -----------------------------------------------------------------------
 
     def _history(self) -> _Known:
@@ -198,6 +239,9 @@ class _Known(NamedTuple):
     """All events from this one on have a check."""
     damage: list[Damage]
 
+
+_HAS_BOOKS = 6
+"""First schema with books."""
 
 _HAS_SUMMARIES = 2
 """First schema with states, and with summaries of jobs that ended."""

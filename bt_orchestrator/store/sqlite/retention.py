@@ -5,6 +5,7 @@ from __future__ import annotations
 import sqlite3
 from collections.abc import Collection
 
+from bt_orchestrator.store.sqlite import books
 from bt_orchestrator.store.sqlite.schema import keep_from
 
 BATCH = 2000
@@ -41,5 +42,6 @@ def remove_batch(database: sqlite3.Connection, before: int) -> bool:
         database.execute(f'DELETE FROM {table} WHERE seq < ?', (now,))
     # The state at the event before stays: the remaining past states need it.
     database.execute('DELETE FROM snapshots WHERE seq < ?', (now - 1,))
+    books.forget_states(database, now)
     keep_from(database, now)
     return bool(first + BATCH < end)

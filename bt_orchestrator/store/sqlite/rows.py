@@ -13,6 +13,7 @@ from bt_orchestrator.errors import DamagedRecord
 from bt_orchestrator.model.codec import from_record, to_text
 from bt_orchestrator.model.events import Event, JobQueued
 from bt_orchestrator.model.limits import fitting
+from bt_orchestrator.store.sqlite import books
 from bt_orchestrator.store.sqlite.checks import check_of_event
 from bt_orchestrator.store.sqlite.database import transaction
 
@@ -119,3 +120,4 @@ def remove_after(database: sqlite3.Connection, seq: int) -> None:
     """Remove the rows after an event."""
     for table in ('events', 'queued', 'snapshots'):
         database.execute(f'DELETE FROM {table} WHERE seq > ?', (seq,))
+    books.forget(database, seq)

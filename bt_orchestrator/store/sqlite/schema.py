@@ -2,9 +2,10 @@
 
 Schema 1 had the events alone. Schema 2 adds derived data: states to start from, summaries of jobs
 that ended, and where jobs begin. Schema 3 adds a unique id of the journal. Schema 4 adds a check
-to every row; older rows stay without one. Schema 5 adds whether a node has closed the file. An
-upgrade adds and never rewrites events; each step runs in one transaction, so a file always has one
-schema or the other.
+to every row; older rows stay without one. Schema 5 adds whether a node has closed the file.
+Schema 6 adds books: the account in slots of time, which outlives the events that it was made of.
+An upgrade adds and never rewrites events; each step runs in one transaction, so a file always has
+one schema or the other.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from bt_orchestrator.errors import JournalUnusable
 from bt_orchestrator.store.sqlite.checks import check_of
 from bt_orchestrator.store.sqlite.database import pragma, transaction
 
-SCHEMA = 5
+SCHEMA = 6
 """Version of the tables, kept in SQLite's user_version."""
 
 APPLICATION_ID = 0x62746F72
@@ -93,6 +94,34 @@ _STEPS: Sequence[Sequence[str]] = (
     (
         # Has a row from the first write of a node until it closes the journal.
         'CREATE TABLE unclosed (one INTEGER PRIMARY KEY CHECK (one = 1)) STRICT',
+    ),
+    # 6
+    (
+        # The account of a stretch of time; `made_of` is the last event that has a say in it.
+        """CREATE TABLE book_slots (
+               begin_us INTEGER PRIMARY KEY,
+               until_us INTEGER NOT NULL,
+               made_of INTEGER NOT NULL,
+               version INTEGER NOT NULL,
+               slot TEXT NOT NULL,
+               checksum INTEGER NOT NULL
+           ) STRICT""",
+        # From where books and reports go on; of those that do not stay there is one, the newest.
+        """CREATE TABLE book_states (
+               seq INTEGER PRIMARY KEY,
+               now_us INTEGER NOT NULL,
+               made_of INTEGER NOT NULL,
+               stays INTEGER NOT NULL CHECK (stays IN (0, 1)),
+               version INTEGER NOT NULL,
+               state TEXT NOT NULL,
+               checksum INTEGER NOT NULL
+           ) STRICT""",
+        # What the pace of the account needs: scripts, each once.
+        """CREATE TABLE book_scripts (
+               digest TEXT PRIMARY KEY,
+               script TEXT NOT NULL,
+               checksum INTEGER NOT NULL
+           ) STRICT""",
     ),
 )
 

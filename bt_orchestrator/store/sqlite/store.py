@@ -10,10 +10,11 @@ from pathlib import Path
 from uuid import uuid4
 
 from bt_orchestrator.errors import JournalFailed, JournalUnusable
+from bt_orchestrator.model.books import Books
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.job_record import JobRecord
 from bt_orchestrator.ports import Snapshot
-from bt_orchestrator.store.sqlite import opening, retention, rows, snapshots, summaries
+from bt_orchestrator.store.sqlite import books, opening, retention, rows, snapshots, summaries
 from bt_orchestrator.store.sqlite.database import (
     has_log,
     log_size,
@@ -207,6 +208,24 @@ class SqliteStore:
         """
         with self._writing():
             snapshots.begin_with(self._database, snapshot)
+
+    def booked(self) -> int:
+        """Return the seq of the last event that is in books; 0: none is.
+
+        :raises JournalUnusable: it cannot be read
+        """
+        with unusable_otherwise(self._path):
+            return min(books.reached(self._reading), self._end)
+
+    def keep_books(self, made: Books) -> None:
+        """Store books.
+
+        :raises JournalFailed: nothing has changed
+        """
+        if made.history != self._on_file.id:
+            raise JournalFailed('the books are of another history than the journal')
+        with self._writing():
+            books.keep(self._database, made)
 
     def remove_batch(self, before: int) -> bool:
         """Remove some of the first events before a seq, none that replay needs.

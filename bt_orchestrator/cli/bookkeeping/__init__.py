@@ -1,0 +1,1 @@
+"""Books of the account, made for a node in a process of their own."""

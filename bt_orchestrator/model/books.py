@@ -1,0 +1,90 @@
+"""Books: the account of a journal in slots of time, kept when its events are removed.
+
+What is in a slot, in a state and in a script is told by `report.account`; here it is text.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from bt_orchestrator.model.records import Damage
+
+
+class KeptSlot(NamedTuple):
+    """The account from one moment to another."""
+
+    begin_us: int
+    """Microseconds since the epoch; at most one slot begins there."""
+    until_us: int
+    made_of: int
+    """Seq of the last event that has a say in it."""
+    version: int
+    """Of what the text means."""
+    text: str
+
+
+class KeptState(NamedTuple):
+    """What has to be known to go on after an event."""
+
+    seq: int
+    now_us: int
+    """Up to when its time is in slots."""
+    made_of: int
+    stays: bool
+    """False: it is needed until there is a newer one."""
+    version: int
+    text: str
+
+
+class KeptScript(NamedTuple):
+    """A script of which something was made."""
+
+    digest: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Books:
+    """What was made from some events, to be kept all at once."""
+
+    history: str
+    """Of the events."""
+    reached: int
+    """Seq of the last event that is in them."""
+    is_last: bool
+    """There were no further events."""
+    slots: Sequence[KeptSlot] = ()
+    states: Sequence[KeptState] = ()
+    scripts: Sequence[KeptScript] = ()
+
+    def to_bytes(self) -> bytes:
+        """Return it as it is sent from process to process."""
+        return json.dumps(
+            [self.history, self.reached, self.is_last, self.slots, self.states, self.scripts]
+        ).encode()
+
+    @classmethod
+    def from_bytes(cls, message: bytes) -> Books:
+        """Return what was sent."""
+        history, reached, is_last, slots, states, scripts = json.loads(message)
+        return cls(
+            history,
+            reached,
+            is_last,
+            [KeptSlot(*one) for one in slots],
+            [KeptState(*one) for one in states],
+            [KeptScript(*one) for one in scripts],
+        )
+
+
+@dataclass(frozen=True)
+class SlotPage:
+    """Some of the slots of a journal, in order."""
+
+    slots: Sequence[KeptSlot]
+    damage: Sequence[Damage]
+    rest_us: int | None
+    """From when on to ask for more; None: there are no more."""

@@ -1,0 +1,62 @@
+"""Reading the books of a journal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from bt_orchestrator.model.books import KeptSlot
+from bt_orchestrator.model.records import Damage
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.report.account.course import EVER_US
+from bt_orchestrator.report.account.kept import read_script, read_slot
+from bt_orchestrator.report.account.slot import Slot
+from bt_orchestrator.report.reading import Reading
+
+_AT_ONCE, _LOOK_AT = 1000, 10
+
+OTHER_VERSION = Damage(
+    'the books of the account are partly those of another version of this program; their time '
+    'counts as not recorded',
+    0,
+)
+
+
+def booked(reading: Reading, begin_us: int, end_us: int) -> Iterator[Slot]:
+    """Yield the sound slots that lie between two moments, or touch what does."""
+    begin: int | None = begin_us
+    while begin is not None:
+        page = reading.records.booked(begin, end_us, _AT_ONCE)
+        reading.tell_new(page.damage)
+        yield from _sound(reading, page.slots)
+        begin = page.rest_us
+
+
+def first_booked(reading: Reading) -> Slot | None:
+    """Return the first sound slot; None: there is none among the first ones."""
+    return _at_an_end(reading, newest_first=False)
+
+
+def last_booked(reading: Reading) -> Slot | None:
+    """Return the last sound slot; None: there is none among the last ones."""
+    return _at_an_end(reading, newest_first=True)
+
+
+def _at_an_end(reading: Reading, *, newest_first: bool) -> Slot | None:
+    page = reading.records.booked(-EVER_US, EVER_US, _LOOK_AT, newest_first=newest_first)
+    reading.tell_new(page.damage)
+    return next(_sound(reading, page.slots), None)
+
+
+def script_of(reading: Reading, digest: str) -> Script | None:
+    """Return a script of which something was made; None: it is not in the books."""
+    kept = reading.records.book_script(digest)
+    return None if kept is None else read_script(kept)
+
+
+def _sound(reading: Reading, slots: Sequence[KeptSlot]) -> Iterator[Slot]:
+    for kept in slots:
+        slot = read_slot(kept)
+        if slot is None:
+            reading.tell_new([OTHER_VERSION])
+        else:
+            yield slot

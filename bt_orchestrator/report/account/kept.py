@@ -1,0 +1,64 @@
+"""What is kept in books as text: slots, the state of a course, scripts."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import TypeVar
+
+from bt_orchestrator.model.books import KeptScript, KeptSlot, KeptState
+from bt_orchestrator.model.codec import from_plain, json_of, text_of
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.report.account.course import Course
+from bt_orchestrator.report.account.slot import Slot
+
+_T = TypeVar('_T')
+
+VERSION = 1
+"""Of what the texts mean. Books of another version are not read: their time is not recorded."""
+
+
+def keep_slot(slot: Slot, made_of: int) -> KeptSlot:
+    """Return a slot as text.
+
+    :param made_of: seq of the last event that has a say in it
+    """
+    return KeptSlot(slot.begin_us, slot.until_us, made_of, VERSION, json_of(slot))
+
+
+def read_slot(kept: KeptSlot) -> Slot | None:
+    """Return what a text says; None: it is of another version."""
+    return _read(lambda: from_plain(Slot, json.loads(kept.text)), kept.version)
+
+
+def keep_state(course: Course, seq: int, made_of: int, *, stays: bool) -> KeptState:
+    """Return the state of a course after an event as text.
+
+    :param made_of: seq of the last event that has a say in it
+    """
+    assert course.now is not None
+    return KeptState(seq, course.now, made_of, stays, VERSION, json_of(course.plain()))
+
+
+def read_state(kept: KeptState) -> Course | None:
+    """Return a course that goes on from there; None: the text is of another version."""
+    return _read(lambda: Course.from_plain(json.loads(kept.text)), kept.version)
+
+
+def keep_script(digest: str, script: Script) -> KeptScript:
+    """Return a script as text."""
+    return KeptScript(digest, text_of(script))
+
+
+def read_script(kept: KeptScript) -> Script:
+    """Return what a text says."""
+    return from_plain(Script, json.loads(kept.text))
+
+
+def _read(read: Callable[[], _T], version: int) -> _T | None:
+    if version != VERSION:
+        return None
+    try:
+        return read()
+    except (AssertionError, AttributeError, KeyError, TypeError, ValueError):
+        return None

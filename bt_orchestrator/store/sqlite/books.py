@@ -1,0 +1,118 @@
+"""Books in the journal file: written by its node, read by reports (see `model.books`)."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Sequence
+from datetime import datetime, timezone
+
+from bt_orchestrator.model.books import Books, KeptScript, KeptSlot, KeptState, SlotPage
+from bt_orchestrator.model.records import Damage
+from bt_orchestrator.store.sqlite.checks import check_of
+
+TABLES = ('book_slots', 'book_states')
+"""Those whose rows are made of events, by the last one that has a say in them (`made_of`)."""
+
+_SLOT = 'begin_us, until_us, made_of, version, CAST(slot AS BLOB), checksum'
+_STATE = 'seq, now_us, made_of, stays, version, CAST(state AS BLOB), checksum'
+"""Read as bytes: damaged ones may not be valid text."""
+
+
+def keep(database: sqlite3.Connection, books: Books) -> None:
+    """Write books; a slot takes the place of one that begins at the same moment."""
+    _write(database, 'book_slots', books.slots)
+    if books.states:
+        database.execute('DELETE FROM book_states WHERE stays = 0')
+    _write(database, 'book_states', books.states)
+    _write(database, 'book_scripts', books.scripts)
+
+
+def _write(
+    database: sqlite3.Connection, table: str, rows: Sequence[tuple[int | str | bool, ...]]
+) -> None:
+    if rows:
+        marks = ', '.join('?' * (len(rows[0]) + 1))
+        statement = f'INSERT OR REPLACE INTO {table} VALUES ({marks})'
+        database.executemany(statement, [(*row, _check(row)) for row in rows])
+
+
+def forget(database: sqlite3.Connection, seq: int) -> None:
+    """Remove what was made of events after an event."""
+    for table in TABLES:
+        database.execute(f'DELETE FROM {table} WHERE made_of > ?', (seq,))
+
+
+def forget_states(database: sqlite3.Connection, before: int) -> None:
+    """Remove the states that nobody can go on from, as events after them are gone; but the last.
+
+    :param before: seq of the first event that is kept
+    """
+    database.execute(
+        'DELETE FROM book_states WHERE seq < ? AND seq < (SELECT max(seq) FROM book_states)',
+        (before - 1,),
+    )
+
+
+def reached(database: sqlite3.Connection) -> int:
+    """Return the seq of the last event that is in books."""
+    query = 'SELECT coalesce(max(seq), 0) FROM book_states'
+    return int(database.execute(query).fetchone()[0])
+
+
+def slots(
+    database: sqlite3.Connection, begin_us: int, end_us: int, most: int, *, newest_first: bool
+) -> SlotPage:
+    """Return the slots that lie between two moments, or touch what does."""
+    order = 'DESC' if newest_first else 'ASC'
+    query = (
+        f'SELECT {_SLOT} FROM book_slots WHERE until_us > ? AND begin_us < ? '
+        f'AND begin_us >= coalesce((SELECT max(begin_us) FROM book_slots WHERE begin_us <= ?), ?) '
+        f'ORDER BY begin_us {order} LIMIT ?'
+    )
+    values = (begin_us, end_us, begin_us, begin_us, most + 1)
+    rows = database.execute(query, values).fetchall()
+    found: list[KeptSlot] = []
+    damage: list[Damage] = []
+    for *row, text, check in rows[:most]:
+        slot = KeptSlot(*row, text.decode(errors='replace'))
+        if check == _check(slot):
+            found.append(slot)
+        else:
+            damage.append(Damage(f'the account from {_when(slot.begin_us)} on is damaged'))
+    return SlotPage(found, damage, rows[most][0] if rows[most:] else None)
+
+
+def states(database: sqlite3.Connection, at_us: int, first_seq: int) -> KeptState | None:
+    """Return the newest sound state that is not after a moment, nor before an event."""
+    query = f'SELECT {_STATE} FROM book_states WHERE now_us <= ? AND seq >= ? ORDER BY seq DESC'
+    for seq, now_us, made_of, stays, version, text, check in database.execute(
+        query, (at_us, first_seq)
+    ).fetchall():
+        state = KeptState(
+            seq, now_us, made_of, bool(stays), version, text.decode(errors='replace')
+        )
+        if check == _check(state):
+            return state
+    return None
+
+
+def script(database: sqlite3.Connection, digest: str) -> KeptScript | None:
+    """Return a script; None: it is not there, or damaged."""
+    query = 'SELECT CAST(script AS BLOB), checksum FROM book_scripts WHERE digest = ?'
+    row = database.execute(query, (digest,)).fetchone()
+    if row is None:
+        return None
+    found = KeptScript(digest, row[0].decode(errors='replace'))
+    return found if row[1] == _check(found) else None
+
+
+def _check(row: Sequence[int | str | bool]) -> int:
+    values = (int(one) if isinstance(one, bool) else one for one in row)
+    return check_of(0, '\t'.join(map(str, values)).encode(errors='surrogatepass'))
+
+
+def _when(us: int) -> str:
+    try:
+        return f'{datetime.fromtimestamp(us // 1_000_000, timezone.utc):%Y-%m-%d %H:%M} UTC'
+    except (OverflowError, ValueError, OSError):
+        return 'a moment that is damaged, too,'

@@ -1,0 +1,49 @@
+"""Books of a journal file, made in the process of the test."""
+
+from __future__ import annotations
+
+from contextlib import closing
+from pathlib import Path
+
+from bt_orchestrator.model.books import Books
+from bt_orchestrator.report.account.bookkeeper import next_books
+from bt_orchestrator.runtime.writers import AtOnce
+from bt_orchestrator.runtime.writers import Writing as EndedWriting
+from bt_orchestrator.store.sqlite.records import SqliteRecords
+from bt_orchestrator.store.sqlite.store import SqliteStore
+
+
+def make_books(path: Path, most: int = 100_000) -> Books:
+    """Return the next books of a journal file, as they come from another process."""
+    with closing(SqliteRecords(path)) as records:
+        return Books.from_bytes(next_books(records, _no_damage, most).to_bytes())
+
+
+def book_all(store: SqliteStore, path: Path, most: int = 100_000) -> int:
+    """Bring the books of a journal up to date; returns the number of steps that it took."""
+    for step in range(1, 1000):
+        made = make_books(path, most)
+        store.keep_books(made)
+        if made.is_last:
+            return step
+    raise AssertionError('it does not come to an end')
+
+
+class BooksAtOnce:
+    """Makes books while the caller waits. Implements `ports.Bookkeeping`."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self.begun = 0
+
+    def begin(self) -> EndedWriting[Books]:
+        """Make them."""
+        self.begun += 1
+        return AtOnce().begin(lambda: make_books(self._path))
+
+    def close(self) -> None:
+        """Do nothing: it works only when it is asked."""
+
+
+def _no_damage(sentence: str) -> None:
+    raise AssertionError(sentence)

@@ -1,0 +1,131 @@
+"""Books of drawn runs: a report by books says the same as one by all the events."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Sequence
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+from fakes.drawn.lines import lines
+from fakes.drawn.plan import Plan
+from fakes.kept_books import book_all
+from fakes.plan_runs import ProductBench, operate
+from fakes.profiles import examples
+from hypothesis import given
+from hypothesis import strategies as st
+
+from bt_orchestrator.model import events as e
+from bt_orchestrator.model.codec import from_record
+from bt_orchestrator.report.account.beginning import fold_at
+from bt_orchestrator.report.account.fold import FOLLOWED, AccountFold, Times
+from bt_orchestrator.report.account.period import Period
+from bt_orchestrator.report.account.planned import Planned, us_of
+from bt_orchestrator.report.account.slot import QUARTER_US
+from bt_orchestrator.report.reading import Reading
+from bt_orchestrator.store.sqlite.records import SqliteRecords
+from bt_orchestrator.store.sqlite.store import SqliteStore
+
+pytestmark = pytest.mark.timeout(24 * 3600)
+
+MARKS = st.lists(st.integers(0, 24), min_size=4, max_size=4, unique=True).map(sorted)
+"""Where planned time begins, breaks, goes on and ends, in 24ths of the run."""
+
+
+@examples(4, 300)
+@given(
+    plan=lines(),
+    stretch=st.sampled_from([30.0, 97.0, 900.0]),
+    marks=MARKS,
+    on_slots=st.booleans(),
+    share=st.integers(1, 9),
+    most=st.sampled_from([7, 40, 100_000]),
+    removed=st.integers(0, 9),
+)
+def test_drawn_runs(
+    plan: Plan,
+    stretch: float,
+    marks: list[int],
+    on_slots: bool,
+    share: int,
+    most: int,
+    removed: int,
+) -> None:
+    bench = ProductBench(plan)
+    operate(bench, plan.moments)
+    events = [_slowly(from_record(one), stretch) for one in bench.run.records]
+    if not events:
+        return
+    period = _period(events, marks, to_slots=on_slots or removed > 0)
+    events = [one for one in events if us_of(one.time) <= period.end_us]
+    if not events:
+        return
+    with tempfile.TemporaryDirectory() as folder, closing(_Journal(Path(folder))) as journal:
+        cut = len(events) * share // 10
+        for part in (events[:cut], events[cut:]):
+            if part:
+                journal.add(part, most)
+        journal.add((), most)
+        assert journal.times(period) == _by_events(events, period)
+        journal.remove(events[-1].seq * removed // 10)
+        assert journal.times(period) == _by_events(events, period)
+
+
+def _slowly(event: e.Event, stretch: float) -> e.Event:
+    """Return an event of a run that takes so much longer; whole seconds, and moments between."""
+    return event.stamped(event.seq, 1000 * 900 + round(event.time * stretch, 1))
+
+
+def _period(events: Sequence[e.Event], marks: Sequence[int], *, to_slots: bool) -> Period:
+    begin, end = us_of(events[0].time), us_of(events[-1].time) + 1_000_000
+    moments = [begin + mark * (end - begin) // 24 for mark in marks]
+    if to_slots:
+        moments = [round(one / QUARTER_US) * QUARTER_US for one in moments]
+        moments = [one + number * QUARTER_US for number, one in enumerate(moments)]
+    first, off, on, last = moments
+    return Period('drawn', first, last, Planned.of([(first, off), (on, last)]))
+
+
+def _by_events(events: Sequence[e.Event], period: Period) -> Times:
+    fold = AccountFold(period.planned, is_whole=True)
+    for event in events:
+        if event.event in FOLLOWED:
+            fold.follow(event)
+    return fold.until(period.end_us)
+
+
+class _Journal:
+    """A file whose books are made as it grows."""
+
+    def __init__(self, folder: Path) -> None:
+        self._path = folder / 'journal.db'
+        self._store = SqliteStore(self._path)
+
+    def add(self, events: Sequence[e.Event], most: int) -> None:
+        if events:
+            self._store.append(events)
+        book_all(self._store, self._path, most)
+
+    def remove(self, before: int) -> None:
+        """Remove events, as retention does."""
+        from bt_orchestrator.ports import Snapshot
+
+        self._store.begin_with(Snapshot(before, '', '{}'))
+        while self._store.remove_batch(before):
+            pass
+
+    def times(self, period: Period) -> Times:
+        with closing(SqliteRecords(self._path)) as records:
+            reading = Reading(records, _no_damage)
+            fold, wanted = fold_at(reading, period)
+            for event in reading.events(wanted):
+                fold.follow(event)
+            return fold.until(period.end_us)
+
+    def close(self) -> None:
+        self._store.close()
+
+
+def _no_damage(sentence: str) -> None:
+    raise AssertionError(sentence)
