@@ -15,7 +15,8 @@ import pytest
 from contract.store_contract import EventStoreContract
 from contract.written_events import events
 
-from bt_orchestrator.errors import DamagedRecord, JournalUnusable
+from bt_orchestrator.errors import DamagedRecord, JournalFailed, JournalUnusable
+from bt_orchestrator.model.books import Books, KeptScript, KeptSlot, KeptState
 from bt_orchestrator.model.events import Event, JobQueued
 from bt_orchestrator.ports import EventStore, Journal, Snapshot
 
@@ -108,6 +109,36 @@ class JournalContract(EventStoreContract):
         assert store.first_needed(live=('B', 'C'), keep_jobs=0) == 2
         assert store.first_needed(live=('C',), keep_jobs=1) == 2
         assert store.first_needed(live=(), keep_jobs=0) == 5
+
+    # --- books --------------------------------------------------------------------------------
+
+    def test_books_are_kept_and_a_slot_takes_the_place_of_the_one_that_grew(
+        self, tmp_path: Path
+    ) -> None:
+        with closing(self.make(tmp_path)) as store:
+            store.append(events(1, 20))
+            assert store.booked() == 0
+            store.keep_books(_books(store.history, 8, '{"n": 1}'))
+            store.keep_books(_books(store.history, 12, '{"n": 2}'))
+            assert store.booked() == 12
+        with closing(self.make(tmp_path)) as store:
+            assert store.booked() == 12
+
+    def test_books_of_another_history_are_refused(self, store: Journal) -> None:
+        store.append(events(1, 20))
+        with pytest.raises(JournalFailed, match='another history'):
+            store.keep_books(_books('another', 8, '{}'))
+        assert store.booked() == 0
+
+    def test_books_of_what_is_no_more_are_none(self, tmp_path: Path) -> None:
+        with closing(self.make(tmp_path)) as store:
+            store.append(events(1, 20))
+            store.keep_books(_books(store.history, 10, '{}', stays=True))
+            store.keep_books(_books(store.history, 20, '{}'))
+        with closing(self.make(tmp_path)) as store:
+            store.go_on_after(12)
+            store.append(events(13, 25))
+            assert store.booked() == 10
 
     # --- another history --------------------------------------------------------------------
 
@@ -211,3 +242,9 @@ def _state(seq: int, stamp: str = 'program') -> Snapshot:
 
 def _queued(seq: int, job: str) -> Sequence[Event]:
     return [JobQueued(seq=seq, time=1.0, job=job, script='s', digest='d', quantity=1)]
+
+
+def _books(history: str, seq: int, text: str, *, stays: bool = False) -> Books:
+    slot = KeptSlot(0, seq * 1_000_000, seq, 1, text)
+    state = KeptState(seq, seq * 1_000_000, seq, stays, 1, text)
+    return Books(history, seq, True, [slot], [state], [KeptScript('digest', text)])

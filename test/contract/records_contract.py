@@ -16,6 +16,7 @@ from typing import Protocol
 import pytest
 from contract.written_events import events
 
+from bt_orchestrator.model.books import KeptScript, KeptSlot, KeptState
 from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.job_record import JobRecord
@@ -53,6 +54,12 @@ class Kept(Written, Protocol):
 
     def lose(self, first: int, last: int) -> None:
         """Take records away, as a damaged disk does."""
+
+    def book(self, slots: Sequence[KeptSlot], states: Sequence[KeptState]) -> None:
+        """Write books, with a script `digest`."""
+
+    def spoil_book(self, begin_us: int) -> None:
+        """Damage a slot, the newest state, and the scripts."""
 
     def spoil_summary(self, job: str) -> None:
         """Damage what is kept of a job."""
@@ -241,6 +248,60 @@ class KeptRecordsContract(RecordsContract):
         assert kept.seq == LAST + 3
         assert written.records.state_before(LAST - 1) is None
 
+    # --- books --------------------------------------------------------------------------------
+
+    def test_slots_come_in_pages_and_those_that_touch_a_period(self, written: Kept) -> None:
+        assert not written.records.booked(-(1 << 62), 1 << 62).slots
+        written.book(_slots(5, 7), [_state(7, 70, stays=False)])
+        first = written.records.booked(-(1 << 62), 1 << 62, 2)
+        assert [one.begin_us for one in first.slots] == [0, 10]
+        assert first.rest_us is not None
+        rest = written.records.booked(first.rest_us, 1 << 62)
+        assert (list(rest.slots), rest.rest_us) == (_slots(5, 7)[2:], None)
+        for begin, end, expected in (
+            (15, 30, [10, 20]),
+            (10, 11, [10]),
+            (20, 20, []),
+            (55, 99, []),
+        ):
+            found = written.records.booked(begin, end)
+            assert [one.begin_us for one in found.slots] == expected
+        newest = written.records.booked(-(1 << 62), 1 << 62, 2, newest_first=True)
+        assert [one.begin_us for one in newest.slots] == [40, 30]
+
+    def test_the_last_state_stays_until_there_is_a_newer_one(self, written: Kept) -> None:
+        assert written.records.book_state(1 << 62) is None
+        written.book([], [_state(3, 30, stays=True), _state(7, 70, stays=False)])
+        written.book([], [_state(9, 90, stays=False)])
+        expected = ((1 << 62, 9), (90, 9), (89, 3), (30, 3), (29, None))
+        for moment, seq in expected:
+            found = written.records.book_state(moment)
+            assert (found and found.seq) == seq, moment
+        assert written.records.book_state(50, first_seq=4) is None
+
+    def test_books_outlive_the_events_that_they_were_made_of(self, written: Kept) -> None:
+        states = [_state(3, 30, stays=True), _state(12, 70, stays=True)]
+        written.book(_slots(5, 7), [*states, _state(20, 90, stays=False)])
+        written.remove(before=10)
+        assert list(written.records.booked(0, 50).slots) == _slots(5, 7)
+        assert written.records.book_state(50) is None, 'nobody can go on from there'
+        assert written.records.book_script('digest') == KeptScript('digest', '{}')
+        written.remove(before=30)
+        found = written.records.book_state(1 << 62)
+        assert found == _state(20, 90, stays=False), 'the next books go on from it'
+
+    def test_damaged_books_are_told_and_left_out(self, written: Kept) -> None:
+        written.book(_slots(5, 7), [_state(3, 30, stays=True), _state(7, 70, stays=False)])
+        written.spoil_book(20)
+        found = written.records.booked(0, 50)
+        assert [one.begin_us for one in found.slots] == [0, 10, 30, 40]
+        (damage,) = found.damage
+        assert 'the account from 1970-01-01 00:00 UTC on is damaged' in damage.what
+        state = written.records.book_state(1 << 62)
+        assert state is not None
+        assert state.seq == 3
+        assert written.records.book_script('digest') is None
+
     # --- what is damaged --------------------------------------------------------------------
 
     @pytest.mark.parametrize(
@@ -284,6 +345,14 @@ class KeptRecordsContract(RecordsContract):
         found = _whole(written.records, Wanted(newest_first=newest_first))
         assert sum(damage.number for damage in found.damage) == 2
         assert len(found.records) == LAST - 2
+
+
+def _slots(number: int, seq: int) -> list[KeptSlot]:
+    return [KeptSlot(10 * n, 10 * n + 10, seq, 1, f'{{"n": {n}}}') for n in range(number)]
+
+
+def _state(seq: int, now_us: int, *, stays: bool) -> KeptState:
+    return KeptState(seq, now_us, seq, stays, 1, '{"a": 7}')
 
 
 class _Whole:

@@ -11,6 +11,7 @@ from fakes.line import THREE, Line
 
 from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.ports import Bookkeeping
 from bt_orchestrator.runtime.housekeeping import Housekeeping
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.sim.clock import VirtualClock
@@ -30,6 +31,7 @@ class LongRun:
         *,
         keep_jobs: int = -1,
         synchronous: str = 'NORMAL',
+        bookkeeping: Bookkeeping | None = None,
     ) -> None:
         self.line = line or Line()
         self.clock = VirtualClock()
@@ -43,7 +45,9 @@ class LongRun:
             auto_resume=True,
             new_goal_id=lambda: f'00000000-0000-4000-8000-{next(goals):012d}',
         )
-        self.housekeeping = Housekeeping(self.orchestrator.state, self.store, keep_jobs)
+        self.housekeeping = Housekeeping(
+            self.orchestrator.state, self.store, keep_jobs, bookkeeping=bookkeeping
+        )
 
     def job(self, name: str, quantity: int = 3, text: str = THREE) -> None:
         """Run one job to its end, with a quiet moment whenever time passes."""

@@ -10,8 +10,8 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.records import Extent, Wanted
-from bt_orchestrator.report.account.beginning import fold_at
-from bt_orchestrator.report.account.booked import booked, first_booked
+from bt_orchestrator.report.account.beginning import fold_with_books
+from bt_orchestrator.report.account.booked import booked, first_booked, last_booked
 from bt_orchestrator.report.account.figures import Figures, Paces, figures
 from bt_orchestrator.report.account.fold import AccountFold, FromBooks
 from bt_orchestrator.report.account.period import Period
@@ -107,7 +107,7 @@ def account(reading: Reading, period: Period, cell: Cell | None) -> Account:
     if not period.planned.total_us:
         raise NothingToReport(f'no time of {_span(period)} is planned, by the file of shifts')
     extent = reading.records.extent()
-    fold, wanted = fold_at(reading, period)
+    fold, wanted = fold_with_books(reading, period)
     first, last = 0, 0
     for event in reading.events(wanted):
         if us_of(event.time) >= period.begin_us:
@@ -163,17 +163,18 @@ def _by_summary(reading: Reading, job: str, journal: str) -> Period:
 
 
 def whole(reading: Reading, journal: str) -> Period:
-    """Return the period from the first slot of the books, or kept event, to the last event.
+    """Return the period from the first slot of the books, or event that is kept, to the last.
 
     :raises NothingToReport: there is none
     """
-    ends = [list(reading.each(Wanted(newest_first=newest), 1)) for newest in (False, True)]
-    if not all(ends):
+    events = (list(reading.each(Wanted(newest_first=newest), 1)) for newest in (False, True))
+    known = [us_of(json.loads(record.text)['time']) for records in events for record in records]
+    first, last = first_booked(reading), last_booked(reading)
+    begins = [*known[:1], *([] if first is None else [first.begin_us])]
+    ends = [*known[1:], *([] if last is None else [last.until_us])]
+    if not ends:
         raise NothingToReport(f'{journal} has no event')
-    begin, end = (us_of(json.loads(records[0].text)['time']) for records in ends)
-    first = first_booked(reading)
-    if first is not None:
-        begin = min(begin, first.begin_us)
+    begin, end = min(begins), max(ends)
     return Period.all_planned('all that the journal has', begin, end)
 
 

@@ -1,12 +1,13 @@
-"""Where an account of a period begins: with books as far as they go, else with the events.
+"""Where an account of a period begins: at the state of the cell that the events before it left.
 
-Whole slots are taken from books. Where planned time begins or ends within a slot, the events of
-that slot are read, from the last kept state before it; if they were removed, planned time is
-rounded to the slot.
+With books an account goes on where these end. Whole slots are taken from them. Where planned time
+begins or ends within a slot, the events of that slot are read, from the last kept state before it;
+if they were removed, planned time is rounded to the slot.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import pairwise
 
 from bt_orchestrator.model.records import Wanted
@@ -26,10 +27,39 @@ from bt_orchestrator.report.reading import Reading
 def fold_at(reading: Reading, period: Period) -> tuple[AccountFold, Wanted]:
     """Return a fold that has taken in all before a period, and what it has to read from there.
 
-    What of the period is in books it has taken in as well. Where the clock was set back, events
-    of before the period may be among those that it has to read.
+    Where the clock was set back, events of before the period may be among those.
+    """
+    pieces, events = period.planned.pieces, EventCourse(reading)
+    begin = pieces[0][0] if pieces else period.begin_us
+    if not events.comes_to(begin):
+        events.begin_at(begin)
+    begun = Begun(events.course, Total(), begin, None, FromBooks(), _scripts(reading))
+    return _up_to(reading, period, AccountFold(period.planned, begun=begun), events.seq)
+
+
+def fold_with_books(reading: Reading, period: Period) -> tuple[AccountFold, Wanted]:
+    """Return a fold that has taken in what of a period is in books, too, and what it has to read.
+
+    Where the clock was set back, events of before the period may be among those.
     """
     return _Beginning(reading, period).fold()
+
+
+def _up_to(
+    reading: Reading, period: Period, fold: AccountFold, seq: int
+) -> tuple[AccountFold, Wanted]:
+    """Let a fold take in the events after one that are before a period."""
+    wanted = Wanted(events=FOLLOWED, after_seq=seq, until=period.end_us / US)
+    for event in reading.events(wanted):
+        if us_of(event.time) >= period.begin_us:
+            break
+        fold.follow(event)
+        wanted = wanted.past(event.seq)
+    return fold, wanted
+
+
+def _scripts(reading: Reading) -> Callable[[str], Script | None]:
+    return lambda digest: script_of(reading, digest) or reading.script(digest)
 
 
 class _Beginning:
@@ -59,13 +89,7 @@ class _Beginning:
                 self._add_parts(_unknown(self._now, slot.begin_us))
             self._take(slot, end)
         fold = self._going_on(end)
-        wanted = Wanted(events=FOLLOWED, after_seq=self._events.seq, until=end / US)
-        for event in self._reading.events(wanted):
-            if us_of(event.time) >= self._period.begin_us:
-                break
-            fold.follow(event)
-            wanted = wanted.past(event.seq)
-        return fold, wanted
+        return _up_to(self._reading, self._period, fold, self._events.seq)
 
     def _going_on(self, end: int) -> AccountFold:
         if self._now < end and not self._events.comes_to(self._now):
@@ -77,7 +101,7 @@ class _Beginning:
         if course.now != self._now:
             self._add_last()
         books = FromBooks(tuple(self._used), tuple(self._rounded))
-        begun = Begun(course, self._total, self._now, self._last, books, self._script)
+        begun = Begun(course, self._total, self._now, self._last, books, _scripts(self._reading))
         return AccountFold(self._planned, begun=begun)
 
     # --- slots ------------------------------------------------------------------------------
@@ -138,9 +162,6 @@ class _Beginning:
         self._events.read(until, ledger)
         ledger.close()
         return True
-
-    def _script(self, digest: str) -> Script | None:
-        return script_of(self._reading, digest) or self._reading.script(digest)
 
 
 def _unknown(begin: int, until: int) -> Slot:

@@ -88,6 +88,8 @@ class Course:
         self.holds = OpenHolds()
         self._begin = begin
         self._standing = Standing(is_whole=is_whole)
+        self._since = 0
+        """From when on."""
         self._items = ItemsAtWork()
         self._last: Cause | None = None
         """What the time just before was lost to."""
@@ -96,6 +98,11 @@ class Course:
     def cause(self) -> Cause | None:
         """What the time is lost to since the last event; None: the line produces."""
         return self._standing.cause()
+
+    @property
+    def since(self) -> int:
+        """From when on that is so."""
+        return self._since if self.cause == self._last else self.now or 0
 
     def follow(self, event: e.Event, ledger: Ledger) -> None:
         """Take in the next event."""
@@ -133,6 +140,7 @@ class Course:
         stretch = self._stretch(now, cause)
         if stretch is not None:
             ledger.passes(stretch)
+            self._since = self._since if stretch.goes_on else stretch.begin
             self.now, self._last = now, cause
 
     def _stretch(self, end: int, cause: Cause | None) -> Stretch | None:
@@ -171,6 +179,7 @@ class Course:
             'now': self.now,
             'cell': self.cell,
             'digest': self.digest,
+            'since': self._since,
             'last': None if self._last is None else [self._last.loss.value, *self._last[1:]],
             'standing': self._standing.plain(),
             'holds': self.holds.plain(),
@@ -182,7 +191,7 @@ class Course:
         """Return a course that knows what another one knew."""
         made = cls(is_whole=False)
         made.now, made.cell, made.digest = plain['now'], plain['cell'], plain['digest']
-        last = plain['last']
+        made._since, last = plain['since'], plain['last']
         made._last = None if last is None else Cause(Loss(last[0]), *last[1:])
         made._standing.go_on_from(plain['standing'])
         made.holds.go_on_from(plain['holds'])

@@ -70,6 +70,16 @@ class AccountFold:
         """What the time is lost to since the last event; None: the line produces."""
         return self._course.cause
 
+    @property
+    def since_us(self) -> int:
+        """From when on that is so."""
+        return self._course.since
+
+    @property
+    def begun_us(self) -> int:
+        """Up to when slots of books were taken in; else the first planned moment."""
+        return self._begin
+
     def follow(self, event: e.Event) -> None:
         """Take in the next event."""
         self._course.follow(event, self._slots)

@@ -11,7 +11,7 @@ from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.records import Extent
 from bt_orchestrator.ports import Records
 from bt_orchestrator.report.account.account import Account, Source, account_of
-from bt_orchestrator.report.account.beginning import fold_at
+from bt_orchestrator.report.account.beginning import fold_with_books
 from bt_orchestrator.report.account.calendar import Now
 from bt_orchestrator.report.account.figures import Paces
 from bt_orchestrator.report.account.period import Period
@@ -95,13 +95,13 @@ class _Going:
         self.period = period
         self._reading = reading
         self._history = extent.history
-        self._fold, self._wanted = fold_at(reading, period)
+        self._fold, self._wanted = fold_with_books(reading, period)
         self._first = self._last = 0
         """Numbers of the events in the period."""
-        self._heard_us = period.begin_us
+        self._heard_us = max(period.begin_us, self._fold.begun_us)
         """Time of the latest event: the clock of the reader may be behind that of the node."""
         self._cause = self._fold.cause
-        self._since_us = period.begin_us
+        self._since_us = max(period.begin_us, self._fold.since_us)
 
     def goes_on(self, extent: Extent) -> bool:
         """Tell whether the journal goes on from where it was read to."""

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from contract.records_contract import Kept, KeptRecordsContract, RecordsContract, Written
 
+from bt_orchestrator.model.books import Books, KeptScript, KeptSlot, KeptState
 from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.job_record import JobRecord
@@ -59,6 +60,18 @@ class _File:
 
     def lose(self, first: int, last: int) -> None:
         self.change(f'DELETE FROM events WHERE seq BETWEEN {first} AND {last}')
+
+    def book(self, slots: Sequence[KeptSlot], states: Sequence[KeptState]) -> None:
+        history = self.records.extent().history
+        scripts = [KeptScript('digest', '{}')]
+        with self.node() as store:
+            store.keep_books(Books(history, 0, True, slots, states, scripts))
+
+    def spoil_book(self, begin_us: int) -> None:
+        self.change(f"UPDATE book_slots SET slot = '{{}}' WHERE begin_us = {begin_us}")
+        newest = '(SELECT max(seq) FROM book_states)'
+        self.change(f"UPDATE book_states SET state = '{{}}' WHERE seq = {newest}")
+        self.change("UPDATE book_scripts SET script = 'x'")
 
     def spoil_summary(self, job: str) -> None:
         self.change(f"UPDATE jobs SET summary = replace(summary, '3', '4') WHERE job = '{job}'")
