@@ -51,7 +51,6 @@ class _Bookkeeper:
         self._slots: list[KeptSlot] = []
         self._states: list[KeptState] = []
         self._scripts: dict[str, KeptScript] = {}
-        self._made_of = 0
         last = last_booked(reading)
         state = reading.records.book_state(EVER_US, self._extent.first_seq - 1)
         course = None if state is None else read_state(state)
@@ -62,7 +61,7 @@ class _Bookkeeper:
             self._seq = self._extent.first_seq - 1
         else:
             self._course, self._seq = course, state.seq
-        self._stays_since = self._seq
+        self._stays_since = self._made_of = self._seq
         self._ledger = Slots(self._course.holds, self._take, self._end_us)
         self._ledger.runs(self._course.cell, self._course.digest)
         if course is not None and last is not None and last.until_us == course.now:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import closing
 from pathlib import Path
 
@@ -18,7 +18,9 @@ from hypothesis import strategies as st
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import from_record
-from bt_orchestrator.report.account.beginning import fold_at
+from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.ports import Snapshot
+from bt_orchestrator.report.account.beginning import fold_at, fold_with_books
 from bt_orchestrator.report.account.fold import FOLLOWED, AccountFold, Times
 from bt_orchestrator.report.account.period import Period
 from bt_orchestrator.report.account.planned import Planned, us_of
@@ -28,6 +30,8 @@ from bt_orchestrator.store.sqlite.records import SqliteRecords
 from bt_orchestrator.store.sqlite.store import SqliteStore
 
 pytestmark = pytest.mark.timeout(24 * 3600)
+
+Beginning = Callable[[Reading, Period], tuple[AccountFold, Wanted]]
 
 MARKS = st.lists(st.integers(0, 24), min_size=4, max_size=4, unique=True).map(sorted)
 """Where planned time begins, breaks, goes on and ends, in 24ths of the run."""
@@ -47,6 +51,7 @@ def test_drawn_runs(
     plan: Plan,
     stretch: float,
     marks: list[int],
+    *,
     on_slots: bool,
     share: int,
     most: int,
@@ -67,6 +72,7 @@ def test_drawn_runs(
             if part:
                 journal.add(part, most)
         journal.add((), most)
+        assert journal.times(period, fold_at) == _by_events(events, period)
         assert journal.times(period) == _by_events(events, period)
         journal.remove(events[-1].seq * removed // 10)
         assert journal.times(period) == _by_events(events, period)
@@ -109,16 +115,14 @@ class _Journal:
 
     def remove(self, before: int) -> None:
         """Remove events, as retention does."""
-        from bt_orchestrator.ports import Snapshot
-
         self._store.begin_with(Snapshot(before, '', '{}'))
         while self._store.remove_batch(before):
             pass
 
-    def times(self, period: Period) -> Times:
+    def times(self, period: Period, begin: Beginning = fold_with_books) -> Times:
         with closing(SqliteRecords(self._path)) as records:
             reading = Reading(records, _no_damage)
-            fold, wanted = fold_at(reading, period)
+            fold, wanted = begin(reading, period)
             for event in reading.events(wanted):
                 fold.follow(event)
             return fold.until(period.end_us)
