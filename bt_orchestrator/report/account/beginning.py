@@ -49,7 +49,8 @@ def _up_to(
     reading: Reading, period: Period, fold: AccountFold, seq: int
 ) -> tuple[AccountFold, Wanted]:
     """Let a fold take in the events after one that are before a period."""
-    wanted = Wanted(events=FOLLOWED, after_seq=seq, until=period.end_us / US)
+    end = period.end_us + 0.5  # a time that is rounded to the end is in it
+    wanted = Wanted(events=FOLLOWED, after_seq=seq, until=end / US)
     for event in reading.events(wanted):
         if us_of(event.time) >= period.begin_us:
             break
