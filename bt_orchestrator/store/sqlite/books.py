@@ -73,8 +73,8 @@ def slots(
     rows = database.execute(query, values).fetchall()
     found: list[KeptSlot] = []
     damage: list[Damage] = []
-    for *row, text, check in rows[:most]:
-        slot = KeptSlot(*row, text.decode(errors='replace'))
+    for begin, until, made_of, version, text, check in rows[:most]:
+        slot = KeptSlot(begin, until, made_of, version, text.decode(errors='replace'))
         if check == _check(slot):
             found.append(slot)
         else:
