@@ -5,7 +5,8 @@
 Asks the tree node and the plain node beside it for a parameter, 20 times a second each. To
 FOLDER/pings.jsonl it appends how long each answer took, and every second that there is none. To
 FOLDER/samples.jsonl it appends the memory of the process in FOLDER/node.pid and the size of its
-journal. All times are of the machine's monotonic clock.
+journal. While node.pid is empty, the tree node is started again, and is not asked. All times are
+of the machine's monotonic clock.
 """
 
 from __future__ import annotations
@@ -95,8 +96,9 @@ def main(folder: Path, journal: Path) -> None:
             before, pid, sampled = pid, (folder / PID).read_text(), now
             if pid != before:
                 nodes[0].forget()
-            _sample(folder / SAMPLES, now, int(pid), journal)
-        for node in nodes:
+            if pid:
+                _sample(folder / SAMPLES, now, int(pid), journal)
+        for node in nodes if pid else nodes[1:]:
             node.look(now)
         ros.spin_for(EVERY_S / 10)
 
