@@ -26,8 +26,8 @@ PROFILES = ('FASTDDS_DEFAULT_PROFILES_FILE', 'FASTRTPS_DEFAULT_PROFILES_FILE')
 def discover_fast(environment: MutableMapping[str, str] = os.environ) -> None:
     """Let processes find each other in tenths of a second instead of up to three seconds."""
     is_jazzy = os.environ.get('ROS_DISTRO') == 'jazzy'
-    profile = Path(__file__).parent / 'data' / 'fast_discovery.xml'
-    environment[PROFILES[is_jazzy]] = str(profile)
+    name = 'fast_discovery_2.xml' if is_jazzy else 'fast_discovery.xml'
+    environment[PROFILES[is_jazzy]] = str(Path(__file__).parent / 'data' / name)
 
 
 @contextmanager

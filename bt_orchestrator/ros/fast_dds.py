@@ -2,9 +2,10 @@
 
 A killed process leaves its segments and locks in /dev/shm. Whoever comes next complains of them in
 front of every output, waits for them, or hears nothing. UDP over the loopback interface costs
-a few microseconds more and leaves nothing behind.
+a few microseconds more and leaves nothing behind. A datagram that is lost there, because a socket
+is full, is sent again after a tenth of a second (by default after up to three).
 
-scripts/bootstrap copies this file and its profile beside the variables of its environment, where
+scripts/bootstrap copies this file and its profiles beside the variables of its environment, where
 every Python process reads them; so it imports little.
 """
 
@@ -12,11 +13,13 @@ import os
 from collections.abc import MutableMapping
 
 PROFILE = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'fast_dds_udp.xml')
+OLD_PROFILE = os.path.join(os.path.dirname(PROFILE), 'fast_dds_udp_2.xml')
+"""For Fast DDS 2, which has another name for a period, and refuses a file with the later one."""
 
 TRANSPORTS = 'FASTDDS_BUILTIN_TRANSPORTS'
 PROFILES = 'FASTDDS_DEFAULT_PROFILES_FILE'
 OLD_PROFILES = 'FASTRTPS_DEFAULT_PROFILES_FILE'
-"""The only name that Jazzy and its elders read, and of which later ones warn."""
+"""The only name that Fast DDS 2 reads, and of which later ones warn."""
 OLD_DISTROS = ('humble', 'iron', 'jazzy')
 
 FOUND_BY_ITSELF = ('DEFAULT_FASTDDS_PROFILES.xml', 'DEFAULT_FASTRTPS_PROFILES.xml')
@@ -31,4 +34,7 @@ def keep_off_shared_memory(environ: MutableMapping[str, str]) -> None:
     # The first says nothing while ROS_AUTOMATIC_DISCOVERY_RANGE is LOCALHOST: there rmw_fastrtps
     # adds shared memory by itself. Then the profile says where to listen, which is UDP alone.
     environ[TRANSPORTS] = 'UDPv4'
-    environ[OLD_PROFILES if environ.get('ROS_DISTRO') in OLD_DISTROS else PROFILES] = PROFILE
+    if environ.get('ROS_DISTRO') in OLD_DISTROS:
+        environ[OLD_PROFILES] = OLD_PROFILE
+    else:
+        environ[PROFILES] = PROFILE

@@ -1,8 +1,8 @@
 """Room for what peers send while this process is busy.
 
-A datagram that finds the buffer of its socket full is lost. DDS sends it again, but only after up
-to three seconds, and an answer in it comes so late. The kernel's default of 208 kB is filled by
-one request of that size, or by some hundred small ones at once.
+A datagram that finds the buffer of its socket full is lost. DDS sends it again, but by default
+only after up to three seconds (`fast_dds.py`), and an answer in it comes so late. The kernel's
+default of 208 kB is filled by one request of that size, or by some hundred small ones at once.
 """
 
 from __future__ import annotations

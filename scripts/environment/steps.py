@@ -22,10 +22,12 @@ BROWSER = REQUIREMENTS / 'browser.txt'
 PARQUET = REQUIREMENTS / 'parquet.txt'
 NODE = REQUIREMENTS / 'node.txt'
 NODE_PACKAGES = REQUIREMENTS / 'node'
+ROS = SCRIPTS.parent / 'bt_orchestrator' / 'ros'
 VARIABLES = {
     Path(__file__).with_name('ros_variables.py'): '_ros_variables.py',
-    SCRIPTS.parent / 'bt_orchestrator' / 'ros' / 'fast_dds.py': '_fast_dds.py',
-    SCRIPTS.parent / 'bt_orchestrator' / 'ros' / 'fast_dds_udp.xml': 'fast_dds_udp.xml',
+    ROS / 'fast_dds.py': '_fast_dds.py',
+    ROS / 'fast_dds_udp.xml': 'fast_dds_udp.xml',
+    ROS / 'fast_dds_udp_2.xml': 'fast_dds_udp_2.xml',
 }
 """Files that every Python process of the environment reads, and their names in site-packages."""
 

@@ -8,21 +8,27 @@ from pathlib import Path
 import pytest
 
 from bt_orchestrator.cli.main import main
-from bt_orchestrator.ros.fast_dds import PROFILE, keep_off_shared_memory
+from bt_orchestrator.ros.fast_dds import OLD_PROFILE, PROFILE, keep_off_shared_memory
 
 OWN = ('FASTDDS_BUILTIN_TRANSPORTS', 'FASTDDS_DEFAULT_PROFILES_FILE')
 OLD = 'FASTRTPS_DEFAULT_PROFILES_FILE'
 
 
 @pytest.mark.parametrize(
-    ('distro', 'name'),
-    [('jazzy', OLD), ('humble', OLD), ('kilted', OWN[1]), ('lyrical', OWN[1]), ('', OWN[1])],
+    ('distro', 'name', 'profile'),
+    [
+        ('jazzy', OLD, OLD_PROFILE),
+        ('humble', OLD, OLD_PROFILE),
+        ('kilted', OWN[1], PROFILE),
+        ('lyrical', OWN[1], PROFILE),
+        ('', OWN[1], PROFILE),
+    ],
 )
-def test_fast_dds_gets_the_profile_under_the_name_that_it_reads(distro: str, name: str) -> None:
+def test_fast_dds_gets_the_profile_that_it_reads(distro: str, name: str, profile: str) -> None:
     environ = {'ROS_DISTRO': distro}
     keep_off_shared_memory(environ)
-    assert environ == {'ROS_DISTRO': distro, 'FASTDDS_BUILTIN_TRANSPORTS': 'UDPv4', name: PROFILE}
-    assert Path(PROFILE).is_file()
+    assert environ == {'ROS_DISTRO': distro, 'FASTDDS_BUILTIN_TRANSPORTS': 'UDPv4', name: profile}
+    assert Path(profile).is_file()
 
 
 @pytest.mark.parametrize('name', [*OWN, OLD])
