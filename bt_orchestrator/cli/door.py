@@ -89,7 +89,7 @@ def answer_within_s(request: Asked) -> float | None:
     given = request.arguments
     orders: Any = given.get('orders', ())
     is_ordered = bool(given.get('recipe')) or any(one.recipe for one in orders)
-    return GENERATING_S if is_ordered or request.request is REQUEUE else None
+    return GENERATING_S if is_ordered or request.request == REQUEUE else None
 
 
 def _show(answer: Answer, *, as_json: bool) -> None:

@@ -236,7 +236,7 @@ def _stop_after(args: argparse.Namespace) -> int:
 def _control(args: argparse.Namespace) -> int:
     (job,) = _expect(args, 1, 'one job')
     request = _control_of(args.action)
-    given = {'order': args.order or None} if request is REQUEUE else {}
+    given = {'order': args.order or None} if request == REQUEUE else {}
     return _ask(args, request.name, job=job, **given)
 
 

@@ -6,6 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+OF_TASK: Mapping[str, bool] = {'of_task': True}
+"""Marks a field with values of fields of `model.script.Task`, by their names."""
+
 
 @dataclass(frozen=True)
 class Capability:
@@ -24,7 +27,7 @@ class Capability:
     """Goal field of each thing that an earlier operation has to tell it."""
     holds: Mapping[str, int] = field(default_factory=dict)
     """Things that the device itself keeps, and for how many items; they are in no result."""
-    options: Mapping[str, Any] = field(default_factory=dict)
+    options: Mapping[str, Any] = field(default_factory=dict, metadata=OF_TASK)
     """Values of further fields of `model.script.Task`; only of those that were written."""
 
 
@@ -38,5 +41,5 @@ class Preparation:
     after: tuple[str, ...] = ()
     """Components, the conveyor among them, whose preparation is done before."""
     args: Mapping[str, Any] = field(default_factory=dict)
-    options: Mapping[str, Any] = field(default_factory=dict)
+    options: Mapping[str, Any] = field(default_factory=dict, metadata=OF_TASK)
     """Values of further fields of `model.script.Task`; only of those that were written."""

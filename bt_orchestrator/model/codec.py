@@ -21,7 +21,7 @@ from typing import Any, TypeVar, cast
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.reference import Reference, Template
-from bt_orchestrator.model.script import Script
+from bt_orchestrator.model.script import Script, Task
 
 _T = TypeVar('_T')
 _TEMPLATE = '$'
@@ -226,7 +226,16 @@ def _read_dataclass(kind: type, value: Any) -> Any:
         return _read_free(value)
     hints, as_it_is = hints_of(kind), _as_it_is(kind)
     read = {k: v if k in as_it_is else _read(hints[k], v) for k, v in value.items()}
+    for name in _of_task(kind) & read.keys():
+        read[name] = {key: _read(hints_of(Task)[key], v) for key, v in value[name].items()}
     return kind(**read)
+
+
+@lru_cache(maxsize=256)
+def _of_task(kind: type) -> frozenset[str]:
+    """Return the fields that hold values of fields of a task, by their names."""
+    marked = (field.name for field in dataclasses.fields(kind) if 'of_task' in field.metadata)
+    return frozenset(marked)
 
 
 @lru_cache(maxsize=256)

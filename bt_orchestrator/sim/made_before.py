@@ -56,16 +56,16 @@ def choices_in(requests: Sequence[Asked], jobs: Iterable[Job] = ()) -> Iterator[
     """
     ordered = {job.id: job.recipe for job in jobs}
     for asked in requests:
-        if asked.request is ADD:
+        if asked.request == ADD:
             orders: Iterable[WorkOrder] = asked.arguments['orders']  # type: ignore[assignment]
             yield from (order.recipe for order in orders if order.recipe is not None)
             ordered |= {order.order: order.recipe for order in orders if order.order}
-        elif asked.request is UPDATE:
+        elif asked.request == UPDATE:
             choice, job = choice_of(asked.arguments), str(asked.arguments['job'])
             if choice is not None:
                 ordered[job] = choice = choice.over(ordered.get(job))
                 yield choice
-        elif asked.request is REQUEUE:
+        elif asked.request == REQUEUE:
             made_from = ordered.get(str(asked.arguments['job']))
             if made_from is not None:
                 yield made_from

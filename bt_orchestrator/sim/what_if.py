@@ -72,7 +72,7 @@ class EngineWhatIf:
 
         Nothing is done, so anybody may ask anything; the roles decide when it is asked in earnest.
         """
-        if any(choices_in(requests)) or any(asked.request is REQUEUE for asked in requests):
+        if any(choices_in(requests)) or any(asked.request == REQUEUE for asked in requests):
             with closing(self._begin()) as run:
                 jobs = [job.job for job in run.state.jobs.values()]
             self._generate([*choices_in(requests, jobs)])

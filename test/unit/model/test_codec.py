@@ -7,9 +7,12 @@ from dataclasses import fields, replace
 from typing import Any
 
 import pytest
+from fakes.action_types import FakeActionTypes
 from fakes.line import THREE, Line, with_section
+from fakes.shipped import ROOT
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import (
     digest,
     event_types,
@@ -23,6 +26,7 @@ from bt_orchestrator.model.condition import Condition
 from bt_orchestrator.model.jobs.made_anew import MadeAnew
 from bt_orchestrator.model.jobs.order import RecipeChoice
 from bt_orchestrator.model.reference import Reference, Template
+from bt_orchestrator.script.cell_file import parse_cell
 
 SCRIPT = Line().script(
     """
@@ -225,6 +229,15 @@ def test_conditions_of_older_scripts_are_read_and_keep_their_digest() -> None:
     assert to_plain(Condition(named, negated=True)) == boolean
     number = {**boolean, 'equals': 3}
     assert to_plain(from_plain(Condition, number)) == number
+
+
+@pytest.mark.parametrize('name', ['gear_motor_cell.yaml', 'cell_with_capabilities.yaml'])
+def test_a_cell_comes_back_as_it_was_with_what_its_components_can_do(name: str) -> None:
+    text = (ROOT / 'config' / name).read_text(encoding='utf-8')
+    written = parse_cell(text, name, FakeActionTypes())
+    read = from_plain(Cell, json.loads(json.dumps(to_plain(written))))
+    assert read == written
+    assert digest(read) == digest(written)
 
 
 def test_a_digest_survives_the_journal() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import pickle
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
@@ -221,6 +222,22 @@ def test_an_order_by_recipe_is_generated_and_checked(glued: Glued) -> None:
     assert glued.what_if().check(BOX) == CheckedOrder(True, '')
 
 
+def sent(*requests: Asked) -> tuple[Asked, ...]:
+    """Return requests as the process gets them that works it out."""
+    found: tuple[Asked, ...] = pickle.loads(pickle.dumps(requests))
+    return found
+
+
+def test_orders_by_recipe_that_come_from_another_process_are_generated(glued: Glued) -> None:
+    orders = [order_from(BOX)]
+    found = glued.what_if().ask(sent(ask('queue.add', ann(), orders=orders)))
+    assert found.refusals == ()
+    assert [job.job for job in found.after] == ['D']
+    change = ask('job.update', ann(), job='D', recipe=['BOX-7'])
+    both = sent(ask('queue.add', ann(), orders=orders, held=True), change)
+    assert glued.what_if().ask(both).refusals == ()
+
+
 def test_the_rest_of_a_job_is_made_in_the_run_alone(glued: Glued) -> None:
     choice = RecipeChoice(('BOX-7',))
     made = glued.maker.script(choice, frozenset())
@@ -230,7 +247,7 @@ def test_the_rest_of_a_job_is_made_in_the_run_alone(glued: Glued) -> None:
         simulation.submit([Job('A', script, 8, {'n': 1}, recipe=choice)])
         simulation.orchestrator.settle()
         what_if = glued.at(simulation)
-    found = what_if.ask([ask('job.requeue', ann(), job='A')])
+    found = what_if.ask(sent(ask('job.requeue', ann(), job='A')))
     assert found.refusals == ()
     assert [job.job for job in found.after] == ['A', 'A-rest']
     (refused,) = what_if.ask([ask('job.requeue', ann(), job='B')]).refusals

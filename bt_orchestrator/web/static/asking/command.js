@@ -83,7 +83,7 @@ class Command {
 
   #lookAhead() {
     const values = this.form.sofar();
-    const isNothing = !values || (!this.form.isEmpty && !Object.keys(values).length);
+    const isNothing = !values || (!this.form.isOptional && !Object.keys(values).length);
     this.ahead?.ask(isNothing ? null : { ...this.known, ...values });
   }
 

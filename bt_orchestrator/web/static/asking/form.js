@@ -12,7 +12,7 @@ const SPECIAL = { 'cell.clear.belt': beltField, ...UPDATE_FIELDS };
 
 /**
  * Make the fields of an offer: an element and `values()`; null where an entry is missing or wrong,
- * which is shown. `sofar()` is the same and shows nothing.
+ * which is shown. `sofar()` is the same and shows nothing. `isOptional`: nothing has to be said.
  * What need not be said is folded away.
  */
 export function parameterForm(offer) {
@@ -37,7 +37,7 @@ export function parameterForm(offer) {
   );
   return {
     element,
-    isEmpty: !fields.length,
+    isOptional: !fields.some(isPlain),
     values: () => valuesOf(fields),
     sofar: () => valuesOf(fields, true),
   };

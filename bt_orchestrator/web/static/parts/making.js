@@ -1,4 +1,4 @@
-/** How a job came to its script: whose rest it is, and without what it was made anew. */
+/** How a job came to its script: whose rest it is, without what it was made, what it lacks. */
 
 import { percent, seconds, t } from '../core/text.js';
 
@@ -7,7 +7,9 @@ export function makingWords(job) {
   const isOver = job.state === 'Ended' || job.state === 'Aborted';
   if (isOver) return '';
   const rest = job.rest_of ? t('job.is_rest_of', { job: job.rest_of }) : '';
-  return [rest, anewWords(job)].filter(Boolean).join(', ');
+  const lacks = job.position ? [] : job.unavailable; // that of a queued job is its state
+  const needs = lacks.length ? t('job.needs', { names: lacks.join(', ') }) : '';
+  return [rest, anewWords(job), needs].filter(Boolean).join(', ');
 }
 
 /** Say without what it was made anew, and the pace since; empty: it was not. */
