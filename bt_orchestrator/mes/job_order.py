@@ -290,7 +290,9 @@ class _Reading:
         """Bind an operation; what only has to be there says no use."""
         if operation and self.bind.setdefault(operation, component) != component:
             found = f'{self.bind[operation]}, {component}'
-            yield Finding(EQUIPMENT, f'`{operation}` is to be done by two: {found}')
+            yield Finding(
+                EQUIPMENT, f'`{operation}` is to be done by two: {found}; leave it at one of them'
+            )
 
 
 def _scalar(value: object) -> str | int | float | bool | None:

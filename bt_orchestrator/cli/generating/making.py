@@ -93,4 +93,7 @@ def _try(made: Made, inputs: Inputs, judge: Judge) -> None:
 
 
 def _defect(what: str) -> str:
-    return f'the generated script {what}, so nothing is written; this is a defect of the program'
+    return (
+        f'the generated script {what}, so nothing is written; this is a defect of the program: '
+        'report it with the recipe, its overrides and the cell file'
+    )

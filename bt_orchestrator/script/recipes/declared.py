@@ -60,7 +60,8 @@ def declared_version(path: Path) -> DeclaredVersion:
     """
     file = shelved_at(path)
     if file is None:
-        raise Refused([Finding(str(path), 1, 1, 'this is no recipe')])
+        hint = 'a recipe begins with `recipe: NAME`'
+        raise Refused([Finding(str(path), 1, 1, 'this is no recipe', hint)])
     report = Report(str(path))
     try:
         draft = RecipeDraft(file_fields(read_text(path), RECIPE, report))
