@@ -1,0 +1,26 @@
+"""The state of the cell: plain data, changed by `model.fold` alone and read by everyone."""
+
+from bt_orchestrator.model.state.cell import DERIVED, CellState
+from bt_orchestrator.model.state.hold import Hold
+from bt_orchestrator.model.state.jobs import ItemState, JobState, Progress
+from bt_orchestrator.model.state.line import Cycle, FlagState, OutOfService, Reading, SectionState
+from bt_orchestrator.model.state.tasks import End, Phase, TaskState, same_args, same_task
+
+__all__ = [
+    'Phase',
+    'End',
+    'TaskState',
+    'same_task',
+    'same_args',
+    'ItemState',
+    'Progress',
+    'JobState',
+    'Cycle',
+    'SectionState',
+    'FlagState',
+    'Reading',
+    'OutOfService',
+    'Hold',
+    'DERIVED',
+    'CellState',
+]

@@ -1,0 +1,56 @@
+"""What the belt and the components stand at."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """A section's pass through its list for one item."""
+
+    job: str
+    item: str
+    beat: int
+    """The beat its turn belongs to (semantics 3.7)."""
+    rounds: Mapping[str, int] = field(default_factory=dict)
+    """Further rounds begun, by the name of the repeat (semantics 3.9)."""
+
+
+@dataclass
+class SectionState:
+    """One section: its cycle in hand and its turn."""
+
+    number: int
+    cycle: Cycle | None = None
+    turn_beat: int = 0
+    """The last beat in which it completed a turn."""
+    slot: str | None = None
+    """Item, or empty position, that stands here."""
+
+
+@dataclass
+class FlagState:
+    """The counter of a lateral dependency (semantics 4.1)."""
+
+    count: int
+    capacity: int
+
+
+@dataclass(frozen=True)
+class Reading:
+    """Last value of a component's state topic; not ready before the first one."""
+
+    ready: bool
+    value: Any = None
+
+
+@dataclass(frozen=True)
+class OutOfService:
+    """A component that an operator took out of service (semantics 7.5)."""
+
+    reason: str
+    """Who did it, and why."""
+    since: float
