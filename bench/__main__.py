@@ -11,7 +11,7 @@ import traceback
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from bench import opcua_rows, page_rows, reader_rows, report, ros_rows, virtual_rows
+from bench import opcua_rows, page_rows, reader_rows, report, report_rows, ros_rows, virtual_rows
 from bench.plot import draw
 from bench.rows import TARGETS, Row, merged
 
@@ -33,6 +33,7 @@ def benches(args: argparse.Namespace) -> dict[tuple[str, ...], Bench]:
             *((2, 20) if quick else (4 * rounds, 60))
         ),
         ('restart',): lambda: virtual_rows.restart(rounds, events),
+        ('report',): lambda: report_rows.report(rounds, events),
         ('dispatch', 'polling', 'wrap', 'cpu', 'watcher'): lambda: ros_rows.dispatch(
             rounds, 3 if quick else 20
         ),

@@ -65,6 +65,7 @@ TARGETS = {
     'recipe_load': Target('dispatch p50, ten recipes are ordered and generated / none', 1.2, 1.05),
     'readers': Target('dispatch p50, the journal is read all the time / not', 1.1, 1.02),
     'readers_cpu': Target('CPU of the node a task, the journal is read / not', 1.1, 1.02),
+    'report': Target('report of a year by its books, s', 60, 10),
     'restart': Target('restart, journal of many events / empty one', 5, 1.5),
 }
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import resource
+from contextlib import closing
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ from fakes.other_python import back_up
 from program_process import ProgramProcess
 
 from bt_orchestrator.model.records import Wanted
+from bt_orchestrator.store.sqlite.records import SqliteRecords
 from bt_orchestrator.store.sqlite.store import SqliteStore
 
 ROOM = 4096
@@ -200,3 +202,29 @@ def test_a_backup_takes_nothing_away_and_comes_back_with_a_hold(
     assert held.history != cell.watch.statuses[0].history
     assert len(cell.goals(event='started')) == ran
     cell.stop()
+
+
+def test_a_report_still_has_what_retention_removed(start_cell: StartCell, tmp_path: Path) -> None:
+    journal = tmp_path / 'cell.db'
+    options = ['--journal', str(journal), '--journal-keep-jobs', '0']
+    cell = start_cell(run_options=options)
+    cell.connect()
+    for number, order in enumerate(('WO-1', 'WO-2'), 1):
+        cell.run_small(order=order, quantity=number)
+        cell.watch.until_ended(order)
+    last = cell.watch.until_state('Complete').seq
+    cell.watch.ros.spin_until(partial(are_removed, journal, last), 'the end of retention')
+    status, output, errors = run_verb(cell.folder, 'report', '--journal', str(journal), '--json')
+    assert (status, errors) == (0, '')
+    found = json.loads(output)
+    assert [(one['job'], one['good']) for one in found['jobs']] == [('WO-1', 1), ('WO-2', 2)]
+    assert found['made_from']['books']
+    assert found['made_from']['removed_before_seq'] > 20
+    assert found['losses'].keys().isdisjoint(['not_recorded'])
+    cell.stop()
+
+
+def are_removed(journal: Path, last: int) -> bool:
+    """Tell whether all events of jobs are gone."""
+    with closing(SqliteRecords(journal)) as records:
+        return records.extent().first_seq > last - 20
