@@ -1,10 +1,10 @@
-"""Run a module as `python -m` does; say at the end how much memory it took, in kB."""
+"""Run a module as `python -m` does; say at the end how much memory it took at most, in kB."""
 
 from __future__ import annotations
 
-import resource
 import runpy
 import sys
+from pathlib import Path
 
 
 def main() -> None:
@@ -13,7 +13,11 @@ def main() -> None:
     try:
         runpy.run_module(sys.argv[0], run_name='__main__', alter_sys=True)
     finally:
-        print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, file=sys.stderr)
+        # Not ru_maxrss, which begins with that of the parent.
+        status = Path('/proc/self/status').read_text().splitlines()
+        print(
+            next(line.split()[1] for line in status if line.startswith('VmHWM')), file=sys.stderr
+        )
 
 
 if __name__ == '__main__':

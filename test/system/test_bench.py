@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-CHEAP = ('simulator', 'sections', 'check', 'restart')
+CHEAP = ('simulator', 'sections', 'check', 'restart', 'report')
 
 
 def test_the_cheap_rows_can_be_measured(tmp_path: Path) -> None:
