@@ -21,7 +21,9 @@ from bt_orchestrator.model.codec import from_record
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.ports import Snapshot
 from bt_orchestrator.report.account.beginning import fold_at, fold_with_books
+from bt_orchestrator.report.account.calendar import Now
 from bt_orchestrator.report.account.fold import FOLLOWED, AccountFold, Times
+from bt_orchestrator.report.account.live import LiveAccount
 from bt_orchestrator.report.account.period import Period
 from bt_orchestrator.report.account.planned import Planned, us_of
 from bt_orchestrator.report.account.slot import QUARTER_US
@@ -66,16 +68,23 @@ def test_drawn_runs(
     events = [one for one in events if us_of(one.time) <= period.end_us]
     if not events:
         return
+
+    def new_live() -> LiveAccount:
+        return LiveAccount(lambda _: Now(period), None)
+
     with tempfile.TemporaryDirectory() as folder, closing(_Journal(Path(folder))) as journal:
-        cut = len(events) * share // 10
+        cut, live = len(events) * share // 10, new_live()
         for part in (events[:cut], events[cut:]):
             if part:
                 journal.add(part, most)
+                assert journal.live(live, part[-1]) == journal.live(new_live(), part[-1])
         journal.add((), most)
         assert journal.times(period, fold_at) == _by_events(events, period)
         assert journal.times(period) == _by_events(events, period)
         journal.remove(events[-1].seq * removed // 10)
         assert journal.times(period) == _by_events(events, period)
+        for one in (live, new_live()):
+            assert journal.live(one, None) == _by_events(events, period)
 
 
 def _slowly(event: e.Event, stretch: float) -> e.Event:
@@ -126,6 +135,16 @@ class _Journal:
             for event in reading.events(wanted):
                 fold.follow(event)
             return fold.until(period.end_us)
+
+    def live(self, account: LiveAccount, newest: e.Event | None) -> Times:
+        """Return what an account says that goes on.
+
+        :param newest: its time is now; None: the period is over
+        """
+        with closing(SqliteRecords(self._path)) as records:
+            found = account.look(records, 1e9 if newest is None else newest.time + 1.0)
+            assert found is not None
+            return found.account.figures.times
 
     def close(self) -> None:
         self._store.close()
