@@ -82,6 +82,8 @@ def nearest(state: CellState) -> CellState:
     used = {job.digest for job in near.jobs.values()}
     near.scripts = {name: script for name, script in state.scripts.items() if name in used}
     near.ended, near.order_ids, near.serials = {}, UsedIds(), UsedIds()
+    for name in near.jobs:
+        near.order_ids.add(name)
     return near
 
 

@@ -17,8 +17,9 @@ from fakes.operator import ann
 
 from bt_orchestrator.cli.generating.ordered import RecipeMaker
 from bt_orchestrator.model.commands import SetService
+from bt_orchestrator.model.jobs.job_commands import AddJobs
 from bt_orchestrator.model.jobs.order import Job, RecipeChoice, WorkOrder
-from bt_orchestrator.model.keeping.snapshot import state_to_plain
+from bt_orchestrator.model.keeping.snapshot import nearest, state_to_plain, state_to_text
 from bt_orchestrator.model.requests import Asked, ask
 from bt_orchestrator.ports import CheckedOrder, Consequence, MadeScript, Moment
 from bt_orchestrator.script.cell_file import parse_cell
@@ -180,6 +181,20 @@ def test_an_order_is_checked_before_anybody_gives_it(tmp_path: Path) -> None:
         assert not outside.is_checked
         assert 'in none of the folders' in outside.message
         assert list(simulation.state.jobs) == ['A', 'B', 'C'], 'nothing was queued'
+
+
+def test_an_order_with_the_id_of_a_job_is_refused() -> None:
+    with running(4.0) as simulation:
+        script = simulation.state.jobs['A'].job.script
+        engine = simulation.orchestrator
+        again = AddJobs((Job('A', script, 1),), ann())
+        told = engine.ask(again).message
+        plain = json.loads(state_to_text(nearest(simulation.state)))
+        moment = Moment(simulation.state.cell, plain, simulation.clock.now())
+    with closing(RunOn(moment.cell, TYPES, plain, {}, moment.now_s)) as run:
+        answer = run.orchestrator.ask(again)
+    assert not answer.accepted
+    assert answer.message == told == 'order A was given before; choose another id'
 
 
 # --- orders by recipe -------------------------------------------------------------------------
