@@ -170,7 +170,8 @@ def as_json(findings: Sequence[Finding]) -> dict[str, Any]:
 
 
 def _plain(findings: Sequence[Finding]) -> list[dict[str, Any]]:
-    return [dataclasses.asdict(finding) for finding in findings]
+    told = ('file', 'line', 'column', 'what', 'hint')
+    return [{name: getattr(finding, name) for name in told} for finding in findings]
 
 
 def summary(script: Script, cell: Cell) -> Iterator[str]:

@@ -15,8 +15,11 @@ from bt_orchestrator.model.requests.table import JOB
 STORING = (job_control.STORE, job_control.STORE_AND_START)
 """The methods that bring an order; Update brings one of a job that is there."""
 
-REQUESTS: Mapping[Method, Request] = {**dict.fromkeys(STORING, ADD), **dict(JOB)}
-"""What every method asks of the cell."""
+REQUESTS: Mapping[Method, Request] = {
+    **dict.fromkeys(STORING, ADD),
+    **{method: request for method, request in JOB if method in METHODS},
+}
+"""What every method asks of the cell. What ISA-95 does not have is no method of it."""
 
 STATES: tuple[JobWord | None, ...] = (None, *JobWord)
 """The states that a method can meet; None: there was never an order with this id."""
