@@ -103,10 +103,7 @@ class Journal(EventStore, Protocol):
         """
 
     def booked(self) -> int:
-        """Return the seq of the last event that is in books; 0: none is.
-
-        :raises JournalUnusable: it cannot be read
-        """
+        """Return the seq of the last event that is in books; 0: none is, or it cannot be read."""
 
     def keep_books(self, made: Books) -> None:
         """Store books: the account of some events, which outlives them.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
 
@@ -13,16 +14,25 @@ from bt_orchestrator.store.sqlite.records import SqliteRecords
 from bt_orchestrator.store.sqlite.store import SqliteStore
 
 
-def make_books(path: Path, most: int = 100_000) -> Books:
+def _no_damage(sentence: str) -> None:
+    raise AssertionError(sentence)
+
+
+def make_books(path: Path, most: int = 100_000, tell: Callable[[str], None] = _no_damage) -> Books:
     """Return the next books of a journal file, as they come from another process."""
     with closing(SqliteRecords(path)) as records:
-        return Books.from_bytes(next_books(records, _no_damage, most).to_bytes())
+        return Books.from_bytes(next_books(records, tell, most).to_bytes())
 
 
-def book_all(store: SqliteStore, path: Path, most: int = 100_000) -> int:
+def book_all(
+    store: SqliteStore,
+    path: Path,
+    most: int = 100_000,
+    tell: Callable[[str], None] = _no_damage,
+) -> int:
     """Bring the books of a journal up to date; returns the number of steps that it took."""
     for step in range(1, 1000):
-        made = make_books(path, most)
+        made = make_books(path, most, tell)
         store.keep_books(made)
         if made.is_last:
             return step
@@ -43,7 +53,3 @@ class BooksAtOnce:
 
     def close(self) -> None:
         """Do nothing: it works only when it is asked."""
-
-
-def _no_damage(sentence: str) -> None:
-    raise AssertionError(sentence)

@@ -140,7 +140,10 @@ class _Beginning:
         else:
             self._planned = Planned.of(self._planned.pieces, [(begin, until)])
         self._rounded.append(begin)
-        self._add(slot)
+        is_planned = self._planned.includes(until)
+        if is_planned or (begin >= self._borders[0] and until <= self._period.end_us):
+            self._add(slot)
+        self._now = until
 
     def _add_last(self) -> None:
         if self._last is not None:

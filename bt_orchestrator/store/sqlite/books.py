@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import sqlite3
 from collections.abc import Sequence
 from datetime import datetime, timezone
@@ -9,6 +10,8 @@ from datetime import datetime, timezone
 from bt_orchestrator.model.books import Books, KeptScript, KeptSlot, KeptState, SlotPage
 from bt_orchestrator.model.records import Damage
 from bt_orchestrator.store.sqlite.checks import check_of
+
+log = logging.getLogger(__name__)
 
 TABLES = ('book_slots', 'book_states')
 """Those whose rows are made of events, by the last one that has a say in them (`made_of`)."""
@@ -39,7 +42,7 @@ def _write(
 def forget(database: sqlite3.Connection, seq: int) -> None:
     """Remove what was made of events after an event."""
     for table in TABLES:
-        database.execute(f'DELETE FROM {table} WHERE made_of > ?', (seq,))
+        _try(database, f'DELETE FROM {table} WHERE made_of > ?', seq)
 
 
 def forget_states(database: sqlite3.Connection, before: int) -> None:
@@ -47,16 +50,26 @@ def forget_states(database: sqlite3.Connection, before: int) -> None:
 
     :param before: seq of the first event that is kept
     """
-    database.execute(
-        'DELETE FROM book_states WHERE seq < ? AND seq < (SELECT max(seq) FROM book_states)',
-        (before - 1,),
-    )
+    newest = '(SELECT max(seq) FROM book_states)'
+    _try(database, f'DELETE FROM book_states WHERE seq < ? AND seq < {newest}', before - 1)
+
+
+def _try(database: sqlite3.Connection, statement: str, seq: int) -> None:
+    """Remove rows; damaged books must not keep the node from writing events, or removing them."""
+    try:
+        database.execute(statement, (seq,))
+    except sqlite3.DatabaseError as error:
+        log.warning('some books of the journal cannot be removed (%s)', error)
 
 
 def reached(database: sqlite3.Connection) -> int:
-    """Return the seq of the last event that is in books."""
+    """Return the seq of the last event that is in books; 0: none is, or it cannot be read."""
     query = 'SELECT coalesce(max(seq), 0) FROM book_states'
-    return int(database.execute(query).fetchone()[0])
+    try:
+        return int(database.execute(query).fetchone()[0])
+    except sqlite3.Error as error:
+        log.warning('the books of the journal cannot be read (%s)', error)
+        return 0
 
 
 def slots(
