@@ -1,7 +1,8 @@
 """Row of the readers of a journal: what the node pays while others read what it writes.
 
-One node drives the line all the time. It is measured in turns: alone, while the verbs that read go
-through its journal again and again, and beside a process that only computes.
+One node drives the line all the time. It is measured in turns: alone; while the verbs that read go
+through its journal again and again, and `report --follow` goes on with it; beside a process that
+only computes.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
@@ -20,7 +21,7 @@ from process_use import cpu_s
 from bench.line_files import SECTIONS, cell_text, script_text
 from bench.rows import Row, percentile
 from bench.stand import TASKS_A_CYCLE, Stand, sequences, stand
-from bench.tail import Tail
+from bench.tail import Tail, until
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.script.cell_file import parse_cell
 from bt_orchestrator.script.script_file import parse_script
@@ -49,7 +50,7 @@ def readers(rounds: int, cycles: int, events: int) -> Iterator[Row]:
     """
     found: list[dict[str, _Used]] = []
     with stand() as here:
-        journal = here.folder / 'read.sqlite3'
+        journal = _journal(here)
         make_long_journal(journal, events, line=_OfStand(), text=script_text(SECTIONS))
         with here.node(['--journal', str(journal)]) as node:
             tail = here.tail()
@@ -64,32 +65,44 @@ def readers(rounds: int, cycles: int, events: int) -> Iterator[Row]:
 
 
 def _turn(turn: str, here: Stand, tail: Tail, pid: int, cycles: int) -> _Used:
-    words = {ALONE: [], READ: [str(here.folder / 'read.sqlite3'), str(here.cell)], BESIDE: ['-']}
-    with _beside(words[turn], here.folder):
+    with ExitStack() as stack:
+        for words in _processes(turn, here):
+            stack.enter_context(_running(words, here))
+        tail.until_ended(0)  # reads what was done until they began
         first, tasks, before_s = len(tail.records), tail.ended, cpu_s(pid)
         tail.until_ended(tasks + cycles * TASKS_A_CYCLE)
         used_s, done = cpu_s(pid) - before_s, tail.ended - tasks
     return _Used(list(sequences(tail.records[first:])), used_s / done)
 
 
+def _processes(turn: str, here: Stand) -> Iterator[list[str]]:
+    """Yield what Python runs in a turn."""
+    if turn == BESIDE:
+        yield ['bench.reader', '-']
+    elif turn == READ:
+        journal, cell = str(_journal(here)), str(here.cell)
+        yield ['bench.reader', journal, cell]
+        of = ['--journal', journal, '--cell', cell]
+        yield ['bt_orchestrator', 'report', *of, '--follow', '--json', '--every', '0.5']
+
+
 @contextmanager
-def _beside(words: list[str], folder: Path) -> Iterator[None]:
-    """Run a process that reads, or computes, once it does; no words: none."""
-    if not words:
-        yield
-        return
-    command = [sys.executable, '-m', 'bench.reader', *words]
-    with (folder / 'reader.log').open('a') as log:
-        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=log, text=True)
-    assert process.stdout is not None
+def _running(words: list[str], here: Stand) -> Iterator[None]:
+    """Run a process; it has begun when it has said something."""
+    said = here.folder / here.name('reader')
+    with said.open('w') as output:
+        process = subprocess.Popen([sys.executable, '-m', *words], stdout=output, stderr=output)
     try:
-        assert process.stdout.readline() == 'begins\n'
+        until(lambda: said.stat().st_size > 0, f'the first words of {words}')
         yield
-        assert process.poll() is None, (folder / 'reader.log').read_text()
+        assert process.poll() is None, said.read_text()
     finally:
         process.kill()
         process.wait()
-        process.stdout.close()
+
+
+def _journal(here: Stand) -> Path:
+    return here.folder / 'read.sqlite3'
 
 
 class _OfStand(Line):
