@@ -21,6 +21,7 @@ from bt_orchestrator.asking.handler import RequestHandler
 from bt_orchestrator.asking.recipes import RecipeOrders
 from bt_orchestrator.diagnosis.ros_says import ros_says
 from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.leaving import leaving
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.commands import FoundTwin, Shutdown
 from bt_orchestrator.model.goal import Reason
@@ -203,10 +204,11 @@ class TreeNode:
             and self._writer.close(FAREWELL_S)
         ):
             self._journal.close()  # or else the end of the process does, if the disk lets it
-        self._gateway.close()
-        self._run_job.destroy()
-        self.executor.shutdown()
-        self.node.destroy_node()
+        with leaving():
+            self._gateway.close()
+            self._run_job.destroy()
+            self.executor.shutdown()
+            self.node.destroy_node()
 
     def _engine(self, cell: Cell, store: EventStore) -> Orchestrator:
         orchestrator = Orchestrator(
@@ -340,7 +342,8 @@ def run_node(
             stop.notify(_nothing)
             cell.close()
     finally:
-        rclpy.try_shutdown()
+        with leaving():
+            rclpy.try_shutdown()
 
 
 def _read_cell(parameters: NodeParameters, types: InstalledActionTypes) -> Cell:

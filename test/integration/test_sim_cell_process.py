@@ -9,10 +9,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import stuck_leaving
 from action_caller import ActionCaller
 from action_msgs.msg import GoalStatus
 from bt_orchestrator_interfaces.action import Component
 from builtin_interfaces.msg import Time
+from program_process import ProgramProcess
 from rclpy.action.graph import get_action_names_and_types
 from rosgraph_msgs.msg import Clock
 from sim_cell_process import SimCellProcess
@@ -201,3 +203,20 @@ def test_a_wrong_cell_file_is_refused_with_status_1(start: Start) -> None:
 
     assert cell.wait() == 1
     assert 'cell.yaml:4:3: ' in ''.join(cell.errors)
+
+
+@pytest.mark.parametrize('verb', ['sim-cell', 'run'])
+def test_a_middleware_that_never_lets_go_does_not_keep_the_process(
+    tmp_path: Path, verb: str
+) -> None:
+    (tmp_path / 'cell.yaml').write_text(CELL)
+    process = ProgramProcess(
+        [verb, '--cell', str(tmp_path / 'cell.yaml')], tmp_path, verb, [stuck_leaving.__file__]
+    )
+    try:
+        process.wait_ready()
+        assert process.stop() == 1
+        assert 'Timeout' in process.errors
+        assert 'File "' in process.errors, 'it says where'
+    finally:
+        process.kill()

@@ -12,6 +12,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
 from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.leaving import leaving
 from bt_orchestrator.sim.controllers.guard import report
 from bt_orchestrator.sim.controllers.node import ControllerNode, Setup
 from bt_orchestrator.stop_signals import StopSignals
@@ -42,8 +43,9 @@ def run_controllers(
     try:
         _serve(setup, stop, on_ready)
     finally:
-        rclpy.shutdown()
         setup.log.close()
+        with leaving():
+            rclpy.shutdown()
 
 
 def without_ros_args(command_line: Sequence[str]) -> list[str]:
@@ -80,8 +82,9 @@ def _serve(setup: Setup, stop: StopSignals, on_ready: Callable[[str], None]) -> 
     node.switch_off()
     executor.spin_until_future_complete(_two_turns(executor), _LAST_WORDS_S)
     stop.notify(_nothing)
-    executor.shutdown()
-    node.destroy_node()
+    with leaving():
+        executor.shutdown()
+        node.destroy_node()
 
 
 def _two_turns(executor: SingleThreadedExecutor) -> Future[None]:
