@@ -14,7 +14,7 @@ from bt_orchestrator import leaving
 from bt_orchestrator.cli.main import main
 
 
-def hang() -> None:
+def hang(**_: object) -> None:
     """Stand for destructors that wait for each other."""
     threading.Event().wait()
 

@@ -25,8 +25,8 @@ EPILOG = """\
 every option but --namespace is also a ROS parameter of the node, which wins:
 --ros-args -p tick_rate_hz:=20.0
 
-exit status: 0 ended by a signal, 1 the cell file is refused or a goal had not ended,
-2 wrong use"""
+exit status: 0 ended by a signal, 1 the cell file is refused, a goal had not ended, or
+the middleware never let go, 2 wrong use"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

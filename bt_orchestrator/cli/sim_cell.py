@@ -42,7 +42,8 @@ kinds:
                    for S seconds or for good
     silent         nothing is ever published on the state topic
 
-exit status: 0 ended by Ctrl-C or SIGTERM, 1 the cell file is refused, 2 wrong use"""
+exit status: 0 ended by Ctrl-C or SIGTERM, 1 the cell file is refused or the middleware never let
+go, 2 wrong use"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
