@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from bt_orchestrator.errors import OrchestratorError
@@ -38,6 +39,11 @@ class Source:
     """Of the events in the period, those that an account needs; 0: there is none."""
     unreadable: int
     """Damaged records: what they said is not in it."""
+
+    def beside(self, seqs: Sequence[int]) -> Source:
+        """Return it with events that were read beside books."""
+        first = min((*seqs, self.first_seq)) if self.first_seq else min(seqs, default=0)
+        return replace(self, first_seq=first, last_seq=max((*seqs, self.last_seq)))
 
     def lines(self, books: str) -> tuple[str, ...]:
         """Say it for a person.
@@ -125,7 +131,7 @@ def account_of(fold: AccountFold, period: Period, paces: Paces, source: Source) 
     return Account(
         replace(period, planned=times.planned),
         figures(times, paces),
-        source,
+        source.beside(fold.books.seqs),
         fold.books,
         cell is not None,
         bool(named) and any(one != named for one in times.cells),

@@ -101,7 +101,7 @@ class _Beginning:
         course = self._events.course
         if course.now != self._now:
             self._add_last()
-        books = FromBooks(tuple(self._used), tuple(self._rounded))
+        books = FromBooks(tuple(self._used), tuple(self._rounded), self._events.read_seqs)
         begun = Begun(course, self._total, self._now, self._last, books, _scripts(self._reading))
         return AccountFold(self._planned, begun=begun)
 
@@ -163,7 +163,7 @@ class _Beginning:
         course = self._events.course
         ledger = Slots(course.holds, self._add, self._now, [*self._borders, until])
         ledger.runs(course.cell, course.digest)
-        self._events.read(until, ledger)
+        self._events.read(self._now, until, ledger)
         ledger.close()
         return True
 

@@ -20,6 +20,8 @@ class EventCourse:
         self._first_seq = reading.records.extent().first_seq
         self._begin_at(Course(is_whole=self._first_seq == 1), self._first_seq - 1)
         self._has_begun = False
+        self.read_seqs: tuple[int, ...] = ()
+        """The first and the last event that was read and counts; empty: none was."""
 
     def _begin_at(self, course: Course, seq: int) -> None:
         self.course, self.seq = course, seq
@@ -46,12 +48,14 @@ class EventCourse:
             now = None if event is None else us_of(event.time)
         return now is not None and now <= moment
 
-    def read(self, until: int, ledger: Ledger) -> None:
-        """Take in the events up to a moment, and the time."""
+    def read(self, since: int, until: int, ledger: Ledger) -> None:
+        """Take in the events up to a moment, and the time; those since another one count."""
         self._has_begun = True
         while (event := self._ahead()) is not None and us_of(event.time) <= until:
             self.course.follow(event, ledger)
             self.seq, self._next = event.seq, None
+            if us_of(event.time) >= since:
+                self.read_seqs = (*(self.read_seqs[:1] or (event.seq,)), event.seq)
         if event is not None:
             self.course.pass_until(event, ledger, until)
         else:

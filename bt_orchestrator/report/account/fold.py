@@ -25,6 +25,8 @@ class FromBooks(NamedTuple):
     """From when to when there were slots; empty: there were none."""
     rounded: tuple[int, ...] = ()
     """Begins of slots of which planned time is a part, and whose events are gone."""
+    seqs: tuple[int, ...] = ()
+    """First and last of the events that were read where slots do not suffice; empty: none was."""
 
 
 class Begun(NamedTuple):

@@ -146,6 +146,9 @@ def test_where_events_are_kept_edges_are_exact(tmp_path: Path) -> None:
     found, expected = told(with_books, period)[0], told(without, period)[0]
     assert found.books.span
     assert not expected.books.span
+    first = found.notes()[0]
+    assert first.startswith('made from books of 2026-05-18')
+    assert ' and events 2 to ' in first
     assert found.figures.times == expected.figures.times
 
 
