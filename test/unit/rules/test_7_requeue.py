@@ -326,6 +326,17 @@ def test_7_6_items_on_the_line_that_need_what_is_out_of_service_are_told(node: N
     assert node.run.state.ended['A-rest'].progress.packed == node.queued('A-rest')['quantity']
 
 
+def test_7_6_a_rest_that_lacks_a_component_is_passed_as_any_job(node: Node) -> None:
+    node.order('A', 5)
+    node.order('B', 1)
+    node.run.go(until=3.0)
+    conveyor = cell().conveyor.component.name
+    assert node.run.service(conveyor, out=True).accepted
+    told = node.requeued('A', at('press'))
+    assert node.job('A-rest').unavailable == (conveyor,)
+    assert f'it needs {conveyor}, which is out of service' in told
+
+
 def test_7_6_in_a_cell_that_was_stopped_it_waits_as_any_order(node: Node) -> None:
     node.order('A', 5)
     node.run.go(until=3.0)

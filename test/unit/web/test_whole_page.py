@@ -7,6 +7,7 @@ import http.client
 import json
 import re
 import ssl
+import time
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
@@ -59,6 +60,14 @@ class Whole:
     def endpoints(self) -> list[Endpoint]:
         return endpoints_of(self.page)
 
+    def wait_until_heard(self) -> None:
+        """Wait until the page has heard of its cell: until then it answers 503."""
+        browser, deadline = self.browser(), time.monotonic() + PATIENCE_S
+        browser.post('/api/login', {'name': 'eve', 'password': PASSWORD})
+        while browser.get('/api/cell').status == 503:
+            assert time.monotonic() < deadline, 'nothing was heard of the cell'
+            self.loop.run_until_complete(asyncio.sleep(0.01))
+
     def close(self) -> None:
         async def end() -> None:
             self.page.end()
@@ -72,6 +81,7 @@ class Whole:
 @pytest.fixture(scope='module')
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Whole]:
     made = Whole(tmp_path_factory.mktemp('whole'))
+    made.wait_until_heard()
     yield made
     made.close()
 
