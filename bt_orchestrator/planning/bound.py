@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 
 from bt_orchestrator.planning.pieces import Choice
@@ -16,7 +17,19 @@ class Bound:
     long; or when the sections have no room for the work that is left.
     """
 
-    def __init__(self, plans: Plans, nodes: int) -> None:
+    def __init__(
+        self,
+        plans: Plans,
+        nodes: int,
+        numbers: Mapping[int, Sequence[int]] | None = None,
+        plan: Plan | None = None,
+    ) -> None:
+        """Prepare.
+
+        :param nodes: choices that may be tried
+        :param numbers: pieces that may be done elsewhere, with the choices of each; None: all
+        :param plan: where the others are done
+        """
         self._plans = plans
         self._left = nodes
         self.is_proven = True
@@ -24,23 +37,24 @@ class Bound:
         self.faster: Plan | None = None
         """The fastest plan that was found, if there was one."""
         ways = plans.choices
+        self._numbers = numbers or {n: range(len(choices)) for n, choices in enumerate(ways)}
         # What has no choice comes first, then what takes longest: it shows early what is too slow.
         self._order = sorted(
-            range(len(ways)),
-            key=lambda n: (len(ways[n]) > 1, -min(one.us for one in ways[n]), n),
+            self._numbers,
+            key=lambda n: (len(self._numbers[n]) > 1, -min(c.us for c in self._choices(n)), n),
         )
-        self._sections = sorted({one.section for choices in ways for one in choices})
+        self._sections = sorted({one.section for n in self._numbers for one in self._choices(n)})
         self._work = _Work(self._sections, plans.least_move_us)
         self._later_us, self._later_belt_us = self._least_later()
         rank = {piece: rank for rank, piece in enumerate(self._order)}
         self._not_behind: list[list[int]] = [[] for _ in ways]
         self._not_before: list[list[int]] = [[] for _ in ways]
         for first, second in plans.reach.links:
-            if rank[first] < rank[second]:
+            if rank.get(first, -1) < rank.get(second, -1):
                 self._not_before[second].append(first)
             else:
                 self._not_behind[first].append(second)
-        self._chosen = [0] * len(ways)
+        self._chosen = [0] * len(ways) if plan is None else list(plan)
         self._most_us = 0
 
     def look(self, us: Fraction | int) -> None:
@@ -52,7 +66,7 @@ class Bound:
         """Return, by rank, the least work that is left from there on, and that on the belt."""
         later, belt = [0], [0]
         for piece in reversed(self._order):
-            ways = self._plans.choices[piece]
+            ways = self._choices(piece)
             alone = all(one.is_alone for one in ways)
             later.append(later[-1] + (min(one.us for one in ways) if alone else 0))
             belt.append(belt[-1] + (min(one.belt_us for one in ways) if alone else 0))
@@ -65,7 +79,8 @@ class Bound:
             self._at_end()
             return
         piece = self._order[rank]
-        for number, choice in enumerate(self._plans.choices[piece]):
+        for number in self._tries(piece):
+            choice = self._plans.choices[piece][number]
             if not self._fits(piece, choice.section):
                 continue
             self._left -= 1
@@ -78,6 +93,13 @@ class Bound:
                 self._chosen[piece] = number
                 self._from(rank + 1)
             self._work.remove(choice, shared)
+
+    def _choices(self, piece: int) -> list[Choice]:
+        return [self._plans.choices[piece][number] for number in self._numbers[piece]]
+
+    def _tries(self, piece: int) -> Iterable[int]:
+        """Return the numbers of the choices in the order in which they are tried."""
+        return self._numbers[piece]
 
     def _fits(self, piece: int, section: int) -> bool:
         ways, chosen = self._plans.choices, self._chosen
@@ -108,6 +130,10 @@ class _Work:
         self._beside: dict[tuple[int, str], int] = {}
         """Microseconds of what may run beside something, by section and space."""
         self._shared: dict[str, int] = {}
+
+    def alone_us(self, section: int) -> int:
+        """Return how long a section takes for what runs beside nothing."""
+        return self._alone[section]
 
     def add(self, choice: Choice, shared: tuple[tuple[str, int], ...]) -> None:
         """Add a choice."""

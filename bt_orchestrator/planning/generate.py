@@ -23,6 +23,7 @@ from bt_orchestrator.planning.reasons import made
 from bt_orchestrator.planning.scripts import chosen
 from bt_orchestrator.planning.search import Search
 from bt_orchestrator.planning.starts import starts
+from bt_orchestrator.planning.windows import Windows
 from bt_orchestrator.proof.pace import pace
 
 NO_OVERRIDES = Overrides()
@@ -72,12 +73,22 @@ class _Generator:
             return self._judged(cost.moved)
         if self._problem.keep is not None:
             return self._generated(plan)
-        bound = Bound(plans, self._limits.nodes)
-        bound.look(cost.us)
+        is_fastest = self._proven(search)
+        if not is_fastest and not plans.has_flags:
+            limits = self._limits
+            plan = Windows(plans).better(search.best[1], limits.windows, limits.window_nodes)
+            search.run([plan], 0)
+            is_fastest = self._proven(search)
+        return self._generated(search.best[1], is_fastest=is_fastest)
+
+    def _proven(self, search: Search) -> bool:
+        """Prove that no binding is faster than the best one, or go on from a faster one."""
+        assert search.best is not None
+        bound = Bound(self._problem.plans, self._limits.nodes)
+        bound.look(search.best[0].us)
         if bound.faster is not None:
             search.run([bound.faster], 0)  # of equally fast ones the one that spreads best
-            cost, plan = search.best
-        return self._generated(plan, is_fastest=bound.is_proven)
+        return bound.is_proven
 
     def _any(self) -> Plan:
         """Return any plan, because the search has found none: devices keep too little.

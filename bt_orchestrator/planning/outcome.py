@@ -25,6 +25,10 @@ class Limits:
 
     kicks: int = 40
     """Times that the search is begun again from near the best plan."""
+    windows: int = 400
+    """Times that some sections are taken apart, where it is not proven that nothing is faster."""
+    window_nodes: int = 500_000
+    """Choices that may be tried for that."""
     nodes: int = 40_000
     """Choices that the proof of the fastest binding may look at."""
     finalists: int = 16

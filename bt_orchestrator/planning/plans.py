@@ -178,6 +178,11 @@ class Plans:
         most = max(times.values())
         return {piece for piece, one in enumerate(self.of(plan)) if times[one.section] == most}
 
+    @property
+    def has_flags(self) -> bool:
+        """Tell whether sections alone do not tell how fast a plan is."""
+        return self._closed_us is not None
+
     def is_plain(self, plan: Plan) -> bool:
         """Tell whether no other order of the lists could be faster."""
         return self._closed_us is None and all(one.is_plain for one in self.lists(plan).values())
