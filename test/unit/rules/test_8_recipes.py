@@ -95,6 +95,15 @@ def test_8_6_a_version_of_a_recipe_says_one_thing(bench: Bench) -> None:
     assert bench.queue == ['A', 'B', 'D']
 
 
+def test_8_6_a_change_to_a_version_that_says_something_else_is_refused(bench: Bench) -> None:
+    assert not bench.order('A').is_there
+    bench.give(made(1, 'aa11'))
+    answer = begin(bench.handler.carry_out(ask('job.update', ann(), job='A', recipe=['BOX-7'])))
+    bench.give(made(1, 'bb22'))
+    assert not answer.value.accepted
+    assert 'version 1 was another one before' in answer.value.message
+
+
 def test_8_6_a_version_that_ended_long_ago_is_not_forgotten(bench: Bench) -> None:
     answer = bench.order('A')
     bench.give(made(1, 'aa11'))
