@@ -55,8 +55,11 @@ class Measured:
             for p in self._pings
         )
 
-    def between(self, begin: float, end: float) -> Figures:
-        """Return the figures of a time."""
+    def between(self, begin: float, end: float, *, plain_too: bool = False) -> Figures:
+        """Return the figures of a time.
+
+        :param plain_too: whether the plain node was attacked in it, too
+        """
         self.read()
         node, plain = (self._of(who, begin, end) for who in ('node', 'plain'))
         took = sorted(1e3 * p['took'] for p in node if p['took'] is not None)
@@ -66,6 +69,8 @@ class Measured:
         found.max_ms, found.plain_max_ms = _longest_ms(node), _longest_ms(plain)
         found.silent_s = max((p['silent'] for p in node), default=end - begin)
         found.excess_ms = max((_length_ms(p) - _beside_ms(p, plain) for p in node), default=0.0)
+        if plain_too:
+            found.excess_ms = min(found.excess_ms, max(0.0, found.max_ms - found.plain_max_ms))
         self._add_sizes(found, begin, end)
         return found
 

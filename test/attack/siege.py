@@ -133,7 +133,8 @@ class Siege:
         end = time.monotonic()
         phase.seconds, phase.tasks = end - begin, self._tasks() - before
         # A node that is started again is another process, and has just been found.
-        phase.figures = self._measured.between(begin, attacked if bounds.breaks_journal else end)
+        measured = attacked if bounds.breaks_journal else end
+        phase.figures = self._measured.between(begin, measured, plain_too=bounds.plain_too)
         self._judge(phase, bounds)
         return phase
 

@@ -22,6 +22,9 @@ class Bounds:
     """What each task of the line may add to that: a result is kept as it came."""
     stalls_s: float = 0.0
     """How long the node cannot answer, whatever it does: it is stopped."""
+    plain_too: bool = False
+    """The plain node is attacked in the same way, not at the same moment: a ping of the node may
+    take as long as the longest of the plain one's."""
     breaks_journal: bool = False
     """The journal cannot be written any more; the node is started again after it."""
 

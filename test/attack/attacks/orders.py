@@ -8,11 +8,15 @@ from functools import partial
 from typing import Any
 
 from attack.attacks.attack import Attack, Bounds
-from attack.peer import Peer
+from attack.peer import PATIENCE_S, Peer
+from attack.plain_node import NAME
 from bt_orchestrator_interfaces.action import RunJob
 from bt_orchestrator_interfaces.msg import WorkOrder
 from bt_orchestrator_interfaces.srv import QueueAdd, QueueCommand, SubmitOrder
 from diagnostic_msgs.msg import KeyValue
+from rcl_interfaces.srv import GetParameters
+
+from bt_orchestrator.ros.qos import create_client
 
 _SECRET = 'attack-secret'
 
@@ -35,6 +39,9 @@ _FOREIGN = (
     'pipe.yaml/../../secret/secret',
     'a' * 5000,
 )
+
+_LARGEST = 60_000_000
+"""Bytes of a message."""
 
 _MOST_FINDINGS = 101
 """A hundred, and a sentence about the rest."""
@@ -74,7 +81,7 @@ class Large(Attack):
     """Orders of 60 MB, of 199,000 lines, with 100,000 mistakes, and of aliases of aliases."""
 
     name = 'large'
-    bounds = Bounds(peak_mb=700.0, grown_mb=200.0)
+    bounds = Bounds(peak_mb=700.0, grown_mb=200.0, plain_too=True)
 
     def run(self, peer: Peer) -> None:
         """Give each once, in any order, as long as there is time."""
@@ -83,6 +90,7 @@ class Large(Attack):
             *[partial(self._file, peer, name, text) for name, text in _scripts()],
             partial(self._parameter, peer),
             partial(self._orders, peer),
+            partial(self._plain, peer),
         ]
         peer.drawn.shuffle(attacks)
         for attack in attacks:
@@ -104,6 +112,14 @@ class Large(Attack):
         wrong = [WorkOrder(script='none', order=f'X{n}') for n in range(20_000)]
         answer = peer.ask(QueueAdd, 'queue/add', QueueAdd.Request(orders=wrong))
         _refused(peer, '20,000 wrong orders at once', answer)
+
+    def _plain(self, peer: Peer) -> None:
+        """Give 60 MB to the plain node: what they cost rclpy is not the node's doing."""
+        client: Any = create_client(peer.ros.node, GetParameters, f'/{NAME}/get_parameters')
+        peer.ros.spin_until(client.service_is_ready, 'the plain node')
+        few, much = (GetParameters.Request(names=['a' * size]) for size in (1, _LARGEST))
+        peer.ros.spin_until(lambda: peer.wait(1.0, client.call_async(few).done), 'its answer')
+        peer.wait(PATIENCE_S, client.call_async(much).done)
 
 
 class Orders(Attack):
@@ -172,7 +188,7 @@ class Goals(Attack):
 
 def _texts() -> Iterator[tuple[str, RunJob.Goal]]:
     """Yield work orders that are too large, and what is large in them."""
-    yield '60 MB of text', RunJob.Goal(text='order: X\n' + '# x\n' * 15_000_000)
+    yield '60 MB of text', RunJob.Goal(text='order: X\n' + '# x\n' * (_LARGEST // 4))
     yield '199,000 lines', RunJob.Goal(text='order: X\nscript: x\n' + 'quantity: 1\n' * 199_000)
     wrong = ''.join(f'k{n}: v\n' for n in range(100_000))
     yield '100,000 mistakes', RunJob.Goal(text=wrong)
