@@ -40,7 +40,7 @@ def benches(args: argparse.Namespace) -> dict[tuple[str, ...], Bench]:
         ('readers', 'readers_cpu'): lambda: reader_rows.readers(
             rounds, *((3, 2_000) if quick else (20, 50_000))
         ),
-        ('recipe_load',): lambda: ros_rows.planning(rounds, *((3, 1) if quick else (40, 10))),
+        ('recipe_load',): lambda: ros_rows.planning(rounds, 3 if quick else 40),
         ('page_cpu', 'page_node', 'page_reader', 'page_readers'): lambda: page_rows.page(
             rounds, 3.0 if quick else 15.0
         ),

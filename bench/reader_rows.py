@@ -20,16 +20,13 @@ from process_use import cpu_s
 
 from bench.line_files import SECTIONS, cell_text, script_text
 from bench.rows import Row, percentile
-from bench.stand import TASKS_A_CYCLE, Stand, sequences, stand
+from bench.stand import ENDLESS, TASKS_A_CYCLE, Stand, sequences, stand
 from bench.tail import Tail, until
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.script.cell_file import parse_cell
 from bt_orchestrator.script.script_file import parse_script
 
 ALONE, READ, BESIDE = 'alone', 'read', 'beside a process that computes'
-ENDLESS = 100_000
-"""Items of the order: more than are made."""
-
 WARM_UP = 20
 """Cycles before the first measurement."""
 

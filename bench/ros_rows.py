@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import os
 import signal
@@ -105,6 +106,10 @@ class _Ratios:
         return [r[above].cpu_per_task / r[below].cpu_per_task for r in self._rounds]
 
 
+def _p95(values: list[float]) -> float:
+    return percentile(values, 0.95)
+
+
 def _p50(values: list[float]) -> float:
     return percentile(values, 0.5)
 
@@ -128,18 +133,25 @@ def _all(rounds: Rounds, kind: str) -> dict[str, list[float]]:
     return {name: [v for r in rounds for v in getattr(r[name], kind)] for name in rounds[0]}
 
 
-def planning(rounds: int, cycles: int, recipes: int) -> Iterator[Row]:
-    """Drive the line while the node generates scripts of recipes, and without."""
-    ratios, p95, made = [], [], []
+def planning(rounds: int, cycles: int) -> Iterator[Row]:
+    """Drive the line while the node generates scripts of recipes, and without, in turns.
+
+    It generates as long as is measured, each recipe once: nothing of it is known before.
+    """
+    found: list[tuple[Measured, Measured]] = []
     with stand(able_cell_text()) as here:
-        for _ in range(rounds):
-            names = [write_recipe(here.folder, number) for number in range(recipes)]
-            alone = here.ours(cycles, 'FULL', SINGLE)
-            beside = here.ours(cycles, 'FULL', SINGLE, recipes=names)
-            ratios.append(_p50(beside.sequence) / _p50(alone.sequence))
-            p95.append(percentile(beside.sequence, 0.95) / percentile(alone.sequence, 0.95))
-            made.append(beside.made)
-    notes = {'made in a round': min(made), 'operations of each': OPERATIONS, 'p95': _p50(p95)}
+        recipes = (write_recipe(here.folder, number) for number in itertools.count())
+        for number in range(rounds):
+            turns = (None, recipes) if number % 2 else (recipes, None)
+            first, second = (here.ours(cycles, 'FULL', SINGLE, recipes=one) for one in turns)
+            found.append((first, second) if turns[0] is None else (second, first))
+    ratios = [_p50(beside.sequence) / _p50(alone.sequence) for alone, beside in found]
+    notes = {
+        'made in a round': min(beside.made for _, beside in found),
+        'operations of each': OPERATIONS,
+        'p95': _p50([_p95(beside.sequence) / _p95(alone.sequence) for alone, beside in found]),
+        'alone, p50, ms': _p50([_p50(alone.sequence) for alone, _ in found]) * 1e3,
+    }
     yield Row('recipe_load', ratios, notes)
 
 

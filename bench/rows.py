@@ -62,7 +62,7 @@ TARGETS = {
         'pace of a generated script, 60 operations / of the best one there is', 1.01, 1.0
     ),
     'recipe_time': Target('generating it, two candidates for each operation, s', 5, 1),
-    'recipe_load': Target('dispatch p50, ten recipes are ordered and generated / none', 1.2, 1.05),
+    'recipe_load': Target('dispatch p50, the node generates scripts of recipes / none', 1.2, 1.05),
     'readers': Target('dispatch p50, the journal is read all the time / not', 1.1, 1.02),
     'readers_cpu': Target('CPU of the node a task, the journal is read / not', 1.1, 1.02),
     'report': Target('report of a year by its books, s', 60, 10),

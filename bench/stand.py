@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
+from threading import Event
 from typing import Any, NamedTuple
 
 from bt_orchestrator_interfaces.srv import SubmitOrder
@@ -17,12 +18,15 @@ from program_process import ProgramProcess
 from ros_domain import OwnDomain
 
 from bench.line_files import SECTIONS, cell_text, script_text
-from bench.tail import PATIENCE_S, Tail
+from bench.tail import PATIENCE_S, Tail, until
 from bt_orchestrator.ros.link.client import NodeClient
 
 TASKS_A_CYCLE = 10
 WARM_UP = 5
 """Cycles before a measurement: connections, caches, and the admission of the order."""
+
+ENDLESS = 100_000
+"""Items of an order: more than are made."""
 
 
 class Measured(NamedTuple):
@@ -89,24 +93,47 @@ class Stand:
         executor: str,
         *,
         watched: bool = False,
-        recipes: Sequence[str] = (),
+        recipes: Iterator[str] | None = None,
     ) -> Measured:
         """Let a tree node drive the line.
 
-        :param recipes: what is ordered meanwhile, one after another
+        :param recipes: what is ordered meanwhile, one after another; None: nothing
         """
         journal = self.folder / f'{self.name("journal")}.sqlite3'
         options = ['--journal', str(journal), '--journal-synchronous', synchronous]
         with self.node([*options, '--executor', executor]) as node, watcher(watched):
             tail = self.tail()
-            self.submit('WO-1', WARM_UP + cycles)
-            with ThreadPoolExecutor(1) as orders:
-                tail.until_ended(WARM_UP * TASKS_A_CYCLE)
-                given = [orders.submit(self.submit_recipe, recipe) for recipe in recipes]
-                measured = _measure(tail, node.pid, cycles)
-                made = [one.result() for one in given if one.done()]
-                orders.shutdown(wait=True, cancel_futures=True)
-            return measured._replace(made=len(made))
+            self.submit('WO-1', WARM_UP + cycles if recipes is None else ENDLESS)
+            tail.until_ended(WARM_UP * TASKS_A_CYCLE)
+            with self._ordering(recipes) as made:
+                if recipes is not None:
+                    until(lambda: bool(made), 'the first script of a recipe')
+                    tail.until_ended(0)  # reads what was done until then
+                before = len(made)
+                begun = -(-tail.ended // TASKS_A_CYCLE) if recipes is not None else WARM_UP
+                measured = _measure(tail, node.pid, cycles, begun)
+                return measured._replace(made=len(made) - before)
+
+    @contextmanager
+    def _ordering(self, recipes: Iterator[str] | None) -> Iterator[list[str]]:
+        """Order by one recipe after another; the list has those whose scripts were made."""
+        made: list[str] = []
+        is_over = Event()
+
+        def order(recipes: Iterator[str]) -> None:
+            while not is_over.is_set():
+                recipe = next(recipes)
+                self.submit_recipe(recipe)
+                made.append(recipe)
+
+        with ThreadPoolExecutor(1) as orders:
+            done = orders.submit(order, recipes) if recipes is not None else None
+            try:
+                yield made
+            finally:
+                is_over.set()
+            if done is not None:
+                done.result()  # what went wrong there
 
     @contextmanager
     def node(
@@ -143,11 +170,14 @@ def _ask(request: Any) -> None:
     assert answer.accepted, [answer.message, *answer.findings]
 
 
-def _measure(tail: Tail, pid: int, cycles: int) -> Measured:
-    """Measure what a driver does after its first cycles, in which the order is taken in too."""
-    tail.until_ended(WARM_UP * TASKS_A_CYCLE)
+def _measure(tail: Tail, pid: int, cycles: int, begun: int = WARM_UP) -> Measured:
+    """Measure what a driver does after its first cycles, in which the order is taken in too.
+
+    :param begun: how many cycles come before
+    """
+    tail.until_ended(begun * TASKS_A_CYCLE)
     before_s, tasks, first = family_cpu_s(pid), tail.ended, len(tail.records)
-    tail.until_ended((WARM_UP + cycles) * TASKS_A_CYCLE, PATIENCE_S + cycles)
+    tail.until_ended((begun + cycles) * TASKS_A_CYCLE, PATIENCE_S + cycles)
     used_s, tasks = family_cpu_s(pid) - before_s, tail.ended - tasks
     records = tail.records[first:]
     return Measured(list(sequences(records)), list(_wraps(records)), used_s / tasks)
