@@ -157,6 +157,8 @@ def test_books_follow_a_journal_that_goes_on_from_an_earlier_event(tmp_path: Pat
     path, other = tmp_path / 'journal', tmp_path / 'other'
     cut = LAST // 2
     write(path, EVENTS)
+    with closing(SqliteStore(path)) as store:
+        book_all(store, path)  # takes in nothing new
     began = e.OrchestratorStarted(cell='c', digest='d')
     anew = [began.stamped(cut + 1, EVENTS[cut].time + 5000.0)]
     with closing(SqliteStore(path)) as store:

@@ -79,12 +79,32 @@ def test_drawn_runs(
                 journal.add(part, most)
                 assert journal.live(live, part[-1]) == journal.live(new_live(), part[-1])
         journal.add((), most)
+        cut = _at_one_moment(events, cut)
+        assert _beside(events, cut, most, period) == _by_events(events, period)
         assert journal.times(period, fold_at) == _by_events(events, period)
         assert journal.times(period) == _by_events(events, period)
         journal.remove(events[-1].seq * removed // 10)
         assert journal.times(period) == _by_events(events, period)
         for one in (live, new_live()):
             assert journal.live(one, None) == _by_events(events, period)
+
+
+def _at_one_moment(events: Sequence[e.Event], near: int) -> int:
+    """Return where to part events so that books end at a moment at which more happens."""
+    for cut in range(1, len(events)):
+        if events[cut - 1].time == events[cut].time and isinstance(events[cut], e.ItemRemoved):
+            return cut
+    return near
+
+
+def _beside(events: Sequence[e.Event], cut: int, most: int, period: Period) -> Times:
+    """Return the account where the events after some are in no book yet."""
+    with tempfile.TemporaryDirectory() as folder, closing(_Journal(Path(folder))) as journal:
+        if cut:
+            journal.add(events[:cut], most)
+        if cut < len(events):
+            journal.add(events[cut:], 0)
+        return journal.times(period)
 
 
 def _slowly(event: e.Event, stretch: float) -> e.Event:
@@ -118,9 +138,11 @@ class _Journal:
         self._store = SqliteStore(self._path)
 
     def add(self, events: Sequence[e.Event], most: int) -> None:
+        """Write events, and make books of so many at a time; 0: none."""
         if events:
             self._store.append(events)
-        book_all(self._store, self._path, most)
+        if most:
+            book_all(self._store, self._path, most)
 
     def remove(self, before: int) -> None:
         """Remove events, as retention does."""
