@@ -4,6 +4,7 @@ import { attribute, h, keyed, show, text } from '../core/dom.js';
 import { onPerson } from '../core/me.js';
 import { part, subscribe } from '../core/store.js';
 import { t } from '../core/text.js';
+import { isOver } from '../parts/making.js';
 import { jobRow } from './queue/job_row.js';
 import { moreJobs } from './queue/more_jobs.js';
 import { moving } from './queue/moving.js';
@@ -54,10 +55,6 @@ export function mount(root, route) {
     more.end();
     move.end();
   };
-}
-
-function isOver(job) {
-  return job.state === 'Ended' || job.state === 'Aborted';
 }
 
 function group(name, context) {
