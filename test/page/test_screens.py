@@ -31,7 +31,7 @@ SCREENS = (
     'job/WO-1001',
     'item/WO-1001/1',
 )
-SIZES = ((1920, 1080), (1280, 800), (768, 1024))
+SIZES = ((1920, 1080), (1280, 800), (768, 1024), (390, 844))
 LOOKS = [(theme, language) for theme in ('light', 'dark') for language in ('en-GB', 'de-DE')]
 
 
