@@ -88,3 +88,24 @@ class SlotPage:
     damage: Sequence[Damage]
     rest_us: int | None
     """From when on to ask for more; None: there are no more."""
+
+
+class WithoutBooks:
+    """Records of which no books are made: their part of `ports.Records`."""
+
+    def booked(
+        self,
+        begin_us: int,  # noqa: ARG002 - the port's
+        end_us: int,  # noqa: ARG002
+        most: int = 1000,  # noqa: ARG002
+        *,
+        newest_first: bool = False,  # noqa: ARG002
+    ) -> SlotPage:
+        """Return no books."""
+        return SlotPage((), (), None)
+
+    def book_state(self, at_us: int, first_seq: int = 0) -> None:
+        """Return no state: there are no books."""
+
+    def book_script(self, digest: str) -> None:
+        """Return no script: there are no books."""

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from uuid import uuid4
 
 from bt_orchestrator.errors import JournalFailed
-from bt_orchestrator.model.books import SlotPage
+from bt_orchestrator.model.books import WithoutBooks
 from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.records import Extent, JobPlace, Page, Record, Summaries, Wanted
@@ -70,7 +70,7 @@ class MemoryStore:
         """Return no state: replay begins with the first event of all."""
 
 
-class MemoryRecords:
+class MemoryRecords(WithoutBooks):
     """Reads a journal in memory. Implements `ports.Records`."""
 
     def __init__(self, store: MemoryStore) -> None:
@@ -107,23 +107,6 @@ class MemoryRecords:
 
     def state_before(self, seq: int) -> None:
         """Return no state: every event is there."""
-
-    def booked(
-        self,
-        begin_us: int,  # noqa: ARG002 - the port's
-        end_us: int,  # noqa: ARG002
-        most: int = MOST,  # noqa: ARG002
-        *,
-        newest_first: bool = False,  # noqa: ARG002
-    ) -> SlotPage:
-        """Return no books: no event is ever removed."""
-        return SlotPage((), (), None)
-
-    def book_state(self, at_us: int, first_seq: int = 0) -> None:
-        """Return no state: there are no books."""
-
-    def book_script(self, digest: str) -> None:
-        """Return no script: there are no books."""
 
     def close(self) -> None:
         """Do nothing: the journal ends with its process."""

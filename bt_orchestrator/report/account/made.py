@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.codec import from_plain, to_plain
 from bt_orchestrator.model.jobs.job_record import BY_HAND, PACKED
 
@@ -72,8 +71,8 @@ class ItemsAtWork:
         elif isinstance(event, e.ItemNonconforming):
             self._nonconforming.add(event.item)
         elif isinstance(event, e.TaskContinued):
-            if event.item is not None and event.policy == OnFailure.CONTINUE.value:
-                self._nonconforming.add(event.item)
+            if event.nonconforming is not None:
+                self._nonconforming.add(event.nonconforming)
         elif isinstance(event, e.ItemRemoved):
             is_bad = event.item in self._nonconforming
             self._nonconforming.discard(event.item)

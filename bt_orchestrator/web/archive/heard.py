@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from bt_orchestrator.doors.doors import Doors
 from bt_orchestrator.doors.facts import Happened, Lost
 from bt_orchestrator.errors import JournalUnusable, NodeUnreachable
-from bt_orchestrator.model.books import SlotPage
+from bt_orchestrator.model.books import WithoutBooks
 from bt_orchestrator.model.records import (
     Damage,
     Extent,
@@ -35,7 +35,7 @@ PATIENCE_S = 5.0
 Entry = Happened | Lost
 
 
-class HeardRecords:
+class HeardRecords(WithoutBooks):
     """Events of one moment. Implements `ports.Records`."""
 
     def __init__(self, history: str, before: int, entries: Sequence[Entry]) -> None:
@@ -86,23 +86,6 @@ class HeardRecords:
 
     def state_before(self, seq: int) -> None:
         """Return no state: the door tells only that of now."""
-
-    def booked(
-        self,
-        begin_us: int,  # noqa: ARG002 - the port's
-        end_us: int,  # noqa: ARG002
-        most: int = MOST,  # noqa: ARG002
-        *,
-        newest_first: bool = False,  # noqa: ARG002
-    ) -> SlotPage:
-        """Return no books: the door tells none."""
-        return SlotPage((), (), None)
-
-    def book_state(self, at_us: int, first_seq: int = 0) -> None:
-        """Return no state: there are no books."""
-
-    def book_script(self, digest: str) -> None:
-        """Return no script: there are no books."""
 
     def close(self) -> None:
         """Do nothing: it is a copy."""
