@@ -93,16 +93,13 @@ class Watching(Ignoring):
 @contextmanager
 def live_or(other: Callable[[], Lines], shell: Shell) -> Iterator[LiveView | Lines]:
     """Open the live view if the standard output is a terminal, otherwise another one."""
-    from bt_orchestrator.screen.live import LiveView, terminal
+    from bt_orchestrator.screen.live import LiveView
+    from bt_orchestrator.screen.terminal.second_screen import second_screen
 
     # A name that the terminal cannot encode must not end the view.
     sys.stdout.reconfigure(errors='replace')  # type: ignore[union-attr]
-    console = terminal()
-    if console is None:
-        yield other()
-        return
-    with LiveView(console, shell) as live:
-        yield live
+    with second_screen() as screen:
+        yield other() if screen is None else LiveView(screen, shell)
 
 
 @contextmanager

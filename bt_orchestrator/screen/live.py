@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
-from types import TracebackType
 
-from rich.console import Console, Group
-from rich.live import Live
+from rich.console import Group
 from rich.text import Text
 
 from bt_orchestrator.model.branch import Branch
@@ -16,6 +14,7 @@ from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.screen import words
 from bt_orchestrator.screen.advice import Shell
 from bt_orchestrator.screen.picture import Picture
+from bt_orchestrator.screen.terminal.second_screen import SecondScreen
 from bt_orchestrator.screen.view import CellView, cell_view
 from bt_orchestrator.screen.viewer import Hearing
 
@@ -23,18 +22,11 @@ PACE_S = 0.5
 """Longest time between two drawings: times of running tasks go on without news."""
 
 
-def terminal() -> Console | None:
-    """Return the terminal that is the standard output, if a picture can be drawn on it again."""
-    console = Console()
-    drawable = console.is_terminal and not console.is_dumb_terminal
-    return console if drawable else None
-
-
 class LiveView:
-    """A context: entering takes the terminal's second screen, leaving gives the first one back."""
+    """Draws what it is told on the terminal's second screen."""
 
-    def __init__(self, console: Console, shell: Shell) -> None:
-        self._console = console
+    def __init__(self, screen: SecondScreen, shell: Shell) -> None:
+        self._screen = screen
         self._shell = shell
         self._notes: tuple[str, ...] = ()
         self._view: CellView | None = None
@@ -43,20 +35,7 @@ class LiveView:
         self._hearing = Hearing(time.monotonic())
         self._is_new = False
         self._drawn_at = 0.0
-        self._drawn_size = console.size
-        self._live = Live(console=console, screen=True, auto_refresh=False, redirect_stdout=False)
-
-    def __enter__(self) -> LiveView:
-        self._live.start()
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._live.stop()
+        self._drawn_size = screen.size
 
     def on_status(self, status: CellStatus) -> None:
         """Show how the cell stands."""
@@ -84,12 +63,12 @@ class LiveView:
 
     def refresh(self) -> None:
         """Draw, if there is something new, the terminal has another size, or time has passed."""
-        now, size = time.monotonic(), self._console.size
+        now, size = time.monotonic(), self._screen.size
         is_due = now - self._drawn_at >= PACE_S or size != self._drawn_size
         if not (self._is_new or is_due):
             return
         self._is_new, self._drawn_at, self._drawn_size = False, now, size
-        self._live.update(self._picture(now), refresh=True)
+        self._screen.show(self._picture(now))
 
     def _picture(self, now: float) -> Picture | Group:
         if self._view is None:

@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from types import TracebackType
 
 from rich.console import Console, ConsoleOptions, RenderResult
-from rich.live import Live as Screen
 from rich.text import Text
 
 from bt_orchestrator.report.account.figures import Bar, Figures
@@ -19,36 +17,23 @@ from bt_orchestrator.report.account.words import duration, percent, rate
 from bt_orchestrator.screen.blocks import BAD, CARE, NARROW, QUIET
 from bt_orchestrator.screen.columns import Cell, line
 from bt_orchestrator.screen.glyphs import ASCII, UNICODE, Glyphs
+from bt_orchestrator.screen.terminal.second_screen import SecondScreen
 
 _TITLE, _TIME, _PART = 18, 9, 8
 """Widths of the columns of a loss."""
 
 
 class ShiftScreen:
-    """A context: entering takes the terminal's second screen, leaving gives the first one back."""
+    """Draws the account on the terminal's second screen."""
 
-    def __init__(self, console: Console) -> None:
+    def __init__(self, screen: SecondScreen) -> None:
+        self._screen = screen
         self._last: Live | None = None
-        self._screen = Screen(
-            console=console, screen=True, auto_refresh=False, redirect_stdout=False
-        )
-
-    def __enter__(self) -> ShiftScreen:
-        self._screen.start()
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._screen.stop()
 
     def show(self, live: Live | None, why_not: str) -> None:
         """Draw what there is; while the journal cannot be read, what was, and why."""
         self._last = live or self._last
-        self._screen.update(ShiftPicture(self._last, why_not), refresh=True)
+        self._screen.show(ShiftPicture(self._last, why_not))
 
 
 @dataclass(frozen=True)

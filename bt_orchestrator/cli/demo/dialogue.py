@@ -10,7 +10,7 @@ from types import TracebackType
 
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.screen.advice import Choice, Shell, hold_choices, next_choices
-from bt_orchestrator.screen.keys import Keys
+from bt_orchestrator.screen.terminal.keys import Keys
 
 REASON = 'decided in the demo'
 

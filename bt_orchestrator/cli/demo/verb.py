@@ -36,9 +36,8 @@ from bt_orchestrator.report.forecast_fold import forecast
 from bt_orchestrator.report.forecast_text import forecast_lines
 from bt_orchestrator.report.reading import Reading
 from bt_orchestrator.screen.advice import DEFAULT_NODE, Shell
-from bt_orchestrator.screen.keys import Keys
-from bt_orchestrator.screen.keys import keyboard as person_at_keyboard
 from bt_orchestrator.screen.plain import EventLines
+from bt_orchestrator.screen.terminal.keys import keys_of_person
 from bt_orchestrator.screen.words import hold_text
 from bt_orchestrator.script.orders.order_file import read_order
 from bt_orchestrator.script.shifts.shifts_file import read_shifts
@@ -205,8 +204,8 @@ def _show(
     """
     with ExitStack() as stack:
         viewer = stack.enter_context(live_or(lambda: EventLines(shell, say), shell))
-        keyboard = person_at_keyboard() if asks and sys.stdout.isatty() else None
-        keys = None if keyboard is None else stack.enter_context(Keys(keyboard))
+        is_asked = asks and sys.stdout.isatty()
+        keys = stack.enter_context(keys_of_person()) if is_asked else None
         dialogue = stack.enter_context(Dialogue(shell, keys))
         show = DemoShow(programs, viewer, dialogue, stop)
         door = stack.enter_context(open_door(DEFAULT_NODE, READY_S, show.look))

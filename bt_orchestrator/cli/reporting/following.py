@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import argparse
 import json
-import select
-import socket
 import time
 from collections.abc import Callable
 from contextlib import ExitStack, closing
 from datetime import datetime
 from functools import partial
-from types import TracebackType
 
 from bt_orchestrator.cli.journal_file import open_records, say_damage
 from bt_orchestrator.cli.numbers import seconds
@@ -23,6 +20,7 @@ from bt_orchestrator.report.account.live import Live, LiveAccount
 from bt_orchestrator.report.account.live_words import live_line, live_plain
 from bt_orchestrator.report.account.period import Period
 from bt_orchestrator.report.account.planned import us_of
+from bt_orchestrator.screen.terminal.keys import StopOrKey, keys_of_person
 from bt_orchestrator.script.shifts.shifts_file import read_shifts
 from bt_orchestrator.stop_signals import StopSignals
 
@@ -79,13 +77,14 @@ def follow(args: argparse.Namespace, cell: Cell | None) -> int:
             _period_at(args), cell, _nothing_said if picture is not None else say_damage
         )
         show = picture or (_print_json if args.json else _print_line)
-        waiting = stack.enter_context(_Waiting(stop, has_keys=picture is not None))
+        keys = None if picture is None else stack.enter_context(keys_of_person())
+        waiting = stack.enter_context(StopOrKey(stop, keys))
         lost = 0
         while True:
             live, why_not = _look(account, args)
             show(live, why_not)
             lost = live.account.source.unreadable if live is not None else lost
-            if waiting.ends_within(args.every):
+            if waiting.ends_within(max(args.every, LEAST_S)):
                 return 1 if lost else 0
 
 
@@ -124,11 +123,11 @@ Show = Callable[[Live | None, str], None]
 
 def _picture(stack: ExitStack) -> Show | None:
     """Take the terminal, if the standard output is one."""
-    from bt_orchestrator.screen.live import terminal
     from bt_orchestrator.screen.shift import ShiftScreen
+    from bt_orchestrator.screen.terminal.second_screen import second_screen
 
-    console = terminal()
-    return None if console is None else stack.enter_context(ShiftScreen(console)).show
+    screen = stack.enter_context(second_screen())
+    return None if screen is None else ShiftScreen(screen).show
 
 
 def _print_line(live: Live | None, why_not: str) -> None:
@@ -146,40 +145,3 @@ def _missing(why_not: str) -> str:
 
 def _nothing_said(_: str) -> None:
     """Leave the picture as it is: it says itself how many records are damaged."""
-
-
-# --- time -------------------------------------------------------------------------------------
-
-
-class _Waiting:
-    """A context: waits for a stop signal, or for a key of whoever looks."""
-
-    def __init__(self, stop: StopSignals, *, has_keys: bool) -> None:
-        self._stop = stop
-        self._has_keys = has_keys
-
-    def __enter__(self) -> _Waiting:
-        from bt_orchestrator.screen.keys import Keys, keyboard
-
-        self._stack = ExitStack()
-        self._woken, wake = (self._stack.enter_context(one) for one in socket.socketpair())
-        self._stop.notify(lambda: wake.send(b'.'))
-        descriptor = keyboard() if self._has_keys else None
-        self._keys = None if descriptor is None else self._stack.enter_context(Keys(descriptor))
-        self._inputs = [self._woken.fileno()] + ([] if descriptor is None else [descriptor])
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._stop.notify(lambda: None)
-        self._stack.close()
-
-    def ends_within(self, limit_s: float) -> bool:
-        """Wait so long, or until a key is pressed; tell whether it is to end."""
-        select.select(self._inputs, [], [], max(limit_s, LEAST_S))
-        keys = '' if self._keys is None else self._keys.pressed()
-        return self._stop.requested or 'q' in keys

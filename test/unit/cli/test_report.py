@@ -14,6 +14,7 @@ from fakes.hand_made_shift import LINE, SHIFTS, the_day
 
 from bt_orchestrator.cli.main import main
 from bt_orchestrator.cli.reporting import following
+from bt_orchestrator.screen.terminal.keys import StopOrKey
 from bt_orchestrator.store.sqlite.store import SqliteStore
 
 
@@ -95,7 +96,7 @@ def journal_at(
     journal: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> Callable[[str], Path]:
     """Give a function that returns the journal of a time, at which `--follow` looks once."""
-    monkeypatch.setattr(following._Waiting, 'ends_within', lambda *_: True)
+    monkeypatch.setattr(StopOrKey, 'ends_within', lambda *_: True)
 
     def grown(clock: str) -> Path:
         monkeypatch.setattr(following, 'time', SimpleNamespace(time=lambda: at(clock)))

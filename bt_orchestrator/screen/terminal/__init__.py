@@ -1,0 +1,1 @@
+"""The terminal: its second screen, and the keys of the person at it."""
