@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager
 from dataclasses import replace
 from functools import partial
 from typing import Any, Protocol
 
-from bt_orchestrator.asking.commands import command
+from bt_orchestrator.asking.commands import Arguments, command
 from bt_orchestrator.asking.comparing import made_anew
 from bt_orchestrator.asking.orders import (
     Told,
@@ -52,23 +52,24 @@ class RequestHandler:
         self._engine = engine
         self._types = types
         self._orders = orders
+        self._reads: Mapping[str, Callable[[Arguments, By], Awaitable[Answer]]] = {
+            ADD.name: self._add_as_asked,
+            UPDATE.name: self._update_as_asked,
+            REQUEUE.name: self._requeue_as_asked,
+        }
+        """What carries out the requests for which files are read."""
 
     async def carry_out(self, asked: Asked) -> Answer:
         """Carry out a request of the table."""
-        given = asked.arguments
-        if asked.request.about is About.QUEUE:
-            orders: Any = given['orders']
-            place: Any = given.get('position')
-            held = bool(given.get('held', False))
-            return await self.add([asked_of(one) for one in orders], asked.by, place, held=held)
-        if asked.request == UPDATE:
-            return await self._update_as_asked(asked)
-        return await self.give(asked.request.about, asked.request.word, asked.by, **given)
+        reads = self._reads.get(asked.request.name)
+        if reads is not None:
+            return await reads(asked.arguments, asked.by)
+        return await self.give(
+            asked.request.about, asked.request.word, asked.by, **asked.arguments
+        )
 
     async def give(self, about: About, word: str, by: By, **given: Any) -> Answer:
-        """Carry out a request that came as words; unknown words are refused."""
-        if (about, word) == (About.JOB, REQUEUE.word):
-            return await self.requeue(given['job'], given.get('order') or '', by)
+        """Carry out a request that came as words and reads no orders; refuse unknown words."""
         state = self._engine.state
         try:
             asked: Command = command(about, word, by, given, state, self._types)
@@ -86,6 +87,12 @@ class RequestHandler:
                 return await self._add_read(orders, reading, by, position, held=held)
         except NotRead as why:
             return await self._refuse(ADD.word, by, str(why))
+
+    async def _add_as_asked(self, given: Arguments, by: By) -> Answer:
+        orders = [asked_of(one) for one in given['orders']]
+        return await self.add(
+            orders, by, given.get('position'), held=bool(given.get('held', False))
+        )
 
     async def _add_read(
         self,
@@ -114,6 +121,30 @@ class RequestHandler:
                 return await self._update_read(job, reading, by, keeps_script=wish.keeps_script)
         except NotRead as why:
             return await self._refuse(UPDATE.word, by, str(why), job)
+
+    async def _update_as_asked(self, given: Arguments, by: By) -> Answer:
+        job = str(given['job'])
+        try:
+            wish = change_of(given)
+        except CommandRefused as why:
+            return await self._refuse(UPDATE.word, by, str(why), job)
+        return await self.update(job, wish, by)
+
+    async def _update_read(
+        self,
+        job: str,
+        reading: Reading,
+        by: By,
+        anew: MadeAnew | None = None,
+        *,
+        keeps_script: bool = False,
+    ) -> Answer:
+        (read,) = reading.read
+        if isinstance(read, Refused):
+            return await self._refuse_read(UPDATE.word, read, by, job)
+        update = UpdateJob(read, by, reading.sharing, keeps_script, anew)
+        answer = await self._engine.carry_out(update)
+        return with_each(answer, [read], self._engine.state)
 
     async def make_anew(self, job: str, by: By) -> Answer:
         """Generate the script of a queued job by recipe again, without what is out of service.
@@ -149,6 +180,9 @@ class RequestHandler:
         except NotRead as why:
             return await self._refuse(REQUEUE.word, by, str(why), job)
 
+    async def _requeue_as_asked(self, given: Arguments, by: By) -> Answer:
+        return await self.requeue(given['job'], given.get('order') or '', by)
+
     async def _requeue_read(self, job: str, reading: Reading, by: By) -> Answer:
         (read,), live = reading.read, self._engine.state.jobs[job]
         if isinstance(read, Refused):
@@ -156,30 +190,6 @@ class RequestHandler:
         same = digest(read.script) == live.digest
         anew = None if same else made_anew(live, read.script, self._engine.state)
         return await self._engine.carry_out(RequeueJob(job, read, by, reading.sharing, anew))
-
-    async def _update_as_asked(self, asked: Asked) -> Answer:
-        job = str(asked.arguments['job'])
-        try:
-            wish = change_of(asked.arguments)
-        except CommandRefused as why:
-            return await self._refuse(UPDATE.word, asked.by, str(why), job)
-        return await self.update(job, wish, asked.by)
-
-    async def _update_read(
-        self,
-        job: str,
-        reading: Reading,
-        by: By,
-        anew: MadeAnew | None = None,
-        *,
-        keeps_script: bool = False,
-    ) -> Answer:
-        (read,) = reading.read
-        if isinstance(read, Refused):
-            return await self._refuse_read(UPDATE.word, read, by, job)
-        update = UpdateJob(read, by, reading.sharing, keeps_script, anew)
-        answer = await self._engine.carry_out(update)
-        return with_each(answer, [read], self._engine.state)
 
     async def _refuse_read(self, verb: str, read: Refused, by: By, job: str) -> Answer:
         await self._refuse(verb, by, read.in_short, job)

@@ -20,9 +20,8 @@ from rclpy.node import Node
 from bt_orchestrator.asking.handler import RequestHandler
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model.codec import json_of
-from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.limits import QUEUE_PAGE, fitting
-from bt_orchestrator.model.requests import MOVE, About
+from bt_orchestrator.model.requests import MOVE, REQUEUE, About
 from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.model.wish import STOP_AFTER
 from bt_orchestrator.ros.services.order_requests import AskedOrders, asked_change, asked_order
@@ -85,18 +84,21 @@ class QueueServices:
             response.findings = of_order.findings
 
     async def _move(self, request: Any, response: Any) -> None:
-        await self._tell(request, response, MOVE.word, position=request.position)
+        by = self._senders.by(request)
+        answer = await self._handler.give(
+            About.JOB, MOVE.word, by, job=request.job, position=request.position
+        )
+        tell(response, answer)
 
     async def _command(self, request: Any, response: Any) -> None:
-        answer = await self._tell(request, response, request.command, order=request.order)
+        by, job = self._senders.by(request), request.job
+        if request.command == REQUEUE.word:
+            answer = await self._handler.requeue(job, request.order, by)
+        else:
+            answer = await self._handler.give(About.JOB, request.command, by, job=job)
+        tell(response, answer)
         for of_order in answer.orders:
             response.findings = of_order.findings
-
-    async def _tell(self, request: Any, response: Any, word: str, **given: Any) -> Answer:
-        by, job = self._senders.by(request), request.job
-        answer = await self._handler.give(About.JOB, word, by, job=job, **given)
-        tell(response, answer)
-        return answer
 
     async def _stop_after(self, request: Any, response: Any) -> None:
         word = STOP_AFTER + request.after
