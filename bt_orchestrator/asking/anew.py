@@ -59,7 +59,7 @@ class QueueAnew:
         elif isinstance(event, e.OrchestratorStarted):
             for job in self._state.queue:
                 self._want([job] if job.unavailable else [], f'{_names(job)} out of service')
-        elif isinstance(event, (e.JobQueued, e.JobUpdated)) and event.unavailable:
+        elif isinstance(event, e.OrderEvent) and event.unavailable:
             # What it needs went out of service while it was read.
             there = [job for job in (self._state.jobs.get(event.job),) if job is not None]
             self._want(there, f'{_names(event)} out of service')
@@ -83,6 +83,6 @@ class QueueAnew:
             log.exception('%s could not be made anew', name)
 
 
-def _names(job: JobState | e.JobQueued | e.JobUpdated) -> str:
+def _names(job: JobState | e.OrderEvent) -> str:
     verb = 'is' if len(job.unavailable) == 1 else 'are'
     return f'{" and ".join(job.unavailable)} {verb}'

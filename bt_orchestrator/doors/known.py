@@ -75,7 +75,7 @@ class Known:
         """Take note of an event."""
         if isinstance(event, e.ScriptLoaded):
             self.scripts[event.digest] = event.definition
-        elif isinstance(event, (e.JobQueued, e.JobUpdated)):
+        elif isinstance(event, e.OrderEvent):
             self.orders[event.job] = Ordered(event.params, event.choice)
             if len(self.orders) > MOST_ORDERS:
                 del self.orders[next(iter(self.orders))]

@@ -202,7 +202,7 @@ def _ordered(event: e.JobQueued) -> ListedJob:
     return ListedJob(status, event.params, event.details, choice=event.choice)
 
 
-def _terms(event: e.JobQueued | e.JobUpdated) -> dict[str, Any]:
+def _terms(event: e.OrderEvent) -> dict[str, Any]:
     return {name: getattr(event, name) for name in _TERMS}
 
 

@@ -44,7 +44,7 @@ class ServiceInvariants:
             self._of_queue(event)
 
     def _of_queue(self, event: e.Event) -> None:
-        if isinstance(event, (e.JobQueued, e.JobUpdated)):
+        if isinstance(event, e.OrderEvent):
             self._queue[event.job] = event.digest
             assert set(event.unavailable) == self._out & self._needs(event.job), event
         elif isinstance(event, e.JobStarted):

@@ -86,11 +86,9 @@ class HoldReleased(Event):
 
 
 @dataclass(frozen=True, kw_only=True)
-class OperatorDecided(Event):
-    """An operator answered or commanded something."""
+class OperatorEvent(Event):
+    """Somebody asked for something: who, why, and about what."""
 
-    event: ClassVar[str] = 'operator.decided'
-    answer: str
     who: str
     reason: str
     origin: str = ''
@@ -110,27 +108,19 @@ class OperatorDecided(Event):
 
 
 @dataclass(frozen=True, kw_only=True)
-class OperatorRefused(Event):
+class OperatorDecided(OperatorEvent):
+    """An operator answered or commanded something."""
+
+    event: ClassVar[str] = 'operator.decided'
+    answer: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class OperatorRefused(OperatorEvent):
     """A command was refused; nothing was changed."""
 
     event: ClassVar[str] = 'operator.refused'
     command: str
-    who: str
-    reason: str
-    origin: str = ''
-    """Where the command came from, for instance the program and the computer."""
-    role: str = ''
-    """What `who` may ask for; empty: not recorded, as in older journals."""
-    known: str = ''
-    """How it is known who that is, with which role; empty: not recorded."""
-    claims: str = ''
-    """Role that was asserted and did not count, and by what."""
-    hold: str | None = None
-    job: str | None = None
-    item: str | None = None
-    component: str | None = None
-    digest: str | None = None
-    """Of the script that it is about."""
     message: str
     """Why it was refused."""
 

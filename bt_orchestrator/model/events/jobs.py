@@ -35,19 +35,14 @@ class ScriptReleased(Event):
 
 
 @dataclass(frozen=True, kw_only=True)
-class JobQueued(Event):
-    """A work order was accepted."""
+class OrderEvent(Event):
+    """The complete work order of a job in the queue, as it is from now on."""
 
-    event: ClassVar[str] = 'job.queued'
     job: str
     script: str
     digest: str
     quantity: int
     params: Mapping[str, Any] = field(default_factory=dict)
-    position: int | None = None
-    """Place in the queue, from 1; None: the end."""
-    held: bool = False
-    """It may not start before it is released."""
     priority: int = 0
     """The higher the more urgent."""
     start: float | None = None
@@ -56,9 +51,6 @@ class JobQueued(Event):
     """When it should have ended, seconds since the epoch; None: not said."""
     details: Mapping[str, object] = field(default_factory=dict)
     """The customer's JSON, as given."""
-    ranked: bool = False
-    """Its place follows from its priority and start (6.7); false: it was given, or is of an older
-    program."""
     awaits_start: bool = False
     """It may not start before `start`."""
     awaits_release: bool = False
@@ -74,6 +66,20 @@ class JobQueued(Event):
     """What the order named in place of a script; absent: it named a script."""
     unavailable: tuple[str, ...] = ()
     """Components out of service that it needs: it is passed (semantics 7.5)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class JobQueued(OrderEvent):
+    """A work order was accepted."""
+
+    event: ClassVar[str] = 'job.queued'
+    position: int | None = None
+    """Place in the queue, from 1; None: the end."""
+    held: bool = False
+    """It may not start before it is released."""
+    ranked: bool = False
+    """Its place follows from its priority and start (6.7); false: it was given, or is of an older
+    program."""
     rest_of: str = ''
     """The job whose items it makes that this had not begun (semantics 7.6); empty: none."""
     anew: MadeAnew | None = None
@@ -91,40 +97,12 @@ class JobMoved(Event):
 
 
 @dataclass(frozen=True, kw_only=True)
-class JobUpdated(Event):
+class JobUpdated(OrderEvent):
     """A queued job was changed; the fields are its complete new values."""
 
     event: ClassVar[str] = 'job.updated'
-    job: str
-    script: str
-    digest: str
-    quantity: int
-    params: Mapping[str, Any] = field(default_factory=dict)
-    priority: int = 0
-    """The higher the more urgent."""
-    start: float | None = None
-    """When it should begin, seconds since the epoch; None: not said."""
-    due: float | None = None
-    """When it should have ended, seconds since the epoch; None: not said."""
-    details: Mapping[str, object] = field(default_factory=dict)
-    """The customer's JSON, as given."""
     position: int | None = None
     """New place in the queue, from 1, by its new priority or start (6.7); None: as before."""
-    awaits_start: bool = False
-    """It may not start before `start`."""
-    awaits_release: bool = False
-    """Its script was generated, and nobody has released it for this cell (semantics 6.10)."""
-    recipe: str = ''
-    """Name of the recipe that the script was generated from; empty: it was written by hand, or the
-    record is of an older program."""
-    recipe_version: int | None = None
-    """Version of the recipe; absent: it has none, or is not known."""
-    recipe_digest: str = ''
-    """Name of the recipe by what it says; empty: as `recipe`, or the script does not tell it."""
-    choice: RecipeChoice | None = None
-    """What the order named in place of a script; absent: it named a script."""
-    unavailable: tuple[str, ...] = ()
-    """Components out of service that it needs: it is passed (semantics 7.5)."""
     anew: MadeAnew | None = None
     """Why its script was generated again: `without` components out of service, or because some are
     `back`; the pace in `per_item_s`, and in `before_s` that of before. Absent: it was not, or the

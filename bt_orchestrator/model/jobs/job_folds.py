@@ -182,12 +182,12 @@ def note_work(state: CellState, job: JobState) -> None:
         state.had_work = True
 
 
-def terms_of(event: e.JobQueued | e.JobUpdated) -> Terms:
+def terms_of(event: e.OrderEvent) -> Terms:
     """Return the scheduling data of an order in an event."""
     return Terms(event.priority, event.start, event.due, event.details)
 
 
-def _job_of(event: e.JobQueued | e.JobUpdated, script: Script) -> Job:
+def _job_of(event: e.OrderEvent, script: Script) -> Job:
     return Job(event.job, script, event.quantity, event.params, terms_of(event), event.choice)
 
 
@@ -196,7 +196,7 @@ def recipe_key(recipe: str, version: int | None) -> str:
     return f'{recipe} {version}'
 
 
-def _note_recipe(event: e.JobQueued | e.JobUpdated, state: CellState) -> None:
+def _note_recipe(event: e.OrderEvent, state: CellState) -> None:
     if event.recipe_digest:
         key = recipe_key(event.recipe, event.recipe_version)
         state.recipe_digests.setdefault(key, event.recipe_digest)

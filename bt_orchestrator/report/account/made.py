@@ -64,7 +64,7 @@ class ItemsAtWork:
 
     def follow(self, event: e.Event) -> Left | None:
         """Take in the next event; returns the item that leaves the line with it."""
-        if isinstance(event, (e.JobQueued, e.JobUpdated)):
+        if isinstance(event, e.OrderEvent):
             self._jobs[event.job] = Made(
                 event.job, event.script, event.digest, event.recipe, event.recipe_version
             )

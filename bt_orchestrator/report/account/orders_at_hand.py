@@ -44,7 +44,7 @@ class OrdersAtHand:
 
     def follow(self, event: e.Event) -> None:
         """Take in the next event."""
-        if isinstance(event, (e.JobQueued, e.JobUpdated)):
+        if isinstance(event, e.OrderEvent):
             self._queued(event)
         elif isinstance(event, e.ComponentOutOfService):
             for job in event.jobs:
@@ -74,7 +74,7 @@ class OrdersAtHand:
             job: _Order(**{**one, 'lacks': set(one['lacks'])}) for job, one in plain.items()
         }
 
-    def _queued(self, event: e.JobQueued | e.JobUpdated) -> None:
+    def _queued(self, event: e.OrderEvent) -> None:
         order = self._orders.setdefault(event.job, _Order())
         if isinstance(event, e.JobQueued):
             order.held = event.held

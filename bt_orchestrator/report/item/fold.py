@@ -60,7 +60,7 @@ class ItemFold:
     def follow(self, event: e.Event) -> None:
         """Take in the next event."""
         history = self.history
-        if isinstance(event, (e.JobQueued, e.JobUpdated)):
+        if isinstance(event, e.OrderEvent):
             if event.job == history.job:
                 _order(history, event)
         elif isinstance(event, e.TaskEvent):
@@ -215,7 +215,7 @@ def _is_beside(script: Script | None, one: e.TaskKey, other: e.TaskKey) -> bool:
     return places[0] is not None and places[0] != places[1]
 
 
-def _order(history: ItemHistory, event: e.JobQueued | e.JobUpdated) -> None:
+def _order(history: ItemHistory, event: e.OrderEvent) -> None:
     history.script, history.digest = event.script, event.digest
     history.recipe, history.recipe_version = event.recipe, event.recipe_version
     history.quantity, history.params = event.quantity, event.params

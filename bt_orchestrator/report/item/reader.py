@@ -35,7 +35,7 @@ def item_history(reading: Reading, item: str) -> ItemHistory | None:
     for event in reading.events(around):
         if event.seq > last and fold.history.ended is not None and event.seq > last + AFTER:
             break
-        if not isinstance(event, (e.JobQueued, e.JobUpdated)) or event.seq > first:
+        if not isinstance(event, e.OrderEvent) or event.seq > first:
             fold.follow(event)
     return fold.history if fold.is_known else None
 
