@@ -163,6 +163,8 @@ def _digest_of(script: str, state: CellState) -> str:
 def _to_job(word: str, by: By, given: Arguments) -> Command:
     job = given['job']
     if word == MOVE.word:
+        if given.get('position') is None:
+            raise CommandRefused(f'to move {job}, name its new position, from 1')
         return MoveJob(job, given['position'], by)
     return RunNext(job, by) if word == NEXT.word else ControlJob(word, job, by)
 

@@ -83,6 +83,12 @@ def test_words_that_nobody_knows() -> None:
         assert said in answer.message
 
 
+def test_a_move_needs_a_position() -> None:
+    """It is missing where the word comes without arguments, as in `~/queue/command`."""
+    with pytest.raises(CommandRefused, match='to move J, name its new position, from 1'):
+        command(About.JOB, 'move', ANN, {'job': 'J'}, STATE, TYPES)
+
+
 def test_results_are_for_a_task_that_is_held() -> None:
     with pytest.raises(CommandRefused, match='hold 9 is about no task that can have results'):
         asked('hold.mark_done', hold='9', results={'measurement': 3.5})
