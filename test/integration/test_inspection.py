@@ -8,6 +8,7 @@ from typing import Any
 from uuid import UUID
 
 import pytest
+from action_caller import ActionCaller
 from py_trees.behaviour import Behaviour
 from py_trees.behaviours import Failure, Running, Success
 from py_trees.common import Access, BlackBoxLevel, ParallelPolicy
@@ -16,9 +17,10 @@ from py_trees.decorators import Inverter
 from py_trees_ros_interfaces.msg import BehaviourTree
 from rclpy.context import Context
 from rclpy.node import Node
-from watching_client import Snapshot
+from rclpy.parameter import Parameter
+from watching_client import LATCHED, Snapshot
 
-from bt_orchestrator.ros.inspection import library_tree, start
+from bt_orchestrator.ros.inspection import library_tree, server, start
 from bt_orchestrator.ros.inspection.library_tree import NoLibrary
 from bt_orchestrator.ros.inspection.tick_statistics import TickStatistics
 from bt_orchestrator.ros.inspection.tree_messages import TreeMessages
@@ -185,3 +187,43 @@ def test_the_services_are_those_of_the_contract(context: Context) -> None:
         '/bare/blackboard_streams/open',
         '/bare/blackboard_streams/close',
     }
+
+
+# --- turns ------------------------------------------------------------------------------------
+
+
+class SlowWords:
+    """Words that take an hour by the clock: others have the processor meanwhile."""
+
+    def __init__(self) -> None:
+        self.now = 0.0
+
+    def __str__(self) -> str:
+        self.now += 3600.0
+        return 'words'
+
+
+def test_after_a_turn_that_was_held_up_the_next_change_is_shown_all_the_same(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    words, beats = SlowWords(), iter(range(1_000_000))
+    clock = SimpleNamespace(monotonic=lambda: words.now + next(beats))
+    monkeypatch.setattr(server, 'time', clock)
+    leaf = Running('busy')
+    leaf.tick_once()
+    leaf.feedback_message = words  # type: ignore[assignment] # whatever can be written as text
+    engine: Any = SimpleNamespace(tree=SimpleNamespace(root=leaf), state=SimpleNamespace(seq=1))
+    seen: list[Any] = []
+    caller = ActionCaller()
+    try:
+        start.start_inspection(caller.node, engine, TickStatistics(), 'builtin')
+        caller.node.set_parameters([Parameter('default_snapshot_stream', value=True)])
+        topic = 'action_caller/snapshots'
+        caller.node.create_subscription(BehaviourTree, topic, seen.append, LATCHED)
+        caller.spin_until(lambda: seen, 'the first snapshot')
+        assert words.now > 0
+
+        engine.state.seq, before = 2, len(seen)
+        caller.spin_until(lambda: len(seen) > before, 'the snapshot of the change')
+    finally:
+        caller.close()

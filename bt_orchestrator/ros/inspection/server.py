@@ -14,6 +14,7 @@ from bt_orchestrator.ros.executor.timers import steady_timer
 from bt_orchestrator.ros.inspection import blackboard_view
 from bt_orchestrator.ros.inspection.blackboard_streams import BlackboardStreams, View
 from bt_orchestrator.ros.inspection.blackboard_view import ActivityLog
+from bt_orchestrator.ros.inspection.pace import Pace
 from bt_orchestrator.ros.inspection.parameters import DefaultStream, declare_default_stream
 from bt_orchestrator.ros.inspection.snapshot_source import SnapshotSource
 from bt_orchestrator.ros.inspection.snapshot_streams import SnapshotStreams, StreamParameters
@@ -25,12 +26,6 @@ from bt_orchestrator.spare_log import SpareLog
 
 TURN_S = 0.1
 """Shortest time between two snapshots."""
-
-SHARE = 0.05
-"""Largest part of the thread's time that publishing may take: a large tree is shown less often."""
-
-AFTER_ERROR_S = 1.0
-"""When to try again after a turn that failed."""
 
 
 class InspectionServer:
@@ -47,7 +42,7 @@ class InspectionServer:
         source = SnapshotSource(node, orchestrator, ticks, self._activity)
         self._snapshots = SnapshotStreams(node, source)
         self._blackboards = BlackboardStreams(node, source)
-        self._resume_at = 0.0
+        self._pace = Pace()
         self._timer = steady_timer(node, TURN_S, guarded(self._turn, self._logger))
         self._serve(node, srv.OpenSnapshotStream, 'snapshot_streams/open', self._open)
         self._serve(node, srv.CloseSnapshotStream, 'snapshot_streams/close', self._close)
@@ -123,15 +118,14 @@ class InspectionServer:
 
     def _turn(self) -> None:
         now = time.monotonic()
-        if now < self._resume_at:
+        if not self._pace.may_begin(now):
             return
-        self._resume_at = now + AFTER_ERROR_S
-        self._snapshots.look(now)
-        self._blackboards.look(now)
-        self._activity.collect()
-        self._snapshots.publish_due(now)
-        self._blackboards.publish_due()
-        self._resume_at = now + (time.monotonic() - now) / SHARE
+        with self._pace.turn(now):
+            self._snapshots.look(now)
+            self._blackboards.look(now)
+            self._activity.collect()
+            self._snapshots.publish_due(now)
+            self._blackboards.publish_due()
         self._run_if_needed()
 
 
