@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 from cell_processes import SMALL_CELL, CellProcesses, StartCell
+from failed_cells import CELLS
 from ros_domain import discovering_fast
 
 
@@ -19,9 +20,9 @@ def fast_discovery() -> Iterator[None]:
 
 
 @pytest.fixture
-def start_cell(tmp_path: Path) -> Iterator[StartCell]:
+def start_cell(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[StartCell]:
     """Give a function that starts a cell."""
-    started: list[CellProcesses] = []
+    started: list[CellProcesses] = request.node.stash.setdefault(CELLS, [])
 
     def start(*args: Any, folder: str = 'cell', **options: Any) -> CellProcesses:
         started.append(CellProcesses(tmp_path / folder, *args, **options))

@@ -14,6 +14,9 @@ ROOT = Path(__file__).parents[1]
 
 SPEED = 20
 
+ACCOUNTED = 12
+"""So many of the last events and goals stand in the account of a failure."""
+
 SMALL_CELL = """
 cell: small_cell
 conveyor:
@@ -169,6 +172,20 @@ class CellProcesses:
 
         self.watch.ros.spin_until(look, f'the process {module}')
         return found[0]
+
+    def account(self) -> str:
+        """Say how everything stands, for whoever reads of a failure: what waits, and for what."""
+        watch, node = self.watch, self.node
+        gone = '' if node.is_running else 'the node has ended\n'
+        _, status, errors = run_verb(self.folder, 'status', '--node', watch.name)
+        heard = watch.statuses[-1].seq if watch.statuses else 'none'
+        events = '\n'.join(map(json.dumps, watch.events[-ACCOUNTED:]))
+        goals = '\n'.join(map(json.dumps, self.goals()[-ACCOUNTED:]))
+        return (
+            f'{gone}{status}{errors}'
+            f'the client heard of the status at seq {heard}, and these events last:\n{events}\n'
+            f'the controllers wrote last:\n{goals}\nthe node wrote:\n{node.errors[-4000:]}'
+        )
 
     def stop(self, node_status: int = 0) -> None:
         """End everything, node first, and fail unless all of it ends well."""

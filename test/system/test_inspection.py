@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import math
 import re
+import threading
 from collections.abc import Iterator
+from functools import partial
 from itertools import groupby
 from typing import Any
 
 import pytest
-from cell_processes import CellProcesses, StartCell
+from bt_orchestrator_interfaces.action import Component
+from cell_processes import STATELESS_CELL, CellProcesses, StartCell
 from py_trees_ros_interfaces.msg import Behaviour
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
+from thread_servers import ThreadServers
 from watching_client import ON_CHANGE_S, WatcherProcess, WatchingClient, parameters
 
 from bt_orchestrator.model.limits import STREAMS
@@ -42,25 +46,57 @@ def at_work(cell: CellProcesses) -> None:
 # --- snapshots --------------------------------------------------------------------------------
 
 
+class Hands:
+    """Controllers of the small cell whose tasks go on until the test lets them end.
+
+    So each state lasts until it was seen: what is over before the next snapshot may be skipped.
+    """
+
+    def __init__(self, *names: str) -> None:
+        self._done = {name: threading.Event() for name in names}
+        self._servers = ThreadServers()
+        for name in names:
+            self._servers.serve(f'/{name}/task', Component, partial(self._work, name))
+
+    def finish(self, name: str) -> None:
+        """Let a controller succeed with its task."""
+        self._done[name].set()
+
+    def close(self) -> None:
+        """Leave ROS, also in the middle of a task."""
+        for done in self._done.values():
+            done.set()
+        self._servers.close()
+
+    def _work(self, name: str, goal: Any) -> Any:
+        self._done[name].wait()
+        goal.succeed()
+        return Component.Result(task_result=True)
+
+
+@pytest.fixture
+def hands() -> Iterator[Hands]:
+    hands = Hands('feeder', 'worker', 'packer')
+    yield hands
+    hands.close()
+
+
 def test_a_job_is_seen_from_its_beginning_to_its_end(
-    start_cell: StartCell, client: WatchingClient
+    start_cell: StartCell, client: WatchingClient, hands: Hands
 ) -> None:
-    cell = start_cell(speed=2)  # every task is longer than the time between snapshots
+    cell = start_cell(STATELESS_CELL, shares=['conveyor'])
     cell.connect()
     seen = client.watch(client.open())
     idle = client.until(seen, lambda s: True, 'of the idle cell')
     assert idle.message.changed
     assert idle.text('next cycle').startswith('the cell is ')
     assert 'WO-1' not in idle.by_name
+    new, running, done = Behaviour.INVALID, Behaviour.RUNNING, Behaviour.SUCCESS
 
     cell.run_small()
-    client.ros.spin_until(lambda: 'pack: TASK_A' in seen[-1].by_name, 'the job')
-    client.ros.spin_until(lambda: 'pack: TASK_A' not in seen[-1].by_name, 'the end of the job')
-
-    new, running, done = Behaviour.INVALID, Behaviour.RUNNING, Behaviour.SUCCESS
-    statuses = [s.status('work: TASK_A') for s in seen if 'WO-1' in s.by_name]
-    assert [status for status, _ in groupby(statuses)][:3] == [new, running, done]
-    working = next(s for s in seen if s.status('work: TASK_A') == running)
+    client.until(seen, lambda s: s.status('feed: TASK_A') == running, 'at the feeding')
+    hands.finish('feeder')
+    working = client.until(seen, lambda s: s.status('work: TASK_A') == running, 'at work')
     assert working.message.changed
     assert working.text('work: TASK_A') == 'running at worker/task'
     assert working.status('section 2') == running
@@ -68,6 +104,13 @@ def test_a_job_is_seen_from_its_beginning_to_its_end(
     root = working.message.behaviours[0]
     assert (root.name, root.type, root.additional_detail) == ('small_cell', 4, 'OnAll')
     assert not working.message.blackboard_on_visited_path
+    hands.finish('worker')
+    client.until(seen, lambda s: s.status('pack: TASK_A') == running, 'at the packing')
+    hands.finish('packer')
+    client.ros.spin_until(lambda: 'WO-1' not in seen[-1].by_name, 'the end of the job')
+
+    statuses = [s.status('work: TASK_A') for s in seen if 'WO-1' in s.by_name]
+    assert [status for status, _ in groupby(statuses)][:3] == [new, running, done]
     counts = [s.message.statistics.count for s in seen]
     assert counts == sorted(counts)
     cell.stop()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 
 import pytest
 from ros_domain import OwnDomain
@@ -38,3 +39,13 @@ def test_a_kept_one_stays_free_of_others_until_it_is_let_go() -> None:
             with pytest.raises(pytest.UsageError, match='all ROS domains'):
                 places(other)
         assert places(other) == [kept]
+
+
+def test_nor_is_anybody_who_takes_no_lock(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    port_of_42 = '356: 0100007F:45F6 00000000:0000 07 0:0 0:0 0 0 0 1 2 0 0'
+    (tmp_path / 'udp').write_text(f'sl  local_address rem_address\n  {port_of_42}\n')
+    monkeypatch.setattr('ros_domain.SOCKETS', tmp_path / 'udp')
+    monkeypatch.setattr('ros_domain.DOMAINS', range(41, 44))
+    monkeypatch.setattr('tempfile.tempdir', str(tmp_path))  # where the locks are
+    with OwnDomain() as one:
+        assert set(places(one, one, one)) == {'41', '43'}
