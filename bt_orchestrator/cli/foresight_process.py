@@ -27,12 +27,14 @@ class ForesightProcess:
     """Asks the process, from a thread that only waits. Implements `ports.Foresight`."""
 
     def __init__(self, cell: Cell) -> None:
+        """Start the process: it loads for half a second, which a line at work would feel."""
         self._process = ChildProcess(__name__, json.dumps(to_plain(cell)).encode())
-        self._thread: threading.Thread | None = None
         self._news = threading.Condition()
         self._question: str | None = None
         self._closed = False
         self._ends_s: Mapping[str, float] = {}
+        self._thread = threading.Thread(target=self._serve, daemon=True)
+        self._thread.start()
 
     @property
     def ends_s(self) -> Mapping[str, float]:
@@ -45,9 +47,6 @@ class ForesightProcess:
         with self._news:
             self._question = f'{{"known": {known}, "state": {state}}}'
             self._news.notify()
-        if self._thread is None and not self._closed:
-            self._thread = threading.Thread(target=self._serve, daemon=True)
-            self._thread.start()
 
     def close(self) -> None:
         """End the process and wait for it."""
@@ -55,11 +54,11 @@ class ForesightProcess:
             self._closed = True
             self._news.notify()
         self._process.close()
-        if self._thread is not None:
-            self._thread.join(FAREWELL_S)
+        self._thread.join(FAREWELL_S)
 
     def _serve(self) -> None:
         try:
+            self._process.ready()
             while (question := self._next()) is not None:
                 self._ends_s = json.loads(self._process.ask(question.encode()))
         except ChildFailed as error:
@@ -75,23 +74,14 @@ class ForesightProcess:
             return None if self._closed else question
 
 
-def answer(cell: Cell, types: Any, question: Mapping[str, Any]) -> dict[str, float]:
-    """Answer one question; one that cannot be answered leaves everything unknown."""
-    from bt_orchestrator.sim.foresight import expected_ends
-
-    try:
-        return expected_ends(cell, types, question['state'], **question['known'])
-    except Exception as error:  # noqa: BLE001 - a forecast is not worth a node that ends
-        log.warning('no forecast: %r', error)
-        return {}
-
-
 class _Answers:
-    """What the process knows: the cell of the first question."""
+    """What the process knows: the engine, and the cell of the first question."""
 
     def __init__(self) -> None:
         from bt_orchestrator.ros.types.action_types import InstalledActionTypes
+        from bt_orchestrator.sim.foresight import expected_ends
 
+        self._expected_ends = expected_ends
         self._types = InstalledActionTypes()
         self._cell: Cell | None = None
 
@@ -99,8 +89,19 @@ class _Answers:
         plain = json.loads(question)
         if self._cell is None:
             self._cell = from_plain(Cell, plain)
+            for component in self._cell.components.values():
+                self._types.action(component.type)
             return b''
-        return json.dumps(answer(self._cell, self._types, plain)).encode()
+        return json.dumps(self._answer(self._cell, plain)).encode()
+
+    def _answer(self, cell: Cell, question: Mapping[str, Any]) -> dict[str, float]:
+        """Answer one question; one that cannot be answered leaves everything unknown."""
+        try:
+            known = question['known']
+            return self._expected_ends(cell, self._types, question['state'], **known)
+        except Exception as error:  # noqa: BLE001 - a forecast is not worth a node that ends
+            log.warning('no forecast: %r', error)
+            return {}
 
 
 def main() -> None:

@@ -75,8 +75,14 @@ def test_a_process_that_dies_takes_the_forecasts_with_it_and_nothing_else(
     process.close()
 
 
-def test_what_was_never_asked_needs_no_end(begun: Simulation) -> None:
-    ForesightProcess(begun.state.cell).close()
+def test_it_loads_before_the_first_question_and_need_not_get_one(begun: Simulation) -> None:
+    process = ForesightProcess(begun.state.cell)
+    until(lambda: process._process.pid)
+    child = process._process.pid
+    assert child is not None
+    process.close()
+    with pytest.raises(ProcessLookupError):
+        os.kill(child, 0)
 
 
 def test_nobody_left_to_hear_the_answer_is_no_error(begun: Simulation) -> None:
