@@ -8,6 +8,8 @@ from contextlib import closing
 import pytest
 from fakes.bare_space import BareSpace
 from fakes.guarded import Served
+from opcua_stand import opcua_stand
+from web.stand_cell import StandCell
 
 
 @pytest.fixture(scope='session')
@@ -29,3 +31,22 @@ def in_space() -> Iterator[BareSpace]:
     """Does something in an address space without a cell."""
     with closing(BareSpace()) as made:
         yield made
+
+
+@pytest.fixture(scope='package')
+def line(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[StandCell, str]]:
+    """A line, and its address, for tests that leave it empty, with nothing in its queue."""
+    with opcua_stand(tmp_path_factory.mktemp('stand')) as (cell, server):
+        yield cell, server.address
+
+
+@pytest.fixture
+def script(line: tuple[StandCell, str]) -> str:
+    """Name a script of the line."""
+    return line[0].script
+
+
+@pytest.fixture
+def url(line: tuple[StandCell, str]) -> str:
+    """Say where the line is served."""
+    return line[1]

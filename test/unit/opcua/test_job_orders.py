@@ -1,0 +1,155 @@
+"""Job orders of ISA-95 are stored, changed, or refused."""
+
+from __future__ import annotations
+
+from asyncua import ua
+from opcua_mes import DONE, MALFORMED, NOT_ACCEPTED, UNKNOWN, Mes, data, order, parameter, with_mes
+from web.stand_cell import StandCell
+
+from bt_orchestrator.model.jobs.order import WorkOrder
+
+
+def test_an_order_is_stored_started_made_and_cleared(script: str, url: str) -> None:
+    async def look(mes: Mes) -> None:
+        await mes.listen(mes.client.nodes.server)
+        assert await mes.method('Store', order('WO-7', script, 2)) == DONE
+        await mes.wait_for('WO-7', 'NotAllowedToStart')
+        assert await mes.method('Start', 'WO-7') == DONE
+        ended = await mes.wait_for('WO-7', 'Ended')
+        assert script == ended.JobOrder.WorkMasterID[0].ID
+        response = await mes.response('WO-7')
+        found = data(response)
+        assert (found['GoodQuantity'], found['RunsCompleted'], found['JobResult']) == (2.0, 2, 1)
+        assert response.EndTime > response.StartTime
+        (last,) = await mes.heard_of(lambda one: one.Message.Text.startswith('WO-7 is Ended'))
+        assert data(last.JobResponse) == found
+        assert last.JobState[0].StateNumber == 5
+        assert last.JobOrder.JobOrderID == 'WO-7'
+        told = [one.JobState[0].StateText.Text for one in mes.heard]
+        assert told == ['NotAllowedToStart', 'AllowedToStart', 'Running', 'Ended']
+        shown = await mes.value('JobOrderResults/JobOrderResponseList')
+        assert [data(one) for one in shown if one.JobOrderID == 'WO-7'] == [found]
+        assert await mes.method('Clear', 'WO-7') == DONE
+        assert await mes.method('Clear', 'WO-7') == UNKNOWN
+        assert await mes.method('Store', order('WO-7', script)) == NOT_ACCEPTED, 'used once'
+
+    with_mes(url, look)
+
+
+def test_what_was_done_can_be_read_at_once(script: str, url: str) -> None:
+    async def look(mes: Mes) -> None:
+        for number in range(5):
+            name = f'AT-{number}'
+            assert await mes.method('Store', order(name, script)) == DONE
+            assert name in await mes.listed()
+            assert await mes.method('Cancel', name) == DONE
+            assert name not in await mes.listed()
+
+    with_mes(url, look)
+
+
+def test_an_order_given_twice_is_made_once(script: str, url: str) -> None:
+    async def look(mes: Mes) -> None:
+        assert await mes.method('Store', order('TW-1', script, 2)) == DONE
+        assert await mes.method('StoreAndStart', order('TW-1', script, 2)) == NOT_ACCEPTED
+        await mes.wait_for('TW-1', 'NotAllowedToStart')
+        assert await mes.method('Cancel', 'TW-1') == DONE
+
+    with_mes(url, look)
+
+
+def test_what_is_wrong_with_an_order_is_a_status_and_an_event(script: str, url: str) -> None:
+    async def look(mes: Mes) -> None:
+        await mes.listen(mes.node('JobOrderControl'))
+        unknown = parameter('nonsense', 1, ua.VariantType.Int64)
+        for wrong, status, said in (
+            (order('', script), MALFORMED, 'JobOrderID'),
+            (order('a/b', script), MALFORMED, 'slash'),
+            (order('X-1', 'no_such_script'), NOT_ACCEPTED, 'no_such_script'),
+            (order('X-1', script, parameters=[unknown]), NOT_ACCEPTED, 'nonsense'),
+            (order('X-1', 'WM-100'), NOT_ACCEPTED, 'recipe'),
+            (order('X-1', script, 0), NOT_ACCEPTED, 'RunsPlanned'),
+            (ua.ISA95JobOrderDataType(JobOrderID='X-1'), NOT_ACCEPTED, 'exactly one'),
+            (ua.EUInformation(), MALFORMED, 'ISA95JobOrderDataType'),
+        ):
+            assert await mes.method('StoreAndStart', wrong) == status
+            await mes.heard_of(lambda one: said in f'{one.Message.Text} {one.Findings}')  # noqa: B023
+        assert 'X-1' not in await mes.listed()
+        for name in (
+            'Start',
+            'RevokeStart',
+            'Pause',
+            'Resume',
+            'Stop',
+            'Abort',
+            'Cancel',
+            'Clear',
+        ):
+            assert await mes.method(name, 'NO-1') == UNKNOWN
+            assert await mes.method(name, '') == MALFORMED
+        assert await mes.method('Update', order('NO-1', script)) == UNKNOWN
+        refused = await mes.heard_of(lambda one: one.Method == 'Update')
+        assert (refused[0].JobOrderID, refused[0].ReturnStatus) == ('NO-1', UNKNOWN)
+
+    with_mes(url, look)
+
+
+def test_a_client_may_name_the_method_of_the_type(url: str) -> None:
+    async def look(mes: Mes) -> None:
+        uris = await mes.client.get_namespace_array()
+        declared = ua.NodeId(7011, uris.index('http://opcfoundation.org/UA/ISA95-JOBCONTROL_V2/'))
+        request = ua.CallMethodRequest()
+        request.ObjectId, request.MethodId = mes.node('JobOrderControl').nodeid, declared
+        request.InputArguments = [ua.Variant('NO-1', ua.VariantType.String), ua.Variant()]
+        (result,) = await mes.client.uaclient.call([request])
+        assert [one.Value for one in result.OutputArguments] == [UNKNOWN]
+
+    with_mes(url, look)
+
+
+def test_an_order_is_changed_and_told_as_it_is(script: str, url: str) -> None:
+    names = [
+        parameter('Customers', ['ACME'], ua.VariantType.String),
+        parameter('JobName', [ua.LocalizedText('Batch', 'en')], ua.VariantType.LocalizedText),
+    ]
+    material = ua.ISA95MaterialDataType(MaterialDefinitionID='M-1', Quantity='40')
+
+    async def look(mes: Mes) -> None:
+        given = order(
+            'UP-1',
+            script,
+            4,
+            Priority=3,
+            Description=[ua.LocalizedText('For ACME', 'en')],
+            MaterialRequirements=[material],
+            parameters=names,
+        )
+        assert await mes.method('Store', given) == DONE
+        told = (await mes.wait_for('UP-1', 'NotAllowedToStart')).JobOrder
+        assert told.Description == given.Description
+        assert told.Priority == 3
+        assert told.MaterialRequirements == [material]
+        assert {one.ID: one.Value for one in told.JobOrderParameters} == {
+            one.ID: one.Value for one in given.JobOrderParameters
+        }
+        told.JobOrderParameters[0].Value = ua.Variant(6, ua.VariantType.UInt32)
+        told.Priority = 9
+        await mes.listen(mes.node('JobOrderResults'))
+        assert await mes.method('Update', told) == DONE
+        (changed,) = await mes.heard_of(lambda one: one.Message.Text == 'UP-1 was changed')
+        assert changed.JobOrder == told
+        assert changed.JobState[0].StateText.Text == 'NotAllowedToStart'
+        assert (await mes.listed())['UP-1'].JobOrder == told
+        assert await mes.method('Cancel', 'UP-1') == DONE
+
+    with_mes(url, look)
+
+
+def test_orders_of_other_doors_are_told_too(url: str, line: tuple[StandCell, str]) -> None:
+    async def look(mes: Mes) -> None:
+        made = line[0].queue(WorkOrder(line[0].script, 'YAML-1', 1))
+        assert made.accepted
+        listed = await mes.wait_for('YAML-1', 'Ended')
+        assert listed.JobOrder.JobOrderParameters[0].Value.Value == 1
+
+    with_mes(url, look)
