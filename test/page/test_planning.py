@@ -34,6 +34,10 @@ params: {lot: {type: int}}
 operations: [{id: a, do: feeder}, {id: b, do: worker}, {id: c, do: packer}]
 """
 
+ORDER = """\
+{order: made, recipe: P-1, version: 3, bind: {b: worker}, quantity: 2, params: {lot: 8}}
+"""
+
 
 @pytest.fixture
 def planned(start_cell: StartCell, tmp_path: Path) -> CellProcesses:
@@ -109,10 +113,10 @@ def test_a_job_is_moved_by_keys_when_it_is_known_what_comes_of_it(
     assert focused == 'b', 'the focus stays with what was moved'
 
 
-def test_an_order_with_a_mistake_is_mended_and_queued_and_so_is_one_by_recipe(
+def test_an_order_with_a_mistake_is_mended_and_queued_in_its_place(
     planned: CellProcesses, start_page: StartPage, sit: Sit
 ) -> None:
-    page = start_page('--trees', str(planned.folder), '--recipes', str(planned.folder))
+    page = start_page('--trees', str(planned.folder))
     tab = sit(page.port).open('order')
     tab.log_in('mes')
     tab.page.locator('[name="script"]').select_option('lots')
@@ -146,11 +150,16 @@ def test_an_order_with_a_mistake_is_mended_and_queued_and_so_is_one_by_recipe(
     tab.until_screen('queue')
     tab.until(lambda: in_queue(tab) == [name, 'a', 'b'], 'the order in its place')
 
-    tab.go('order')
+
+def test_an_order_by_recipe_is_of_the_newest_version_unless_one_is_chosen(
+    planned: CellProcesses, start_page: StartPage, sit: Sit
+) -> None:
+    page = start_page('--recipes', str(planned.folder))
+    tab = sit(page.port).open('order')
+    tab.log_in('mes')
     name = tab.page.locator('[name="order"]').input_value()
     tab.page.locator('[name="quantity"]').fill('2')
-    chosen = tab.page.locator('[name="script"]')
-    chosen.select_option('recipe/P-1')
+    tab.page.locator('[name="script"]').select_option('recipe/P-1')
     version = tab.page.locator('[name="version"]')
     assert version.locator('option').all_inner_texts() == ['the newest (4)', '4', '3']
     tab.page.locator('[data-do="order"]').click()
@@ -179,7 +188,15 @@ def test_an_order_with_a_mistake_is_mended_and_queued_and_so_is_one_by_recipe(
     bound = {'recipes': ['P-1'], 'version': 3, 'bind': {'b': 'worker'}}
     assert (queued['recipe_version'], queued['choice']) == (3, bound)
 
-    engineer = sit(page.port).open(f'job/{name}')
+
+def test_a_job_by_recipe_is_changed_to_another_version(
+    planned: CellProcesses, start_page: StartPage, sit: Sit
+) -> None:
+    (planned.folder / 'order.yaml').write_text(ORDER)
+    status, _, errors = planned.verb('submit', str(planned.folder / 'order.yaml'))
+    assert status == 0, errors
+    page = start_page('--recipes', str(planned.folder))
+    engineer = sit(page.port).open('job/made')
     engineer.log_in('engineer')
     engineer.page.locator('[data-offer="job.update"]').click()
     dialog = engineer.page.locator('dialog[data-dialog="job.update"]')
@@ -189,6 +206,6 @@ def test_an_order_with_a_mistake_is_mended_and_queued_and_so_is_one_by_recipe(
     dialog.locator('[name="bind.b"]').select_option('packer')
     assert barriers(engineer) == []
     engineer.confirm('job.update', 'the new version')
-    updated = planned.watch.until('job.updated', job=name)
+    updated = planned.watch.until('job.updated', job='made')
     bound = {'recipes': ['P-1'], 'bind': {'b': 'packer'}}
     assert (updated['recipe_version'], updated['choice']) == (4, bound)
