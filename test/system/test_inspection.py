@@ -23,7 +23,7 @@ from bt_orchestrator.model.limits import STREAMS
 
 pytestmark = pytest.mark.every_distro
 
-WORK = 'work: TASK_C'
+WORK = 'work: TASK_A'
 LONG_WORK = 'work: TASK_B'
 
 LEASE_S = 60.0
@@ -58,14 +58,14 @@ class Hands:
         for name in names:
             self._servers.serve(f'/{name}/task', Component, partial(self._work, name))
 
-    def finish(self, name: str) -> None:
-        """Let a controller succeed with its task."""
-        self._done[name].set()
+    def finish(self, *names: str) -> None:
+        """Let controllers succeed with their tasks."""
+        for name in names:
+            self._done[name].set()
 
     def close(self) -> None:
         """Leave ROS, also in the middle of a task."""
-        for done in self._done.values():
-            done.set()
+        self.finish(*self._done)
         self._servers.close()
 
     def _work(self, name: str, goal: Any) -> Any:
@@ -96,9 +96,9 @@ def test_a_job_is_seen_from_its_beginning_to_its_end(
     cell.run_small()
     client.until(seen, lambda s: s.status('feed: TASK_A') == running, 'at the feeding')
     hands.finish('feeder')
-    working = client.until(seen, lambda s: s.status('work: TASK_A') == running, 'at work')
+    working = client.until(seen, lambda s: s.status(WORK) == running, 'at work')
     assert working.message.changed
-    assert working.text('work: TASK_A') == 'running at worker/task'
+    assert working.text(WORK) == 'running at worker/task'
     assert working.status('section 2') == running
     assert working.status('pack: TASK_A') == new
     root = working.message.behaviours[0]
@@ -109,7 +109,7 @@ def test_a_job_is_seen_from_its_beginning_to_its_end(
     hands.finish('packer')
     client.ros.spin_until(lambda: 'WO-1' not in seen[-1].by_name, 'the end of the job')
 
-    statuses = [s.status('work: TASK_A') for s in seen if 'WO-1' in s.by_name]
+    statuses = [s.status(WORK) for s in seen if 'WO-1' in s.by_name]
     assert [status for status, _ in groupby(statuses)][:3] == [new, running, done]
     counts = [s.message.statistics.count for s in seen]
     assert counts == sorted(counts)
@@ -155,22 +155,26 @@ def test_a_period_repeats_the_unchanged_with_what_was_asked_for(
 
 
 def test_what_is_done_on_the_blackboard_is_shown(
-    small_cell: CellProcesses, client: WatchingClient
+    start_cell: StartCell, client: WatchingClient
 ) -> None:
+    cell = start_cell(fail=['conveyor.=hang'])  # the last snapshot stays the last
+    cell.connect()
     seen = client.watch(client.open(parameters(ON_CHANGE_S, activity=True)))
     client.until(seen, lambda s: True, 'the first')
-    small_cell.run_small()
+    cell.run_small()
 
     def writes(snapshot: Any) -> list[tuple[str, str]]:
         done = snapshot.message.blackboard_activity
         return [(i.key, i.current_value) for i in done if i.activity_type == 'WRITE']
 
-    client.until(seen, lambda s: ('/small_cell/slots/1', 'WO-1/1') in writes(s), 'the placing')
+    client.until(seen, lambda s: ('/small_cell/belt', 'moving') in writes(s), 'the belt to move')
 
 
 def test_many_watch_at_once_and_each_leaves_alone(
-    small_cell: CellProcesses, client: WatchingClient
+    start_cell: StartCell, client: WatchingClient, hands: Hands
 ) -> None:
+    cell = start_cell(STATELESS_CELL, shares=['conveyor'])
+    cell.connect()
     topics = [client.open() for _ in range(3)]
     assert len(set(topics)) == 3
     all_seen = [client.watch(topic) for topic in topics]
@@ -179,12 +183,14 @@ def test_many_watch_at_once_and_each_leaves_alone(
     assert client.close_stream(topics[0])
     assert not client.close_stream(topics[0])
     client.until_gone(topics[0], within_s=20.0)
-    small_cell.run_small(task='TASK_C')
+    cell.run_small()
+    hands.finish('feeder', 'packer')
     for seen in all_seen[1:]:
         client.until(seen, lambda s: s.status(WORK) == Behaviour.RUNNING, 'at work')
     assert not any(WORK in s.by_name for s in all_seen[0])
-    small_cell.watch.until_ended('WO-1')
-    small_cell.stop()
+    hands.finish('worker')
+    cell.watch.until_ended('WO-1')
+    cell.stop()
 
 
 def test_a_topic_asked_for_by_name_is_shared(

@@ -12,7 +12,7 @@ def test_a_picture_shows_the_state_and_follows_it_to_the_end_of_the_job(
     cell = start_cell(fail=['worker.#1=abort'])
     cell.connect()
     cell.run_small()
-    cell.watch.until('hold.raised')
+    cell.watch.until_held()  # told, and not only recorded
     once, followed = cell.folder / 'once.dot', cell.folder / 'followed.dot'
     words = ['render', str(cell.folder / 'small.yaml'), '--cell', str(cell.cell), '--live', '-o']
 

@@ -55,8 +55,10 @@ initialization_dependencies:
     watch.submit(small_cell.script(small_script('slow') + slow, 'slow'), order='WO-2')
     watch.until('task.started', job='WO-2', task='ready_worker')
 
-    status = watch.until_status(lambda s: s.sections[0].waits, 'section 1 to wait')
-    assert any('initialization' in wait.reason for wait in status.sections[0].waits), status
+    watch.until_status(
+        lambda s: any('initialization' in wait.reason for wait in s.sections[0].waits),
+        'section 1 to wait for initialization',
+    )
     assert watch.seen('job.completed', job='WO-1'), 'the line has drained'
     assert watch.until_ended('WO-2').packed == 1
     small_cell.stop()
