@@ -8,6 +8,7 @@ from typing import NamedTuple, Protocol
 from bt_orchestrator.model.books import Books
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.job_record import JobRecord
+from bt_orchestrator.model.judging.sealed_ids import SealedIds
 
 
 class Snapshot(NamedTuple):
@@ -78,6 +79,9 @@ class EventStore(Protocol):
         :raises JournalUnusable: it is damaged, or cannot be read
         """
 
+    def used_ids(self, digest: str) -> str | None:
+        """Return a part of the ids that were ever used, which a state names; None: it is lost."""
+
 
 class Journal(EventStore, Protocol):
     """A journal that outlives its process, and is kept short for the next start."""
@@ -85,7 +89,18 @@ class Journal(EventStore, Protocol):
     def save(self, snapshot: Snapshot, ended: Sequence[JobRecord] = ()) -> None:
         """Store a state to start from, and the summaries of jobs that ended.
 
+        The parts of used ids that the state names are stored before (`keep_used`).
+
         :raises JournalFailed: neither is stored
+        """
+
+    def lacking(self, parts: Iterable[SealedIds]) -> Sequence[SealedIds]:
+        """Return the parts of used ids that are not known to be in it, whole. Reads nothing."""
+
+    def keep_used(self, part: SealedIds) -> None:
+        """Store a part of used ids. It stays.
+
+        :raises JournalFailed: it is not stored
         """
 
     def first_needed(self, live: Collection[str], keep_jobs: int) -> int:

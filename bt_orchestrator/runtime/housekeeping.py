@@ -11,12 +11,13 @@ So ended jobs are handled in batches: a line that ends one a second must not pay
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TypeVar
 
 from bt_orchestrator.model.jobs.job_folds import ENDED_KEPT
 from bt_orchestrator.model.jobs.job_record import record_of
+from bt_orchestrator.model.judging.sealed_ids import SealedIds
 from bt_orchestrator.model.keeping.state_text import StateText
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import Bookkeeping, Journal, Snapshot, Writer
@@ -113,6 +114,8 @@ class Housekeeping:
                 text = StateText(self._state)
                 while not text.go_on():
                     pass
+                for part in self._used_ids():
+                    self._writer.begin(partial(self._journal.keep_used, part))
                 saving = self._writer.begin(self._saving(text))
                 if saving.has_ended(FAREWELL_S):
                     saving.result()
@@ -170,6 +173,8 @@ class Housekeeping:
         text = StateText(self._state, check=first > 0)
         while not text.go_on():
             await self._turn()
+        for part in self._used_ids():
+            await self._written(partial(self._journal.keep_used, part))
         ended = set(self._state.ended)
         await self._written(self._saving(text))
         self._not_looked_after += len(ended - self._noted)
@@ -177,6 +182,11 @@ class Housekeeping:
         if first:
             await self._written(partial(self._journal.begin_with, self._snapshot(text)))
             self._remove_before = first
+
+    def _used_ids(self) -> Sequence[SealedIds]:
+        """Return the parts of used ids that have to be stored before a state that names them."""
+        used = (self._state.order_ids, self._state.serials)
+        return self._journal.lacking(part for ids in used for part in ids.parts.values())
 
     def _saving(self, text: StateText) -> Callable[[], None]:
         ended = [job for name, job in self._state.ended.items() if name not in self._noted]

@@ -11,7 +11,7 @@ from importlib.resources import files
 from typing import TYPE_CHECKING
 
 from bt_orchestrator import model
-from bt_orchestrator.errors import DamagedRecord, JournalMismatch
+from bt_orchestrator.errors import DamagedRecord, JournalMismatch, JournalUnusable
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
@@ -49,9 +49,23 @@ def restore(cell: Cell, store: EventStore) -> CellState:
         if state is not None:
             return state
     beginning = store.beginning()
-    state = CellState(cell) if beginning is None else begin_with(cell, beginning)
+    state = CellState(cell) if beginning is None else _begin_whole(cell, beginning, store)
     is_whole = _replay(state, store.read(state.seq))
     return state if is_whole else _past_the_damage(state, store)
+
+
+def _begin_whole(cell: Cell, beginning: Snapshot, store: EventStore) -> CellState:
+    """Return the state that replay begins with, and that nothing else can take the place of."""
+    state = begin_with(cell, beginning)
+    try:
+        _know_used_ids(state, store)
+    except KeyError as error:
+        raise JournalUnusable(
+            f'the journal has lost order ids or serials that were used before event {state.seq}, '
+            'so it would not be noticed if one is used again: both copies of a part of them are '
+            'damaged; restore a backup of the journal'
+        ) from error
+    return state
 
 
 def _past_the_damage(state: CellState, store: EventStore) -> CellState:
@@ -61,8 +75,9 @@ def _past_the_damage(state: CellState, store: EventStore) -> CellState:
             continue
         try:
             later = begin_with(state.cell, snapshot)
+            _know_used_ids(later, store)
             _replay(later, store.read(later.seq))
-        except JournalMismatch as error:
+        except (JournalMismatch, KeyError) as error:
             log.warning('the snapshot at event %d is ignored: %s', snapshot.seq, error)
         else:
             return later
@@ -107,6 +122,7 @@ def _from_snapshot(cell: Cell, snapshot: Snapshot, store: EventStore) -> CellSta
         return None
     try:
         state = state_from_plain(cell, json.loads(snapshot.state))
+        _know_used_ids(state, store)
         _replay(state, store.read(state.seq))
     except (*_UNREADABLE, JournalMismatch) as error:
         log.warning('the snapshot at event %d is ignored: %r', snapshot.seq, error)
@@ -123,6 +139,15 @@ def begin_with(cell: Cell, beginning: Snapshot) -> CellState:
             f'{cell.name} or this program ({error!r}); name the cell file and use the program '
             'that it was written with'
         ) from error
+
+
+def _know_used_ids(state: CellState, store: EventStore) -> None:
+    """Take in the ids of orders, and the serials, that the state only names.
+
+    :raises KeyError: some are lost
+    """
+    for ids in (state.order_ids, state.serials):
+        ids.open_parts(store.used_ids)
 
 
 def _replay(state: CellState, events: Iterable[e.Event]) -> bool:

@@ -18,6 +18,7 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.goal import GoalRequest
+from bt_orchestrator.model.judging.sealed_ids import text_of
 from bt_orchestrator.model.pauses import RESTARTED
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import ActionTypes, EventSink, Snapshot
@@ -235,3 +236,7 @@ class _From:
     def beginning(self) -> Snapshot:
         """Return that state."""
         return Snapshot(0, '', self._state)
+
+    def used_ids(self, digest: str) -> str:  # noqa: ARG002 - the port's
+        """Return an empty part: what was used before the state is no matter of a forecast."""
+        return text_of((), {})

@@ -66,6 +66,9 @@ class MemoryStore:
         """Return no state: a journal in memory is never started from."""
         return ()
 
+    def used_ids(self, digest: str) -> None:
+        """Return nothing: only states that are kept name such parts."""
+
     def beginning(self) -> None:
         """Return no state: replay begins with the first event of all."""
 

@@ -18,6 +18,7 @@ from contract.written_events import events
 from bt_orchestrator.errors import DamagedRecord, JournalFailed, JournalUnusable
 from bt_orchestrator.model.books import Books, KeptScript, KeptSlot, KeptState
 from bt_orchestrator.model.events import Event, JobQueued
+from bt_orchestrator.model.judging.sealed_ids import SealedIds, text_of
 from bt_orchestrator.ports import EventStore, Journal, Snapshot
 
 
@@ -80,6 +81,18 @@ class JournalContract(EventStoreContract):
         store.save(_state(5))
         store.save(_state(5, 'another program'))
         assert list(store.snapshots()) == [_state(5, 'another program')]
+
+    def test_used_ids_stay_as_they_are(self, tmp_path: Path) -> None:
+        part, other = SealedIds(text_of(['A', 'B'], {})), SealedIds(text_of(['C'], {}))
+        with closing(self.make(tmp_path)) as store:
+            store.append(events(1, 1))
+            assert store.lacking([part, other]) == [part, other]
+            store.keep_used(part)
+            assert store.lacking([part, other]) == [other]
+        with closing(self.make(tmp_path)) as store:
+            assert store.used_ids(part.digest) == part.text
+            assert store.used_ids(other.digest) is None
+            assert store.lacking([part, other]) == [other]
 
     # --- retention --------------------------------------------------------------------------
 

@@ -4,6 +4,7 @@ Schema 1 had the events alone. Schema 2 adds derived data: states to start from,
 that ended, and where jobs begin. Schema 3 adds a unique id of the journal. Schema 4 adds a check
 to every row; older rows stay without one. Schema 5 adds whether a node has closed the file.
 Schema 6 adds books: the account in slots of time, which outlives the events that it was made of.
+Schema 7 adds parts of the ids that were ever used, which states name.
 An upgrade adds and never rewrites events; each step runs in one transaction, so a file always has
 one schema or the other.
 """
@@ -19,7 +20,7 @@ from bt_orchestrator.errors import JournalUnusable
 from bt_orchestrator.store.sqlite.checks import check_of
 from bt_orchestrator.store.sqlite.database import pragma, transaction
 
-SCHEMA = 6
+SCHEMA = 7
 """Version of the tables, kept in SQLite's user_version."""
 
 APPLICATION_ID = 0x62746F72
@@ -121,6 +122,16 @@ _STEPS: Sequence[Sequence[str]] = (
                digest TEXT PRIMARY KEY,
                script TEXT NOT NULL,
                checksum INTEGER NOT NULL
+           ) STRICT""",
+    ),
+    # 7
+    (
+        # Ids of orders and serials, some thousand in a row; the digest is that of the text.
+        """CREATE TABLE used_ids (
+               digest TEXT NOT NULL,
+               copy INTEGER NOT NULL,
+               ids TEXT NOT NULL,
+               PRIMARY KEY (digest, copy)
            ) STRICT""",
     ),
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import sqlite3
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from uuid import uuid4
@@ -13,8 +13,17 @@ from bt_orchestrator.errors import JournalFailed, JournalUnusable
 from bt_orchestrator.model.books import Books
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.job_record import JobRecord
+from bt_orchestrator.model.judging.sealed_ids import SealedIds
 from bt_orchestrator.ports import Snapshot
-from bt_orchestrator.store.sqlite import books, opening, retention, rows, snapshots, summaries
+from bt_orchestrator.store.sqlite import (
+    books,
+    opening,
+    retention,
+    rows,
+    snapshots,
+    summaries,
+    used_ids,
+)
 from bt_orchestrator.store.sqlite.database import (
     has_log,
     log_size,
@@ -77,6 +86,8 @@ class SqliteStore:
         """Rows after this event are not read, and are removed with the first write."""
         self._is_said_unclosed = False
         """The file itself, not only its log, is marked as being written."""
+        self._sound_ids: set[str] = set()
+        """Parts of used ids that were read or written, and are whole."""
         self._mark = Mark(path)
         try:
             with unusable_otherwise(path):
@@ -189,6 +200,26 @@ class SqliteStore:
             snapshots.keep_snapshot(self._database, snapshot)
             summaries.keep(self._database, ended)
         self._mark.sync()
+
+    def used_ids(self, digest: str) -> str | None:
+        """Return a part of the ids that were ever used; None: it is lost."""
+        sound = used_ids.sound_copies(self._reading, digest)
+        if len(sound) == len(used_ids.COPIES):
+            self._sound_ids.add(digest)
+        return sound[0] if sound else None
+
+    def lacking(self, parts: Iterable[SealedIds]) -> list[SealedIds]:
+        """Return the parts that are not known to be in it, whole."""
+        return [part for part in parts if part.digest not in self._sound_ids]
+
+    def keep_used(self, part: SealedIds) -> None:
+        """Store a part of the ids that were ever used, for the states that name it.
+
+        :raises JournalFailed: it is not stored
+        """
+        with self._writing():
+            used_ids.keep(self._database, part)
+        self._sound_ids.add(part.digest)
 
     # --- retention --------------------------------------------------------------------------
 

@@ -13,6 +13,7 @@ from bt_orchestrator.drawing.gantt import GanttFold
 from bt_orchestrator.errors import NotKept
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.goal import GoalRequest
+from bt_orchestrator.model.judging import used_ids
 from bt_orchestrator.report.account.planned import US
 from bt_orchestrator.report.reading import Reading
 from bt_orchestrator.report.retrospect.plain import retrospect_plain
@@ -64,6 +65,13 @@ def test_what_went_as_forecast_is_equal_in_every_figure(job: str) -> None:
     assert sum(pair.real for pair in found.times()) == found.total.real
     assert [*found.tasks()] == []
     assert found.first_deviation() is found.worst_deviation() is None
+
+
+def test_a_forecast_needs_no_ids_that_were_used_before(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(used_ids, 'FULL', 1)
+    run = ran(LINE, 3, 2, 4)
+    assert len(run.state.order_ids.sealed) == 3
+    assert looked(run, 'J2').late_us == 0
 
 
 def test_a_slow_component_is_named() -> None:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import islice
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from bt_orchestrator.model.judging import used_ids
 from bt_orchestrator.model.judging.used_ids import UsedIds
 
 IDS = st.one_of(
@@ -14,13 +17,51 @@ IDS = st.one_of(
 )
 
 
+@pytest.fixture(params=[1, 3, used_ids.FULL], scope='module')
+def full(request: pytest.FixtureRequest) -> Iterator[int]:
+    """Let a part be full with so many ids."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(used_ids, 'FULL', request.param)
+        yield request.param
+
+
+def lost(_: str) -> None:
+    """Read no part."""
+
+
 @given(st.lists(IDS), st.lists(IDS))
-def test_it_holds_what_was_added_and_nothing_else(added: list[str], asked: list[str]) -> None:
+def test_it_holds_what_was_added_and_nothing_else(
+    full: int, added: list[str], asked: list[str]
+) -> None:
     ids = UsedIds()
     for order in added:
         ids.add(order)
     assert all(order in ids for order in added)
     assert [order in ids for order in asked] == [order in set(added) for order in asked]
+    assert len(ids.others) + sum(map(len, ids.runs.values())) < full
+    again = UsedIds(ids.others, ids.runs, ids.sealed)
+    again.open_parts(lambda digest: ids.parts[digest].text)
+    assert [order in again for order in asked] == [order in ids for order in asked]
+    free = [f'-{n}' for n in range(1, 120) if f'-{n}' not in added]
+    assert list(islice(again.free('-'), 15)) == free[:15]
+
+
+@given(st.lists(IDS))
+def test_what_an_older_program_kept_in_the_open_is_sealed(full: int, added: list[str]) -> None:
+    older = UsedIds()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(used_ids, 'FULL', used_ids.FULL + 10_000)
+        for order in added:
+            older.add(order)
+    older.open_parts(lost)
+    assert all(order in older for order in added)
+    assert 'not there' not in older
+    assert len(older.others) + sum(map(len, older.runs.values())) < full
+
+
+def test_a_part_that_is_lost_is_no_set_of_ids() -> None:
+    with pytest.raises(KeyError):
+        UsedIds(sealed=['0123']).open_parts(lost)
 
 
 @given(st.permutations([f'WO-{n}' for n in range(1, 30)]))
