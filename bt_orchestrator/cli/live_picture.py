@@ -12,7 +12,11 @@ from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.codec import from_plain
 from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.status import CellStatus
+from bt_orchestrator.ordinary_file import read_ordinary
 from bt_orchestrator.stop_signals import StopSignals
+
+LARGEST_FILE = 100_000_000
+"""Bytes; a status of 100 jobs and sections has some 200,000."""
 
 
 class CannotRead(OrchestratorError):
@@ -25,10 +29,10 @@ def saved_status(path: Path) -> CellStatus:
     :raises CannotRead: there is no such file, or it holds something else
     """
     try:
-        found = json.loads(path.read_text(encoding='utf-8'))
+        found = json.loads(read_ordinary(path, LARGEST_FILE))
     except OSError as error:
         raise CannotRead(f'cannot read {path}: {error.strerror}') from error
-    except ValueError as error:
+    except (RecursionError, ValueError) as error:
         raise CannotRead(
             f'{path} is not JSON: {error}; expected what status --json prints'
         ) from error

@@ -22,6 +22,11 @@ from bt_orchestrator.ros.fast_dds import keep_off_shared_memory
 
 PROGRAM = 'bt-orchestrator'
 
+_NO_TEXT = (
+    'the argument {!r} is not UTF-8, which ROS 2, journals and files of this project have; set '
+    'the locale to UTF-8, or rename the file'
+)
+
 VERBS: Mapping[str, tuple[str, str]] = {
     'new-cell': ('new_cell', "the first cell file, script and work order of somebody's own cell"),
     'check': ('check', 'all mistakes of scripts and their cell, with places and hints'),
@@ -81,6 +86,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     if '_ARGCOMPLETE' in os.environ:
         _complete(os.environ.get('COMP_LINE', ''))
     _print_anything()
+    if (no_text := next(filter(_is_no_text, words), None)) is not None:
+        return _complain(None, _NO_TEXT.format(no_text), 2)
     keep_off_shared_memory(os.environ)
     keep_to_this_computer(os.environ)
     try:
@@ -143,6 +150,10 @@ def parsed(words: Sequence[str]) -> argparse.Namespace:
         args = _parser_of_verbs().parse_args(own_words)
     args.ros_args = words
     return args
+
+
+def _is_no_text(word: str) -> bool:
+    return any('\ud800' <= char <= '\udfff' for char in word)
 
 
 def _verb(words: Sequence[str]) -> str | None:
@@ -217,8 +228,9 @@ class _Version(argparse.Action):
 
 
 def _complain(verb: str | None, what: str, status: int) -> int:
+    program = PROGRAM if verb is None else f'{PROGRAM} {verb}'
     for line in what.splitlines():
-        print(f'{PROGRAM} {verb}: error: {line}', file=sys.stderr)
+        print(f'{program}: error: {line}', file=sys.stderr)
     return status
 
 

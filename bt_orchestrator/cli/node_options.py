@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import getpass
 import os
 import socket
 
 from bt_orchestrator.cli.numbers import node_name, seconds
+from bt_orchestrator.cli.user_name import user_name
 from bt_orchestrator.screen.advice import DEFAULT_NODE, PROGRAM
 
 
@@ -33,7 +33,7 @@ def add_who_options(parser: argparse.ArgumentParser, *, required: bool = True) -
     """Declare who decides, and why."""
     parser.add_argument('--reason', required=required, metavar='TEXT', help='why, for the record')
     parser.add_argument(
-        '--who', default=getpass.getuser(), metavar='NAME', help='who decides (default: you)'
+        '--who', default=user_name(), metavar='NAME', help='who decides (default: you)'
     )
 
 

@@ -11,11 +11,15 @@ from typing import Any
 from bt_orchestrator.cli.numbers import whole_32
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.model.jobs.order import Terms
+from bt_orchestrator.ordinary_file import read_ordinary
 from bt_orchestrator.script.field_types import Misfit
 from bt_orchestrator.script.instants import instant
 from bt_orchestrator.script.orders.asked import NONE
 from bt_orchestrator.script.orders.terms import Wrong, details_of, wrong_terms
 from bt_orchestrator.script.script_keys import ORDER
+
+LARGEST_FILE = 1_000_000
+"""Bytes of a file with details; the node takes fewer."""
 
 
 def add_term_options(parser: argparse.ArgumentParser) -> None:
@@ -74,7 +78,7 @@ def _details(text: str) -> Mapping[str, object]:
     if text == NONE:
         return {}
     try:
-        written = text if text.lstrip().startswith('{') else Path(text).read_text('utf-8')
+        written = text if text.lstrip().startswith('{') else _text_of(Path(text))
     except (OSError, ValueError) as error:
         what = f'--details is a JSON object or a file with one; {text!r} is none: {error}'
         raise WrongUse(f'queue update: {what}') from None
@@ -84,6 +88,10 @@ def _details(text: str) -> Mapping[str, object]:
         raise WrongUse(f'queue update: {wrong.what}; {wrong.hint}')
     assert not isinstance(details, Wrong)
     return details
+
+
+def _text_of(path: Path) -> str:
+    return read_ordinary(path, LARGEST_FILE).decode('utf-8')
 
 
 def _first_mistake(terms: Terms) -> Wrong | None:

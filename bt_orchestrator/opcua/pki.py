@@ -27,11 +27,15 @@ from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 from bt_orchestrator.doors.listening import address_in, is_everywhere
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.opcua import hosts
+from bt_orchestrator.ordinary_file import open_ordinary, read_ordinary, read_up_to
+from bt_orchestrator.users.folders import own_folder
 
 KEY_BITS = 3072
 LIFETIME = datetime.timedelta(days=3652)
 """Ten years: a line is not stopped for a certificate."""
 
+LARGEST_FILE = 1_000_000
+"""Bytes of a certificate, a key or a list of revoked ones."""
 _OTHERS = stat.S_IRWXG | stat.S_IRWXO
 
 
@@ -89,8 +93,7 @@ class Own:
 
 def default_pki(environment: Mapping[str, str]) -> Path:
     """Return where the folders are unless somebody says otherwise."""
-    folder = environment.get('XDG_CONFIG_HOME') or Path.home() / '.config'
-    return Path(folder, 'bt_orchestrator', 'pki')
+    return own_folder(environment, 'XDG_CONFIG_HOME', '.config') / 'pki'
 
 
 def own(pki: Pki, node: str, host: str) -> Own:
@@ -134,7 +137,7 @@ def parsed(content: bytes) -> x509.Certificate:
 def _read(path: Path, key_path: Path) -> Own:
     anew = f'remove {path} and {key_path}, and a new one is made at the next start'
     try:
-        certificate = parsed(path.read_bytes())
+        certificate = parsed(read_ordinary(path, LARGEST_FILE))
         key = _read_key(key_path)
     except OSError as error:
         raise PkiUnusable(
@@ -160,9 +163,9 @@ def _read(path: Path, key_path: Path) -> Own:
 
 
 def _read_key(path: Path) -> rsa.RSAPrivateKey:
-    with path.open('rb') as file:
+    with open_ordinary(path) as file:
         mode = os.fstat(file.fileno()).st_mode
-        content = file.read()
+        content = read_up_to(file, LARGEST_FILE)
     if mode & _OTHERS:
         raise PkiUnusable(
             f'{path}: other users of this computer may read it (mode {mode & 0o777:o}), and '

@@ -30,7 +30,8 @@ from bt_orchestrator.opcua.client_certificates import (
     named,
     thumbprint,
 )
-from bt_orchestrator.opcua.pki import Pki, application_uri, parsed
+from bt_orchestrator.opcua.pki import LARGEST_FILE, Pki, application_uri, parsed
+from bt_orchestrator.ordinary_file import read_ordinary
 from bt_orchestrator.spare_log import SpareLog
 
 _T = TypeVar('_T')
@@ -248,7 +249,7 @@ def _contents(
     for folder in folders:
         for path in _files(folder, suffixes):
             try:
-                yield parse(path.read_bytes())
+                yield parse(read_ordinary(path, LARGEST_FILE))
             except (OSError, ValueError) as error:
                 spare.warning(f'{path} is not used: {str(error)[:200]}')
 
@@ -264,7 +265,7 @@ def _listed(folder: Path) -> list[Listed]:
     for path in _files(folder, _SUFFIXES):
         with suppress(OSError, ValueError):
             at = datetime.datetime.fromtimestamp(path.stat().st_mtime, datetime.timezone.utc)
-            found.append(Listed(path, parsed(path.read_bytes()), at))
+            found.append(Listed(path, parsed(read_ordinary(path, LARGEST_FILE)), at))
     return sorted(found, key=lambda one: one.since, reverse=True)
 
 

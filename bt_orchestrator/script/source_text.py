@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import os
-import stat
 from pathlib import Path
 
 from bt_orchestrator.errors import Finding, Refused
+from bt_orchestrator.ordinary_file import NotOrdinary, open_ordinary
 from bt_orchestrator.script.report import START, did_you_mean
 
 LARGEST_FILE = 4_000_000
@@ -19,15 +18,14 @@ def read_text(path: Path) -> str:
     :raises Refused: it is no ordinary file, cannot be read, is too large, or is not UTF-8
     """
     try:
-        with open(path, 'rb', opener=_open_at_once) as file:
-            if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
-                hint = 'save it as a file'
-                raise _refused(path, 'this is a pipe or a device, and no ordinary file', hint)
+        with open_ordinary(path) as file:
             data = file.read(LARGEST_FILE + 1) or b''
     except FileNotFoundError:
         raise _refused(path, 'the file does not exist', _neighbour(path)) from None
     except IsADirectoryError:
         raise _refused(path, 'this is a directory', 'name the YAML file in it') from None
+    except NotOrdinary as fault:
+        raise _refused(path, str(fault.strerror), 'save it as a file') from None
     except (OSError, ValueError) as fault:
         reason = getattr(fault, 'strerror', None) or str(fault)
         what = f'the file cannot be read: {reason}'
@@ -36,11 +34,6 @@ def read_text(path: Path) -> str:
         megabytes = LARGEST_FILE // 1_000_000
         raise _refused(path, f'the file is larger than {megabytes} MB', 'is this the right file?')
     return _decoded(data, path)
-
-
-def _open_at_once(path: str, flags: int) -> int:
-    """Open a file that may be a pipe without a writer, or be leased to another process."""
-    return os.open(path, flags | os.O_NONBLOCK | os.O_NOCTTY)
 
 
 def _decoded(data: bytes, path: Path) -> str:

@@ -18,6 +18,8 @@ import yaml
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.limits import WHO
 from bt_orchestrator.model.roles import Role
+from bt_orchestrator.ordinary_file import open_ordinary, read_up_to
+from bt_orchestrator.users.folders import own_folder
 from bt_orchestrator.users.passwords import NOBODYS, Cost, Hashed, hashed
 
 FORMAT = 1
@@ -25,6 +27,8 @@ _HEAD = (
     '# Users of pages and OPC UA servers, written by `bt-orchestrator user`.\n'
     '# Passwords are kept as scrypt hashes.\n'
 )
+LARGEST_FILE = 4_000_000
+"""Bytes; some 20,000 users."""
 _OTHERS = stat.S_IRWXG | stat.S_IRWXO
 
 
@@ -50,8 +54,7 @@ Users = Mapping[str, User]
 
 def default_file(environment: Mapping[str, str]) -> Path:
     """Return where the file is unless somebody says otherwise."""
-    folder = environment.get('XDG_CONFIG_HOME') or Path.home() / '.config'
-    return Path(folder, 'bt_orchestrator', 'users.yaml')
+    return own_folder(environment, 'XDG_CONFIG_HOME', '.config') / 'users.yaml'
 
 
 class UsersFile:
@@ -66,9 +69,9 @@ class UsersFile:
         :raises UsersUnusable: it is damaged, or others may read or write it
         """
         try:
-            with self._path.open('rb') as file:
+            with open_ordinary(self._path) as file:
                 mode = os.fstat(file.fileno()).st_mode
-                text = file.read()
+                text = read_up_to(file, LARGEST_FILE)
         except FileNotFoundError:
             return {}
         except OSError as error:

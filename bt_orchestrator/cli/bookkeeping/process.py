@@ -7,6 +7,7 @@ for that. The process ends with each piece of work; a day needs it once or twice
 from __future__ import annotations
 
 import logging
+import os
 import threading
 from pathlib import Path
 
@@ -39,7 +40,7 @@ class BooksProcess:
 
     def begin(self) -> Writing[Books]:
         """Begin to make the next books."""
-        process = ChildProcess(__name__, str(self._journal.resolve()).encode())
+        process = ChildProcess(__name__, os.fsencode(self._journal.resolve()))
         making = Writing(lambda: _ask(process), lambda: None)
         self._process = process
         self._thread = threading.Thread(target=making.run, name='books', daemon=True)
@@ -76,7 +77,7 @@ class _Answers:
 
     def __call__(self, question: bytes) -> bytes:
         if self._journal is None:
-            self._journal = Path(question.decode())
+            self._journal = Path(os.fsdecode(question))
             return b''
         try:
             return _MADE + _next_books(self._journal).to_bytes()

@@ -15,6 +15,7 @@ from typing import IO
 
 from bt_orchestrator.cli.programs import FAREWELL_S
 from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.users.folders import own_folder
 
 
 class DemoUnusable(OrchestratorError):
@@ -51,8 +52,7 @@ class DemoRecord:
 
 def default_folder() -> Path:
     """Return where a demo keeps its things unless told otherwise."""
-    state = os.environ.get('XDG_STATE_HOME') or Path.home() / '.local' / 'state'
-    return Path(state, 'bt_orchestrator', 'demo')
+    return own_folder(os.environ, 'XDG_STATE_HOME', '.local/state') / 'demo'
 
 
 class DemoFolder:

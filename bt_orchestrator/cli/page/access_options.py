@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import getpass
 from pathlib import Path
 
 from bt_orchestrator.cli.numbers import seconds
 from bt_orchestrator.cli.server_options import add_server_options, users_of
+from bt_orchestrator.cli.user_name import user_name
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.web.access import IDLE_S, PORT, Access, AccessRefused
 
@@ -65,7 +65,7 @@ def access_of(args: argparse.Namespace) -> Access:
         certificate=args.certificate,
         key=args.key,
         allowed_hosts=tuple(args.allow_host),
-        local_user=getpass.getuser() if args.trust_this_computer else '',
+        local_user=user_name() if args.trust_this_computer else '',
         proxy_header=args.behind_proxy,
         proxy_addresses=tuple(args.proxy_address),
         idle_s=args.lock_after,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import importlib.util
 import io
+import os
 import sys
 from collections.abc import Callable
 from types import ModuleType
@@ -130,6 +131,17 @@ def test_other_errors_are_told_by_the_verb(
 
     assert main(['check']) == status
     assert capsys.readouterr().err == 'bt-orchestrator check: error: no node answers\n'
+
+
+def test_an_argument_that_is_no_text_is_refused(
+    use: Use, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Neither ROS 2 nor a journal can carry it: rclpy fails at the command line alone."""
+    use(raising(AssertionError()))
+    assert main(['check', '--speed', os.fsdecode(b'1\xff')]) == 2
+    told = capsys.readouterr().err
+    assert told.startswith(r"bt-orchestrator: error: the argument '1\udcff' is not UTF-8, ")
+    assert told.count('\n') == 1
 
 
 def test_a_missing_package_is_named(use: Use, capsys: pytest.CaptureFixture[str]) -> None:

@@ -33,6 +33,7 @@ WHY = ['--reason', 'rush']
         (['update', 'a', '--details', '{"a": NaN}', *WHY], '`details` must have finite numbers'),
         (['update', 'a', '--details', '{"a"', *WHY], '`details` must be JSON'),
         (['update', 'a', '--details', '/no/such/file', *WHY], 'No such file'),
+        (['update', 'a', '--details', '/dev/zero', *WHY], 'this is a pipe or a device'),
         (['stop-after', 'lunch', *WHY], "one of item, job, never; found 'lunch'"),
     ],
 )

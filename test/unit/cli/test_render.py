@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 from pathlib import Path
 
 import pytest
 from fakes.action_types import FakeActionTypes
 from fakes.shipped import REFERENCE_CELL, STUCK, TREES
 
+from bt_orchestrator.cli.live_picture import CannotRead
 from bt_orchestrator.cli.render import CannotWrite, add_arguments, render, run
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.errors import Refused
@@ -97,6 +99,25 @@ def test_a_saved_status_is_drawn_and_the_file_replaced_at_once(tmp_path: Path) -
     assert 'Stopped, the belt rests, after event 0' in output.read_text()
     assert output.stat().st_ino != before
     assert sorted(path.name for path in tmp_path.iterdir()) == ['status.json', 'x.dot']
+
+
+@pytest.mark.parametrize(
+    ('content', 'told'),
+    [
+        (None, 'this is a pipe or a device, and no ordinary file'),
+        ('[' * 100_000, 'is not JSON: '),
+        ('\xff', 'is not JSON: '),
+        ('{"cell": []}', 'holds no status of a cell'),
+        ('[]', 'holds no status of a cell'),
+    ],
+)
+def test_a_file_that_is_no_status_is_told(content: str | None, told: str, tmp_path: Path) -> None:
+    saved = tmp_path / 'status.json'
+    os.mkfifo(saved) if content is None else saved.write_bytes(content.encode('latin-1'))
+    with pytest.raises(CannotRead, match=told):
+        rendered(
+            'reference_process', '--trees', TREES, '-o', tmp_path / 'x.dot', '--status', saved
+        )
 
 
 EMPTY = CellStatus('reference_cell', 0.0, 0, '', PackmlState.STOPPED, 0.0)

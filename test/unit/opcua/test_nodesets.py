@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import gzip
 import logging
+import os
 from importlib.resources import files
 from pathlib import Path
 
@@ -71,6 +72,22 @@ def test_a_file_that_is_no_nodeset_is_told(folder: Path) -> None:
     (folder / 'b.xml').write_text(f'<UANodeSet><Model ModelUri="{JOB_CONTROL.uri}"/>')
     with pytest.raises(NodesetUnusable, match=r'ISA-95 Job Control 2\.0\.0: .*b\.xml: no element'):
         asyncio.run(nodesets.load(asyncua.Server(), folder))
+
+
+@pytest.mark.parametrize(
+    'content', [b'no gzip', gzip.compress(b'a' * 999)[:-9], b'\x1f\x8b\x08' + b'\0' * 20]
+)
+def test_a_damaged_file_is_told(folder: Path, content: bytes) -> None:
+    (folder / 'b.xml.gz').write_bytes(content)
+    with pytest.raises(NodesetUnusable, match=r'b\.xml\.gz cannot be read: '):
+        texts_in(folder)
+
+
+def test_a_pipe_is_not_waited_for(folder: Path) -> None:
+    (folder / 'a.xml').unlink()
+    os.mkfifo(folder / 'a.xml')
+    with pytest.raises(NodesetUnusable, match=r'a\.xml: this is a pipe or a device'):
+        texts_in(folder)
 
 
 def test_a_folder_that_is_none_is_told(tmp_path: Path) -> None:

@@ -129,6 +129,15 @@ def test_a_damaged_file_is_refused(folders: Pki, which: int) -> None:
     assert 'are no certificate and its RSA key' in refusal(folders)
 
 
+@pytest.mark.parametrize('which', [0, 1])
+def test_a_pipe_in_its_place_is_not_waited_for(folders: Pki, which: int) -> None:
+    made(folders)
+    path = files(folders)[which]
+    path.unlink()
+    os.mkfifo(path)
+    assert f'{path}: this is a pipe or a device, and no ordinary file' in refusal(folders)
+
+
 def test_the_key_of_another_is_refused(folders: Pki) -> None:
     made(folders)
     path, key = files(folders)

@@ -71,6 +71,8 @@ def test_what_is_put_there_or_taken_away_counts_at_once(pki: Pki, trust: Trust) 
 
 def test_a_file_that_is_none_keeps_no_others_out(pki: Pki, trust: Trust) -> None:
     (pki.trusted / 'bad.der').write_bytes(b'nothing')
+    os.mkfifo(pki.trusted / 'pipe.der')
+    (pki.trusted / 'endless.der').symlink_to('/dev/zero')
     (pki.trusted / 'readme.txt').write_text('put certificates here')
     found = certificate()
     put(pki.trusted, found)

@@ -12,6 +12,7 @@ import yaml
 
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.users.file import NoSuchChange, UsersFile, UsersUnusable, default_file
+from bt_orchestrator.users.folders import NoHome
 
 PASSWORD = 'correct horse'
 
@@ -98,6 +99,18 @@ def test_a_damaged_one_is_told_and_left_alone(users: UsersFile, path: Path, text
     assert path.read_text() == text
 
 
+def test_a_pipe_a_device_and_what_has_no_end_are_no_files_of_users(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / 'pipe', 0o600)
+    os.truncate(os.open(tmp_path / 'huge', os.O_CREAT | os.O_WRONLY, 0o600), 10_000_000)
+    for name in (tmp_path / 'pipe', Path('/dev/zero')):
+        with pytest.raises(
+            UsersUnusable, match='this is a pipe or a device, and no ordinary file'
+        ):
+            UsersFile(name).read()
+    with pytest.raises(UsersUnusable, match='huge: the file is larger than 4 MB'):
+        UsersFile(tmp_path / 'huge').read()
+
+
 @pytest.mark.parametrize(
     ('field', 'value'),
     [
@@ -155,3 +168,16 @@ def test_where_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert default_file(set_) == tmp_path / 'bt_orchestrator' / 'users.yaml'
     monkeypatch.setenv('HOME', '/home/ann')
     assert default_file({}) == Path('/home/ann/.config/bt_orchestrator/users.yaml')
+
+
+def test_a_user_without_a_home_is_told_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Containers run programs under user ids that nobody has."""
+    monkeypatch.delenv('HOME', raising=False)
+    monkeypatch.setattr(Path, 'home', nobodys_home)
+    with pytest.raises(NoHome, match=r'no home folder for user id \d+, .* set HOME or XDG_CONFIG'):
+        default_file({})
+    assert default_file({'XDG_CONFIG_HOME': '/x'}) == Path('/x/bt_orchestrator/users.yaml')
+
+
+def nobodys_home() -> Path:
+    raise RuntimeError('Could not determine home directory.')

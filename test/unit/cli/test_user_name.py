@@ -1,0 +1,28 @@
+"""Who runs a program."""
+
+from __future__ import annotations
+
+import getpass
+
+import pytest
+
+from bt_orchestrator.cli.user_name import user_name
+
+
+@pytest.mark.parametrize('error', [KeyError, OSError, ImportError])
+def test_a_user_id_without_a_name_is_named_by_its_number(
+    error: type[Exception], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As containers have it, which run programs under any user id."""
+
+    def nobody() -> str:
+        raise error('getpwuid(): uid not found: 12345')
+
+    monkeypatch.setattr(getpass, 'getuser', nobody)
+    monkeypatch.setattr('os.getuid', lambda: 12345)
+    assert user_name() == 'user 12345'
+
+
+def test_a_name_can_be_sent_whatever_the_environment_says(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv('LOGNAME', 'J\udcfcrgen')
+    assert user_name() == 'J?rgen'
