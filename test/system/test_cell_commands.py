@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 from cell_processes import CellProcesses, StartCell, run_verb
+from worker_state import SAYS_NOTHING, WorkerState
 
 
 @pytest.fixture
@@ -89,11 +90,13 @@ def test_7_3_pauses_of_two_operators_are_released_one_by_one(small_cell: CellPro
 
 
 def test_7_2_the_cell_suspends_while_its_sink_is_not_ready(start_cell: StartCell) -> None:
-    cell = start_cell(fail=['worker.#0=not_ready:160'])
+    cell = start_cell(fail=[SAYS_NOTHING])
     cell.connect()
+    state = WorkerState(cell)
     cell.run_small()
     status = cell.watch.until_state('Suspended')
     assert status.stop_reason == 'blocked'
     assert status.jobs[0].state == 'Interrupted'
+    state.be_ready()
     assert cell.watch.until_ended('WO-1').packed == 1
     cell.stop()

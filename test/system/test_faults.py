@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 from cell_processes import SMALL_CELL, STATELESS_CELL, CellProcesses, StartCell
+from worker_state import SAYS_NOTHING, WorkerState
 
 from bt_orchestrator.model.goal import SERVER_LEASE_S
 from bt_orchestrator.runtime.flights import GRACE_S
@@ -193,10 +194,12 @@ def test_a_server_that_died_and_stays_away_has_lost_the_task(start_cell: StartCe
 
 def test_a_goal_waits_for_a_server_that_comes_late(start_cell: StartCell) -> None:
     options = ['--ros-args', '-p', 'server_timeout:=30.0']
-    cell = start(start_cell, '=absent:160', text=STATELESS_CELL, run_options=options)
+    shares = ['conveyor,feeder,packer']
+    cell = start(start_cell, text=STATELESS_CELL, shares=shares, run_options=options)
     cell.run_small()
 
     started = cell.watch.until('task.started', task='work')
+    cell.sims.append(cell.start_sim('worker'))
     assert_packed(cell)
     assert cell.watch.reasons('work') == []
     (appeared,) = cell.goals(event='appeared', component='worker')
@@ -266,7 +269,9 @@ def wait_for_ready(cell: CellProcesses, since_seq: int = 0) -> Any:
 
 
 def test_a_component_that_is_not_ready_at_first_is_waited_for(start_cell: StartCell) -> None:
-    cell = start(start_cell, '#0=not_ready:160')
+    cell = start_cell(fail=[SAYS_NOTHING])
+    cell.connect()
+    state = WorkerState(cell)
     cell.run_small()
 
     wait_for_ready(cell)
@@ -274,6 +279,7 @@ def test_a_component_that_is_not_ready_at_first_is_waited_for(start_cell: StartC
     component = worker(told)
     assert (component.ready, component.state, component.available) == (False, 'NOT_READY', True)
     assert not cell.watch.seen('task.started', task='work')
+    state.be_ready()
     assert_packed(cell)
     changes = cell.watch.seen('component.state_changed', component='worker')
     assert changes[-1]['ready']
