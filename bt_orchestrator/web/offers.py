@@ -86,6 +86,7 @@ def job_offers(job: JobStatus, status: CellStatus) -> Sequence[Offer]:
         awaits_start=job.awaits_start,
         unreleased=job.unreleased,
         unavailable=job.unavailable,
+        has_back=_has_back(job, status),
         is_held=job.held,
         is_by_recipe=job.by_recipe,
         left=min(job.to_begin, 1),  # whether any is left: the number changes too often
@@ -104,6 +105,7 @@ def _job_offers(
     awaits_start: bool,
     unreleased: str,
     unavailable: tuple[str, ...],
+    has_back: bool,
     is_held: bool,
     is_by_recipe: bool,
     left: int,
@@ -118,6 +120,7 @@ def _job_offers(
         awaits_start=awaits_start,
         unreleased=unreleased,
         unavailable=unavailable,
+        has_back=has_back,
         is_held=is_held,
         is_by_recipe=is_by_recipe,
         left=left,
@@ -127,6 +130,14 @@ def _job_offers(
     )
     release = [_offer(RELEASE_SCRIPT, unreleased, without=('cell_digest',))] if unreleased else []
     return [*release, *(_offer(request, job) for request in wanted)]
+
+
+def _has_back(job: JobStatus, status: CellStatus) -> bool:
+    """Tell whether a job was made without a component that is in service again."""
+    without = job.anew.without if job.anew is not None else ()
+    return any(
+        one.out_of_service_since is None for one in status.components if one.name in without
+    )
 
 
 def add_offer() -> Offer:

@@ -8,10 +8,12 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from fakes.operator import engineer
 from web.stand_cell import StandCell
 from web.stand_page import stand_page
 
 from bt_orchestrator.model.codec import to_record
+from bt_orchestrator.model.requests import ask
 from bt_orchestrator.web.server import PageServer
 
 
@@ -32,6 +34,11 @@ class Stand:
         with self.cell.lock:
             events = list(self.cell.store.read())
         return [found for event in events if (found := to_record(event))['event'] == kind]
+
+    def ask(self, request: str, reason: str = 'a test', **arguments: object) -> None:
+        """Ask the cell for something as an engineer; it must be accepted."""
+        answer = self.cell.ask(ask(request, engineer('Ann', 'the stand', reason), **arguments))
+        assert answer.accepted, answer
 
 
 @contextmanager

@@ -17,7 +17,7 @@ from fakes.shipped import REFERENCE_CELL, TREES
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.commands import Answer
 from bt_orchestrator.model.jobs.order import WorkOrder
-from bt_orchestrator.model.requests import ask
+from bt_orchestrator.model.requests import Asked, ask
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.ports import CellLink, EventStore, Listener
 from bt_orchestrator.script.cell_file import read_cell
@@ -73,9 +73,12 @@ class StandCell:
 
     def queue(self, *orders: WorkOrder) -> Answer:
         """Queue orders."""
+        by = engineer('Ann', 'the stand', 'to have something to show')
+        return self.ask(ask('queue.add', by, orders=list(orders)))
+
+    def ask(self, asked: Asked) -> Answer:
+        """Ask the cell for something."""
         with self.lock:
-            by = engineer('Ann', 'the stand', 'to have something to show')
-            asked = ask('queue.add', by, orders=list(orders))
             link = VirtualLink(self.node)
             try:
                 return link.ask(asked)

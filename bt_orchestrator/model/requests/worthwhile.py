@@ -75,6 +75,7 @@ def worthwhile_for_job(
     awaits_start: bool,
     unreleased: str,
     unavailable: Sequence[str],
+    has_back: bool,
     is_held: bool,
     is_by_recipe: bool,
     left: int,
@@ -87,6 +88,7 @@ def worthwhile_for_job(
     :param awaits_start: it waits for the start of its order
     :param unreleased: digest of its script, if that is not released
     :param unavailable: components out of service that it needs
+    :param has_back: it was made without a component that is in service again
     :param is_held: a person keeps it from starting
     :param is_by_recipe: its order named a recipe
     :param left: how many of its items have not begun
@@ -98,7 +100,7 @@ def worthwhile_for_job(
         MOVE.word: is_alone,
         NEXT.word: is_next and not is_held and not awaits_start,
         job_control.RESUME.verb: is_cell_stopped,
-        job_control.REQUEUE.verb: not unavailable,
+        job_control.REQUEUE.verb: not unavailable and not has_back,
     }
     possible = of_job(
         word,

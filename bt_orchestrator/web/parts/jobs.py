@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bt_orchestrator.doors.known import Ordered
 from bt_orchestrator.model.codec import to_plain
+from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.jobs.made_anew import MadeAnew
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.status import CellStatus, JobStatus
@@ -36,6 +37,7 @@ def job_part(
         'digest': job.digest,
         'state': job.state.state,
         'substate': job.state.substate,
+        'is_over': job.state in OVER,
         'position': job.position,
         'ending': job.ending,
         'quantity': job.quantity,

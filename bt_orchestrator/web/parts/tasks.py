@@ -17,8 +17,12 @@ from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import CellDescription, JobStatus, SectionStatus, TaskStatus
 from bt_orchestrator.model.status_words import task_label
 from bt_orchestrator.model.wait import Wait
+from bt_orchestrator.web.parts.waits import wait_parts
 
 Part = dict[str, object]
+
+_WAITS = (Mark.WAITING, Mark.FAILED)
+"""Marks whose reason is what their section waits for."""
 
 
 class TaskParts:
@@ -42,7 +46,7 @@ class TaskParts:
         marks = cycle_marks(section, tasks, self._held)
         places = _places(tasks)
         return [
-            self._part(task, mark, place, running.get(task.id), held.get(task.id))
+            self._part(task, mark, place, running.get(task.id), held.get(task.id), section.waits)
             for (task, mark), place in zip(marks, places, strict=True)
         ]
 
@@ -51,14 +55,19 @@ class TaskParts:
     ) -> list[Part]:
         """Return the initialization tasks of a job; before its turn they are all new."""
         tasks = script.initialization
-        running = {one.id: one for one in job.running}
+        running, waits = {one.id: one for one in job.running}, tuple(waits)
         if job.position:
             marks: Iterator[tuple[Task, TaskMark]] = ((task, NEW) for task in tasks)
         else:
             marks = initialization_marks(job, tasks, waits, self._held)
         return [
             self._part(
-                task, mark, (0, 0), running.get(task.id), self._held.get((None, job.id, task.id))
+                task,
+                mark,
+                (0, 0),
+                running.get(task.id),
+                self._held.get((None, job.id, task.id)),
+                waits,
             )
             for task, mark in marks
         ]
@@ -83,6 +92,7 @@ class TaskParts:
         place: tuple[int, int],
         running: TaskStatus | None,
         hold: Hold | None,
+        waits: Iterable[Wait] = (),
     ) -> Part:
         return {
             'id': task.id,
@@ -93,6 +103,8 @@ class TaskParts:
             'track': place[1],
             'mark': mark.mark.name.lower(),
             'reason': why_words(hold.reason, hold.message) if hold else mark.reason,
+            'hold': hold.id if hold else '',
+            'waits': wait_parts(waits) if mark.mark in _WAITS else [],
             'round': running.round if running else 0,
             'attempt': running.attempt if running else hold.attempt if hold else 0,
             'started': running.started if running else None,

@@ -81,8 +81,9 @@ async function begin() {
   onPerson(() => document.body.setAttribute('data-role', who().role));
   addEventListener('hashchange', () => {
     closeDialogs();
+    scrollTo(0, 0);
     showScreen();
-    document.getElementById('main').focus();
+    document.getElementById('main').focus({ preventScroll: true });
   });
   await showScreen();
 }

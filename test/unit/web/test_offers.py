@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from fakes.line import THREE, Line, with_section
 from fakes.operator import engineer
-from fakes.page_parts import offered, page_parts
+from fakes.page_parts import offered, page_parts, status_of
 from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.model.cell_commands import Abort, Clear, Reset, Start, Stop
 from bt_orchestrator.model.jobs.job_commands import AddJobs
+from bt_orchestrator.model.jobs.made_anew import MadeAnew
 from bt_orchestrator.model.jobs.order import Job, RecipeChoice
+from bt_orchestrator.web.offers import job_offers
 
 
 def words(run: VirtualRun) -> set[str]:
@@ -176,6 +179,28 @@ def test_a_job_by_recipe_that_lacks_a_component_can_be_requeued() -> None:
     assert 'job.requeue' not in offered(page_parts(run)['job/K']), 'it has not started'
     run.control('stop', 'J')
     assert 'job.requeue' not in offered(page_parts(run)['job/J'])
+
+
+def test_a_job_that_was_made_without_a_component_can_be_requeued_when_that_is_back() -> None:
+    line, box = Line(3), RecipeChoice(('BOX',))
+    run = VirtualRun(line.cell, line.types)
+    assert run.ask(AddJobs((Job('J', line.script(THREE), 5, recipe=box),))).accepted
+    run.go(until=1.0)
+    status = status_of(run)
+
+    def names(anew: MadeAnew, *away: str) -> list[object]:
+        components = tuple(
+            replace(one, out_of_service_since=1.0 if one.name in away else None)
+            for one in status.components
+        )
+        job = replace(status.jobs[0], anew=anew)
+        return [one['name'] for one in job_offers(job, replace(status, components=components))]
+
+    assert 'job.requeue' in names(MadeAnew(without=('a2',)))
+    assert 'job.requeue' in names(MadeAnew(without=('a2', 'b2')), 'b2')
+    assert 'job.requeue' not in names(MadeAnew(without=('a2',)), 'a2'), 'it would be the same'
+    assert 'job.requeue' not in names(MadeAnew(without=('gone',))), 'the cell has it no more'
+    assert 'job.requeue' not in names(MadeAnew(back=('a2',))), 'it has it already'
 
 
 def test_a_job_is_not_resumed_while_a_person_has_stopped_the_whole_cell() -> None:

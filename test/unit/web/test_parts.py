@@ -49,6 +49,7 @@ def check_parts(run: VirtualRun) -> None:
     for job in status.jobs:
         part = parts[f'job/{job.id}']
         assert (part['left'], part['on_line']) == (job.left, job.on_line)
+        assert part['is_over'] == (job.ended_at is not None)
 
 
 @pytest.mark.parametrize('sections', [3, 5, 9])
@@ -113,8 +114,20 @@ def test_a_held_task_says_why_and_its_hold_what_can_be_answered() -> None:
     part = parts[f'hold/{hold}']
     assert (part['task'], part['item'], part['component']) == ('work', 'J/1', 'a2')
     assert (part['attempt'], part['attempts'], part['is_pause']) == (1, 1, False)
-    assert parts['section/2']['tasks'][0]['reason'].startswith(part['reason'])
+    (task,) = parts['section/2']['tasks']
+    assert task['reason'].startswith(part['reason'])
+    assert (task['hold'], task['waits']) == (hold, [])
     assert parts['cell']['state_kind'] == 'trouble'
+
+
+def test_a_task_that_waits_says_for_what_as_data() -> None:
+    run = Line(3, seconds={'a1': 9.0}).begin(THREE, 3)
+    run.go(until=1.0)
+    assert run.service('a2', out=True).accepted
+    run.go(until=15.0)
+    (task,) = page_parts(run)['section/2']['tasks']
+    assert (task['mark'], task['hold']) == ('waiting', '')
+    assert [(wait['kind'], wait['name']) for wait in task['waits']] == [('out_of_service', 'a2')]
 
 
 def test_initialization_tasks_stand_with_their_job() -> None:

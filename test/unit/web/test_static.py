@@ -5,6 +5,8 @@ from pathlib import Path
 
 from fakes.page_files import STATIC, modules
 
+from bt_orchestrator.model.jobs.isa95 import OVER
+
 ROOMS = ('core', 'asking', 'parts', 'screens')
 """From below; the files beside them are above."""
 
@@ -59,6 +61,13 @@ def test_the_policy_of_the_page_finds_no_inline_style_or_script() -> None:
     for path in modules():
         text = path.read_text(encoding='utf-8')
         assert not re.search(r'innerHTML|outerHTML|insertAdjacentHTML|[{,]\s*style:', text), path
+
+
+def test_no_module_knows_by_itself_which_jobs_are_over() -> None:
+    for path in modules():
+        text = path.read_text(encoding='utf-8')
+        found = [one.value for one in OVER if re.search(rf'[\'"]{one.value}[\'"]', text)]
+        assert not found, path
 
 
 def test_modules_are_short() -> None:

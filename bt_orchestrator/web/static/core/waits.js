@@ -1,6 +1,6 @@
 /** What something waits for, in words. The node says it in English; here it is made from its data. */
 
-import { currentLanguage, t } from './text.js';
+import { currentLanguage, t, tOr } from './text.js';
 
 /** Kinds of waits that say more when they name somebody. */
 const KEYS = [
@@ -9,16 +9,26 @@ const KEYS = [
   { kind: 'zone', by: 'task', key: 'zone_task' },
 ];
 
+/** What a line that is to run empty still does. */
+const AFTER = ['item', 'job'];
+
 /** Of more sections than these only their number is said. */
 const FEW = 3;
 
 /** Say one wait. */
 export function waitWords(wait) {
   if (currentLanguage() === 'en' && wait.words && wait.sections.length <= FEW) return wait.words;
+  if (wait.kind === 'cell_state') return stateWords(wait.name);
   const sections = sectionWords(wait.sections);
   const key = KEYS.find((one) => one.kind === wait.kind && wait[one.by])?.key ?? wait.kind;
   const holder = [wait.task, sections].filter(Boolean).join(', ');
   return t(`wait.${key}`, { name: wait.name, task: wait.task, sections, holder });
+}
+
+/** The state in which nothing starts; or that the line runs empty, after an item or a job. */
+function stateWords(name) {
+  if (AFTER.includes(name)) return t('wait.stop_after');
+  return t('wait.cell_state', { name: tOr(`state.${name}`, name) });
 }
 
 function sectionWords(numbers) {

@@ -3,7 +3,12 @@ import { h } from '../core/dom.js';
 import { part, partsOf } from '../core/store.js';
 import { t, tOr } from '../core/text.js';
 import { inPath } from './links.js';
+import { troubleWords } from './side_lists.js';
+import { busyWith, failureWords } from './task_words.js';
 import { waitWords } from '../core/waits.js';
+
+/** Kinds of links that tell what is wrong with a component itself. */
+const TROUBLES = ['out_of_service', 'readiness'];
 
 /** The name of a part for a person: 'section/3' is Section 3. */
 export function partName(key) {
@@ -62,8 +67,10 @@ export function linkWords(link) {
   if (wait) return waitWords(wait);
   if (link.to?.startsWith('hold/')) return t('wait.hold', { name: apart(link.to)[1] });
   const component = link.kind === 'task' ? part(link.to || link.part) : null;
-  if (component?.task) return t('why.works', { component: component.name, task: component.task });
-  return link.words;
+  if (component?.task)
+    return t('why.works', { component: component.name, task: busyWith(component) });
+  const troubled = TROUBLES.includes(link.kind) ? part(link.part) : null;
+  return troubled?.trouble ? `${troubled.name}: ${troubleWords(troubled)}` : link.words;
 }
 
 /** The chain as a list: each part, and why it waits for the next one. */
@@ -90,11 +97,10 @@ export function causeWords(root) {
   return `${what}. ${tOr(`why.do_${root.kind}`, t('why.do_other'))}`;
 }
 
-function holdWords({ section, task, item, reason, message }) {
-  const place = section ? t('part.section', { number: section }) : '';
-  const why = tOr(`reason.${reason}`, reason);
-  const named = [place, task, item].filter(Boolean).join(', ');
-  return `${named}: ${message ? `${why} (${message})` : why}`;
+function holdWords(hold) {
+  const place = hold.section ? t('part.section', { number: hold.section }) : '';
+  const named = [place, hold.task, hold.item].filter(Boolean).join(', ');
+  return `${named}: ${failureWords(hold)}`;
 }
 
 function rootWords(root) {

@@ -2,14 +2,9 @@
 
 import { percent, seconds, t } from '../core/text.js';
 
-/** Tell whether a job has ended: nothing is to come of it. */
-export function isOver({ state }) {
-  return state === 'Ended' || state === 'Aborted';
-}
-
 /** Say it all in one line; empty: it was ordered so. */
 export function makingWords(job) {
-  if (isOver(job)) return '';
+  if (job.is_over) return ''; // nothing is to come of it
   const rest = job.rest_of ? t('job.is_rest_of', { job: job.rest_of }) : '';
   const lacks = job.position ? [] : job.unavailable; // that of a queued job is its state
   const needs = lacks.length ? t('job.needs', { names: lacks.join(', ') }) : '';

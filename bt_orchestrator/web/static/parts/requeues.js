@@ -1,7 +1,7 @@
-/** Jobs on the line that wait for a component out of service, and can be made without it. */
+/** Jobs on the line that can be made anew: without a component that is away, or with one that is back. */
 
 import { h, keyed, show } from '../core/dom.js';
-import { partsOf } from '../core/store.js';
+import { part, partsOf } from '../core/store.js';
 import { t } from '../core/text.js';
 import { jobLink } from './links.js';
 import { offers } from './offers.js';
@@ -17,12 +17,17 @@ export function requeues() {
     update(component) {
       const jobs = partsOf('job/')
         .map(([, job]) => job)
-        .filter((job) => job.unavailable.includes(component) && offersOf(job).length);
+        .filter((job) => isAbout(job, component) && offersOf(job).length);
       fill(jobs);
       show(element, jobs.length > 0);
     },
     end: () => fill([]),
   };
+}
+
+function isAbout({ unavailable, anew }, name) {
+  const isAway = part(`component/${name}`)?.out_of_service_since !== null;
+  return (isAway ? unavailable : (anew?.without ?? [])).includes(name);
 }
 
 function offersOf(job) {

@@ -4,6 +4,7 @@ import { at, duration, seconds, t, tOr } from '../core/text.js';
 import { againWords } from './again.js';
 import { componentLink, sectionLink } from './links.js';
 import { shape } from '../core/shape.js';
+import { skipWords } from './task_words.js';
 import { values } from './values.js';
 
 const SHAPES = {
@@ -121,7 +122,7 @@ function outcomeWords({ outcome, seconds: took, reason, message }) {
 }
 
 function reasonWords(outcome, reason) {
-  if (outcome === 'skipped') return tOr(`item.skip_${reason.replaceAll(' ', '_')}`, reason);
+  if (outcome === 'skipped') return skipWords(reason);
   return tOr(`reason.${reason}`, reason);
 }
 

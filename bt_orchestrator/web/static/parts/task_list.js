@@ -1,11 +1,12 @@
 /** A whole task list: each task with its mark, its component, its time against the expected one. */
 import { attribute, children, h, keyed, show, text } from '../core/dom.js';
-import { t, tOr } from '../core/text.js';
+import { t } from '../core/text.js';
 import { everySecond } from '../core/tick.js';
 import { componentLink } from './links.js';
 import { mark } from './mark.js';
 import { againWords } from './again.js';
 import { timeWords } from './task_row.js';
+import { taskReason } from './task_words.js';
 
 /** A list of tasks: an element and `update(tasks)`. */
 export function taskList() {
@@ -52,8 +53,9 @@ function makeTask() {
       if (component.textContent !== task.component)
         children(component, componentLink(task.component));
       attribute(element, 'data-track', task.track > 1 ? task.track : null);
-      text(reason, task.mark === 'held' ? tOr(`reason.${task.reason}`, task.reason) : task.reason);
-      show(reason, Boolean(task.reason));
+      const why = taskReason(task);
+      text(reason, why);
+      show(reason, why);
       sayTime();
     },
   };

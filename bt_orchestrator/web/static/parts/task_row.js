@@ -5,6 +5,7 @@ import { shownMoment } from '../core/store.js';
 import { seconds, stopwatch, t } from '../core/text.js';
 import { againWords } from './again.js';
 import { mark } from './mark.js';
+import { taskReason } from './task_words.js';
 import { reshape, shape } from '../core/shape.js';
 
 /** How many times the expected seconds are late. */
@@ -64,7 +65,7 @@ function isLate(task) {
 
 function titleOf(task) {
   const again = againWords(task);
-  return [task.id, task.name, task.component, t(`mark.${task.mark}`), again, task.reason]
+  return [task.id, task.name, task.component, t(`mark.${task.mark}`), again, taskReason(task)]
     .filter(Boolean)
     .join(' · ');
 }

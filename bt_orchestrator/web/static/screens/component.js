@@ -12,6 +12,7 @@ import { offers } from '../parts/offers.js';
 import { requeues } from '../parts/requeues.js';
 import { troubleWords } from '../parts/side_lists.js';
 import { taskList } from '../parts/task_list.js';
+import { busyWith } from '../parts/task_words.js';
 import { jsonValues } from '../parts/values.js';
 
 /** Show it in a root; `route.id` is its name. */
@@ -38,7 +39,7 @@ class Component {
     this.history = history(`/api/components/${inPath(name)}/history`);
     this.body = h(
       'div',
-      {},
+      { class: 'screen-body' },
       this.trouble,
       this.offers.element,
       this.requeues.element,
@@ -125,7 +126,7 @@ class Component {
         ),
       ],
       ['state', component.state],
-      ['task', component.task],
+      ['task', component.task && busyWith(component)],
       ['sections', sections.length ? sections : t('component.no_section')],
       ['action', component.action],
       ['type', described?.type],

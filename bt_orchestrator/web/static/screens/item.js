@@ -26,28 +26,17 @@ class Item {
     this.about = h('p', { class: 'about' });
     this.note = h('p', { class: 'remark', role: 'status' });
     this.story = h('section', { class: 'panel' });
+    const path = `/api/items/${inPath(id)}`;
+    const link = (word, href, download) =>
+      h('a', { class: 'button', href, download, hidden: true }, t(word));
+    this.downloads = [
+      link('item.document', `${path}/record.html`, ''),
+      link('item.download', path, `${id.replaceAll('/', '-')}.json`),
+    ];
     this.element = h(
       'div',
       { class: 'screen' },
-      h(
-        'div',
-        { class: 'screen-head' },
-        h('h1', {}, t('item.title', { item: id })),
-        h(
-          'a',
-          { class: 'button', href: `/api/items/${inPath(id)}/record.html`, download: '' },
-          t('item.document'),
-        ),
-        h(
-          'a',
-          {
-            class: 'button',
-            href: `/api/items/${inPath(id)}`,
-            download: `${id.replaceAll('/', '-')}.json`,
-          },
-          t('item.download'),
-        ),
-      ),
+      h('div', { class: 'screen-head' }, h('h1', {}, t('item.title', { item: id })), this.downloads),
       this.about,
       this.note,
       this.story,
@@ -58,8 +47,10 @@ class Item {
     try {
       this.#show(await get(`/api/items/${inPath(this.id)}`));
     } catch (refused) {
-      text(this.note, refused.message || t('jobs.silent'));
+      const isUnknown = refused.status === 404;
+      text(this.note, isUnknown ? t('item.unknown') : refused.message || t('jobs.silent'));
     }
+    for (const one of [...this.downloads, this.story]) show(one, Boolean(this.before));
     show(this.note, Boolean(this.note.textContent));
   }
 

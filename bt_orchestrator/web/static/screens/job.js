@@ -7,7 +7,7 @@ import { jobBar } from '../parts/bar.js';
 import { failureTable } from '../parts/failures.js';
 import { inPath, itemLink, jobLink } from '../parts/links.js';
 import { anewWords } from '../parts/making.js';
-import { recipeWords } from '../parts/job_row.js';
+import { jobStateWords, recipeWords } from '../parts/job_row.js';
 import { offers } from '../parts/offers.js';
 import { table } from '../parts/table.js';
 import { values } from '../parts/values.js';
@@ -39,6 +39,14 @@ class Job {
     this.note = h('p', { class: 'remark', role: 'status' });
     this.items = itemTable();
     this.failures = failureTable();
+    this.downloads = this.#downloads();
+    this.body = h(
+      'div',
+      { class: 'screen-body', hidden: true },
+      h('section', { class: 'panel' }, h('h2', {}, t('job.about')), this.about, this.params),
+      h('section', { class: 'panel' }, h('h2', {}, t('failure.title')), this.failures.element),
+      h('section', { class: 'panel' }, h('h2', {}, t('job.items')), this.items.element),
+    );
     this.element = h(
       'div',
       { class: 'screen' },
@@ -46,14 +54,12 @@ class Job {
         'div',
         { class: 'screen-head' },
         h('h1', {}, t('chain.job', { name: id })),
-        this.#downloads(),
+        this.downloads,
       ),
       this.bar.element,
       this.offers.element,
       this.note,
-      h('section', { class: 'panel' }, h('h2', {}, t('job.about')), this.about, this.params),
-      h('section', { class: 'panel' }, h('h2', {}, t('failure.title')), this.failures.element),
-      h('section', { class: 'panel' }, h('h2', {}, t('job.items')), this.items.element),
+      this.body,
     );
   }
 
@@ -73,7 +79,8 @@ class Job {
     try {
       this.#show(await get(this.url));
     } catch (refused) {
-      text(this.note, refused.message || t('jobs.silent'));
+      const isUnknown = refused.status === 404;
+      text(this.note, isUnknown ? t('job.unknown') : refused.message || t('jobs.silent'));
       show(this.note, true);
     }
   }
@@ -85,16 +92,19 @@ class Job {
         { class: 'button', href: `${this.url}/items.${kind}`, download: true },
         t(`job.${kind}`),
       );
-    return h('span', { class: 'downloads' }, link('csv'), link('json'));
+    return h('span', { class: 'downloads', hidden: true }, link('csv'), link('json'));
   }
 
   #show({ job, items, failures, is_whole: isWhole, why_not: whyNot }) {
     text(this.note, isWhole ? '' : whyNot);
     show(this.note, !isWhole);
+    show(this.body, true);
+    show(this.downloads, true);
     this.items.show(items);
     this.failures.show(failures);
+    const now = part(`job/${this.id}`);
     const facts = [
-      ['status', t(`job.is_${job.status}`)],
+      ['status', now && !now.is_over ? jobStateWords(now) : t(`job.is_${job.status}`)],
       ['reason', job.reason],
       ['script', job.script],
       ['recipe', recipeWords(job)],

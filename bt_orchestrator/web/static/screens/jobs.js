@@ -110,7 +110,7 @@ function serialSearch() {
   };
   return h(
     'form',
-    { class: 'screen-head', role: 'search', onsubmit: search },
+    { class: 'screen-head serial-search', role: 'search', onsubmit: search },
     h('label', {}, `${t('jobs.serial')} `, field),
     h('button', { type: 'submit' }, t('jobs.search')),
     found,

@@ -2,7 +2,10 @@
 
 import { Refused, get } from '../core/api.js';
 import { ask } from '../asking/ask.js';
-import { h, show, text } from '../core/dom.js';
+import { attribute, h, show, text } from '../core/dom.js';
+import { may, onPerson, who } from '../core/me.js';
+import { rolesOf } from '../core/requests.js';
+import { shape } from '../core/shape.js';
 import { part, subscribe } from '../core/store.js';
 import { t } from '../core/text.js';
 import { checking } from './order/checking.js';
@@ -13,12 +16,19 @@ export function mount(root) {
   const said = h('p', { class: 'order-said', role: 'status' });
   const done = h('p', { class: 'order-done', role: 'status', hidden: true });
   const form = orderForm(changed, () => check.later());
-  const go = h('button', { type: 'submit', class: 'primary', 'data-do': 'order' }, t('order.go'));
+  const lock = shape('lock');
+  const go = h(
+    'button',
+    { type: 'submit', class: 'primary', 'data-do': 'order' },
+    lock,
+    ` ${t('order.go')}`,
+  );
+  const whose = h('p', { class: 'hint' });
   const whole = h(
     'form',
     { class: 'order-form', novalidate: true, onsubmit: send },
     form.element,
-    h('div', { class: 'order-buttons' }, said, go),
+    h('div', { class: 'order-buttons' }, said, whose, go),
   );
   const check = checking(form, said);
   let isChecked = false;
@@ -56,9 +66,23 @@ export function mount(root) {
     return form.another();
   }
 
+  /** Who may not give orders sees it before the form is filled in. */
+  function judge() {
+    const offer = part('cell')?.add;
+    const isMine = !offer || !who().name || may(offer.name);
+    attribute(go, 'data-locked', !isMine);
+    lock.style.display = isMine ? 'none' : '';
+    text(whose, isMine ? '' : t('ask.not_your_role', { roles: rolesOf(offer.roles) }));
+  }
+
+  function update() {
+    form.setQueued(part('cell')?.queued ?? 0);
+    judge();
+  }
+
   load(form, said);
-  const ends = [subscribe('cell', () => form.setQueued(part('cell')?.queued ?? 0))];
-  form.setQueued(part('cell')?.queued ?? 0);
+  const ends = [subscribe('cell', update), onPerson(judge)];
+  update();
   return () => {
     check.end();
     ends.forEach((end) => end());

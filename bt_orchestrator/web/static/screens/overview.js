@@ -11,7 +11,6 @@ import { sectionCard } from '../parts/section_card.js';
 import { shiftCard } from '../parts/shift_card.js';
 import { flagList, troubleList } from '../parts/side_lists.js';
 
-const OVER = ['Ended', 'Aborted'];
 const MOST_JOBS = 12;
 const MOST_ENDED = 2;
 
@@ -126,8 +125,8 @@ function jobList() {
     ),
     update() {
       const all = partsNamed('job', part('cell')?.jobs);
-      const open = all.filter((job) => !OVER.includes(job.state));
-      const ended = all.filter((job) => OVER.includes(job.state)).slice(-MOST_ENDED);
+      const open = all.filter((job) => !job.is_over);
+      const ended = all.filter((job) => job.is_over).slice(-MOST_ENDED);
       const left =
         open.length > MOST_JOBS
           ? (part('cell')?.queued ?? 0) -

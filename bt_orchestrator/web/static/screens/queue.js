@@ -4,7 +4,6 @@ import { attribute, h, keyed, show, text } from '../core/dom.js';
 import { onPerson } from '../core/me.js';
 import { part, subscribe } from '../core/store.js';
 import { t } from '../core/text.js';
-import { isOver } from '../parts/making.js';
 import { jobRow } from './queue/job_row.js';
 import { moreJobs } from './queue/more_jobs.js';
 import { moving } from './queue/moving.js';
@@ -35,9 +34,9 @@ export function mount(root, route) {
     const queue = [...waiting, ...more.jobs()];
     const begun = listed.filter((job) => !job.position);
     move.update(queue, cell.queued);
-    groups.line.update(begun.filter((job) => !isOver(job)));
+    groups.line.update(begun.filter((job) => !job.is_over));
     groups.queue.update(queue, cell.queued);
-    groups.ended.update(begun.filter(isOver).reverse());
+    groups.ended.update(begun.filter((job) => job.is_over).reverse());
     show(stops, cell.stop_after);
     text(stops, cell.stop_after ? t(`stands.stop_after_${cell.stop_after}`) : '');
   }

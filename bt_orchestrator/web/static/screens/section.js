@@ -9,6 +9,7 @@ import { history } from '../parts/history.js';
 import { holdList } from '../parts/hold_list.js';
 import { componentLink, itemLink, jobLink, sectionLink } from '../parts/links.js';
 import { offers } from '../parts/offers.js';
+import { troubleWords } from '../parts/side_lists.js';
 import { taskList } from '../parts/task_list.js';
 import { waitWords } from '../core/waits.js';
 
@@ -40,7 +41,7 @@ class Section {
     this.after = h('span');
     this.body = h(
       'div',
-      {},
+      { class: 'screen-body' },
       this.about,
       this.holds.element,
       h(
@@ -117,7 +118,9 @@ class Section {
       .filter((one) => one.sections.includes(this.number));
     children(
       this.components,
-      here.map((one) => h('li', {}, componentLink(one.name), ' ', one.trouble || one.state)),
+      here.map((one) =>
+        h('li', {}, componentLink(one.name), ' ', one.trouble ? troubleWords(one) : one.state),
+      ),
     );
   }
 

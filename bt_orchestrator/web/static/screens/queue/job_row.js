@@ -101,6 +101,8 @@ export function jobRow(id, context) {
     const isQueued = job.position > 0;
     const canMove = job.offers.some((offer) => offer.name === BY_HANDLE);
     attribute(element, 'data-state', job.state);
+    attribute(element, 'data-substate', job.substate || null);
+    attribute(element, 'data-over', job.is_over);
     attribute(element, 'data-position', job.position || null);
     show(handle, isQueued);
     handle.disabled = !canMove;

@@ -21,9 +21,8 @@ function roughly(seconds) {
 }
 
 /** Say when it is due, and by how much that is missed. */
-export function dueWords({ due, ends, state }) {
+export function dueWords({ due, ends, is_over: isOver }) {
   if (!due) return { words: '', isLate: false };
-  const isOver = state === 'Ended' || state === 'Aborted';
   const late = (isOver ? 0 : Math.max(ends ?? 0, clock())) - due;
   if (late <= 0) return { words: about(due), isLate: false };
   const isPast = clock() > due;

@@ -1,0 +1,67 @@
+"""A German page is German: only names, and what devices and people said, stay as they are."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from page.browsing import Person
+from page.conftest import Sit
+from page.stands import Stand, stand
+
+SCREENS = ('overview', 'queue', 'section/3', 'section/4', 'component/component_3a', 'job/WO-1001')
+FREE = ('aborted by the simulated controller', 'its grip is worn')
+"""What a device and a person said."""
+
+_ENGLISH = re.compile(
+    r'\b(the|of|for|is|to|and|by|which|with|waiting|waits|taken|not|out|done|item|section|belt)\b'
+)
+
+
+@pytest.fixture(scope='module')
+def held(tmp_path_factory: pytest.TempPathFactory, browser: Any) -> Iterator[Stand]:
+    """Give a line that is Held, and a component out of service."""
+    with stand(tmp_path_factory.mktemp('stand')) as one:
+        person = Person(browser, f'http://127.0.0.1:{one.port}')
+        tab = person.open()
+        tab.until(lambda: tab.count('[data-hold]'), 'a hold')
+        one.ask('component.out_of_service', FREE[1], component='component_2a')
+        tab.until(lambda: tab.count('[data-component="component_2a"]'), 'what is out of service')
+        person.leave()
+        yield one
+
+
+def test_no_screen_says_english_words(held: Stand, sit: Sit) -> None:
+    tab = sit(held.port, locale='de-DE').open()
+    tab.until_news()
+    found = {}
+    for screen in SCREENS:
+        tab.go(screen)
+        tab.until_quiet()
+        if english := english_lines(tab.page.locator('body').inner_text()):
+            found[screen] = english
+    assert not found
+
+
+def test_why_the_line_waits_is_said_in_german(held: Stand, sit: Sit) -> None:
+    tab = sit(held.port, locale='de-DE').open('why')
+    for reason in tab.page.locator('.reason').all():
+        reason.click()
+    tab.until_quiet()
+    assert tab.count('.reason') > 3
+    assert not english_lines(tab.page.locator('[aria-labelledby="why-reasons"]').inner_text())
+
+
+def test_english_words_are_found(held: Stand, sit: Sit) -> None:
+    assert english_lines('wartet auf Zone a\nwaiting for zone a') == ['waiting for zone a']
+    tab = sit(held.port, locale='en-GB').open()
+    tab.until_news()
+    assert len(english_lines(tab.page.locator('body').inner_text())) > 5
+
+
+def english_lines(text: str) -> list[str]:
+    for said in FREE:
+        text = text.replace(said, '')
+    return [line for line in text.splitlines() if _ENGLISH.search(line)]

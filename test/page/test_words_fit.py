@@ -1,0 +1,113 @@
+"""Words have room: none is broken inside, and what the top bar says is not cut."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from page.browsing import Person, Tab
+from page.conftest import Sit
+from page.stands import Stand, stand
+
+SCREENS = ('overview', 'queue', 'order', 'section/4', 'tree', 'jobs', 'item/WO-1001/1')
+SIZES = ((1280, 800), (768, 1024), (390, 844))
+MOST_LETTERS = 12
+"""Longer words, as names may be, are broken where there is no room."""
+
+_BROKEN = """
+most => {
+  const found = [];
+  const texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  while (texts.nextNode()) {
+    const node = texts.currentNode;
+    if (!node.parentElement.checkVisibility({ visibilityProperty: true })) continue;
+    if (node.parentElement.closest('.for-readers')) continue;
+    for (const word of node.data.matchAll(/[^\\s\\/-]+/g)) {
+      if (word[0].length > most) continue;
+      const range = document.createRange();
+      range.setStart(node, word.index);
+      range.setEnd(node, word.index + word[0].length);
+      const lines = new Set([...range.getClientRects()].map((one) => Math.round(one.top)));
+      if (lines.size > 1) found.push(word[0]);
+    }
+  }
+  return found;
+}
+"""
+
+_CUT = """
+() => [...document.querySelectorAll('.cell-name, .state-word, .state-since, nav a')]
+  .filter((one) => one.scrollWidth > one.clientWidth + 1 && one.clientWidth > 0
+    || one.getBoundingClientRect().right > innerWidth)
+  .map((one) => one.textContent)
+"""
+
+
+@pytest.fixture(scope='module')
+def held(tmp_path_factory: pytest.TempPathFactory, browser: Any) -> Iterator[Stand]:
+    """Give a line that is Held, and a component out of service that jobs in the queue need."""
+    with stand(tmp_path_factory.mktemp('stand')) as one:
+        person = Person(browser, f'http://127.0.0.1:{one.port}')
+        tab = person.open()
+        tab.until(lambda: tab.count('[data-hold]'), 'a hold')
+        one.ask('component.out_of_service', component='component_3b')
+        tab.until(lambda: tab.count('[data-component="component_3b"]'), 'what is out of service')
+        person.leave()
+        yield one
+
+
+@pytest.mark.parametrize('language', ['en-GB', 'de-DE'])
+def test_no_word_is_broken_and_the_top_bar_is_whole(held: Stand, sit: Sit, language: str) -> None:
+    tab = sit(held.port, locale=language).open()
+    tab.until_news()
+    found = {}
+    for width, height in SIZES:
+        tab.page.set_viewport_size({'width': width, 'height': height})
+        for screen in SCREENS:
+            tab.go(screen)
+            tab.until_quiet()
+            if wrong := broken(tab) + cut(tab):
+                found[width, screen] = wrong
+    assert not found
+
+
+def test_a_broken_word_and_a_cut_name_are_found(held: Stand, sit: Sit) -> None:
+    tab = sit(held.port).open()
+    tab.until_news()
+    assert (broken(tab), cut(tab)) == ([], [])
+    tab.page.evaluate("""() => {
+      document.querySelector('main h2').style.width = '1px';
+      document.querySelector('.cell-name').style.width = '10px';
+    }""")
+    assert broken(tab)
+    assert cut(tab) == [held.cell.cell.name]
+
+
+def test_each_screen_begins_at_its_top(held: Stand, sit: Sit) -> None:
+    tab = sit(held.port, viewport={'width': 390, 'height': 600}).open()
+    for screen in ('queue', 'jobs', 'overview'):
+        tab.page.evaluate('scrollTo(0, 300)')
+        tab.until(lambda: tab.page.evaluate('scrollY'), 'the page to be scrolled')
+        tab.go(screen)
+        tab.until_quiet()
+        assert tab.page.evaluate('scrollY') == 0
+
+
+def test_nothing_is_claimed_of_what_is_not_known(held: Stand, sit: Sit) -> None:
+    tab = sit(held.port, locale='de-DE').open()
+    for screen in ('job/WO-9', 'item/WO-9/1'):
+        tab.go(screen)
+        tab.until(lambda: tab.page.locator('main .remark').inner_text(), 'a remark')
+        assert tab.page.locator('main .remark').inner_text().startswith('Von diesem')
+        assert not tab.page.locator('main a.button, main table').filter(visible=True).count()
+
+
+def broken(tab: Tab) -> list[str]:
+    found: list[str] = tab.page.evaluate(_BROKEN, MOST_LETTERS)
+    return found
+
+
+def cut(tab: Tab) -> list[str]:
+    found: list[str] = tab.page.evaluate(_CUT)
+    return found
