@@ -18,6 +18,14 @@ WHO, ORIGIN = 'bt_orchestrator', 'the node, by itself'
 """Who changes such a job, in its record."""
 
 
+_OF_INTEREST = (
+    e.ComponentOutOfService,
+    e.ComponentInService,
+    e.OrchestratorStarted,
+    e.OrderEvent,
+)
+
+
 class QueueAnew:
     """Has one job after the other made anew, behind what brought it about.
 
@@ -45,7 +53,8 @@ class QueueAnew:
     def publish(self, events: Sequence[e.Event]) -> None:
         """Note which jobs have to be made anew."""
         for event in events:
-            self._note(event)
+            if isinstance(event, _OF_INTEREST):
+                self._note(event)
         if self._wanted and not self._works:
             self._works = True
             self._later(lambda: begin(self._work()))

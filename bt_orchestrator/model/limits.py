@@ -171,6 +171,8 @@ def rough_size(value: Any) -> int:
     """Return about how many bytes a plain value takes as JSON, without making it."""
     if isinstance(value, str):
         return len(value) + 2
+    if value is None or isinstance(value, (float, int)):  # a bool is one
+        return 8
     if isinstance(value, Mapping):
         return sum(len(key) + 4 + rough_size(member) for key, member in value.items())
     if isinstance(value, (list, tuple)):
@@ -190,6 +192,8 @@ def without_longest(fields: Mapping[str, Any], most: int) -> dict[str, Any]:
     """Return fields without the longest ones, so that all take at most about `most` bytes."""
     sizes = {name: rough_size(value) for name, value in fields.items()}
     total = sum(sizes.values())
+    if total <= most:
+        return dict(fields)
     for name in sorted(sizes, key=lambda name: -sizes[name]):
         if total <= most:
             break

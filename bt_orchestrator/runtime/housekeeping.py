@@ -104,8 +104,8 @@ class Housekeeping:
         if self._next_turn is not None:
             turn, self._next_turn = self._next_turn, None
             turn.give(None)
-        elif self._state.seq != self._failed_seq:
-            begin(self._piece(quiet=quiet))
+        elif self._state.seq != self._failed_seq and (quiet or self._is_overdue):
+            begin(self._piece())
 
     def finish(self) -> None:
         """Store a snapshot for the next start, if the disk allows it."""
@@ -122,14 +122,29 @@ class Housekeeping:
         except Exception as error:  # noqa: BLE001 - the node ends all the same
             log.warning('%s: the next start replays more events', error)
 
-    async def _piece(self, *, quiet: bool) -> None:
-        behind = self._state.seq - max(self._saved_seq, self._failed_seq)
-        ended = len(self._state.ended.keys() - self._noted)
+    @property
+    def _behind(self) -> int:
+        """Events since the last snapshot, or the last failure."""
+        return self._state.seq - max(self._saved_seq, self._failed_seq)
+
+    @property
+    def _ended(self) -> int:
+        """Ended jobs that are not stored yet."""
+        return len(self._state.ended.keys() - self._noted)
+
+    @property
+    def _is_overdue(self) -> bool:
+        """Tell whether a snapshot is due though something happens at this moment."""
+        if self._behind >= max(SNAPSHOT_AT_LATEST, self._worth):
+            return True
+        return len(self._state.ended) >= ENDED_AT_LATEST and self._ended >= ENDED_AT_LATEST
+
+    async def _piece(self) -> None:
         try:
-            if behind >= max(SNAPSHOT_AT_LATEST, self._worth) or ended >= ENDED_AT_LATEST:
+            if self._is_overdue:
                 await self._save()
-            elif quiet:
-                await self._at_leisure(behind, ended)
+            else:
+                await self._at_leisure(self._behind, self._ended)
         except Exception as error:  # noqa: BLE001 - whatever it is, the cell goes on
             log.warning('%s: no snapshot, nothing removed; tried again later', error)
             self._failed_seq, self._remove_before = self._state.seq, 0

@@ -66,9 +66,7 @@ class ActionLink:
         self._goals = OpenGoals(self._clients, news)
         self._rivals = Rivals(self._clients, partial(fresh_node, RIVALS_FRESH_S))
         self._strangers = Strangers(self._clients, self._goals)
-        self._follower = GoalFollower(
-            self._clients, self._goals, self._server, self._rivals, self._logger
-        )
+        self._follower = GoalFollower(self._clients, self._goals, self._rivals, self._logger)
         self._watch = ServerWatch(
             self._action, self._clients, self._goals, self._follower, self._rivals, self._logger
         )
@@ -100,6 +98,7 @@ class ActionLink:
     def look(self) -> SeenContest | None:
         """Look who is there, once a second; return what has changed since the last time."""
         self._rivals.look_afresh()
+        self._server.look()
         seen = self._strangers.seen(self._component, self._rivals.look())
         if seen == self._told:
             return None

@@ -7,6 +7,8 @@ from collections.abc import Sequence
 
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
+from bt_orchestrator.ros.executor.handles import id_of
+
 UNNAMED = '_NODE_NAME_UNKNOWN_'
 """As rmw writes it."""
 
@@ -18,7 +20,7 @@ def is_named(endpoint: TopicEndpointInfo) -> bool:
 
 def endpoint_id(endpoint: TopicEndpointInfo) -> str:
     """Return an id that no other endpoint has."""
-    return bytes(endpoint.endpoint_gid).hex()
+    return id_of(endpoint.endpoint_gid)
 
 
 def owners(endpoints: Sequence[TopicEndpointInfo]) -> tuple[str, ...]:

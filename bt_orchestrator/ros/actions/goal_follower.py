@@ -18,7 +18,6 @@ from bt_orchestrator.ros.actions.goal_client import GoalClient
 from bt_orchestrator.ros.actions.open_goals import GIVEN_UP, OpenGoals
 from bt_orchestrator.ros.actions.renewable_client import RenewableClient
 from bt_orchestrator.ros.actions.rivals import Rivals
-from bt_orchestrator.ros.actions.seen_server import SeenServer
 from bt_orchestrator.ros.executor.callbacks import report
 from bt_orchestrator.ros.types.messages import to_plain
 
@@ -46,13 +45,11 @@ class GoalFollower:
         self,
         clients: RenewableClient,
         goals: OpenGoals,
-        server: SeenServer,
         rivals: Rivals,
         logger: RcutilsLogger,
     ) -> None:
         self._clients = clients
         self._goals = goals
-        self._server = server
         self._rivals = rivals
         self._logger = logger
 
@@ -105,8 +102,6 @@ class GoalFollower:
         if goal.accepted or goal.end is not None:
             return
         self._goals.accept(goal)
-        # Now, while the goal runs, and not before the next goal, which must not be delayed.
-        self._server.look()
         self.ask(goal, is_check=False)
         self.repeat_cancel(goal)
 

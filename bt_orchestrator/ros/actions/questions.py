@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence, Sized
-from functools import partial
 from typing import Any
 
 from rclpy.node import Node
@@ -85,11 +84,22 @@ class Questions:
             return bool(self.handle.service_server_is_available())
 
     def take(self) -> Sequence[Call]:
-        """Take all answers that have come, each with what is to be called."""
-        with self.handle:
-            taken = list(iter(partial(self.handle.take_response, self._response), (None, None)))
-        found = ((self._asked(header.request_id.sequence_number, r), r) for header, r in taken)
-        return [(answered, response) for answered, response in found if answered is not None]
+        """Take the answers that have come, each with what is to be called.
+
+        One at least, and more as long as questions are open: to hear from the middleware that
+        there is no more takes as long as an answer. What else has come is for a later turn.
+        """
+        calls: list[Call] = []
+        while True:
+            with self.handle:
+                header, response = self.handle.take_response(self._response)
+            if header is None:
+                return calls
+            answered = self._asked(header.request_id.sequence_number, response)
+            if answered is not None:
+                calls.append((answered, response))
+            if not self._open:
+                return calls
 
     def _asked(self, sequence: int, response: Any) -> Answered | None:
         """Return what is to be called with a response; the last one closes the question."""

@@ -11,8 +11,8 @@ from rclpy.qos import qos_profile_action_status_default
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 from unique_identifier_msgs.msg import UUID
 
-from bt_orchestrator.ros.actions.endpoints import endpoint_id
 from bt_orchestrator.ros.actions.last_message import LastMessage
+from bt_orchestrator.ros.executor.handles import publisher_ids
 
 _ACTIVE = (GoalStatus.STATUS_ACCEPTED, GoalStatus.STATUS_EXECUTING, GoalStatus.STATUS_CANCELING)
 
@@ -27,6 +27,7 @@ class ServerStatus:
     def __init__(self, node: Node, action: str) -> None:
         self._node = node
         self._name = f'{action}/_action/status'
+        self._full_name = node.resolve_topic_name(self._name)
         self._topic = LastMessage(
             node, GoalStatusArray, self._name, qos_profile_action_status_default
         )
@@ -51,10 +52,10 @@ class ServerStatus:
     def publisher_id(self) -> str | None:
         """Return an id of the publisher, which no other instance of the server has.
 
-        None: there is no server, or more than one. Takes a tenth of a millisecond.
+        None: there is no server, or more than one. Goes through the whole ROS graph.
         """
-        publishers = self.publishers_info()
-        return endpoint_id(publishers[0]) if len(publishers) == 1 else None
+        ids = publisher_ids(self._node, self._full_name)
+        return ids[0] if len(ids) == 1 else None
 
     def of(self, goal_id: UUID) -> int | None:
         """Return a goal's status (action_msgs/GoalStatus); None: it is not listed.

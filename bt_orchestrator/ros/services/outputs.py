@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 from bt_orchestrator_interfaces.msg import CellDescription, Status
@@ -10,7 +9,6 @@ from bt_orchestrator_interfaces.msg import Event as EventMessage
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 
-from bt_orchestrator.deadlines import instant_ns
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.events import (
     BeatStarted,
@@ -40,9 +38,6 @@ from bt_orchestrator.runtime.overview import Overview, description_of
 STATUS_PERIOD_S = 0.1
 """Shortest time between two status messages."""
 
-UNWATCHED_S = 0.5
-"""The same without subscribers, while ordinary work goes on; for subscribers that come later."""
-
 PROGRESS = (TaskEvent, CycleEvent, ItemEvent, BeatStarted, BeltIndexStarted, BeltIndexed)
 """Events of the ordinary work, as opposed to orders, holds, decisions and states of the cell."""
 
@@ -66,8 +61,8 @@ class StatusTopic:
     """`~/status`, latched: built outside the tick, at most ten times a second.
 
     Implements `ports.EventSink`. What happens hurries the next message on; while nothing does, or
-    nobody listens to the ordinary work, it comes seldom. While the journal is waited for, the
-    state is ahead of it: the last message is said again, and that the disk is waited for.
+    nobody listens to the ordinary work, it comes once a second. While the journal is waited for,
+    the state is ahead of it: the last message is said again, and that the disk is waited for.
     """
 
     def __init__(
@@ -86,8 +81,7 @@ class StatusTopic:
         self._writer = StatusWriter()
         self._last: Status | None = None
         """None: there is nothing yet that the journal holds."""
-        self._within_s = math.inf
-        self._timer = steady_timer(node, UNWATCHED_S, self.publish_now)
+        self._timer = steady_timer(node, STATUS_PERIOD_S, self.publish_now)
         self._timer.cancel()
         pulse.add(self._refresh)
 
@@ -102,21 +96,24 @@ class StatusTopic:
             self._last.disk_wait = self._orchestrator.disk_wait
         if self._last is not None:
             self._publisher.publish(self._last)
-        self._within_s = math.inf
         self._timer.cancel()
 
     def publish(self, events: Sequence[Event]) -> None:
         """Schedule a status that includes these events."""
-        is_progress = all(isinstance(event, PROGRESS) for event in events)
-        is_unheard = is_progress and not self._publisher.get_subscription_count()
-        within_s = UNWATCHED_S if is_unheard else STATUS_PERIOD_S
-        if within_s < self._within_s:
-            self._within_s = within_s
-            self._timer.timer_period_ns = instant_ns(within_s)
+        if self._timer.is_canceled() and not self._is_unheard(events):
             self._timer.reset()
 
+    def _is_unheard(self, events: Sequence[Event]) -> bool:
+        """Tell whether nobody listens to the ordinary work that these events are."""
+        if self._publisher.get_subscription_count():
+            return False
+        return all(isinstance(event, PROGRESS) for event in events)
+
     def _refresh(self) -> None:
-        """Publish again although nothing happened: availability and feedback are no events."""
+        """Publish once a second what no event has scheduled.
+
+        Availability and feedback are no events, and who listens later sees the work until then.
+        """
         if self._timer.is_canceled():
             self.publish_now()
 
