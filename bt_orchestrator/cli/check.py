@@ -6,8 +6,9 @@ import argparse
 import dataclasses
 import json
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import partial
+from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -25,6 +26,7 @@ from bt_orchestrator.model.recipe import Recipe
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import ActionTypes
 from bt_orchestrator.report.pace_text import script_pace
+from bt_orchestrator.script.checks.timeless import of_recipe, of_scripts, timeless
 from bt_orchestrator.script.checks.warnings import ReadScript, warnings
 from bt_orchestrator.script.lookup import find_script
 from bt_orchestrator.script.orders.order_file import is_order
@@ -95,12 +97,17 @@ def check(args: argparse.Namespace, types: ActionTypes) -> int:
     if args.json:
         print(json.dumps({**_plain_checked(checked), 'ok': is_fine}))
         return int(not is_fine)
-    for warning in checked.warnings:
-        what = f'warning: {warning.what}'
-        print(dataclasses.replace(warning, what=what), file=sys.stderr)
+    warn(checked.warnings)
     if is_fine:
         print('\n'.join(_lines(checked)))
     return int(not is_fine)
+
+
+def warn(found: Iterable[Finding]) -> None:
+    """Print warnings on the standard error."""
+    for warning in found:
+        what = f'warning: {warning.what}'
+        print(dataclasses.replace(warning, what=what), file=sys.stderr)
 
 
 class _Checked(NamedTuple):
@@ -135,8 +142,12 @@ def _read(args: argparse.Namespace, types: ActionTypes) -> _Checked:
     cell, scripts = loaded
     paths = [find_script(name, folders) for name in names]
     given = [ReadScript(path, script) for path, script in zip(paths, scripts, strict=True)]
+    jobs = [one.job for one in bound[1]]
     found = warnings(args.cell, cell, given, folders, types)
-    return _Checked(cell, scripts, recipes, [one.job for one in bound[1]], found)
+    ordered = of_scripts(job.script for job in jobs if job.script not in scripts)
+    kinds = chain(chain.from_iterable(of_recipe(one, cell) for one in recipes), ordered)
+    found += timeless(args.cell, cell, kinds)
+    return _Checked(cell, scripts, recipes, jobs, found)
 
 
 def _lines(checked: _Checked) -> Iterator[str]:

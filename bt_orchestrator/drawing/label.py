@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from bt_orchestrator.drawing.style import INK
 
 CARD_COLUMNS = 34
 """Letters in a line of a card: longer ones are broken, so that columns stay narrow."""
+
+_INDENT = '  '
+_SIGNS = '_/.-'
+"""Between the words of an id, a topic, a reference."""
 
 LINE_HEIGHT = 1.2
 """Height of a line as a multiple of its font size."""
@@ -70,5 +75,16 @@ def one_entry(*texts: Text, width: float = 0.0) -> Label:
 
 
 def wrapped(text: str, columns: int = CARD_COLUMNS) -> list[str]:
-    """Break a text into lines, also inside words that are too long (topics, references)."""
-    return textwrap.wrap(text, columns, subsequent_indent='  ') or ['']
+    """Break a text into lines, also inside words that are too long (ids, topics, references)."""
+    lines = textwrap.wrap(text, columns, subsequent_indent=_INDENT, break_long_words=False)
+    return [part for line in lines for part in _broken(line, columns)] or ['']
+
+
+def _broken(line: str, columns: int) -> Iterator[str]:
+    """Yield a line that is one long word in parts, if possible behind a sign."""
+    while len(line) > columns:
+        end = max(line.rfind(sign, 0, columns) for sign in _SIGNS) + 1
+        end = end if end * 3 > columns else columns
+        yield line[:end]
+        line = _INDENT + line[end:]
+    yield line

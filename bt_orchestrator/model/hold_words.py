@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Protocol
 
+from bt_orchestrator.model.one_line import one_line
+
 
 class HoldFacts(Protocol):
     """A hold as an event, in the state, or in a status message; empty or 0: not known, or none."""
@@ -78,7 +80,7 @@ def hold_name(hold: NumberedHold) -> str:
     what = hold.task or hold.item
     if what:
         return f'hold {hold.id} ({what}: {hold.reason})'
-    return f'hold {hold.id} ({", ".join(filter(None, (hold.reason, hold.message)))})'
+    return f'hold {hold.id} ({", ".join(filter(None, (hold.reason, one_line(hold.message))))})'
 
 
 def hold_wait_words(holds: Iterable[NumberedHold]) -> str:
@@ -88,7 +90,8 @@ def hold_wait_words(holds: Iterable[NumberedHold]) -> str:
 
 def why_words(reason: str, message: str) -> str:
     """Say why something failed or is held, in one word and those of the server or the program."""
-    return f'{reason} ({message})' if message else reason
+    said = one_line(message)
+    return f'{reason} ({said})' if said else reason
 
 
 def _section(hold: HoldFacts) -> str:

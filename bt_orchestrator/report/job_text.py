@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from datetime import datetime
 
+from bt_orchestrator.model.hold_words import why_words
 from bt_orchestrator.model.jobs.job_record import JobRecord
 from bt_orchestrator.model.jobs.script_words import script_words
 from bt_orchestrator.report.exports import shown
@@ -56,7 +57,8 @@ def _items(job: JobRecord) -> Iterator[str]:
             yield f'    {task}: {number} more round{"s" if number > 1 else ""}'
         for failure in job.failures:
             if failure.item == item.item:
-                yield f'    {failure.task} failed: {failure.reason}'
+                why = why_words(failure.reason, failure.message)
+                yield f'    {failure.task} failed: {why}'
         if item.nonconforming:
             yield f'    nonconforming: {", ".join(item.nonconforming)}'
 

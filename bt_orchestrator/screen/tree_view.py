@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from bt_orchestrator.model.branch import Branch, Outcome
+from bt_orchestrator.model.one_line import one_line
 from bt_orchestrator.screen.fit import stay
-from bt_orchestrator.screen.words import one_line
 
 WEIGHTS = {Outcome.RUNNING: 1, Outcome.FAILURE: 1, Outcome.SUCCESS: 2, Outcome.INVALID: 3}
 

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.jobs.script_words import script_words
+from bt_orchestrator.model.one_line import one_line
 from bt_orchestrator.model.status import CellStatus, ItemStatus, JobStatus, SectionStatus
 from bt_orchestrator.model.status_words import job_count_words
 from bt_orchestrator.screen import words
@@ -108,7 +109,7 @@ def cell_view(status: CellStatus, shell: Shell) -> CellView:
     :param shell: for the command lines
     """
     return CellView(
-        cell=words.one_line(status.cell),
+        cell=one_line(status.cell),
         state=status.state.value,
         failure=words.failure(status),
         stopped=words.stopped(status),
@@ -162,8 +163,8 @@ def _job(job: JobStatus, status: CellStatus) -> JobRow:
     ended = job.state in OVER
     weight = Weight.ENDED if ended else Weight.WORKING if job.started else Weight.WAITING
     return JobRow(
-        id=words.one_line(job.id),
-        script=words.one_line(script_words(job)),
+        id=one_line(job.id),
+        script=one_line(script_words(job)),
         state=job.state.state,
         counts=job_count_words(job)
         + words.start_wait(job)

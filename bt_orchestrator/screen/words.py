@@ -13,6 +13,7 @@ from bt_orchestrator.model.hold_words import again_words, hold_words
 from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.jobs.needs import on_the_line_words
 from bt_orchestrator.model.jobs.script_words import script_words
+from bt_orchestrator.model.one_line import one_line
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import (
     CellStatus,
@@ -30,11 +31,6 @@ from bt_orchestrator.model.status_words import (
 )
 from bt_orchestrator.model.wait import Wait
 from bt_orchestrator.screen.advice import WHY, Shell, hold_advice, next_lines
-
-
-def one_line(text: str) -> str:
-    """Return a text without line ends and without what would steer a terminal."""
-    return ''.join(c if c.isprintable() else '\ufffd' for c in ' '.join(text.split()))
 
 
 def status_lines(status: CellStatus, shell: Shell | None) -> Iterator[str]:

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-from bt_orchestrator.script.report import Place
+from bt_orchestrator.script.report import START, Place
 
 Value = bool | int | float | str | None
 
@@ -99,6 +99,17 @@ class MapNode:
 
 
 Node = Scalar | ListNode | MapNode
+
+
+def place_of_key(node: Node | None, *path: str) -> Place:
+    """Return the place of a key, named by the keys around it; of the last one that is there."""
+    place = START
+    for key in path:
+        entry = node.find(key) if isinstance(node, MapNode) else None
+        if entry is None:
+            return place
+        place, node = entry.key.place, entry.value
+    return place
 
 
 def as_data(node: Node) -> object:

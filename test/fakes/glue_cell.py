@@ -13,6 +13,7 @@ components:
     section: 1
     action: /loader/task
     type: bt_orchestrator_interfaces/action/UnpackingArm
+    durations: {PLACE_AT_CONVEYOR: 1.0}
     capabilities: {load: {task: PLACE_AT_CONVEYOR, qty_change: 1}}
   robot_a:
     section: 2
@@ -30,6 +31,7 @@ components:
     section: 4
     action: /packer/task
     type: bt_orchestrator_interfaces/action/PackingArm
+    durations: {PICK_AND_PACK: 1.0}
     capabilities: {pack: {task: PICK_AND_PACK, qty_change: -1}}
 """
 RECIPE = """\

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from bt_orchestrator.cli import bootstrap
-from bt_orchestrator.cli.check import as_json
+from bt_orchestrator.cli.check import as_json, warn
 from bt_orchestrator.cli.generating import explanation
 from bt_orchestrator.cli.generating.file import fault_of, replace_file, standing
 from bt_orchestrator.cli.generating.inputs import Inputs, read_inputs
@@ -30,6 +30,7 @@ from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.planning.outcome import NotMade
 from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.script.checks.timeless import of_recipe, timeless
 from bt_orchestrator.script.report import did_you_mean, listing
 from bt_orchestrator.script.script_file import read_script
 
@@ -116,6 +117,7 @@ def generate(args: argparse.Namespace, types: ActionTypes) -> int:
     check_release_options(args)
     try:
         inputs = read_inputs(args.recipe, args.cell, args.overrides, types)
+        warn(timeless(args.cell, inputs.cell, of_recipe(inputs.recipe, inputs.cell)))
         keep = None if args.keep is None else read_script(args.keep, inputs.cell, types)
         without = _out_of_service(args.without, inputs)
         if args.without_each:

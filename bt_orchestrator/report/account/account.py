@@ -95,8 +95,10 @@ class Account:
             said.append('the pace is by a cell file that is not the one that the node ran with')
         if shown.performance is not None and shown.performance > 1:
             said.append('quicker than the pace: the durations in the cell file are too long')
-        loose = (one.period for one in shown.paces.values() if not one.is_exact)
-        said += [f'the pace is no exact one: {period}' for period in loose]
+        scripts = shown.times.scripts
+        for made, pace in shown.paces.items():
+            if not pace.is_exact:
+                said.append(f'the pace of {scripts[made].name} is no exact one: {pace.period}')
         return tuple(dict.fromkeys(said))
 
 

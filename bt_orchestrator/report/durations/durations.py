@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Any
 
+from bt_orchestrator.errors import counted
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.report.account.period import Period
@@ -132,7 +133,7 @@ def sentence(one: TaskTimes, found: Durations) -> str:
 def lines(found: Durations) -> Iterator[str]:
     """Yield the durations as text."""
     for one in found.tasks:
-        yield f'{sentence(one, found)}; done {one.count} times'
+        yield f'{sentence(one, found)}; done {counted(one.count, "time")}'
 
 
 def plain(found: Durations) -> list[dict[str, Any]]:

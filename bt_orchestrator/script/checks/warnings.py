@@ -9,15 +9,16 @@ from pathlib import Path
 from typing import NamedTuple
 
 from bt_orchestrator.errors import Finding, Refused
-from bt_orchestrator.model.cell import CONVEYOR, Cell, OnFailure
+from bt_orchestrator.model.cell import Cell, OnFailure
 from bt_orchestrator.model.script import RunsFor, Script, Task
 from bt_orchestrator.ports import ActionTypes
+from bt_orchestrator.script.checks.timeless import Kind, timeless_words
 from bt_orchestrator.script.composing import compose
 from bt_orchestrator.script.lookup import scripts_in
-from bt_orchestrator.script.report import START, Place, Report, did_you_mean, listing
+from bt_orchestrator.script.report import Place, Report, did_you_mean, listing
 from bt_orchestrator.script.script_file import read_script
 from bt_orchestrator.script.source_text import read_text
-from bt_orchestrator.script.yaml_nodes import ListNode, MapNode, Node
+from bt_orchestrator.script.yaml_nodes import ListNode, MapNode, Node, place_of_key
 
 _HOMING = re.compile(r'(^|[^a-z])hom(e|ing)([^a-z]|$)', re.IGNORECASE)
 
@@ -75,7 +76,7 @@ def _unused(
                     f'no script has a task `{label}` of `{name}`: its nominal time has no effect'
                 )
                 hint = did_you_mean(label, used[name], f'its tasks are {listing(used[name])}')
-                yield _key_place(root, 'components', name, 'durations', label), what, hint
+                yield place_of_key(root, 'components', name, 'durations', label), what, hint
 
 
 def _fitting(folders: Sequence[Path], cell: Cell, types: ActionTypes) -> Iterator[Script]:
@@ -87,17 +88,6 @@ def _fitting(folders: Sequence[Path], cell: Cell, types: ActionTypes) -> Iterato
             continue
 
 
-def _key_place(node: Node | None, *path: str) -> Place:
-    """Return the place of a key, named by the keys around it."""
-    place = START
-    for key in path:
-        entry = node.find(key) if isinstance(node, MapNode) else None
-        if entry is None:
-            return place
-        place, node = entry.key.place, entry.value
-    return place
-
-
 # --- scripts ----------------------------------------------------------------------------------
 
 
@@ -106,34 +96,16 @@ def _of_script(read: ReadScript, cell: Cell) -> tuple[Finding, ...]:
     script = read.script
     listed = chain.from_iterable(script.sections[n].tasks for n in sorted(script.sections))
     nodes = _task_nodes(compose(read_text(read.path), Report('')))
-    told: set[tuple[str, str]] = set()
+    told: set[Kind] = set()
     for task, node in zip(chain(script.initialization, listed), nodes, strict=True):
-        for what, hint in chain(
-            _timeless(task, cell, told), _repeated(task, script), _never_there(task, script)
-        ):
+        kind = task.component, task.name
+        without_time = timeless_words(kind, cell)
+        if without_time is not None and kind not in told:
+            found.add(node.place, *without_time)
+        told.add(kind)
+        for what, hint in chain(_repeated(task, script), _never_there(task, script)):
             found.add(node.place, what, hint)
     return found.findings
-
-
-def _timeless(task: Task, cell: Cell, told: set[tuple[str, str]]) -> Iterator[tuple[str, str]]:
-    """Yield, once for each task of a component, that the cell file has no nominal time for it.
-
-    A cell file without any nominal times is not meant for predictions. The conveyor has one time
-    for all its tasks.
-    """
-    component = cell.components[task.component]
-    is_for_prediction = any(one.durations_s for one in cell.components.values())
-    key = (component.name, task.name)
-    if component.name == CONVEYOR or not is_for_prediction or key in told:
-        return
-    told.add(key)
-    if task.name not in component.durations_s:
-        default = component.default_duration_s
-        timeless = f'`{task.name}` of `{component.name}` has no nominal time'
-        what = f'{timeless}: predictions take {default:g} s'
-        hint = f'add `{task.name}: SECONDS` to the `durations` of `{component.name}`'
-        near = did_you_mean(task.name, component.durations_s, '')
-        yield what, f'{hint}; {near}' if near else hint
 
 
 def _repeated(task: Task, script: Script) -> Iterator[tuple[str, str]]:

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 from fakes.action_types import FakeActionTypes
+from fakes.glue_cell import CELL as GLUE_CELL
+from fakes.glue_cell import RECIPE
 from fakes.script_texts import CELL, LINE
 from fakes.shipped import REFERENCE_CELL, ROOT, STUCK, TREES
 
@@ -252,6 +254,30 @@ def test_a_task_without_a_nominal_time_is_a_warning_once(files: Files) -> None:
             '1 s; add `FETCH: SECONDS` to the `durations` of `cart`'
         )
     ]
+
+
+@pytest.fixture
+def without_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A cell whose second robot can glue, nobody knows how fast, and an order of its product."""
+    monkeypatch.chdir(tmp_path)
+    cell = Path('cell.yaml')
+    cell.write_text(GLUE_CELL.replace('{TASK_A: 4.0, TASK_B: 2.0}', '{TASK_B: 2.0}'))
+    Path('recipes').mkdir()
+    Path('recipes/box.yaml').write_text(RECIPE)
+    Path('order.yaml').write_text('{order: W, recipe: BOX-7, quantity: 2, bind: {glue: robot_b}}')
+    return cell
+
+
+@pytest.mark.parametrize('file', ['order.yaml', 'recipes/box.yaml'])
+def test_what_a_recipe_is_made_with_has_nominal_times(
+    file: str, without_time: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert checked(file, cell=without_time) == 0
+    assert capsys.readouterr().err == (
+        'cell.yaml:25:5: warning: `TASK_A` of `robot_b` has no nominal time: predictions take '
+        '1 s; add `TASK_A: SECONDS` to the `durations` of `robot_b`; did you mean `TASK_B`?\n'
+    )
+    assert checked(file, '--strict', cell=without_time) == 1
 
 
 def test_without_any_nominal_time_no_task_lacks_one(files: Files) -> None:

@@ -17,6 +17,7 @@ from fakes.profiles import examples
 from fakes.shipped import REFERENCE_CELL, ROOT, TREES
 from hypothesis import given
 
+from bt_orchestrator.drawing.label import wrapped
 from bt_orchestrator.drawing.line import draw_line
 from bt_orchestrator.drawing.line_state import LineState
 from bt_orchestrator.drawing.picture import DOT, SVG, CannotDraw, Picture
@@ -332,3 +333,18 @@ def test_a_line_at_work_shows_how_it_stands_instead() -> None:
     state = LineState('Execute', (), False, {})
     dot = DotText(draw_line(line.script(THREE), line.cell, state).dot)
     assert LIMITS not in dot.words('task.work')
+
+
+@pytest.mark.parametrize(
+    ('text', 'lines'),
+    [
+        ('loader_place_at_conveyor', ['loader_place_at_', '  conveyor']),
+        ('packer_pick_and_pack', ['packer_pick_and_', '  pack']),
+        ('a_bcdefghijklmnopqrstuvwxyz', ['a_bcdefghijklmnop', '  qrstuvwxyz']),
+        ('seventeen_letters', ['seventeen_letters']),
+        ('two words_that_are_long', ['two', '  words_that_are_', '  long']),
+        ('', ['']),
+    ],
+)
+def test_a_long_name_is_broken_between_its_words(text: str, lines: list[str]) -> None:
+    assert wrapped(text, 17) == lines

@@ -48,3 +48,18 @@ def test_a_hold_is_named_in_a_sentence_and_told_in_full(held: Hold, name: str, w
 def test_why() -> None:
     assert why_words('timeout', '') == 'timeout'
     assert why_words('aborted', 'no grip') == 'aborted (no grip)'
+
+
+@pytest.mark.parametrize(
+    ('said', 'words'),
+    [
+        ('no grip\nat (1, 2)', 'aborted (no grip at (1, 2))'),
+        ('\x1b[2Jgone', 'aborted (\ufffd[2Jgone)'),
+        (' \n', 'aborted'),
+    ],
+)
+def test_what_a_controller_says_is_one_line_that_no_terminal_obeys(said: str, words: str) -> None:
+    assert why_words('aborted', said) == words
+    assert hold_words(hold(message=said)).endswith(words)
+    of_cell = hold(job=None, section=None, item=None, task=None, message=said)
+    assert hold_name(of_cell).isprintable()

@@ -21,7 +21,7 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.report.account.period import Period
 from bt_orchestrator.report.account.planned import us_of
 from bt_orchestrator.report.durations.drift import drift_of
-from bt_orchestrator.report.durations.durations import durations
+from bt_orchestrator.report.durations.durations import durations, lines
 from bt_orchestrator.report.durations.times import MOST_KEPT, Kind, Samples, TimesFold
 from bt_orchestrator.report.reading import Reading
 from bt_orchestrator.script.cell_file import parse_cell
@@ -77,6 +77,8 @@ def test_an_attempt_that_ends_a_period_is_in_it_whatever_its_time_is_rounded_to(
     period = Period.all_planned('p', us_of(begin), end_us)
     (task,) = durations(Reading(day.records()), period, None).tasks
     assert task.count == 1
+    (said,) = lines(durations(Reading(day.records()), period, None))
+    assert said.endswith('; done 1 time')
 
 
 def test_the_day_since_which_a_task_is_slower_is_found() -> None:

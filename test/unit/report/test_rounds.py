@@ -78,3 +78,15 @@ def test_an_export_for_process_mining_has_the_round(run: VirtualRun) -> None:
         export.write(json.dumps(record))
     export.close()
     assert file.getvalue().count('<int key="round" value="2"/>') == 2
+
+
+def test_what_a_verdict_refused_is_told_of_its_item(run: VirtualRun) -> None:
+    fold = JobFold()
+    for record in run.records:
+        fold.follow(from_record(record))
+    lines = list(job_text(list(fold.jobs.values()), with_items=True))
+    expected = 'expected ${results.weigh.measurement} at least 1.0'
+    refused = [line for line in lines if line.startswith('    weigh failed')]
+    assert refused == [
+        f'    weigh failed: result_refused ({expected}; found {reading})' for reading in (0.0, 0.5)
+    ]

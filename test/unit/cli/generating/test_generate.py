@@ -59,6 +59,12 @@ def edit(file: str, old: str, new: str) -> None:
     Path(file).write_text(text.replace(old, new))
 
 
+def test_a_choice_by_times_that_nobody_gave_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    edit('cell.yaml', '{TASK_A: 4.0, TASK_B: 2.0}', '{TASK_B: 2.0}')
+    assert generated('-o', 'script.yaml') == 0
+    assert '`TASK_A` of `robot_b` has no nominal time' in capsys.readouterr().err
+
+
 # --- the script -------------------------------------------------------------------------------
 
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import pytest
 from fakes.day import Day, at
+from fakes.line import THREE, Line
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.codec import from_record
 from bt_orchestrator.report.account.account import account, of_job, whole
 from bt_orchestrator.report.account.fold import AccountFold, Times
 from bt_orchestrator.report.account.losses import Loss
@@ -187,3 +189,15 @@ def test_what_ends_a_period_is_in_it_whatever_its_time_is_rounded_to(part: float
     for period in (of_job(reading, 'J', 'x'), whole(reading, 'x')):
         (made,) = account(reading, period, None).figures.times.made
         assert (made.good, made.outside) == (1, 0), period
+
+
+def test_a_pace_that_is_not_exact_is_told_with_its_script() -> None:
+    line, day = Line(), Day()
+    of_two_sections = f'{THREE}zones: {{table: [work, pack]}}\n'
+    for record in line.run(of_two_sections, 2).records:
+        day.note(record['time'], from_record(record))
+    reading = Reading(day.records())
+    found = account(reading, whole(reading, 'day'), line.cell).notes()
+    (said,) = (note for note in found if 'no exact one' in note)
+    assert said.startswith('the pace of test is no exact one: ')
+    assert said.endswith('or longer (waits for zone table not counted)')
