@@ -180,7 +180,9 @@ def _results(given: Arguments, state: CellState, types: ActionTypes) -> Mapping[
     hold = state.holds.get(given['hold'])
     task = state.task(hold.key) if hold is not None and hold.key is not None else None
     if task is None:
-        raise CommandRefused(f'hold {given["hold"]} is about no task that can have results')
+        raise CommandRefused(
+            f'hold {given["hold"]} is about no task that can have results; answer it without'
+        )
     text = results if isinstance(results, str) else results_text(results)
     return given_results(text, types.action(_type_of(state, task)))
 

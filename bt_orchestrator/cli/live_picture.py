@@ -31,7 +31,7 @@ def saved_status(path: Path) -> CellStatus:
     try:
         found = json.loads(read_ordinary(path, LARGEST_FILE))
     except OSError as error:
-        raise CannotRead(f'cannot read {path}: {error.strerror}') from error
+        raise CannotRead(f'cannot read {path}: {error.strerror}; check the path') from error
     except (RecursionError, ValueError) as error:
         raise CannotRead(
             f'{path} is not JSON: {error}; expected what status --json prints'

@@ -10,6 +10,7 @@ from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.folders import shipped
 from bt_orchestrator.cli.main import PROGRAM
 from bt_orchestrator.cli.numbers import seconds, whole
+from bt_orchestrator.cli.output import cannot_write
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.errors import OrchestratorError, Refused
 from bt_orchestrator.ports import ActionTypes
@@ -177,7 +178,7 @@ def _write(texts: Mapping[Path, str]) -> None:
             with path.open('x', encoding='utf-8') as file:
                 file.write(text)
         except OSError as error:
-            raise NothingWritten(f'cannot write {path}: {error.strerror}') from error
+            raise NothingWritten(cannot_write(path, error)) from error
 
 
 def _summary(plan: Plan, folder: Path, files: Iterable[str], *, from_graph: bool) -> Iterable[str]:

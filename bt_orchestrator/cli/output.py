@@ -23,6 +23,12 @@ def opened(path: Path | None) -> Iterator[IO[str]]:
     try:
         file = path.open('w', encoding='utf-8', newline='')
     except OSError as error:
-        raise WrongUse(f'cannot write {path}: {error.strerror}') from error
+        raise WrongUse(cannot_write(path, error)) from error
     with file:
         yield file
+
+
+def cannot_write(what: Path | str, error: OSError) -> str:
+    """Say what keeps something from being written, and what to do."""
+    why = error.strerror or str(error)
+    return f'cannot write {what}: {why}; check the path, its permissions and the free space'

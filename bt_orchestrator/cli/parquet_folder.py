@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
 
+from bt_orchestrator.cli.output import cannot_write
 from bt_orchestrator.cli.wrong_use import WrongUse
 
 PARQUET = 'parquet'
@@ -30,7 +31,7 @@ def tables_in(folder: Path | None, history: str) -> Iterator[Callable[[str], Non
     try:
         export = ParquetExport(folder, history)
     except OSError as error:
-        raise WrongUse(f'cannot write {folder}: {error.strerror or error}') from error
+        raise WrongUse(cannot_write(folder, error)) from error
     try:
         yield export.write
         export.close()

@@ -73,5 +73,5 @@ def _last_before(records: Records, time: float) -> int:
         page = records.page(page.rest, 1)
     if not page.records:
         when = datetime.fromtimestamp(time).isoformat(' ', 'seconds')
-        raise NotKept(f'the journal has no event of {when} or before')
+        raise NotKept(f'the journal has no event of {when} or before; name a later time')
     return page.records[0].seq

@@ -11,6 +11,7 @@ from bt_orchestrator.cli.folders import script_folders
 from bt_orchestrator.cli.live_picture import follow, node_status, saved_status
 from bt_orchestrator.cli.node_options import add_node_options
 from bt_orchestrator.cli.numbers import seconds
+from bt_orchestrator.cli.output import cannot_write
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.drawing.line import draw_line
 from bt_orchestrator.drawing.picture import FORMATS, Picture
@@ -134,7 +135,7 @@ def _write(path: Path, content: bytes) -> None:
         beside.replace(path)
     except OSError as error:
         beside.unlink(missing_ok=True)
-        raise CannotWrite(f'cannot write {path}: {error.strerror}') from error
+        raise CannotWrite(cannot_write(path, error)) from error
 
 
 def kind_of(path: Path) -> str:

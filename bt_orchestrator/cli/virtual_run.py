@@ -12,6 +12,7 @@ from typing import Any
 from bt_orchestrator.cli import bootstrap
 from bt_orchestrator.cli.check import as_json
 from bt_orchestrator.cli.cost_watch import CostWatch
+from bt_orchestrator.cli.output import cannot_write
 from bt_orchestrator.cli.standing_results import standing_results
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.drawing.gantt import Gantt, GanttFold
@@ -133,8 +134,7 @@ def _draw(gantt: Gantt, path: Path) -> None:
     try:
         path.write_text(gantt_svg(gantt), encoding='utf-8')
     except OSError as error:
-        what = error.strerror or str(error)
-        raise WrongUse(f'cannot write the Gantt chart {path}: {what}') from error
+        raise WrongUse(cannot_write(f'the Gantt chart {path}', error)) from error
 
 
 def _result(

@@ -49,7 +49,9 @@ class Doors:
     async def read(self, question: Callable[[CellLink], _T]) -> _T:
         """Return what a question comes to that changes nothing."""
         if self.is_silent:
-            raise NodeUnreachable(f'{self.name} has been silent for {self.silent_s:.0f} s')
+            raise NodeUnreachable(
+                f'{self.name} has been silent for {self.silent_s:.0f} s; is the tree node running?'
+            )
         return await self._asking.call(question)
 
     async def description(self) -> CellDescription:

@@ -43,15 +43,17 @@ class Picture:
         return self._by_graphviz(kind)
 
     def _by_graphviz(self, kind: str) -> bytes:
+        others = 'a .svg or .dot file' if self.svg else 'a .dot file'
         try:
             source = graphviz.Source(self.dot, engine=self.engine)
             return bytes(source.pipe(format=kind, neato_no_op=2 if self.has_places else None))
         except graphviz.ExecutableNotFound:
-            others = 'a .svg or .dot file' if self.svg else 'a .dot file'
             hint = f'install Graphviz (`apt install graphviz`), or ask for {others}'
             raise CannotDraw(
                 f'the program `dot` draws the picture and is missing; {hint}'
             ) from None
         except graphviz.CalledProcessError as error:
             said = error.stderr.decode(errors='replace').strip() if error.stderr else str(error)
-            raise CannotDraw(f'`dot` could not draw the picture: {said}') from error
+            raise CannotDraw(
+                f'`dot` could not draw the picture: {said}; ask for {others}'
+            ) from error

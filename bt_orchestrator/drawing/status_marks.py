@@ -32,7 +32,9 @@ def line_state(status: CellStatus, script: Script, cell: Cell) -> LineState:
     :raises NotThisLine: the status is of another cell
     """
     if status.cell != cell.name:
-        raise NotThisLine(f'the status is of cell {status.cell}, not of {cell.name}')
+        raise NotThisLine(
+            f'the status is of cell {status.cell}, not of {cell.name}; give the files of one cell'
+        )
     return _Reader(status, script).state()
 
 

@@ -48,7 +48,7 @@ def parse_slots(words: Sequence[str]) -> Slots:
         if match is None:
             raise CommandRefused(f'a slot is stated as N=ITEM or N={EMPTY}, found {word!r}')
         if int(match[1]) in found:
-            raise CommandRefused(f'slot {match[1]} is stated twice')
+            raise CommandRefused(f'slot {match[1]} is stated twice; state it once')
         found[int(match[1])] = match[2]
     return Slots(found)
 

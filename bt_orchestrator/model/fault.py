@@ -94,10 +94,11 @@ def parse_fault(text: str) -> Fault:
     if match['nth'] is not None:
         nth = EVERY if match['nth'] == '*' else int(match['nth'])
     if (kind in AT_START) != (nth == 0) and kind is not FaultKind.NOT_READY:
-        raise ValueError(f'{kind.value} counts {"from #0" if kind in AT_START else "from #1"}')
+        first = '#0' if kind in AT_START else '#1'
+        raise ValueError(f'{kind.value} counts from {first}; found #{match["nth"]}')
     seconds = None if match['seconds'] is None else float(match['seconds'])
     if kind is FaultKind.LATE and seconds is None:
         raise ValueError('late needs seconds, as in =late:3.5')
     if kind is not FaultKind.READS and seconds is not None and seconds < 0:
-        raise ValueError(f'{kind.value} cannot take {seconds:g} seconds')
+        raise ValueError(f'{kind.value} cannot take {seconds:g} seconds; write 0 or more')
     return Fault(kind, match['task'], nth, seconds)

@@ -23,6 +23,9 @@ class Untrusted(OrchestratorError):
     """A certificate is refused; says why, and what to do."""
 
 
+_NEW = 'give the client another certificate'
+
+
 def check_form(certificate: x509.Certificate, now_s: float) -> None:
     """Refuse what would not be accepted from anybody.
 
@@ -32,14 +35,14 @@ def check_form(certificate: x509.Certificate, now_s: float) -> None:
     who = named(certificate)
     key = certificate.public_key()
     if not isinstance(key, rsa.RSAPublicKey) or key.key_size not in KEY_BITS:
-        raise Untrusted(f'{who} has no RSA key of {KEY_BITS[0]} to {KEY_BITS[-1]} bits')
+        raise Untrusted(f'{who} has no RSA key of {KEY_BITS[0]} to {KEY_BITS[-1]} bits; {_NEW}')
     if not isinstance(certificate.signature_hash_algorithm, _HASHES):
-        raise Untrusted(f'{who} is not signed with SHA-256 or better')
+        raise Untrusted(f'{who} is not signed with SHA-256 or better; {_NEW}')
     check_time(certificate, now_s)
     if not application_uri(certificate):
-        raise Untrusted(f'{who} has no application URI (a URI in subjectAltName)')
+        raise Untrusted(f'{who} has no application URI (a URI in subjectAltName); {_NEW}')
     if not _may_be_a_client(certificate):
-        raise Untrusted(f'{who} is not meant for clients (key usage)')
+        raise Untrusted(f'{who} is not meant for clients (key usage); {_NEW}')
 
 
 def check_time(certificate: x509.Certificate, now_s: float) -> None:

@@ -69,7 +69,9 @@ async def load(server: asyncua.Server, folder: Path | None = None) -> Mapping[st
         try:
             await server.import_xml(xmlstring=text)
         except Exception as error:  # asyncua promises none
-            raise NodesetUnusable(f'{nodeset.title}: {path}: {error}') from error
+            raise NodesetUnusable(
+                f'{nodeset.title}: {path}: {error}; take the file as it was published'
+            ) from error
     return {one.uri: await server.get_namespace_index(one.uri) for one in NODESETS}
 
 
@@ -105,7 +107,9 @@ def _of_site(nodeset: Nodeset, folder: Path) -> tuple[str, bytes]:
             path for path in folder.iterdir() if path.name.endswith(('.xml', '.xml.gz'))
         )
     except OSError as error:
-        raise NodesetUnusable(f'--nodesets {folder}: {error.strerror or error}') from error
+        raise NodesetUnusable(
+            f'--nodesets {folder}: {error.strerror or error}; name a folder'
+        ) from error
     for path in paths:
         text = _content(path)
         if f'ModelUri="{nodeset.uri}"'.encode() in text.partition(b'<RequiredModel')[0]:

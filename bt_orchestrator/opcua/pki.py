@@ -78,7 +78,7 @@ class Pki:
             for folder in (self.trusted, self.issuers, self.rejected, *self.revocations):
                 folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         except OSError as error:
-            raise PkiUnusable(f'{error.filename}: {error.strerror}') from error
+            raise PkiUnusable(_out_of_reach(error)) from error
 
 
 @dataclass(frozen=True)
@@ -181,6 +181,10 @@ def _read_key(path: Path) -> rsa.RSAPrivateKey:
 # --- making -------------------------------------------------------------------------------------
 
 
+def _out_of_reach(error: OSError) -> str:
+    return f'{error.filename}: {error.strerror}; check the folder and its permissions'
+
+
 def _make(path: Path, key_path: Path, uri: str, host: str) -> None:
     key = rsa.generate_private_key(public_exponent=65537, key_size=KEY_BITS)
     certificate = _certificate(key, uri, host)
@@ -190,7 +194,7 @@ def _make(path: Path, key_path: Path, uri: str, host: str) -> None:
         _write(key_path, key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption()))
         _write(path, certificate.public_bytes(Encoding.DER))
     except OSError as error:
-        raise PkiUnusable(f'{error.filename}: {error.strerror}') from error
+        raise PkiUnusable(_out_of_reach(error)) from error
 
 
 def _write(path: Path, content: bytes) -> None:

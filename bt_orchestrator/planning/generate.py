@@ -107,7 +107,7 @@ class _Generator:
         )
         if bound.is_proven:
             raise Impossible([why])
-        raise NotFound([f'{_not_found(self._limits)}; of those that were tried, {why}'])
+        raise NotFound([f'{_not_found(self._limits)}; of those that were tried, {why}; {_NEARER}'])
 
     def _judged(self, moved: int) -> Generated:
         """Return the best of the finalists by the engine.
@@ -126,7 +126,9 @@ class _Generator:
             if judged_s is not None and (best is None or judged_s < best[0] - _SAME_S):
                 best = judged_s, plan
         if best is None:
-            raise NotFound(['the engine does not get to the end with any of the best plans'])
+            raise NotFound(
+                [f'the engine gets to the end with none of the best plans; {_OTHERWISE}']
+            )
         judged_s, plan = best
         if self._problem.keep is not None:
             return self._generated(plan, judged_s=judged_s)
@@ -147,6 +149,10 @@ class _Generator:
         )
         claim = Claim(found, judged_s if found.not_counted else None, is_fastest, moved)
         return Generated(script, made(plan, problem.plans, problem.overrides, script), claim)
+
+
+_NEARER = '`bind` what needs it nearer to it, in the overrides'
+_OTHERWISE = '`bind` operations that share a zone or a component otherwise, in the overrides'
 
 
 def _not_found(limits: Limits) -> str:

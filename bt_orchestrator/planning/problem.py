@@ -84,7 +84,10 @@ class Problem:
         order = Order(self.recipe, self.overrides, able.of, line)
         pieces = Pieces(self.recipe, order, able.of)
         if pieces.circle:
-            raise Impossible([f'operations wait for each other: {", ".join(pieces.circle)}'])
+            circle = ', '.join(pieces.circle)
+            raise Impossible(
+                [f'operations wait for each other: {circle}; remove one of the waits']
+            )
         _need_none([*order.faults])
         reach = Reach(pieces, line, tuple(_held(self.recipe)))
         _need_none([reach.reason] if reach.reason else [])

@@ -75,7 +75,7 @@ class UsersFile:
         except FileNotFoundError:
             return {}
         except OSError as error:
-            raise UsersUnusable(f'{self._path}: {error.strerror}') from error
+            raise UsersUnusable(_out_of_reach(self._path, error)) from error
         if mode & _OTHERS:
             raise UsersUnusable(
                 f'{self._path}: other users of this computer may open it '
@@ -143,7 +143,7 @@ class UsersFile:
                 change(users)
                 self._write(_HEAD + yaml.safe_dump(_plain(users), sort_keys=False))
         except OSError as error:
-            raise UsersUnusable(f'{error.filename or self._path}: {error.strerror}') from error
+            raise UsersUnusable(_out_of_reach(self._path, error)) from error
 
     @contextmanager
     def _alone(self) -> Iterator[None]:
@@ -241,6 +241,10 @@ def _user(fields: Any) -> User:
     salt = base64.b64decode(password['salt'], validate=True)
     digest = base64.b64decode(password['hash'], validate=True)
     return User(Role(fields['role']), Hashed(salt, digest, cost))
+
+
+def _out_of_reach(path: Path, error: OSError) -> str:
+    return f'{error.filename or path}: {error.strerror}; check its permissions'
 
 
 def _in_short(error: Exception) -> str:

@@ -148,7 +148,8 @@ def _locked(path: Path) -> IO[str]:
         path.mkdir(parents=True, exist_ok=True)
         lock = (path / 'demo.lock').open('a')
     except OSError as error:
-        raise DemoUnusable(f'the folder {path} cannot be used: {error.strerror}') from error
+        what = f'the folder {path} cannot be used: {error.strerror}'
+        raise DemoUnusable(f'{what}; name another --folder') from error
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:

@@ -103,7 +103,8 @@ class DemoShow(Ignoring):
         while not self._all_are_there():
             if time.monotonic() > deadline:
                 raise NodeUnreachable(
-                    f'every action server at the node did not come within {READY_S:g} s'
+                    f'the node did not see all action servers within {READY_S:g} s; '
+                    '`bt-orchestrator doctor` tells why'
                 )
             door.turn(STEP_S)
 

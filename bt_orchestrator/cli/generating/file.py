@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from bt_orchestrator.cli.generating.making import Made, text_digest
+from bt_orchestrator.cli.output import cannot_write
 from bt_orchestrator.errors import OrchestratorError, Refused, counted
 from bt_orchestrator.model.script import MadeFrom
 from bt_orchestrator.script.fields import file_fields
@@ -85,7 +86,7 @@ def replace_file(path: Path, made: Made) -> None:
         beside.replace(path)
     except OSError as error:
         beside.unlink(missing_ok=True)
-        raise NotReplaced(f'cannot write {path}: {error.strerror}') from error
+        raise NotReplaced(cannot_write(path, error)) from error
 
 
 def _check_replaceable(path: Path, made: Made) -> None:

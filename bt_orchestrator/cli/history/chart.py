@@ -47,8 +47,17 @@ def chart_svg(reading: Reading, args: argparse.Namespace) -> str:
         refuse_too_many(count)
     gantt = fold.past(window.begin_s, window.end_s)
     if not gantt.rows:
-        raise NothingThere(f'no component worked {_when(window)}, by the journal {args.journal}')
+        raise NothingThere(
+            f'no component worked {_when(window)}, by the journal {args.journal}; choose another '
+            'time, with --from and --to'
+        )
     return gantt_svg(_titled(gantt, window))
+
+
+def no_job(args: argparse.Namespace) -> str:
+    """Say that a journal knows nothing of the job that is named."""
+    known = f'bt-orchestrator history --journal {args.journal}'
+    return f'the journal {args.journal} knows no job {args.job}; {known} lists those it has'
 
 
 def refuse_too_many(attempts: int) -> None:
@@ -75,15 +84,21 @@ def _window(reading: Reading, args: argparse.Namespace) -> _Window:
     """
     first, last = reading.first(Wanted()), reading.first(Wanted(newest_first=True))
     if first is None or last is None:
-        raise NothingThere(f'the journal {args.journal} has no events')
+        raise NothingThere(
+            f'the journal {args.journal} has no events; name that of a node that ran'
+        )
     if args.job is None:
         begin = first.time if args.since is None else args.since
         return _Window(begin, last.time if args.until is None else min(args.until, last.time))
     job = reading.jobs(args.job).jobs.get(args.job)
     if job is None:
-        raise NothingThere(f'the journal {args.journal} knows no job {args.job}')
+        raise NothingThere(no_job(args))
     if job.started is None or not job.complete:
-        why = 'it has not started' if job.started is None else 'its events are not kept any more'
+        why = (
+            'it has not started yet'
+            if job.started is None
+            else 'its events are not kept any more; a backup of the journal may have them'
+        )
         raise NothingThere(f'there is nothing to draw of job {args.job}: {why}')
     return _Window(job.started, last.time if job.ended is None else job.ended)
 

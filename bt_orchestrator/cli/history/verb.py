@@ -9,7 +9,7 @@ from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
-from bt_orchestrator.cli.history.chart import chart_svg
+from bt_orchestrator.cli.history.chart import chart_svg, no_job
 from bt_orchestrator.cli.history.forecast import (
     add_forecast_options,
     forecast_text,
@@ -124,7 +124,7 @@ def run(args: argparse.Namespace) -> int:
             return _drawn_or_compared(reading, args)
         jobs = _jobs(reading, args)
         if args.job is not None and not jobs:
-            print(f'the journal {args.journal} knows no job {args.job}', file=sys.stderr)
+            print(no_job(args), file=sys.stderr)
             return 1
         if args.item or args.serial or args.lot:
             args.items, jobs = True, list(_with_items(jobs, args))
@@ -199,7 +199,10 @@ def _script(job: JobRecord, reading: Reading, journal: Path) -> Iterator[str]:
     """
     script = reading.script(job.digest) if job.digest else None
     if script is None:
-        raise NoScript(f'the journal {journal} has the script of {job.job} no more')
+        raise NoScript(
+            f'the script of {job.job} is not kept any more in {journal}; a backup of the journal '
+            'may have it'
+        )
     if _origin(script) != (job.recipe, job.recipe_version):
         script = replace(script, made_from=None)  # an equal one, of another version of the recipe
     head = [f'What job {job.job} ran, by the journal; time limits of components are written out.']

@@ -25,12 +25,17 @@ def run_trust(pki: Path, given: Sequence[str], *, removes: bool) -> int:
     trust = Trust(Pki(pki))
     if not given:
         if removes:
-            raise WrongUse('opcua trust --remove: expected the beginning of a thumbprint')
+            raise WrongUse(
+                'opcua trust --remove: expected the beginning of a thumbprint; '
+                'opcua trust alone lists them'
+            )
         _list('refused', trust.rejected())
         _list('trusted', trust.trusted())
         return 0
     if len(given) > 1:
-        raise WrongUse(f'opcua trust: expected one thumbprint, found {" ".join(given)}')
+        raise WrongUse(
+            f'opcua trust: expected one thumbprint, found {" ".join(given)}; name one at a time'
+        )
     try:
         found = trust.remove(given[0]) if removes else trust.trust(given[0])
     except NoSuchCertificate as error:

@@ -113,7 +113,9 @@ def account(reading: Reading, period: Period, cell: Cell | None) -> Account:
         begin = f'{period.name} (from {period.when(period.begin_us)})'
         raise NothingToReport(f'the journal has no event of {begin} yet{_reach(reading)}')
     if not period.planned.total_us:
-        raise NothingToReport(f'no time of {_span(period)} is planned, by the file of shifts')
+        raise NothingToReport(
+            f'no time of {_span(period)} is planned, by the file of shifts; choose another time'
+        )
     extent = reading.records.extent()
     fold, wanted = fold_with_books(reading, period)
     first, last = 0, 0
@@ -181,7 +183,7 @@ def whole(reading: Reading, journal: str) -> Period:
     begins = [*known[:1], *([] if first is None else [first.begin_us])]
     ends = [*known[1:], *([] if last is None else [last.until_us])]
     if not ends:
-        raise NothingToReport(f'{journal} has no event')
+        raise NothingToReport(f'{journal} has no event; name the journal of a node that ran')
     begin, end = min(begins), max(ends)
     return Period.all_planned('all that the journal has', begin, end)
 
@@ -194,5 +196,6 @@ def _reach(reading: Reading) -> str:
     try:
         known = whole(reading, '')
     except NothingToReport:
-        return ': it has none at all'
-    return f'; it has events from {known.when(known.begin_us)} to {known.when(known.end_us)}'
+        return ': it has none at all; name that of a node that ran'
+    reach = f'from {known.when(known.begin_us)} to {known.when(known.end_us)}'
+    return f'; it has events {reach}; choose a time in that'

@@ -36,7 +36,8 @@ def with_durations(text: str, file: str, new: Mapping[str, Mapping[str, float]])
     for component, durations in new.items():
         node = _node_of(root, component)
         if node is None:
-            raise NotEditable(f'{file}: component {component} is not written out here')
+            what = f'{file}: component {component} is not written out here'
+            raise NotEditable(f'{what}; change its durations by hand')
         for edit in _edits(node, component, durations, text):
             known = edits.get(edit.place)
             if known is not None and known != edit:

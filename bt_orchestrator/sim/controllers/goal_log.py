@@ -40,7 +40,9 @@ class GoalLog:
             # Without a buffer each line is handed to the system in one write.
             self._file = None if path is None else path.open('ab', buffering=0)
         except OSError as error:
-            raise UnusableLog(f'cannot write the log {path}: {error.strerror}') from error
+            raise UnusableLog(
+                f'cannot write the log {path}: {error.strerror}; check the path'
+            ) from error
 
     def write(self, time: float, event: str, component: Component, **fields: Any) -> None:
         """Append one record.
@@ -55,7 +57,7 @@ class GoalLog:
         try:
             self._file.write(f'{json.dumps(record)}\n'.encode())
         except OSError as error:
-            raise UnusableLog(f'cannot write the log: {error.strerror}') from error
+            raise UnusableLog(f'cannot write the log: {error.strerror}; check its disk') from error
 
     def close(self) -> None:
         """Close the file."""

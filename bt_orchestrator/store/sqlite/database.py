@@ -24,6 +24,15 @@ def transaction(database: sqlite3.Connection) -> Iterator[None]:
         raise
 
 
+RESTORE = 'restore a backup that is intact'
+"""What to do about a damaged journal."""
+
+
+def cannot_open(path: Path, why: str | None) -> str:
+    """Say that the system does not let a journal be opened, and what to do."""
+    return f'the journal {path} cannot be opened: {why}; check file and folder'
+
+
 @contextmanager
 def unusable_otherwise(path: Path) -> Iterator[None]:
     """Convert errors of SQLite to one that explains what is wrong with a journal.
@@ -33,12 +42,14 @@ def unusable_otherwise(path: Path) -> Iterator[None]:
     try:
         yield
     except sqlite3.Error as error:
-        raise JournalUnusable(f'the journal {path} cannot be used: {error}') from error
+        is_damage = not isinstance(error, sqlite3.OperationalError)
+        hint = f'; {RESTORE}' if is_damage else ''
+        raise JournalUnusable(f'the journal {path} cannot be used: {error}{hint}') from error
     except OSError as error:
-        raise JournalUnusable(f'the journal {path} cannot be opened: {error.strerror}') from error
+        raise JournalUnusable(cannot_open(path, error.strerror)) from error
     except (KeyError, TypeError, ValueError) as error:
         raise JournalUnusable(
-            f'the journal {path} holds a record that cannot be read: {error!r}'
+            f'the journal {path} holds a record that cannot be read: {error!r}; {RESTORE}'
         ) from error
 
 

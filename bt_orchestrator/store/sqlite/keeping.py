@@ -52,7 +52,7 @@ def keep_aside(path: Path, aside: Path) -> None:
     except OSError as error:
         raise JournalUnusable(
             f'the damaged journal cannot be kept as {aside} ({error.strerror}), and nothing is '
-            'written before it is'
+            'written before it is; check the permissions and the free space'
         ) from error
 
 

@@ -10,7 +10,13 @@ from pathlib import Path
 from typing import IO
 
 from bt_orchestrator.errors import JournalUnusable
-from bt_orchestrator.store.sqlite.database import has_log, log_of, unchanging
+from bt_orchestrator.store.sqlite.database import (
+    RESTORE,
+    cannot_open,
+    has_log,
+    log_of,
+    unchanging,
+)
 from bt_orchestrator.store.sqlite.keeping import make_folder, make_private
 from bt_orchestrator.store.sqlite.mark import Reached, mark_of
 from bt_orchestrator.store.sqlite.schema import SCHEMA, bring_up_to_date, schema_of
@@ -23,7 +29,7 @@ def take_lock(path: Path) -> IO[str]:
         make_private(_lock_of(path))
         lock = _lock_of(path).open('a+')
     except OSError as error:
-        raise JournalUnusable(f'the journal {path} cannot be opened: {error.strerror}') from error
+        raise JournalUnusable(cannot_open(path, error.strerror)) from error
     try:
         _claim(lock, path, fcntl.LOCK_EX)
     except BaseException:
@@ -97,7 +103,7 @@ def to_read(path: Path, reached: Reached | None) -> sqlite3.Connection | None:
             )
         return None
     if not (os.access(path, os.R_OK | os.W_OK) and os.access(path.parent, os.W_OK)):
-        raise JournalUnusable(f'the journal {path} cannot be opened: {os.strerror(errno.EACCES)}')
+        raise JournalUnusable(cannot_open(path, os.strerror(errno.EACCES)))
     database = unchanging(path)
     try:
         version = schema_of(database, path)
@@ -107,7 +113,7 @@ def to_read(path: Path, reached: Reached | None) -> sqlite3.Connection | None:
         # An older journal is upgraded next, which takes longer than a check of all of it.
         (found,) = database.execute('PRAGMA quick_check(1)').fetchone()
         if found != 'ok':
-            raise JournalUnusable(f'the journal {path} cannot be used: {found}')
+            raise JournalUnusable(f'the journal {path} cannot be used: {found}; {RESTORE}')
     except BaseException:
         database.close()
         raise

@@ -41,7 +41,7 @@ class SqliteRecords:
         """
         self._path = path
         if not path.is_file():
-            raise JournalUnusable(f'there is no journal {path}')
+            raise JournalUnusable(f'there is no journal {path}; check the path')
         with unusable_otherwise(path):
             if not has_log(path):
                 with closing(unchanging(path)) as database:

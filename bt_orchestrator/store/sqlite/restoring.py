@@ -46,7 +46,7 @@ def bring_back(copy: Path, path: Path, *, move_aside: bool = False) -> BroughtBa
     :raises JournalUnusable: says what is wrong; no journal was changed
     """
     if not copy.is_file():
-        raise JournalUnusable(f'there is no copy {copy}')
+        raise JournalUnusable(f'there is no copy {copy}; check the path')
     if copy.resolve() == path.resolve():
         raise JournalUnusable(f'{copy} is the journal itself; name a copy of it')
     refuse_in_use(copy)
@@ -76,7 +76,7 @@ def _made(copy: Path, scratch: Path) -> Reached:
     _remove(scratch)  # left by an interrupted restore
     with unusable_otherwise(copy), closing(unchanging(copy)) as source:
         if not schema_of(source, copy):
-            raise JournalUnusable(f'the copy {copy} is empty')
+            raise JournalUnusable(f'the copy {copy} is empty; name another one')
         make_private(scratch)
         with closing(sqlite3.connect(scratch, isolation_level=None)) as made:
             source.backup(made)
@@ -100,7 +100,7 @@ def _end_of(made: sqlite3.Connection) -> tuple[int, float]:
 def _refuse_damage(made: sqlite3.Connection, copy: Path) -> None:
     (found,) = made.execute('PRAGMA integrity_check(1)').fetchone()
     if found != 'ok':
-        raise JournalUnusable(f'the copy {copy} cannot be used: {found}')
+        raise JournalUnusable(f'the copy {copy} cannot be used: {found}; name another one')
 
 
 def _moved_aside(path: Path) -> Path | None:

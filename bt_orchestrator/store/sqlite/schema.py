@@ -145,7 +145,9 @@ def schema_of(database: sqlite3.Connection, path: Path) -> int:
     version = pragma(database, 'user_version')
     tables = database.execute('SELECT count(*) FROM sqlite_schema').fetchone()[0]
     if pragma(database, 'application_id') != APPLICATION_ID and (version or tables):
-        raise JournalUnusable(f'{path} is an SQLite file, but no journal of an orchestrator')
+        raise JournalUnusable(
+            f'{path} is an SQLite file, but no journal of an orchestrator; name another file'
+        )
     if version > SCHEMA:
         raise JournalUnusable(
             f'the journal {path} has schema {version}, this program knows {SCHEMA}; use the newer '

@@ -66,7 +66,7 @@ def test_mistakes_are_told_and_nothing_is_written(tmp_path: Path) -> None:
 
 
 def test_a_file_that_cannot_be_written(tmp_path: Path) -> None:
-    with pytest.raises(CannotWrite, match=r'^cannot write .*: No such file or directory$'):
+    with pytest.raises(CannotWrite, match=r'^cannot write .*: No such file or .*; check the path'):
         rendered(STUCK, '-o', tmp_path / 'nowhere' / 'x.dot')
 
 

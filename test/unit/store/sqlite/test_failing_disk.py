@@ -74,7 +74,7 @@ def test_a_file_that_may_not_be_written_is_refused_at_once(folder: Path) -> None
     path.chmod(0o444)
     path.with_name(path.name + '.lock').chmod(0o666)
     folder.chmod(0o777)
-    denied = f'the journal {path} cannot be opened: Permission denied'
+    denied = f'the journal {path} cannot be opened: Permission denied; check file and folder'
     assert run_python('-c', OPEN, str(path), user) == denied
     path.chmod(0o666)
     folder.chmod(0o555)

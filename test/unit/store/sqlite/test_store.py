@@ -103,7 +103,7 @@ def test_another_programs_file_is_refused(path: Path) -> None:
     database = sqlite3.connect(path)
     database.execute('CREATE TABLE recipes (name TEXT)')
     database.close()
-    assert refusal(path).endswith('is an SQLite file, but no journal of an orchestrator')
+    assert refusal(path).endswith('no journal of an orchestrator; name another file')
 
 
 def test_a_newer_schema_is_refused(path: Path) -> None:
