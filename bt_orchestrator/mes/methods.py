@@ -61,7 +61,7 @@ def refused(method: Method, word: JobWord | None, ending: str = '') -> ReturnSta
         return ReturnStatus.NOT_ACCEPTED
     if word is None:
         return ReturnStatus.UNKNOWN_ID
-    if job_control.refusal(method, '', word, ending) is not None:
+    if job_control.refusal(method, '', job_control.JobFacts(word, ending)) is not None:
         return ReturnStatus.WRONG_STATE
     return ReturnStatus.NOT_ACCEPTED
 

@@ -278,12 +278,9 @@ def allowed(state: CellState, method: job_control.Method, name: str) -> JobState
     :raises CommandRefused: there is no such job, or its state does not allow it
     """
     job = listed_jobs.find(state, name)
-    ending = job.ending if job.ended_at is None else ''
-    refused = job_control.refusal(
-        method,
-        name,
+    facts = job_control.JobFacts(
         job_word(state, job),
-        ending,
+        job.ending if job.ended_at is None else '',
         awaits_start=job.awaits_start,
         unreleased=job.unreleased,
         unavailable=job.unavailable,
@@ -291,6 +288,7 @@ def allowed(state: CellState, method: job_control.Method, name: str) -> JobState
         is_by_recipe=job.job.recipe is not None,
         left=job.cycles_left,
     )
+    refused = job_control.refusal(method, name, facts)
     if refused is not None:
         raise CommandRefused(refused)
     return job

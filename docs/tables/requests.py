@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from bt_orchestrator.model.jobs.isa95 import JobWord
+from bt_orchestrator.model.jobs.job_control import JobFacts
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.requests import TABLE, About, Request, Why, of_cell, of_job
 from bt_orchestrator.model.roles import Role
@@ -62,9 +63,8 @@ def _possible(request: Request) -> str:
             states = [state.value for state in PackmlState if request in of_cell(state)]
             return _short(states, len(PackmlState))
         case About.JOB:
-            return _short(
-                [word.value for word in JobWord if request in of_job(word)], len(JobWord)
-            )
+            words = [word.value for word in JobWord if request in of_job(JobFacts(word))]
+            return _short(words, len(JobWord))
         case About.HOLD:
             return 'where the hold offers it'
         case About.ITEM:

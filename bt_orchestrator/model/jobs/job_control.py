@@ -118,35 +118,43 @@ MORE_WHILE_AWAITING: tuple[Method, ...] = (START,)
 """What may also be asked of a job that is AllowedToStart and waits for its start."""
 
 
-def refusal(
-    method: Method,
-    job: str,
-    word: JobWord,
-    ending: str = '',
-    *,
-    awaits_start: bool = False,
-    unreleased: str = '',
-    unavailable: Sequence[str] = (),
-    is_held: bool = True,
-    is_by_recipe: bool = True,
-    left: int = 1,
-) -> str | None:
-    """Say why something cannot be asked of a job now; None: it can.
+@dataclass(frozen=True)
+class JobFacts:
+    """What decides which methods can be asked of a job now."""
 
-    :param ending: `stopping` or `aborting` if the job already ends
-    :param awaits_start: the job waits for the start of its order (semantics 6.7)
-    :param unreleased: digest of its script, if that is not released (semantics 6.10)
-    :param unavailable: components out of service that it needs (semantics 7.5)
-    :param is_held: a person holds it; of a job that is passed for nothing else its state says so
-    :param is_by_recipe: its order named a recipe
-    :param left: how many of its items have not begun
-    """
-    if word is NOT_ALLOWED and (unreleased or unavailable) and not is_held:
+    word: JobWord
+    """Its ISA-95 state."""
+    ending: str = ''
+    """`stopping` or `aborting`, if it already ends."""
+    awaits_start: bool = False
+    """It waits for the start of its order (semantics 6.7)."""
+    unreleased: str = ''
+    """Digest of its script, if that is not released (semantics 6.10)."""
+    unavailable: Sequence[str] = ()
+    """Components out of service that it needs (semantics 7.5)."""
+    is_held: bool = True
+    """A person holds it. False: its state NotAllowedToStart has other reasons."""
+    is_by_recipe: bool = True
+    """Its order named a recipe."""
+    left: int = 1
+    """How many of its items have not begun."""
+
+    @property
+    def is_passed(self) -> bool:
+        """Whether the queue passes it although nobody holds it."""
+        lacks = bool(self.unreleased or self.unavailable)
+        return self.word is NOT_ALLOWED and lacks and not self.is_held
+
+
+def refusal(method: Method, job: str, facts: JobFacts) -> str | None:
+    """Say why something cannot be asked of a job now; None: it can."""
+    word, ending = facts.word, facts.ending
+    if facts.is_passed:
         if method in MORE_WHILE_PASSED:
             return None
-        if method is START and not awaits_start:
-            return '; '.join(_passed_words(job, unreleased, unavailable))
-    if word is ALLOWED and awaits_start and method in MORE_WHILE_AWAITING:
+        if method is START and not facts.awaits_start:
+            return '; '.join(_passed_words(job, facts.unreleased, facts.unavailable))
+    if word is ALLOWED and facts.awaits_start and method in MORE_WHILE_AWAITING:
         return None
     if word not in method.changes:
         fitting = ' or '.join(before.value for before in method.changes if before is not None)
@@ -155,17 +163,17 @@ def refusal(
         left_to_ask = ', '.join(one.title for one in LEFT_WHILE_ENDING[ending])
         what = f'{job} is {ending} already and ends when its last item has left the line'
         return f'{what}; only {left_to_ask} is left' if left_to_ask else what
-    return _no_rest(job, is_by_recipe=is_by_recipe, left=left) if method is REQUEUE else None
+    return _no_rest(job, facts) if method is REQUEUE else None
 
 
-def _no_rest(job: str, *, is_by_recipe: bool, left: int) -> str | None:
+def _no_rest(job: str, facts: JobFacts) -> str | None:
     """Say why nothing of a job on the line can be made anew; None: something can."""
-    if not is_by_recipe:
+    if not facts.is_by_recipe:
         return (
             f'{job} was ordered by its script, so it cannot be made anew; stop it (queue stop '
             f'{job}), and give an order for the rest'
         )
-    if not left:
+    if not facts.left:
         return f'{job} has begun all of its items, so nothing is left to queue; nothing was done'
     return None
 

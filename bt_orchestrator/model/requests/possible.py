@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 
-from bt_orchestrator.model.jobs import job_control
-from bt_orchestrator.model.jobs.isa95 import QUEUED, JobWord
+from bt_orchestrator.model.jobs.isa95 import QUEUED
+from bt_orchestrator.model.jobs.job_control import JobFacts, refusal
 from bt_orchestrator.model.packml import VERBS, Cause, PackmlState, possible_in
 from bt_orchestrator.model.requests.request import Request
 from bt_orchestrator.model.requests.table import (
@@ -24,37 +24,10 @@ def of_cell(state: PackmlState) -> tuple[Request, ...]:
     return (*(CELL[cause] for cause in possible_in(state)), *STOP_AFTERS.values())
 
 
-def of_job(
-    word: JobWord,
-    ending: str = '',
-    *,
-    awaits_start: bool = False,
-    unreleased: str = '',
-    unavailable: Sequence[str] = (),
-    is_held: bool = True,
-    is_by_recipe: bool = True,
-    left: int = 1,
-) -> tuple[Request, ...]:
-    """Return the requests to a job that a state allows; see `job_control.refusal`."""
-    is_queued = word in QUEUED
-    places = (MOVE, NEXT) if is_queued else ()
-    fitting = (
-        request
-        for method, request in JOB
-        if job_control.refusal(
-            method,
-            '',
-            word,
-            ending,
-            awaits_start=awaits_start,
-            unreleased=unreleased,
-            unavailable=unavailable,
-            is_held=is_held,
-            is_by_recipe=is_by_recipe,
-            left=left,
-        )
-        is None
-    )
+def of_job(facts: JobFacts) -> tuple[Request, ...]:
+    """Return the requests that can be made of a job now."""
+    places = (MOVE, NEXT) if facts.word in QUEUED else ()
+    fitting = (request for method, request in JOB if refusal(method, '', facts) is None)
     return (*places, *fitting)
 
 

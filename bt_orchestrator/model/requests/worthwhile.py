@@ -102,14 +102,7 @@ def worthwhile_for_job(
         job_control.RESUME.verb: is_cell_stopped,
         job_control.REQUEUE.verb: not unavailable and not has_back,
     }
-    possible = of_job(
-        word,
-        ending,
-        awaits_start=awaits_start,
-        unreleased=unreleased,
-        unavailable=unavailable,
-        is_held=is_held,
-        is_by_recipe=is_by_recipe,
-        left=left,
+    facts = job_control.JobFacts(
+        word, ending, awaits_start, unreleased, unavailable, is_held, is_by_recipe, left
     )
-    return tuple(one for one in possible if not nothing_new.get(one.word, False))
+    return tuple(one for one in of_job(facts) if not nothing_new.get(one.word, False))

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from fakes.operator import engineer
 
 from bt_orchestrator.model.jobs.isa95 import JobWord
+from bt_orchestrator.model.jobs.job_control import JobFacts
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.requests import (
     REQUESTS,
@@ -61,13 +64,19 @@ def test_danger_does_not_wait_for_a_reason() -> None:
 
 def test_what_is_possible_where() -> None:
     assert [r.word for r in of_cell(PackmlState.ABORTED)][:3] == ['pause', 'resume', 'clear']
-    queued = [r.word for r in of_job(JobWord.ALLOWED_TO_START)]
+    queued = [r.word for r in of_job(JobFacts(JobWord.ALLOWED_TO_START))]
     assert queued == ['move', 'next', 'hold', 'update', 'abort', 'cancel']
-    assert [r.word for r in of_job(JobWord.RUNNING, 'stopping')] == ['abort']
-    assert [r.word for r in of_job(JobWord.ENDED)] == ['clear']
-    assert [r.word for r in of_job(JobWord.RUNNING)] == ['pause', 'stop', 'requeue', 'abort']
-    for more in ({'is_by_recipe': False}, {'left': 0}):
-        assert [r.word for r in of_job(JobWord.RUNNING, **more)] == ['pause', 'stop', 'abort']
+    assert [r.word for r in of_job(JobFacts(JobWord.RUNNING, 'stopping'))] == ['abort']
+    assert [r.word for r in of_job(JobFacts(JobWord.ENDED))] == ['clear']
+    assert [r.word for r in of_job(JobFacts(JobWord.RUNNING))] == [
+        'pause',
+        'stop',
+        'requeue',
+        'abort',
+    ]
+    running = JobFacts(JobWord.RUNNING)
+    for no_rest in (replace(running, is_by_recipe=False), replace(running, left=0)):
+        assert [r.word for r in of_job(no_rest)] == ['pause', 'stop', 'abort']
     assert [r.name for r in of_hold(('retry', 'remove_item', 'resume'))] == [
         'hold.retry',
         'item.remove_item',
