@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from datetime import datetime
 from typing import NamedTuple
 
+from bt_orchestrator.cli.history.choosing import no_job
 from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.drawing.gantt import Gantt, GanttFold
 from bt_orchestrator.drawing.gantt_page import gantt_svg
@@ -52,12 +53,6 @@ def chart_svg(reading: Reading, args: argparse.Namespace) -> str:
             'time, with --from and --to'
         )
     return gantt_svg(_titled(gantt, window))
-
-
-def no_job(args: argparse.Namespace) -> str:
-    """Say that a journal knows nothing of the job that is named."""
-    known = f'bt-orchestrator history --journal {args.journal}'
-    return f'the journal {args.journal} knows no job {args.job}; {known} lists those it has'
 
 
 def refuse_too_many(attempts: int) -> None:

@@ -1,0 +1,42 @@
+"""The script that a job ran, as a file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+from bt_orchestrator.errors import OrchestratorError
+from bt_orchestrator.model.codec import json_of
+from bt_orchestrator.model.jobs.job_record import JobRecord
+from bt_orchestrator.model.script import Script
+from bt_orchestrator.report.reading import Reading
+from bt_orchestrator.script.writing.script_text import Comments, write_script
+
+
+class NoScript(OrchestratorError):
+    """A journal does not have the script of a job any more."""
+
+
+def script_of(job: JobRecord, reading: Reading, journal: Path) -> Iterator[str]:
+    """Yield the text of the script that a job ran.
+
+    :raises NoScript: the journal has it no more
+    """
+    script = reading.script(job.digest) if job.digest else None
+    if script is None:
+        raise NoScript(
+            f'the script of {job.job} is not kept any more in {journal}; a backup of the journal '
+            'may have it'
+        )
+    if _origin(script) != (job.recipe, job.recipe_version):
+        script = replace(script, made_from=None)  # an equal one, of another version of the recipe
+    head = [f'What job {job.job} ran, by the journal; time limits of components are written out.']
+    if job.params:
+        head.append(f'Its parameters: {json_of(job.params)}')
+    yield write_script(script, None, Comments(head)).rstrip()
+
+
+def _origin(script: Script) -> tuple[str, int | None]:
+    made_from = script.made_from
+    return (made_from.recipe, made_from.version) if made_from else ('', None)
