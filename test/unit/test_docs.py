@@ -311,6 +311,27 @@ def test_there_are_links() -> None:
     assert {link.page for link in links()} >= {'README.md', 'docs/architecture.md'}
 
 
+# --- files ----------------------------------------------------------------------------------
+
+
+def named_files(text: str) -> set[str]:
+    """Return the files and folders that a page names as code, without their functions."""
+    return set(re.findall(r'`([a-z_0-9/]+(?:/|\.py|\.js))(?:: [^`]*)?`', text))
+
+
+def is_there(name: str) -> bool:
+    """Tell whether a name is a path here, or the end of one in the package or in its tests."""
+    name = name.rstrip('/')
+    folders = (ROOT / 'bt_orchestrator', ROOT / 'test')
+    return (ROOT / name).exists() or any(any(folder.rglob(name)) for folder in folders)
+
+
+def test_files_that_the_architecture_names_exist() -> None:
+    named = named_files(text_of('docs/architecture.md'))
+    assert {'runtime/orchestrator.py', 'model/events/', 'routes.js'} <= named
+    assert [name for name in sorted(named) if not is_there(name)] == []
+
+
 # --- size -----------------------------------------------------------------------------------
 
 
