@@ -37,6 +37,8 @@ class ShiftWatch:
         """As it was a moment ago; None: there is none, and `why_not` says why."""
         self.why_not = 'nothing was read yet'
         """What it lacks; empty: nothing."""
+        self.is_reading = True
+        """The first look has not ended: of a journal without books it takes some seconds."""
         self._archive = archive
         self._tell = tell
         if plant is not None:
@@ -60,10 +62,14 @@ class ShiftWatch:
             self.live, self.why_not = await self._archive.read(self._read)
         except JournalUnusable as error:
             self.live, self.why_not = None, str(error)
+        finally:
+            self.is_reading = False
 
     def parts(self) -> Mapping[str, object]:
         """Return what the page shows; nothing if it knows no shifts."""
-        return {'shift': shift_part(self.live, self.why_not)} if self.is_wanted else {}
+        if not self.is_wanted:
+            return {}
+        return {'shift': {**shift_part(self.live, self.why_not), 'is_reading': self.is_reading}}
 
     def close(self) -> None:
         """End the thread."""

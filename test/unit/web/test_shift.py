@@ -33,6 +33,8 @@ from bt_orchestrator.web.archive.archive import Archive
 from bt_orchestrator.web.endpoint import Endpoint
 from bt_orchestrator.web.seams import Plant
 
+NOTHING = {'shift': None, 'is_reading': False}
+
 PLANT = Plant(parse_shifts(SHIFTS, 'shifts.yaml'), LINE.cell)
 
 
@@ -105,6 +107,21 @@ def report(clock: str, records: Records) -> dict[str, Any]:
     return account_plain(account(Reading(journal('23:00')), live.account.period, LINE.cell))
 
 
+def test_until_the_first_look_has_ended_the_part_says_that_the_shift_is_read(
+    bench: ShiftBench,
+) -> None:
+    assert bench.watch.parts() == {
+        'shift': {'shift': None, 'why_not': 'nothing was read yet', 'is_reading': True}
+    }
+    assert not bench.look()['is_reading']
+
+    def broken() -> Records:
+        raise JournalUnusable('it is damaged')
+
+    bench.journal = broken
+    assert not bench.look()['is_reading']
+
+
 def test_the_part_has_the_numbers_of_the_report(bench: ShiftBench) -> None:
     part, expected = bench.look(), report('12:05', journal('12:05'))
     assert {name: part[name] for name in expected['oee']} == expected['oee']
@@ -135,11 +152,11 @@ def test_what_it_lacks_is_said(bench: ShiftBench) -> None:
 
     assert bench.look()['why_not'] == ''
     bench.journal = unusable
-    assert bench.look() == {'shift': None, 'why_not': 'no such file'}
+    assert bench.look() == {**NOTHING, 'why_not': 'no such file'}
     answer = bench.browser().get('/api/shift')
     assert (answer.status, 'no such file' in answer.json['message']) == (503, True)
     bench.journal = lambda: MemoryRecords(MemoryStore('day'))
-    assert bench.look() == {'shift': None, 'why_not': 'the journal has no event yet'}
+    assert bench.look() == {**NOTHING, 'why_not': 'the journal has no event yet'}
     store = MemoryStore('other')
     store.append(the_day().events)
     bench.journal = lambda: MemoryRecords(store)

@@ -51,9 +51,10 @@ export function shiftCard() {
       const isKnown = shift.shift !== null;
       attribute(element, 'data-shift', shift.shift);
       attribute(element, 'data-runs', isKnown && shift.runs);
+      attribute(element, 'aria-busy', shift.is_reading ? 'true' : null);
       text(name, isKnown ? t('shift.title', { name: shift.shift }) : t('shift.none'));
       [figures, when, report].forEach((one) => show(one, isKnown));
-      const lacks = isKnown ? lackWords(shift) : shift.why_not;
+      const lacks = isKnown ? lackWords(shift) : noneWords(shift);
       text(note, lacks);
       show(note, lacks);
       if (!isKnown) return;
@@ -141,6 +142,10 @@ function madeWords(shift) {
   const rate = t('shift.rate', { rate: seconds(shift.per_item_s) });
   const pace = shift.pace_s === null ? '' : t('shift.pace', { pace: seconds(shift.pace_s) });
   return [made, rate, pace].filter(Boolean).join(' · ');
+}
+
+function noneWords(shift) {
+  return shift.is_reading ? t('shift.reading') : shift.why_not;
 }
 
 function lackWords(shift) {
