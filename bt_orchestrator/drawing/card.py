@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,8 +10,9 @@ from bt_orchestrator.drawing.label import CARD_COLUMNS, Entry, Label, Text, wrap
 from bt_orchestrator.drawing.line_state import LineState
 from bt_orchestrator.drawing.mark import CARD_HEIGHT, about_state, card_state
 from bt_orchestrator.drawing.style import FAINT, PAPER
+from bt_orchestrator.drawing.wording import ENGLISH, Wording
 from bt_orchestrator.model.cell import Cell, OnFailure
-from bt_orchestrator.model.script import RunsFor, Script, SectionList, Step, Task
+from bt_orchestrator.model.script import Repeat, RunsFor, Script, SectionList, Step, Task
 from bt_orchestrator.proof.pace import Pace
 
 MOST_LINES = 3
@@ -33,14 +34,15 @@ ROUND_FILL = '#e0e7ff'
 
 OFF_BELT = 'while the belt moves'
 NEEDS_NO_BELT = 'does not need the belt'
+AT_REST = 'must be at rest'
 
-_POLICY: Mapping[OnFailure, str] = {
+POLICY: Mapping[OnFailure, str] = {
     OnFailure.HOLD: 'hold, an operator decides',
     OnFailure.CONTINUE: 'continue',
     OnFailure.REJECT: 'reject the item',
     OnFailure.ABORT_JOB: 'abort the job',
 }
-_RUNS_FOR: Mapping[RunsFor, str] = {
+RUNS_FOR: Mapping[RunsFor, str] = {
     RunsFor.GOOD: 'good items',
     RunsFor.REJECTED: 'rejected items only',
     RunsFor.ALL: 'good and rejected items',
@@ -57,6 +59,7 @@ class Sheet:
     """The line at work; None: the script alone."""
     pace: Pace | None = None
     """How fast the line is with the script; None: not told."""
+    wording: Wording = ENGLISH
 
     def limits(self, task: Task) -> bool:
         """Tell whether a task is part of what limits the line."""
@@ -74,9 +77,9 @@ def card(sheet: Sheet, task: Task, belt: str = '') -> Label:
     :param belt: how it relates to the moving belt, if it does not require the belt to rest
     """
     title, what = _title(task), list(_what(task))
-    rows = [_head(task, title), _wide(what)]
-    options = [belt] if belt else []
-    options += [text for option in _options(sheet.cell, task) for text in wrapped(option)]
+    rows = [_head(sheet, task, title), _wide(what)]
+    options = [sheet.wording.say(belt)] if belt else []
+    options += [text for option in _options(sheet, task) for text in wrapped(option)]
     if options:
         rows.append(_wide([Text(text, 9, italic=True) for text in options]))
     marks = list(_marks(sheet, task))
@@ -86,7 +89,7 @@ def card(sheet: Sheet, task: Task, belt: str = '') -> Label:
     border = 1
     if sheet.state is not None:
         now = sheet.state.task(task.id)
-        rows.insert(0, _wide(card_state(now), now.mark.fill))
+        rows.insert(0, _wide(card_state(now, sheet.wording), now.mark.fill))
         height += CARD_HEIGHT
         border = 3 if now.mark.needs_eyes else 1
     return Label(tuple(rows), border, PAPER, dashed=bool(belt), height=height)
@@ -103,7 +106,7 @@ def belt_words(tasks: SectionList, step: Step, task: Task) -> str:
 
 def details(sheet: Sheet, task: Task, belt: str = '') -> Sequence[str]:
     """Return everything that is known about a task, line by line."""
-    now = () if sheet.state is None else about_state(sheet.state.task(task.id))
+    now = () if sheet.state is None else about_state(sheet.state.task(task.id), sheet.wording)
     return [*now, *_details(sheet, task, belt)]
 
 
@@ -118,24 +121,27 @@ def arguments(value: Any) -> str:
     return str(value)
 
 
-def seconds(value: float | None) -> str:
+def seconds(value: float | None, wording: Wording = ENGLISH) -> str:
     """Write a time limit."""
-    return 'no time limit' if value is None else f'at most {value:g} s'
+    if value is None:
+        return wording.say('no time limit')
+    return wording.say('at most {seconds} s', seconds=f'{value:g}')
 
 
 def _title(task: Task) -> list[str]:
     return wrapped(task.id, ID_COLUMNS)
 
 
-def _head(task: Task, title: Sequence[str]) -> tuple[Entry, ...]:
+def _head(sheet: Sheet, task: Task, title: Sequence[str]) -> tuple[Entry, ...]:
     words = [Text(text, 12, bold=True) for text in title]
     if not task.qty_change:
         return _wide(words)
-    return Entry(tuple(words), width=CARD_WIDTH - BADGE_WIDTH), _badge(task)
+    return Entry(tuple(words), width=CARD_WIDTH - BADGE_WIDTH), _badge(sheet, task)
 
 
-def _badge(task: Task) -> Entry:
-    text = Text(f'{task.qty_change:+d} item'.replace('-', '\u2212'), bold=True)
+def _badge(sheet: Sheet, task: Task) -> Entry:
+    count = f'{task.qty_change:+d}'.replace('-', '\u2212')
+    text = Text(sheet.wording.say('{count} item', count=count), bold=True)
     return Entry((text,), centred=True, fill=ITEM_FILL, width=BADGE_WIDTH)
 
 
@@ -159,69 +165,82 @@ def _shortened(texts: list[str]) -> list[str]:
     return [*texts[: MOST_LINES - 1], texts[MOST_LINES - 1][: CARD_COLUMNS - 2] + ' \u2026']
 
 
-def _options(cell: Cell, task: Task) -> Iterator[str]:
+def _options(sheet: Sheet, task: Task) -> Iterator[str]:
     """Yield what differs from a plain task."""
+    say = sheet.wording.say
     if task.once:
-        yield 'once, until the cell stops'
+        yield say('once, until the cell stops')
     if task.condition is not None:
         yield str(task.condition)
     if task.fails_unless is not None:
-        yield f'fails unless {task.fails_unless.words}'
+        yield say('fails unless {condition}', condition=task.fails_unless.words)
     if task.identifies:
-        yield f'reads the serial: {".".join(task.identifies)}'
+        yield say('reads the serial: {result}', result='.'.join(task.identifies))
     if task.runs_for is not RunsFor.GOOD:
-        yield f'for {_RUNS_FOR[task.runs_for]}'
+        yield say('for {items}', items=say(RUNS_FOR[task.runs_for]))
     if task.retries:
-        yield _retries(task)
+        yield _retries(sheet, task)
     if task.on_failure is not OnFailure.HOLD:
-        yield f'if it fails: {_POLICY[task.on_failure]}'
-    if task.timeout_s != cell.components[task.component].timeout_s:
-        yield seconds(task.timeout_s)
+        yield say('if it fails: {policy}', policy=say(POLICY[task.on_failure]))
+    if task.timeout_s != sheet.cell.components[task.component].timeout_s:
+        yield seconds(task.timeout_s, sheet.wording)
     if task.repeatable:
-        yield 'repeatable'
+        yield say('repeatable')
 
 
-def _retries(task: Task) -> str:
-    times = 'retry once' if task.retries == 1 else f'retry {task.retries} times'
-    return f'{times}, after {task.retry_delay_s:g} s' if task.retry_delay_s else times
+def _retries(sheet: Sheet, task: Task) -> str:
+    say = sheet.wording.say
+    once = task.retries == 1
+    times = say('retry once') if once else say('retry {count} times', count=task.retries)
+    if not task.retry_delay_s:
+        return times
+    return say('{times}, after {seconds} s', times=times, seconds=f'{task.retry_delay_s:g}')
 
 
 def _marks(sheet: Sheet, task: Task) -> Iterator[tuple[str, str]]:
+    say = sheet.wording.say
     for flag in sheet.script.downstream_of.get(task.id, ()):
-        yield f'\u25bc takes flag {flag.flag}', ''
+        yield say('\u25bc takes flag {flag}', flag=flag.flag), ''
     for flag in sheet.script.upstream_of.get(task.id, ()):
-        yield f'\u25b2 sets flag {flag.flag}', ''
+        yield say('\u25b2 sets flag {flag}', flag=flag.flag), ''
     repeat = sheet.script.repeat_of.get(task.id)
     if repeat is not None:
-        for text in wrapped(f'\u21bb {repeat}'):
+        for text in wrapped(f'\u21bb {", ".join(repeat.tasks)}: {_rounds(repeat, say)}'):
             yield text, ROUND_FILL
     for zone in sheet.script.zones_of.get(task.id, ()):
-        yield f'\u25a0 zone {zone}', sheet.zone_fill(zone)
+        yield say('\u25a0 zone {zone}', zone=zone), sheet.zone_fill(zone)
     if sheet.limits(task):
-        yield '\u25c6 limits the pace', ''
+        yield say('\u25c6 limits the pace'), ''
+
+
+def _rounds(repeat: Repeat, say: Callable[..., str]) -> str:
+    times = repeat.times
+    return (
+        say('up to 1 more round') if times == 1 else say('up to {count} more rounds', count=times)
+    )
 
 
 def _details(sheet: Sheet, task: Task, belt: str) -> Iterator[str]:
-    component = sheet.cell.components[task.component]
+    component, say = sheet.cell.components[task.component], sheet.wording.say
     yield f'{task.id}: {task.name}'
-    yield f'action: {task.action} ({component.type})'
-    yield f'component: {task.component}'
+    yield say('action: {action} ({type})', action=task.action, type=component.type)
+    yield say('component: {component}', component=task.component)
     if component.state is not None:
-        yield f'starts when: {component.state}'
+        yield say('starts when: {condition}', condition=component.state)
     for name, value in task.args.items():
-        yield f'argument {name}: {arguments(value)}'
+        yield say('argument {name}: {value}', name=name, value=arguments(value))
     if sheet.script.section_of(task.id):
-        yield f'runs for: {_RUNS_FOR[task.runs_for]}'
-        yield f'belt: {belt or "must be at rest"}'
+        yield say('runs for: {items}', items=say(RUNS_FOR[task.runs_for]))
+        yield say('belt: {how}', how=say(belt or AT_REST))
     if task.condition is not None:
-        yield f'condition: {task.condition}'
+        yield say('condition: {condition}', condition=task.condition)
     if task.fails_unless is not None:
-        yield f'verdict: fails unless {task.fails_unless.words}'
+        yield say('verdict: fails unless {condition}', condition=task.fails_unless.words)
     if task.identifies:
-        yield f'serial of the item: {".".join(task.identifies)}'
-    yield f'nominal time: {component.duration_s(task.name):g} s'
-    yield f'time limit: {seconds(task.timeout_s)}'
-    yield _retries(task) if task.retries else 'no retries'
-    yield f'if it fails: {_POLICY[task.on_failure]}'
-    yield f'repeatable: {"yes" if task.repeatable else "no"}'
+        yield say('serial of the item: {result}', result='.'.join(task.identifies))
+    yield say('nominal time: {seconds} s', seconds=f'{component.duration_s(task.name):g}')
+    yield say('time limit: {limit}', limit=seconds(task.timeout_s, sheet.wording))
+    yield _retries(sheet, task) if task.retries else say('no retries')
+    yield say('if it fails: {policy}', policy=say(POLICY[task.on_failure]))
+    yield say('repeatable: yes') if task.repeatable else say('repeatable: no')
     yield from (text for text, _ in _marks(sheet, task))

@@ -32,23 +32,32 @@ from bt_orchestrator.drawing.style import (
     SLOT_FILL,
 )
 from bt_orchestrator.drawing.svg_canvas import SvgCanvas
+from bt_orchestrator.drawing.wording import ENGLISH, Wording
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import Dependency, Script
 from bt_orchestrator.proof.pace import pace
 
-_INITIALIZATION = 'a section begins the first item of an order when its components are initialized'
-_BELT = 'moves every item by one slot, when every section has let it go'
-_GROUP = 'these start together; the group ends when all of them ended'
+INITIALIZATION = 'a section begins the first item of an order when its components are initialized'
+BELT_MOVES = 'moves every item by one slot, when every section has let it go'
+GROUP = 'these start together; the group ends when all of them ended'
+FLAG_IS = 'flag {flag}: capacity {capacity}, initial count {initial}'
+FLAG_SET = '{task} starts while it is below {capacity}, and adds one after it'
+FLAG_TAKEN = '{task} starts while it is above 0, and takes one after it'
 
 
-def draw_line(script: Script, cell: Cell, state: LineState | None = None) -> Picture:
+def draw_line(
+    script: Script, cell: Cell, state: LineState | None = None, wording: Wording = ENGLISH
+) -> Picture:
     """Draw a script as a process; every place is fixed, so Graphviz has nothing to lay out.
 
-    :param state: the line at work; None: the script alone
+    :param state: the line at work, in the same words; None: the script alone
     """
-    sheet = Sheet(script, cell, state, pace(script, cell) if state is None else None)
+    sheet = Sheet(script, cell, state, pace(script, cell) if state is None else None, wording)
     page = Page(sheet, title(sheet).height, legend(sheet).height)
-    size, about = Box(0, 0, page.width, page.height), f'script {script.name}'
+    size, about = (
+        Box(0, 0, page.width, page.height),
+        wording.say('script {name}', name=script.name),
+    )
     dot, svg = DotCanvas(script.name, size, about), SvgCanvas(size, about)
     for canvas in (dot, svg):
         _Drawing(sheet, page, canvas).whole()
@@ -62,6 +71,7 @@ class _Drawing:
         self._sheet = sheet
         self._page = page
         self._canvas = canvas
+        self._say = sheet.wording.say
         self._names: dict[Box, str] = {}
         """Nodes by their place."""
 
@@ -80,14 +90,15 @@ class _Drawing:
         """Draw the initialization and the belt's move."""
         page = self._page
         if page.initialization_frame is not None:
-            words = 'Initialization, per order'
+            words = self._say('Initialization, per order')
             box = page.initialization_frame
-            with self._frame('initialization', words, box, [_INITIALIZATION]):
+            with self._frame('initialization', words, box, [self._say(INITIALIZATION)]):
                 self._cards(page.initialization)
         boxes = {one.task.id: one.box for one in page.initialization}
         for one in self._sheet.script.initialization_dependencies:
             self._arrow(boxes[one.upstream], boxes[one.downstream])
-        with self._frame('belt', 'Belt, after every beat', page.belt_frame, [_BELT]):
+        words = self._say('Belt, after every beat')
+        with self._frame('belt', words, page.belt_frame, [self._say(BELT_MOVES)]):
             self._cards([page.move])
 
     def section(self, column: Column) -> None:
@@ -117,7 +128,13 @@ class _Drawing:
                 points,
                 self._belt_stroke(),
                 name=f'belt.{number}',
-                about=[f'the belt, from section {number} to section {number + 1}'],
+                about=[
+                    self._say(
+                        'the belt, from section {number} to section {next}',
+                        number=number,
+                        next=number + 1,
+                    )
+                ],
             )
 
     def flags(self) -> None:
@@ -135,13 +152,15 @@ class _Drawing:
 
     def _heading(self, number: int) -> str:
         script = self._sheet.script
-        roles = [('source', script.source), ('sink', script.sink)]
-        return ' \u00b7 '.join([f'Section {number}', *(r for r, at in roles if at == number)])
+        roles = [(self._say('source'), script.source), (self._say('sink'), script.sink)]
+        name = self._say('Section {number}', number=number)
+        return ' \u00b7 '.join([name, *(r for r, at in roles if at == number)])
 
     def _about(self, number: int) -> Sequence[str]:
         components = self._sheet.cell.components.values()
         here = ', '.join(one.name for one in components if number in one.sections)
-        return [self._heading(number), f'components: {here or "none"}']
+        names = here or self._say('none')
+        return [self._heading(number), self._say('components: {names}', names=names)]
 
     def _frame(
         self, name: str, words: str, box: Box, about: Sequence[str]
@@ -150,8 +169,8 @@ class _Drawing:
         return self._canvas.frame(name, heading, box, SECTION_FILL, about)
 
     def _group(self, name: str, box: Box) -> None:
-        heading = one_entry(Text('in parallel', italic=True), width=box.width - 12)
-        with self._canvas.frame(name, heading, box, GROUP_FILL, [_GROUP]):
+        heading = one_entry(Text(self._say('in parallel'), italic=True), width=box.width - 12)
+        with self._canvas.frame(name, heading, box, GROUP_FILL, [self._say(GROUP)]):
             pass  # its members are drawn with the section, in the order of the list
 
     def _cards(self, cards: Iterable[Placed]) -> None:
@@ -161,28 +180,31 @@ class _Drawing:
             self._canvas.label(name, one.card, one.box, about)
 
     def _slot(self, column: Column) -> None:
-        words = f'slot {column.number}'
+        words = self._say('slot {number}', number=column.number)
         name = self._names[column.slot] = f'slot.{column.number}'
-        label, about = _bar(words, INK, SLOT_FILL, column.slot), [f'{words} of the belt']
+        label = _bar(words, INK, SLOT_FILL, column.slot)
+        about = [self._say('{slot} of the belt', slot=words)]
         if self._sheet.state is not None:
             mark = self._sheet.state.sections.get(column.number, SectionMark())
-            label = slot_label(column.number, mark, column.slot.width, column.slot.height)
-            about += about_slot(mark)
+            size, wording = (column.slot.width, column.slot.height), self._sheet.wording
+            label = slot_label(column.number, mark, *size, wording)
+            about += about_slot(mark, wording)
         self._canvas.label(name, label, column.slot, about)
 
     def _release(self, name: str, box: Box) -> None:
         self._names[box] = name
-        about = 'from here on the belt may move; what is below runs meanwhile'
-        self._canvas.label(name, _bar('belt released', PAPER, BAR_FILL, box), box, [about])
+        about = self._say('from here on the belt may move; what is below runs meanwhile')
+        label = _bar(self._say('belt released'), PAPER, BAR_FILL, box)
+        self._canvas.label(name, label, box, [about])
 
     def _join(self, name: str, box: Box) -> None:
         self._names[box] = name
-        self._canvas.point(name, box, [_GROUP])
+        self._canvas.point(name, box, [self._say(GROUP)])
 
     def _idle(self, section: str, slot: Box) -> None:
-        label = one_entry(Text('no task: items pass', colour=FAINT, italic=True))
+        label = one_entry(Text(self._say('no task: items pass'), colour=FAINT, italic=True))
         below = slot.moved(0, slot.height + 4)
-        about = 'the script has no list for this section'
+        about = self._say('the script has no list for this section')
         self._canvas.label(f'{section}.idle', label, below, [about])
 
     def _arrow(self, above: Box, below: Box) -> None:
@@ -192,32 +214,37 @@ class _Drawing:
 
     def _flag(self, one: FlagLine) -> None:
         flag = one.flag
-        name = Text(f'flag {flag.flag}', colour=FLAG, bold=True)
+        name = Text(self._say('flag {name}', name=flag.flag), colour=FLAG, bold=True)
         label = one_entry(name, Text(self._counts(flag), 9, FLAG))
         self._canvas.line(
             (f'task.{flag.upstream}', f'task.{flag.downstream}'),
             one.points,
             Stroke(FLAG, 1.6, dashed=True),
             name=f'flag.{flag.flag}',
-            about=_about_flag(flag),
+            about=self._about_flag(flag),
             label=LineLabel(label, one.label_at),
         )
 
     def _counts(self, flag: Dependency) -> str:
         state = self._sheet.state
         if state is None or flag.flag not in state.flags:
-            return f'capacity {flag.capacity}, initial {flag.initial}'
-        return f'count {state.flags[flag.flag]} of {flag.capacity}'
+            return self._say(
+                'capacity {capacity}, initial {initial}',
+                capacity=flag.capacity,
+                initial=flag.initial,
+            )
+        count = state.flags[flag.flag]
+        return self._say('count {count} of {capacity}', count=count, capacity=flag.capacity)
+
+    def _about_flag(self, flag: Dependency) -> list[str]:
+        say = self._say
+        return [
+            say(FLAG_IS, flag=flag.flag, capacity=flag.capacity, initial=flag.initial),
+            say(FLAG_SET, task=flag.upstream, capacity=flag.capacity),
+            say(FLAG_TAKEN, task=flag.downstream),
+        ]
 
 
 def _bar(words: str, colour: str, fill: str, box: Box) -> Label:
     text = Text(words, colour=colour, bold=True)
     return Label(((Entry((text,), centred=True, width=box.width, height=box.height),),), fill=fill)
-
-
-def _about_flag(flag: Dependency) -> list[str]:
-    return [
-        f'flag {flag.flag}: capacity {flag.capacity}, initial count {flag.initial}',
-        f'{flag.upstream} starts while it is below {flag.capacity}, and adds one after it',
-        f'{flag.downstream} starts while it is above 0, and takes one after it',
-    ]

@@ -43,11 +43,6 @@ class TaskMark:
     reason: str = ''
     """What it waits for, or why it failed."""
 
-    @property
-    def text(self) -> str:
-        """One line for the card."""
-        return ' '.join(filter(None, (self.mark.sign, self.mark.word, self.words)))
-
 
 @dataclass(frozen=True)
 class SectionMark:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from bt_orchestrator.drawing.label import Entry, Label, Text, wrapped
 from bt_orchestrator.drawing.line_state import LineState, Mark, SectionMark, TaskMark
 from bt_orchestrator.drawing.style import FAINT, SLOT_FILL
+from bt_orchestrator.drawing.wording import Wording
 
 REASON_LINES = 2
 """Room for a reason on a card, used or not: nothing moves from one drawing to the next."""
@@ -18,28 +19,47 @@ SLOT_HEIGHT = 61.0
 MOST_JOBS = 4
 ELLIPSIS = ' \u2026'
 
+NOT_BEGUN = 'not begun'
 
-def card_state(mark: TaskMark) -> Sequence[Text]:
+MEANINGS = {
+    Mark.WAITING: 'is next, and says for what it waits',
+    Mark.RUNNING: 'its goal is at the action server; thick frame',
+    Mark.FAILED: 'its last attempt failed; thick frame',
+    Mark.HELD: 'an operator has to answer: bt-orchestrator answer; thick frame',
+    Mark.DONE: 'succeeded, in the cycle that is in hand',
+    Mark.MARKED_DONE: 'failed, and an operator says that it is done',
+    Mark.SKIPPED: 'not needed for this item, and not done',
+    Mark.CONTINUED: 'failed, and the cycle goes on: the item is nonconforming',
+    Mark.REJECTED: 'failed, and its item is rejected',
+    Mark.ABORTED: 'failed, and its job is aborted',
+}
+"""What the legend says of each mark."""
+
+
+def card_state(mark: TaskMark, wording: Wording) -> Sequence[Text]:
     """Return what a card says of its task, above everything else."""
     reason = _cut(wrapped(mark.reason), REASON_LINES)
-    return [_now(mark), *(Text(text or ' ', 9) for text in reason)]
+    return [_now(mark, wording), *(Text(text or ' ', 9) for text in reason)]
 
 
-def about_state(mark: TaskMark) -> Iterator[str]:
+def about_state(mark: TaskMark, wording: Wording) -> Iterator[str]:
     """Yield how a task stands: the first lines about it."""
-    yield f'now: {mark.text or "not begun"}'
+    yield wording.say('now: {state}', state=_text(mark, wording) or wording.say(NOT_BEGUN))
     if mark.reason:
         yield mark.reason
 
 
-def slot_label(number: int, mark: SectionMark, width: float, height: float) -> Label:
+def slot_label(
+    number: int, mark: SectionMark, width: float, height: float, wording: Wording
+) -> Label:
     """Return a slot with what stands there, and what its section does."""
-    there = f'({mark.slot})' if mark.is_empty_position else mark.slot or 'empty'
-    work = f'works on {mark.works_on}' if mark.works_on else 'no cycle'
+    say = wording.say
+    there = f'({mark.slot})' if mark.is_empty_position else mark.slot or say('empty')
+    work = say('works on {item}', item=mark.works_on) if mark.works_on else say('no cycle')
     waits = '' if mark.works_on else ' '.join(mark.waiting[:1])
     texts = (
-        Text(f'slot {number}: {there}', bold=True),
-        Text(_fate(mark) or ' ', 9, bold=True),
+        Text(say('slot {number}: {there}', number=number, there=there), bold=True),
+        Text(_fate(mark, wording) or ' ', 9, bold=True),
         Text(work, 9),
         Text(_cut(wrapped(waits), 1)[0] or ' ', 9, FAINT),
     )
@@ -48,29 +68,33 @@ def slot_label(number: int, mark: SectionMark, width: float, height: float) -> L
     return Label(((inside,),), 3 if mark.works_on else 0, fill)
 
 
-def _fate(mark: SectionMark) -> str:
+def _fate(mark: SectionMark, wording: Wording) -> str:
     """Say what is wrong with what stands in a slot."""
     words = (
-        (mark.is_empty_position, 'empty position'),
-        (mark.is_rejected, f'{Mark.REJECTED.sign} REJECTED'),
-        (mark.is_nonconforming, 'nonconforming'),
+        (mark.is_empty_position, wording.say('empty position')),
+        (mark.is_rejected, f'{Mark.REJECTED.sign} {wording.say("REJECTED")}'),
+        (mark.is_nonconforming, wording.say('nonconforming')),
     )
     return ', '.join(word for is_so, word in words if is_so)
 
 
-def about_slot(mark: SectionMark) -> Iterator[str]:
+def about_slot(mark: SectionMark, wording: Wording) -> Iterator[str]:
     """Yield what is wrong with the item, and everything that the section waits for."""
-    if _fate(mark):
-        yield _fate(mark)
-    yield f'works on {mark.works_on}' if mark.works_on else 'no cycle in hand'
+    if fate := _fate(mark, wording):
+        yield fate
+    if mark.works_on:
+        yield wording.say('works on {item}', item=mark.works_on)
+    else:
+        yield wording.say('no cycle in hand')
     yield from mark.waiting
 
 
-def headlines(state: LineState) -> list[Text]:
+def headlines(state: LineState, wording: Wording) -> list[Text]:
     """Return the lines below the title: always as many."""
     jobs = list(state.jobs)
     if len(jobs) > MOST_JOBS:
-        jobs[MOST_JOBS - 1 :] = [f'and {len(jobs) - MOST_JOBS + 1} more jobs']
+        more = len(jobs) - MOST_JOBS + 1
+        jobs[MOST_JOBS - 1 :] = [wording.say('and {count} more jobs', count=more)]
     jobs += [' '] * (MOST_JOBS - len(jobs))
     return [
         Text(state.headline, 14, bold=True),
@@ -78,28 +102,23 @@ def headlines(state: LineState) -> list[Text]:
     ]
 
 
-def legend_rows() -> Iterator[tuple[str, str, str]]:
+def legend_rows(wording: Wording) -> Iterator[tuple[str, str, str]]:
     """Yield sample, its colour, and meaning of each mark."""
-    for mark, meaning in (
-        (Mark.WAITING, 'is next, and says for what it waits'),
-        (Mark.RUNNING, 'its goal is at the action server; thick frame'),
-        (Mark.FAILED, 'its last attempt failed; thick frame'),
-        (Mark.HELD, 'an operator has to answer: bt-orchestrator answer; thick frame'),
-        (Mark.DONE, 'succeeded, in the cycle that is in hand'),
-        (Mark.MARKED_DONE, 'failed, and an operator says that it is done'),
-        (Mark.SKIPPED, 'not needed for this item, and not done'),
-        (Mark.CONTINUED, 'failed, and the cycle goes on: the item is nonconforming'),
-        (Mark.REJECTED, 'failed, and its item is rejected'),
-        (Mark.ABORTED, 'failed, and its job is aborted'),
-    ):
-        word = mark.word.removeprefix('failed, ').removeprefix('is ')
-        yield f'{mark.sign} {word}', mark.fill, meaning
+    for mark, meaning in MEANINGS.items():
+        word = wording.mark(mark)
+        for part in (wording.say('failed, '), wording.say('is ')):
+            word = word.removeprefix(part)
+        yield f'{mark.sign} {word}', mark.fill, wording.say(meaning)
 
 
-def _now(mark: TaskMark) -> Text:
+def _now(mark: TaskMark, wording: Wording) -> Text:
     if mark.mark is Mark.NEW:
-        return Text('not begun', 9, FAINT, italic=True)
-    return Text(mark.text, 11, bold=True)
+        return Text(wording.say(NOT_BEGUN), 9, FAINT, italic=True)
+    return Text(_text(mark, wording), 11, bold=True)
+
+
+def _text(mark: TaskMark, wording: Wording) -> str:
+    return ' '.join(filter(None, (mark.mark.sign, wording.mark(mark.mark), mark.words)))
 
 
 def _cut(texts: Sequence[str], count: int) -> list[str]:

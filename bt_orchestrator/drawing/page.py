@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from bt_orchestrator.drawing.box import Box, Point
 from bt_orchestrator.drawing.card import CARD_WIDTH, Sheet, card
-from bt_orchestrator.drawing.legend import LEGEND_WIDTH, TITLE_WIDTH
+from bt_orchestrator.drawing.legend import TITLE_WIDTH, legend_width
 from bt_orchestrator.drawing.plan import (
     GAP,
     PADDING,
@@ -40,7 +40,7 @@ class FlagLine(NamedTuple):
 
 def label_width(flag: Dependency) -> float:
     """Return about how wide the label of a flag is; letters are up to 7 points wide."""
-    return max(110.0, 7 * len(f'flag {flag.flag}'))
+    return max(110.0, 7 * len(f'flag {flag.flag}'))  # the word is as long in every language
 
 
 class Page:
@@ -81,7 +81,7 @@ class Page:
         move = Placed(task, label, Box(PADDING, TITLE, CARD_WIDTH, label.height))
         self.belt_frame = _around([move]).moved(left, top)
         self.move = _moved(move, left, top)
-        self.legend = Box(self.belt_frame.right + GUTTER, top, LEGEND_WIDTH, legend_height)
+        self.legend = Box(self.belt_frame.right + GUTTER, top, legend_width(sheet), legend_height)
         frames = [self.belt_frame, self.legend, self.initialization_frame or self.belt_frame]
         self._header_bottom = max(frame.bottom for frame in frames)
 

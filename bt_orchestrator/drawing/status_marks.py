@@ -12,21 +12,22 @@ from bt_orchestrator.drawing.task_marks import (
     initialization_marks,
     reasons,
 )
+from bt_orchestrator.drawing.wording import ENGLISH, Wording
 from bt_orchestrator.errors import OrchestratorError
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.hold_words import hold_name
 from bt_orchestrator.model.jobs.script_words import script_words
 from bt_orchestrator.model.pauses import release_command
 from bt_orchestrator.model.script import INDEX, Script
 from bt_orchestrator.model.status import CellStatus, ItemStatus, JobStatus, SectionStatus
-from bt_orchestrator.model.status_words import job_count_words, wait_words
 
 
 class NotThisLine(OrchestratorError):
     """A status does not fit the drawing."""
 
 
-def line_state(status: CellStatus, script: Script, cell: Cell) -> LineState:
+def line_state(
+    status: CellStatus, script: Script, cell: Cell, wording: Wording = ENGLISH
+) -> LineState:
     """Read what a drawing of a script shows.
 
     :raises NotThisLine: the status is of another cell
@@ -35,13 +36,14 @@ def line_state(status: CellStatus, script: Script, cell: Cell) -> LineState:
         raise NotThisLine(
             f'the status is of cell {status.cell}, not of {cell.name}; give the files of one cell'
         )
-    return _Reader(status, script).state()
+    return _Reader(status, script, wording).state()
 
 
 class _Reader:
-    def __init__(self, status: CellStatus, script: Script) -> None:
+    def __init__(self, status: CellStatus, script: Script, wording: Wording) -> None:
         self._status = status
         self._script = script
+        self._wording = wording
         self._scripts = {job.id: job.script for job in status.jobs}
         self._held = held_tasks(status.holds)
 
@@ -53,7 +55,7 @@ class _Reader:
             tasks.update(self._cycle(section))
         return LineState(
             headline=self._headline(),
-            jobs=tuple(map(_job, status.jobs)),
+            jobs=tuple(map(self._job, status.jobs)),
             belt_moves=status.belt.moving,
             tasks=tasks,
             sections={one.number: self._section(one) for one in status.sections},
@@ -61,16 +63,18 @@ class _Reader:
         )
 
     def _headline(self) -> str:
-        status = self._status
-        belt = 'the belt moves' if status.belt.moving else 'the belt rests'
-        count = len(status.holds)
-        held = f', {count} {"hold" if count == 1 else "holds"}' if count else ''
+        status, say = self._status, self._wording.say
+        belt = say('the belt moves') if status.belt.moving else say('the belt rests')
+        words = [self._wording.state(status.state), belt]
+        if count := len(status.holds):
+            words.append(say('1 hold') if count == 1 else say('{count} holds', count=count))
+        words.append(say('after event {seq}', seq=status.seq))
         of_cell = ''.join(
-            f'; {hold_name(hold)}: {release_command(hold.id)}'
+            f'; {self._wording.hold(hold)}: {release_command(hold.id)}'
             for hold in status.holds
             if hold.is_pause
         )
-        return f'{status.state.value}, {belt}{held}, after event {status.seq}{of_cell}'
+        return f'{", ".join(words)}{of_cell}'
 
     # --- before the line ----------------------------------------------------------------------
 
@@ -81,24 +85,25 @@ class _Reader:
         if job is not None:
             waits = self._status.initialization
             for task, mark in initialization_marks(
-                job, self._script.initialization, waits, self._held
+                job, self._script.initialization, waits, self._held, self._wording
             ):
                 yield task.id, mark
 
     def _move(self) -> TaskMark:
         held = self._held.get((None, None, INDEX))
         if held is not None:
-            return held_mark(held)
+            return held_mark(held, self._wording)
         belt = self._status.belt
         if belt.running:
             return TaskMark(Mark.RUNNING)
-        return TaskMark(Mark.WAITING, reason=reasons(belt.waits))
+        return TaskMark(Mark.WAITING, reason=reasons(belt.waits, self._wording))
 
     # --- the line -----------------------------------------------------------------------------
 
     def _section(self, section: SectionStatus) -> SectionMark:
         script = self._scripts.get(section.job, '')
-        other = '' if script == self._script.name else f', script {script}'
+        is_other = script != self._script.name
+        other = f', {self._wording.say("script {name}", name=script)}' if is_other else ''
         slot = section.slot or ItemStatus('')
         return SectionMark(
             slot=slot.id,
@@ -106,7 +111,7 @@ class _Reader:
             is_rejected=slot.rejected,
             is_nonconforming=bool(slot.nonconforming),
             works_on=f'{section.item.id}{other}' if section.item else '',
-            waiting=wait_words(section.waits),
+            waiting=tuple(dict.fromkeys(map(self._wording.wait, section.waits))),
         )
 
     def _cycle(self, section: SectionStatus) -> Iterator[tuple[str, TaskMark]]:
@@ -114,9 +119,21 @@ class _Reader:
         tasks = self._script.sections.get(section.number)
         is_drawn = self._scripts.get(section.job) == self._script.name
         if tasks is not None and section.item is not None and is_drawn:
-            for task, mark in cycle_marks(section, tasks, self._held):
+            for task, mark in cycle_marks(section, tasks, self._held, self._wording):
                 yield task.id, mark
 
+    def _job(self, job: JobStatus) -> str:
+        state = self._wording.job_state(job.state.value)
+        return f'{job.id} ({script_words(job)}): {state}, {self._counts(job)}'
 
-def _job(job: JobStatus) -> str:
-    return f'{job.id} ({script_words(job)}): {job.state.state}, {job_count_words(job)}'
+    def _counts(self, job: JobStatus) -> str:
+        """Say how far a job is; bad counts only when there are any."""
+        say = self._wording.say
+        words = [say('{count} of {quantity} packed', count=job.packed, quantity=job.quantity)]
+        if job.rejected:
+            words.append(say('{count} rejected', count=job.rejected))
+        if job.missing:
+            words.append(say('{count} missing', count=job.missing))
+        if job.nonconforming:
+            words.append(say('{count} nonconforming', count=job.nonconforming))
+        return ', '.join(words)

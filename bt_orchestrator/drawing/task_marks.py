@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Iterator, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 
 from bt_orchestrator.drawing.line_state import Mark, TaskMark
-from bt_orchestrator.model.hold_words import again_words, attempt_words, why_words
+from bt_orchestrator.drawing.wording import ENGLISH, Wording
 from bt_orchestrator.model.script import SectionList, Task
 from bt_orchestrator.model.state import End, Hold
-from bt_orchestrator.model.status import JobStatus, PassedTask, SectionStatus
-from bt_orchestrator.model.status_words import wait_words
+from bt_orchestrator.model.status import JobStatus, PassedTask, SectionStatus, TaskStatus
 from bt_orchestrator.model.wait import Wait
 
 HeldTasks = Mapping[tuple[int | None, str | None, str | None], Hold]
@@ -22,67 +21,92 @@ def held_tasks(holds: Iterable[Hold]) -> HeldTasks:
 
 
 def cycle_marks(
-    section: SectionStatus, tasks: SectionList, held: HeldTasks
+    section: SectionStatus, tasks: SectionList, held: HeldTasks, wording: Wording = ENGLISH
 ) -> Iterator[tuple[Task, TaskMark]]:
     """Yield the tasks of a section's list with how each stands; without a cycle they are new."""
     if section.item is None:
         yield from ((task, NEW) for task in tasks.tasks)
         return
-    passed = _passed(section.passed)
+    passed = _passed(section.passed, wording)
     due = set(_due(tasks, passed))
-    running = {one.id: again_words(one.round, one.attempt) for one in section.running}
+    running = {one.id: _again(one, wording) for one in section.running}
     for task in tasks.tasks:
         hold = held.get((section.number, section.item.id, task.id))
         if hold is not None:
-            yield task, held_mark(hold)
+            yield task, held_mark(hold, wording)
         elif task.id in running:
             words = running[task.id]
             yield task, TaskMark(Mark.RUNNING, f'({words})' if words else '')
         else:
-            yield task, passed.get(task.id) or _at_rest(task.id, section, due)
+            yield task, passed.get(task.id) or _at_rest(task.id, section, due, wording)
 
 
 def initialization_marks(
-    job: JobStatus, tasks: Iterable[Task], waits: Iterable[Wait], held: HeldTasks
+    job: JobStatus,
+    tasks: Iterable[Task],
+    waits: Iterable[Wait],
+    held: HeldTasks,
+    wording: Wording = ENGLISH,
 ) -> Iterator[tuple[Task, TaskMark]]:
     """Yield the initialization tasks of a job with how each stands.
 
     :param waits: why initialization does not go on
     """
-    passed = _passed(job.passed)
+    passed = _passed(job.passed, wording)
     running = {one.id for one in job.running}
     for task in tasks:
         hold = held.get((None, job.id, task.id))
         if task.id not in job.initialization:
             yield task, passed.get(task.id, TaskMark(Mark.DONE))
         elif hold is not None:
-            yield task, held_mark(hold)
+            yield task, held_mark(hold, wording)
         elif task.id in running:
             yield task, TaskMark(Mark.RUNNING)
         else:
-            yield task, TaskMark(Mark.WAITING, reason=reasons(waits))
+            yield task, TaskMark(Mark.WAITING, reason=reasons(waits, wording))
 
 
-def held_mark(hold: Hold) -> TaskMark:
+def held_mark(hold: Hold, wording: Wording = ENGLISH) -> TaskMark:
     """Return the mark of a held task, with the answers that are possible."""
-    answers = ' | '.join(hold.answers)
-    words = attempt_words(hold.attempt, hold.attempts)
-    attempt = f', {words}' if words else ''
+    say = wording.say
+    answers = ' | '.join(map(wording.answer, hold.answers))
+    why = ', '.join(
+        filter(None, (wording.failure(hold.reason, hold.message), _attempt(hold, say)))
+    )
     return TaskMark(
         Mark.HELD,
-        f'(hold {hold.id})',
-        f'{why_words(hold.reason, hold.message)}{attempt}; answer with {answers}',
+        say('(hold {hold})', hold=hold.id),
+        say('{why}; answer with {answers}', why=why, answers=answers),
     )
 
 
-def reasons(waits: Iterable[Wait]) -> str:
-    """Return what something waits for as one text."""
-    return '; '.join(wait_words(waits))
+def _attempt(hold: Hold, say: Callable[..., str]) -> str:
+    """Say which attempt failed; one that an operator added is beyond those allowed."""
+    number, among = hold.attempt, hold.attempts
+    if not number:
+        return ''
+    if number > among:
+        return say('attempt {number}', number=number)
+    return say('attempt {number} of {among}', number=number, among=among)
 
 
-def _passed(tasks: Iterable[PassedTask]) -> dict[str, TaskMark]:
+def _again(task: TaskStatus, wording: Wording) -> str:
+    """Say which round of a repeat and which attempt it is; empty: the first of both."""
+    say = wording.say
+    words = [say('round {number}', number=task.round + 1)] if task.round else []
+    if task.attempt > 1:
+        words.append(say('attempt {number}', number=task.attempt))
+    return ', '.join(words)
+
+
+def reasons(waits: Iterable[Wait], wording: Wording = ENGLISH) -> str:
+    """Return what something waits for as one text, each sentence once."""
+    return '; '.join(dict.fromkeys(map(wording.wait, waits)))
+
+
+def _passed(tasks: Iterable[PassedTask], wording: Wording) -> dict[str, TaskMark]:
     """Return how each task stands that was passed."""
-    return {one.id: TaskMark(_ENDS[one.end], reason=one.reason) for one in tasks}
+    return {one.id: TaskMark(_ENDS[one.end], reason=wording.passed(one.reason)) for one in tasks}
 
 
 NEW = TaskMark(Mark.NEW)
@@ -97,11 +121,11 @@ _ENDS = {
 }
 
 
-def _at_rest(task: str, section: SectionStatus, due: set[str]) -> TaskMark:
+def _at_rest(task: str, section: SectionStatus, due: set[str], wording: Wording) -> TaskMark:
     if task in section.failed:
-        return TaskMark(Mark.FAILED, reason=reasons(section.waits))
+        return TaskMark(Mark.FAILED, reason=reasons(section.waits, wording))
     if task in due:
-        return TaskMark(Mark.WAITING, reason=reasons(section.waits))
+        return TaskMark(Mark.WAITING, reason=reasons(section.waits, wording))
     return NEW
 
 

@@ -10,9 +10,11 @@ from bt_orchestrator.drawing.line import draw_line
 from bt_orchestrator.drawing.line_state import LineState
 from bt_orchestrator.drawing.picture import SVG
 from bt_orchestrator.drawing.status_marks import line_state
+from bt_orchestrator.drawing.wording import Wording
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.status import CellStatus
+from bt_orchestrator.web.scripts.wording import wordings
 
 MOST_KEPT = 8
 """Drawings that need not be made again: of some scripts, as they are and live."""
@@ -29,29 +31,36 @@ class Drawings:
     """Draws in another thread, one after the other, and only what has changed."""
 
     def __init__(self) -> None:
-        self._kept: dict[tuple[str, bool], tuple[Cell, LineState | None, Drawn]] = {}
+        self._kept: dict[tuple[str, bool, str], tuple[Cell, LineState | None, Drawn]] = {}
         self._turn = asyncio.Lock()
 
     async def drawn(
-        self, digest: str, script: Script, cell: Cell, status: CellStatus | None
+        self,
+        digest: str,
+        script: Script,
+        cell: Cell,
+        status: CellStatus | None,
+        language: str = 'en',
     ) -> Drawn:
         """Return the drawing of a script.
 
         :param status: as the line stands; None: the script alone
+        :param language: one of `wordings`
         :raises NotThisLine: the status is of another cell
         """
-        state = None if status is None else line_state(status, script, cell)
-        key = (digest, status is not None)
+        words = wordings()[language]
+        state = None if status is None else line_state(status, script, cell, words)
+        key = (digest, status is not None, language)
         async with self._turn:
             known = self._kept.pop(key, None)
             if known is None or known[:2] != (cell, state):
-                known = (cell, state, await asyncio.to_thread(_drawn, script, cell, state))
+                known = (cell, state, await asyncio.to_thread(_drawn, script, cell, state, words))
             self._kept[key] = known
             if len(self._kept) > MOST_KEPT:
                 self._kept.pop(next(iter(self._kept)))
         return known[2]
 
 
-def _drawn(script: Script, cell: Cell, state: LineState | None) -> Drawn:
-    svg = draw_line(script, cell, state).content(SVG)
+def _drawn(script: Script, cell: Cell, state: LineState | None, words: Wording) -> Drawn:
+    svg = draw_line(script, cell, state, words).content(SVG)
     return Drawn(svg, f'"{hashlib.sha256(svg).hexdigest()[:16]}"')

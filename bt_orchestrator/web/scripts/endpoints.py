@@ -22,6 +22,7 @@ from bt_orchestrator.web.parts.tasks import TaskParts
 from bt_orchestrator.web.replies import Json, Problem
 from bt_orchestrator.web.scripts.drawing import Drawings
 from bt_orchestrator.web.scripts.shelf import Shelf, parameters
+from bt_orchestrator.web.scripts.wording import wordings
 
 _UNKNOWN = {404: 'no script with this digest is known here', 503: 'the message says why not now'}
 
@@ -67,7 +68,10 @@ def endpoints(shelf: Shelf, cell: Cell) -> tuple[Endpoint, ...]:
             '/api/drawing/{digest}.svg',
             routes.drawing,
             'returns the line of a script as a drawing',
-            query={'live': '1: with the state of now'},
+            query={
+                'live': '1: with the state of now',
+                'language': f'of its words: {", ".join(wordings())}',
+            },
             refusals=_UNKNOWN,
             media='image/svg+xml',
         ),
@@ -97,8 +101,12 @@ class _Routes:
         if cell is None:
             raise Problem(503, 'the node does not tell its cell now; a drawing needs it')
         status = self._cell.status if request.query_params.get('live') == '1' else None
+        language = request.query_params.get('language', 'en')
+        if language not in wordings():
+            known = ' or '.join(wordings())
+            raise Problem(422, f'language is {known}; found {language!r}')
         try:
-            drawn = await self._drawings.drawn(digest, script, cell, status)
+            drawn = await self._drawings.drawn(digest, script, cell, status, language)
         except NotThisLine as error:
             raise Problem(503, str(error)) from error
         headers = {'etag': drawn.tag, 'cache-control': 'no-cache'}

@@ -1,14 +1,21 @@
 """Every word of the page stands in both languages, is used, and says what the table says."""
 
+import ast
 import re
+from collections.abc import Iterator
+from pathlib import Path
 
 from fakes.page_files import LANGUAGES, STATIC, keys_asked_for, modules, words
 
+from bt_orchestrator.drawing import card, line, mark
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.requests import REQUESTS
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.model.wait import WaitKind
+
+DRAWING = 'drawing.'
+DRAWINGS = Path(card.__file__).parent
 
 
 def test_both_languages_have_the_same_keys() -> None:
@@ -31,8 +38,36 @@ def test_every_key_that_is_asked_for_exists() -> None:
 def test_every_key_is_used() -> None:
     source = '\n'.join(path.read_text(encoding='utf-8') for path in modules())
     stems = tuple(key.removesuffix('${') for _, key in keys_asked_for() if key.endswith('${'))
-    unused = [key for key in words('en') if f"'{key}'" not in source and not key.startswith(stems)]
+    unused = [
+        key
+        for key in words('en')
+        if f"'{key}'" not in source and not key.startswith((*stems, DRAWING))
+    ]
     assert unused == []
+
+
+def test_the_words_of_drawings_stand_there_by_their_english() -> None:
+    found = words('en').items()
+    known = {key.removeprefix(DRAWING): text for key, text in found if key.startswith(DRAWING)}
+    assert known == {key: key for key in known}
+    assert known.keys() == {*_said(), *_tables()}
+
+
+def _said() -> Iterator[str]:
+    """Yield all words that the drawing says, but those of tables."""
+    for path in DRAWINGS.glob('*.py'):
+        for node in ast.walk(ast.parse(path.read_text(encoding='utf-8'))):
+            match node:
+                case ast.Call(func=func, args=[ast.Constant(value=str(said)), *_]):
+                    if ast.unparse(func).endswith('say'):
+                        yield said
+
+
+def _tables() -> Iterator[str]:
+    yield from (card.OFF_BELT, card.NEEDS_NO_BELT, card.AT_REST, mark.NOT_BEGUN)
+    yield from (*card.POLICY.values(), *card.RUNS_FOR.values(), *mark.MEANINGS.values())
+    yield from (line.INITIALIZATION, line.BELT_MOVES, line.GROUP)
+    yield from (line.FLAG_IS, line.FLAG_SET, line.FLAG_TAKEN)
 
 
 def test_requests_have_words_in_all_languages_and_the_effect_of_the_table() -> None:

@@ -1,6 +1,6 @@
 /** The drawing of the line, live: fetched when the line changed, at most once a second. */
 import { h } from '../core/dom.js';
-import { t } from '../core/text.js';
+import { currentLanguage, t } from '../core/text.js';
 import { PanZoom } from './pan_zoom.js';
 
 const PAUSE_MS = 1000;
@@ -84,7 +84,8 @@ class Picture {
   }
 
   async #fetch(digest) {
-    const answer = await fetch(`/api/drawing/${digest}.svg?live=1`).catch(() => null);
+    const address = `/api/drawing/${digest}.svg?live=1&language=${currentLanguage()}`;
+    const answer = await fetch(address).catch(() => null);
     if (!answer?.ok || digest !== this.digest) return; // the top bar says that the page is silent
     const source = new DOMParser().parseFromString(await answer.text(), 'image/svg+xml');
     this.#take(document.importNode(source.documentElement, true));

@@ -1,0 +1,113 @@
+"""The words of a drawing in the languages of the page, from the same files as all its words."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from bt_orchestrator.drawing.line_state import Mark
+from bt_orchestrator.drawing.wording import ENGLISH, Wording
+from bt_orchestrator.model.hold_words import NumberedHold, why_words
+from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.wait import Wait, WaitKind
+
+_STRINGS = Path(__file__).parents[1] / 'static' / 'strings'
+
+_FEW = 3
+"""Of more sections than these only their number is said, as in `static/core/waits.js`."""
+
+_NAMED = {
+    WaitKind.JOB: ('name', 'job_named'),
+    WaitKind.COMPONENT: ('task', 'component_task'),
+    WaitKind.ZONE: ('task', 'zone_task'),
+}
+"""Kinds of waits that say more when they name somebody."""
+
+_SKIPPED = 'skip_'
+
+
+@cache
+def wordings() -> Mapping[str, Wording]:
+    """Return the words of each language of the page."""
+    found: dict[str, Wording] = {}
+    for path in sorted(_STRINGS.glob('*.json')):
+        words = json.loads(path.read_text(encoding='utf-8'))
+        found[path.stem] = ENGLISH if path.stem == 'en' else PageWording(words)
+    return found
+
+
+class PageWording(Wording):
+    """A language whose words stand in a file of the page."""
+
+    def __init__(self, strings: Mapping[str, Mapping[str, Any]]) -> None:
+        """Take the words, by group and name; those of drawings by their English."""
+        self._strings = strings
+
+    def say(self, words: str, /, **values: object) -> str:
+        """Return words of the drawing, with values in the places in braces."""
+        return str(self._strings['drawing'][words].format(**values))
+
+    def mark(self, mark: Mark) -> str:
+        """Return the word of a mark."""
+        return self._word('mark', mark.name.lower())
+
+    def state(self, state: PackmlState) -> str:
+        """Name a state of the cell."""
+        return self._word('state', state.value)
+
+    def job_state(self, state: str) -> str:
+        """Name a state of a job."""
+        return self._word('job_state', state)
+
+    def wait(self, wait: Wait) -> str:
+        """Say what something waits for, as `static/core/waits.js` does."""
+        if wait.kind is WaitKind.CELL_STATE:
+            return self._cell_state(wait.name)
+        kind, sections = wait.kind.value, self._sections(wait.sections)
+        by, key = _NAMED.get(wait.kind, ('', kind))
+        if by and not getattr(wait, by):
+            key = kind
+        holder = ', '.join(filter(None, (wait.task, sections)))
+        values = {'name': wait.name, 'task': wait.task, 'sections': sections, 'holder': holder}
+        return self._word('wait', key).format(**values)
+
+    def failure(self, reason: str, message: str) -> str:
+        """Say why something failed."""
+        return why_words(self._word('reason', reason), message)
+
+    def passed(self, reason: str) -> str:
+        """Say why a task was skipped or failed, of which the cycle goes on."""
+        skipped = self._strings['item'].get(f'{_SKIPPED}{reason.replace(" ", "_")}')
+        if skipped is not None:
+            return str(skipped)
+        word, _, message = reason.partition(' (')
+        return self.failure(word, message.removesuffix(')'))
+
+    def hold(self, hold: NumberedHold) -> str:
+        """Name a hold."""
+        name = self._word('chain', 'hold').format(name=hold.id)
+        return f'{name} ({self.failure(hold.reason, hold.message)})'
+
+    def answer(self, word: str) -> str:
+        """Name an answer to a hold."""
+        return self._word('word', f'hold.{word}', word)
+
+    def _cell_state(self, name: str) -> str:
+        if name in ('item', 'job'):
+            return self._word('wait', 'stop_after')
+        return self._word('wait', 'cell_state').format(name=self._word('state', name))
+
+    def _sections(self, numbers: tuple[int, ...]) -> str:
+        one = self._word('part', 'section')
+        named = [one.format(number=number) for number in numbers[:_FEW]]
+        if (more := len(numbers) - len(named)) > 0:
+            plural = self._strings['wait']['more_sections']
+            named.append(plural['one' if more == 1 else 'other'].format(count=more))
+        return ', '.join(named)
+
+    def _word(self, group: str, name: str, otherwise: str | None = None) -> str:
+        """Return a word; what the page has none for stays as it is."""
+        return str(self._strings[group].get(name, name if otherwise is None else otherwise))
