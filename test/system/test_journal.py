@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from bt_orchestrator_interfaces.srv import Command, GetEvents
-from cell_processes import CellProcesses, StartCell, run_verb
+from cell_processes import SMALL_CELL, CellProcesses, StartCell, remembering, run_verb
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from fakes.journal_reading import journal_reading
 from fakes.other_python import back_up
@@ -25,7 +25,8 @@ ROOM = 4096
 
 
 def start(start_cell: StartCell, path: Path) -> CellProcesses:
-    cell = start_cell(run_options=['--journal', str(path), '--auto-resume'])
+    options = ['--journal', str(path), '--auto-resume']
+    cell = start_cell(remembering(SMALL_CELL), run_options=options)
     cell.connect()
     return cell
 

@@ -8,7 +8,14 @@ from typing import Any
 
 import pytest
 from bt_orchestrator_interfaces.msg import CellDescription
-from cell_processes import SMALL_CELL, SPEED, CellProcesses, StartCell, run_verb
+from cell_processes import (
+    SMALL_CELL,
+    SPEED,
+    CellProcesses,
+    StartCell,
+    remembering,
+    run_verb,
+)
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from node_watcher import NodeWatcher
 from rcl_interfaces.srv import DescribeParameters, GetParameters
@@ -23,7 +30,7 @@ pytestmark = pytest.mark.every_distro
 
 NAMES = ['cell', 'trees', 'tick_rate_hz', 'executor', 'auto_start', 'server_timeout']
 
-SLOW_CELL = SMALL_CELL.replace('TASK_A: 1.0', 'TASK_A: 100.0')
+SLOW_CELL = remembering(SMALL_CELL.replace('TASK_A: 1.0', 'TASK_A: 100.0'))
 NOMINAL_ITEM_S = 200.0
 """Of that cell: `work` and `pack`. What a busy machine adds is far less, at any speed."""
 

@@ -17,6 +17,9 @@ from node_watcher import NodeWatcher
 
 WHY = ['--reason', 'rush', '--who', 'Ada']
 
+LONG = 5000
+"""Items of a job that does not end by itself: a quarter of an hour, also where verbs are slow."""
+
 
 def order_files(cell: CellProcesses, *names: str, quantity: int = 1) -> list[str]:
     paths = []
@@ -39,7 +42,7 @@ def queue(cell: CellProcesses) -> list[str]:
 def test_the_queue_is_changed_while_a_job_runs(small_cell: CellProcesses) -> None:
     watch = small_cell.watch
     small_cell.script(small_script())
-    small_cell.run_small(quantity=500, order='long')
+    small_cell.run_small(quantity=LONG, order='long')
     watch.until('item.removed')
 
     orders = order_files(small_cell, 'a', 'b', 'c')
@@ -214,8 +217,8 @@ def test_cancelling_the_action_aborts_the_job(small_cell: CellProcesses) -> None
     watch = small_cell.watch
     text = small_script().replace('qty_change: -1', 'qty_change: -1, runs_for: all')
     path = str(small_cell.script(text))
-    running = run_job(small_cell, [], order=WorkOrder(order='A', script=path, quantity=500))
-    waiting = run_job(small_cell, [], order=WorkOrder(order='B', script=path, quantity=500))
+    running = run_job(small_cell, [], order=WorkOrder(order='A', script=path, quantity=LONG))
+    waiting = run_job(small_cell, [], order=WorkOrder(order='B', script=path, quantity=LONG))
     watch.until('item.removed', job='A')
 
     for handle, packed in ((waiting, False), (running, True)):
@@ -233,7 +236,7 @@ def test_an_action_whose_order_is_wrong_ends_with_the_findings(small_cell: CellP
     end = small_cell.watch.ros.result(run_job(small_cell, [], order=order))
     assert (end.status, end.result.exit_status) == (GoalStatus.STATUS_ABORTED, 'refused')
     path = str(small_cell.script(small_script()))
-    twice = WorkOrder(order='A', script=path, quantity=500)
+    twice = WorkOrder(order='A', script=path, quantity=LONG)
     first = run_job(small_cell, [], order=twice)
     again = small_cell.watch.ros.result(run_job(small_cell, [], order=twice)).result
     assert again.message == 'order A was given before; choose another id'
@@ -245,7 +248,7 @@ def test_an_action_whose_order_is_wrong_ends_with_the_findings(small_cell: CellP
 
 def run_long(cell: CellProcesses) -> None:
     """Let a job run on the line that ends only when it is told to."""
-    cell.run_small(quantity=500, order='long')
+    cell.run_small(quantity=LONG, order='long')
     cell.watch.until('item.removed')
 
 

@@ -7,7 +7,7 @@ import time
 from collections import Counter
 from pathlib import Path
 
-from cell_processes import CellProcesses, StartCell
+from cell_processes import SMALL_CELL, CellProcesses, StartCell, remembering
 from program_process import ProgramProcess
 
 from bt_orchestrator.model import events as e
@@ -27,7 +27,7 @@ def journal(cell: CellProcesses) -> list[e.Event]:
 
 def start(start_cell: StartCell, tmp_path: Path, *options: str) -> CellProcesses:
     path = tmp_path / 'cell' / 'journal.sqlite3'
-    cell = start_cell(run_options=['--journal', str(path), *options])
+    cell = start_cell(remembering(SMALL_CELL), run_options=['--journal', str(path), *options])
     cell.connect()
     return cell
 
