@@ -137,6 +137,8 @@ class UsersFile:
         self._change(change)
 
     def _change(self, change: Callable[[dict[str, User]], object]) -> None:
+        if not self._path.name:
+            raise UsersUnusable(f'{self._path}: Is a directory; name the file in it')
         try:
             with self._alone():
                 users = dict(self.read())

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from bt_orchestrator_interfaces.msg import Event
 
-from bt_orchestrator.errors import NodeUnreachable
+from bt_orchestrator.errors import CommandRefused, NodeUnreachable
 from bt_orchestrator.model.by import By, Known
 from bt_orchestrator.model.jobs.order import WorkOrder
 from bt_orchestrator.model.requests import TABLE, Kind, Parameter, ask
@@ -28,6 +28,8 @@ OF_KIND: dict[Kind, object] = {
 
 
 def value(parameter: Parameter) -> object:
+    if parameter.name == 'bind':
+        return {'a': 'arm'}
     return parameter.choices[0] if parameter.choices else OF_KIND[parameter.kind]
 
 
@@ -59,6 +61,40 @@ def test_a_door_says_how_it_knows_who_asks() -> None:
     by = By('Ann', 'page', 'because', Role.OPERATE, Known.PAGE_LOGIN)
     sent = call('cell.pause', by).request
     assert (sent.role, sent.known) == ('operate', 'page login')
+
+
+@pytest.mark.parametrize(
+    ('name', 'given', 'told'),
+    [
+        ('job.update', {'quantity': -1}, 'quantity must be a whole number from 0 to 4294967295'),
+        ('job.update', {'quantity': 2**32}, 'quantity must be a whole number'),
+        ('job.update', {'quantity': 10**400}, 'quantity must be a whole number'),
+        ('job.update', {'version': -1}, 'version must be a whole number'),
+        ('job.update', {'priority': 40_000}, 'job.update cannot be sent: '),
+        ('job.update', {'bind': {'a': None}}, r'bind\[0\].value must be text'),
+        ('job.update', {'bind': {'a': 1}}, r'bind\[0\].value must be text'),
+        ('job.update', {'params': {'a': '\ud800'}}, r'params\[0\].value is not a valid text'),
+        ('job.update', {'start': '9999-12-31T23:59Z'}, 'start'),
+        ('job.move', {'position': -1}, 'position must be a whole number'),
+        ('job.hold', {'job': '\udfff'}, 'job is not a valid text'),
+        ('queue.add', {'orders': [WorkOrder('boxes', 'a', -1)]}, r'orders\[0\].quantity must be'),
+        ('queue.add', {'orders': [WorkOrder('boxes', 'a', 1, {'a': '\ud800'})]}, 'not a valid'),
+        ('queue.add', {'orders': [], 'position': 2**40}, 'position must be a whole number'),
+        ('cell.clear', {'as_shown': -1}, 'as_shown must be a whole number'),
+    ],
+)
+def test_what_no_message_can_carry_is_refused_here(
+    name: str, given: dict[str, Any], told: str
+) -> None:
+    """The generated code of ROS 2 ends the whole process at some of it."""
+    subject = {'job': 'J'} if name.startswith('job.') else {}
+    with pytest.raises(CommandRefused, match=told):
+        call(name, **{**subject, **given})
+
+
+def test_the_sender_is_checked_too() -> None:
+    with pytest.raises(CommandRefused, match='who is not a valid text'):
+        call('cell.pause', By('\udcff', 'test', 'because'))
 
 
 @pytest.mark.parametrize(

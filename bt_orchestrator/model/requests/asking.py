@@ -60,10 +60,17 @@ def _check(name: str, parameter: Parameter, given: Mapping[str, object]) -> None
             raise BadArguments(f'{name} needs {parameter.name}: {parameter.meaning}')
         return
     value = given[parameter.name]
-    is_bool_for_whole = parameter.kind is Kind.WHOLE and isinstance(value, bool)
-    if not isinstance(value, _TYPES[parameter.kind]) or is_bool_for_whole:
+    if not _is_of(parameter.kind, value):
         expected = f'{parameter.name} of {name} is {parameter.kind.value}'
         raise BadArguments(f'{expected} ({parameter.meaning}); found {value!r}')
     if parameter.choices and value not in parameter.choices:
         choices = ', '.join(parameter.choices)
         raise BadArguments(f'{parameter.name} of {name} is one of {choices}; found {value!r}')
+
+
+def _is_of(kind: Kind, value: object) -> bool:
+    if not isinstance(value, _TYPES[kind]):
+        return False
+    if kind is Kind.TEXTS:
+        return isinstance(value, (list, tuple)) and all(isinstance(one, str) for one in value)
+    return not (kind is Kind.WHOLE and isinstance(value, bool))

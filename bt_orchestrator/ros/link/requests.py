@@ -8,9 +8,12 @@ from typing import Any, NamedTuple
 
 from bt_orchestrator_interfaces import srv
 
+from bt_orchestrator.errors import CommandRefused
+from bt_orchestrator.model.by import By
 from bt_orchestrator.model.commands import Answer, OrderAnswer
 from bt_orchestrator.model.requests import About, Asked
 from bt_orchestrator.model.wish import STOP_AFTER
+from bt_orchestrator.ros.types.messages import check
 
 
 class Call(NamedTuple):
@@ -24,14 +27,21 @@ class Call(NamedTuple):
 def call_of(asked: Asked) -> Call:
     """Return the call that carries a request.
 
-    :raises CommandRefused: a value says nothing that could be sent
+    :raises CommandRefused: a value that no message can carry; says which
     """
-    call = _MAKERS[asked.request.about](asked.request.word, asked.arguments)
-    by, request = asked.by, call.request
+    try:
+        call = _MAKERS[asked.request.about](asked.request.word, asked.arguments)
+        _sign(call.request, asked.by)
+        check(call.request)
+    except (OverflowError, TypeError, ValueError) as error:
+        raise CommandRefused(f'{asked.request.name} cannot be sent: {error}') from error
+    return call
+
+
+def _sign(request: Any, by: By) -> None:
     request.who, request.origin, request.reason = by.who, by.origin, by.reason
     if by.known.is_door:
         request.known, request.role = by.known.value, by.role.value
-    return call
 
 
 def answer_of(response: Any) -> Answer:

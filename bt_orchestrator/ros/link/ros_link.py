@@ -147,8 +147,6 @@ class RosLink:
             call = call_of(asked)
         except CommandRefused as why:
             return Answer(accepted=False, message=str(why))
-        except AssertionError as error:  # of a message, about a value that none of it can carry
-            return Answer(accepted=False, message=f'{asked.request.name} cannot be sent: {error}')
         return answer_of(self._client.call(*call))
 
     # --- following --------------------------------------------------------------------------

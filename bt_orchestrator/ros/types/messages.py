@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from bt_orchestrator.model.action_type import FieldType, MessageType
@@ -43,6 +43,14 @@ def fill(message: Any, fields: Mapping[str, Any]) -> None:
     :raises ValueError: says which field, what was expected and what was found
     """
     _fill(message, fields, '')
+
+
+def check(message: Any) -> None:
+    """Check that every field of a message can be sent: a wrong one would end the process.
+
+    :raises ValueError: says which field, what was expected and what was found
+    """
+    fill(type(message)(), to_plain(message))
 
 
 def to_plain(message: Any) -> dict[str, Any]:
@@ -138,7 +146,9 @@ def _plain(value: Any) -> Any:
         numbers = value.tolist()
         has_nan = any(isinstance(one, float) and math.isnan(one) for one in numbers)
         return [_plain(one) for one in numbers] if has_nan else numbers
-    return [_plain(member) for member in value]
+    if isinstance(value, Iterable):
+        return [_plain(member) for member in value]
+    return value  # nothing that a field can hold, which `check` tells
 
 
 def _known(type_: MessageType) -> str:

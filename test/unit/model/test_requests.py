@@ -48,6 +48,12 @@ def test_who_may_ask_what() -> None:
     assert words(Role.OPERATE) == queue | answers | remarks | cell | after | places | service
 
 
+@pytest.mark.parametrize('recipes', [[None], ['a', 1], [['a']], [{}]])
+def test_texts_are_texts(recipes: list[object]) -> None:
+    with pytest.raises(BadArguments, match=r'recipe of job\.update is texts'):
+        ask('job.update', ANN, job='J', recipe=recipes)
+
+
 def test_danger_does_not_wait_for_a_reason() -> None:
     at_once = {request.name for request in TABLE if request.why is Why.AFTERWARDS}
     assert at_once == {'cell.abort', 'cell.pause', 'cell.stop'}

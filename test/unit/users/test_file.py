@@ -170,6 +170,12 @@ def test_where_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert default_file({}) == Path('/home/ann/.config/bt_orchestrator/users.yaml')
 
 
+def test_a_folder_is_no_file(tmp_path: Path) -> None:
+    for folder in (Path(), Path('/'), tmp_path):
+        with pytest.raises(UsersUnusable, match='Is a directory'):
+            UsersFile(folder).remove('ann')
+
+
 def test_a_user_without_a_home_is_told_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
     """Containers run programs under user ids that nobody has."""
     monkeypatch.delenv('HOME', raising=False)
