@@ -179,7 +179,9 @@ def _done(job: JobStatus) -> str:
 def _duration(seconds: float) -> str:
     minutes, rest = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
-    return f'{hours} h {minutes:02} min' if hours else f'{minutes} min {rest:02} s'
+    if hours:
+        return f'{hours} h {minutes:02} min'
+    return f'{minutes} min {rest:02} s' if minutes else f'{rest} s'
 
 
 def _has_ended(job: JobStatus) -> bool:

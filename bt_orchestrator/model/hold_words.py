@@ -84,8 +84,12 @@ def hold_name(hold: NumberedHold) -> str:
 
 
 def hold_wait_words(holds: Iterable[NumberedHold]) -> str:
-    """Say that something waits until holds are answered."""
-    return f'waiting for an answer to {", ".join(map(hold_name, holds))}'
+    """Say that something waits until holds are answered; several by their numbers alone."""
+    named = tuple(holds)
+    if len(named) == 1:
+        return f'waiting for an answer to {hold_name(named[0])}'
+    *others, last = (hold.id for hold in named)
+    return f'waiting for answers to holds {", ".join(others)} and {last}'
 
 
 def why_words(reason: str, message: str) -> str:

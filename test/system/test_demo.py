@@ -66,6 +66,7 @@ def test_the_demo_packs_its_order_and_leaves_nothing(demo: ProgramProcess) -> No
     summary, line = (re.search(p, demo.output, re.MULTILINE) for p in (FINISHED, COMPLETED))
     assert summary is not None
     assert line is not None
+    assert 'starting controllers 1, controllers 2, tree node\n' in demo.output
     assert float(summary[3]) == pytest.approx(float(line[1]), abs=0.1), 'both from the order on'
     demo.assert_clean()
     pids = started_pids(demo)

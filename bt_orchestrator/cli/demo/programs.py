@@ -60,6 +60,8 @@ class DemoPrograms:
             log = self._folder.path / f'{name.replace(" ", "_")}.log'
             self._started[name] = Program(verb, log, {})
             self._keep()
+        if self._started:  # a slow machine is silent for a while
+            print(f'starting {", ".join(self._started)}', flush=True)
         for name, program in self._started.items():
             words = program.wait_ready('ready', READY_S)
             print(f'[{program.pid}] {words}', flush=True)

@@ -67,7 +67,8 @@ def test_running_jobs_stand_apart_from_the_queue() -> None:
             statuses.job('A', packed=2, ending='stopping', expected_end_s=61.4),
             statuses.job('B', position=1, state=held, priority=7, due=DUE),
             statuses.job('C', position=2, state=waiting, expected_end_s=7265.0, recipe='P-1'),
-            statuses.job('D', state=JobWord.ENDED),
+            statuses.job('D', position=3, state=waiting, expected_end_s=5.2),
+            statuses.job('E', state=JobWord.ENDED),
         ],
     )
     due = f'{datetime.fromtimestamp(DUE):%Y-%m-%d %H:%M}'
@@ -78,6 +79,7 @@ def test_running_jobs_stand_apart_from_the_queue() -> None:
         'queue:',
         f'   1 B (small, 10 items): NotAllowedToStart, priority 7, due {due}',
         '   2 C (small from P-1, 10 items): AllowedToStart, ends in about 2 h 01 min',
+        '   3 D (small, 10 items): AllowedToStart, ends in about 5 s',
     ]
 
 

@@ -40,9 +40,12 @@ OF_CELL = hold(job=None, section=None, item=None, task=None, reason='paused', me
 def test_a_hold_is_named_in_a_sentence_and_told_in_full(held: Hold, name: str, words: str) -> None:
     assert hold_name(held) == name
     assert hold_words(held) == words
-    assert hold_wait_words([held, OF_CELL]).startswith(
-        f'waiting for an answer to {name}, hold 1 ('
-    )
+    assert hold_wait_words([held]) == f'waiting for an answer to {name}'
+
+
+def test_several_holds_are_named_by_their_numbers() -> None:
+    holds = [hold(id=number) for number in '346']
+    assert hold_wait_words(holds) == 'waiting for answers to holds 3, 4 and 6'
 
 
 def test_why() -> None:
