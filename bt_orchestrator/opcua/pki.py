@@ -5,7 +5,6 @@ from __future__ import annotations
 import datetime
 import os
 import re
-import socket
 import stat
 import tempfile
 from collections.abc import Mapping
@@ -13,7 +12,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cryptography import x509
-from cryptography.hazmat.primitives import hashes
 from cryptography.hazmat.primitives.asymmetric import rsa
 from cryptography.hazmat.primitives.serialization import (
     Encoding,
@@ -22,18 +20,13 @@ from cryptography.hazmat.primitives.serialization import (
     load_der_private_key,
     load_pem_private_key,
 )
-from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
-from bt_orchestrator.doors.listening import address_in, is_everywhere
 from bt_orchestrator.errors import OrchestratorError
-from bt_orchestrator.opcua import hosts
+from bt_orchestrator.opcua.own_certificate import host_name, self_signed
 from bt_orchestrator.ordinary_file import open_ordinary, read_ordinary, read_up_to
 from bt_orchestrator.users.folders import own_folder
 
 KEY_BITS = 3072
-LIFETIME = datetime.timedelta(days=3652)
-"""Ten years: a line is not stopped for a certificate."""
-
 LARGEST_FILE = 1_000_000
 """Bytes of a certificate, a key or a list of revoked ones."""
 _OTHERS = stat.S_IRWXG | stat.S_IRWXO
@@ -108,7 +101,7 @@ def own(pki: Pki, node: str, host: str) -> Own:
     key = pki.root / 'own' / 'private' / f'{stem}.pem'
     pki.make_folders()
     if not certificate.exists() and not key.exists():
-        _make(certificate, key, f'urn:{_host_name()}:bt_orchestrator:{stem}', host)
+        _make(certificate, key, f'urn:{host_name()}:bt_orchestrator:{stem}', host)
     return _read(certificate, key)
 
 
@@ -187,7 +180,7 @@ def _out_of_reach(error: OSError) -> str:
 
 def _make(path: Path, key_path: Path, uri: str, host: str) -> None:
     key = rsa.generate_private_key(public_exponent=65537, key_size=KEY_BITS)
-    certificate = _certificate(key, uri, host)
+    certificate = self_signed(key, uri, host)
     try:
         for folder in (path.parent, key_path.parent):
             folder.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -205,69 +198,3 @@ def _write(path: Path, content: bytes) -> None:
         file.flush()
         os.fsync(descriptor)
     Path(name).replace(path)
-
-
-def _certificate(key: rsa.RSAPrivateKey, uri: str, host: str) -> x509.Certificate:
-    """Return a certificate as OPC 10000-6 6.2.2 wants it, signed by itself."""
-    name = x509.Name(
-        [
-            x509.NameAttribute(NameOID.COMMON_NAME, f'bt_orchestrator@{_host_name()}'[:64]),
-            x509.NameAttribute(NameOID.ORGANIZATION_NAME, 'bt_orchestrator'),
-        ]
-    )
-    now = datetime.datetime.now(datetime.timezone.utc)
-    identifier = x509.SubjectKeyIdentifier.from_public_key(key.public_key())
-    usage = x509.KeyUsage(
-        digital_signature=True,
-        content_commitment=True,
-        key_encipherment=True,
-        data_encipherment=True,
-        key_agreement=False,
-        key_cert_sign=True,
-        crl_sign=False,
-        encipher_only=False,
-        decipher_only=False,
-    )
-    return (
-        x509.CertificateBuilder()
-        .subject_name(name)
-        .issuer_name(name)
-        .public_key(key.public_key())
-        .serial_number(x509.random_serial_number())
-        .not_valid_before(now - datetime.timedelta(days=1))  # clocks of clients differ
-        .not_valid_after(now + LIFETIME)
-        .add_extension(x509.SubjectAlternativeName(_other_names(uri, host)), critical=False)
-        .add_extension(x509.BasicConstraints(ca=False, path_length=None), critical=True)
-        .add_extension(usage, critical=True)
-        .add_extension(
-            x509.ExtendedKeyUsage(
-                [ExtendedKeyUsageOID.SERVER_AUTH, ExtendedKeyUsageOID.CLIENT_AUTH]
-            ),
-            critical=False,
-        )
-        .add_extension(identifier, critical=False)
-        .add_extension(
-            x509.AuthorityKeyIdentifier.from_issuer_subject_key_identifier(identifier),
-            critical=False,
-        )
-        .sign(key, hashes.SHA256())
-    )
-
-
-def _other_names(uri: str, host: str) -> list[x509.GeneralName]:
-    """Return the URI, and every name and address that a client may call the server by."""
-    names, addresses = hosts.names(), hosts.addresses()
-    address = address_in(host)
-    if address is None:
-        names.append(host)
-    elif not is_everywhere(host):
-        addresses.append(address)
-    return [
-        x509.UniformResourceIdentifier(uri),
-        *map(x509.DNSName, dict.fromkeys(names)),
-        *map(x509.IPAddress, dict.fromkeys(addresses)),
-    ]
-
-
-def _host_name() -> str:
-    return re.sub(r'[^A-Za-z0-9.-]', '-', socket.gethostname()) or 'localhost'
