@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.hold_words import hold_words, why_words
@@ -27,40 +27,12 @@ class Progress:
 
     def _lines(self, event: e.Event) -> Iterator[str]:
         span = self._spans.follow(event)
+        if isinstance(event, e.CellStateChanged):
+            self.held = event.state == 'Held'
         if span is not None and isinstance(event, e.TaskSucceeded):
             yield _succeeded(span)
-        elif isinstance(event, e.TaskFailed):
-            why = why_words(event.reason, event.message)
-            yield f'{_place(event)}{event.task} failed: {why}'
-        elif isinstance(event, e.TaskSkipped):
-            yield f'{_place(event)}{event.task} skipped: {event.reason}'
-        elif isinstance(event, e.TaskMarkedDone):
-            yield f'{_place(event)}{event.task} marked done'
-        elif isinstance(event, e.RoundBegun):
-            what = f'{", ".join(event.tasks)} once more (round {event.n + 1})'
-            yield f'section {event.section:<3} {event.item}  {what}'
-        elif isinstance(event, e.ItemRejected):
-            yield f'item        {event.item} rejected: {event.reason}'
-        elif isinstance(event, e.ItemNonconforming):
-            yield f'item        {event.item} nonconforming: {event.reason}'
-        elif isinstance(event, e.ItemIdentified):
-            yield f'item        {event.item} is {event.serial}'
-        elif isinstance(event, e.ItemRemoved):
-            yield f'section {event.section:<3} {event.item} {event.how.replace("_", " ")}'
-        elif isinstance(event, e.HoldRaised):
-            yield f'HOLD {event.hold}: {hold_words(event)}'
-        elif isinstance(event, e.ComponentOutOfService):
-            yield f'{event.component} is out of service ({event.reason})'
-        elif isinstance(event, e.ComponentInService):
-            yield f'{event.component} is in service'
-        elif isinstance(event, e.ScriptReleased):
-            yield f'script {event.digest} is released ({event.reason})'
-        elif isinstance(event, e.CellStateChanged):
-            self.held = event.state == 'Held'
-            reason = f' ({event.reason})' if event.reason else ''
-            yield f'cell {event.state}{reason}'
-        elif isinstance(event, e.JobQueued | e.JobCompleted | e.JobAborted):
-            yield f'{event.job} {event.event.split(".")[1]}'
+        elif type(event) in _LINES:
+            yield _LINES[type(event)](event)
 
 
 def _succeeded(span: TaskSpan) -> str:
@@ -72,3 +44,43 @@ def _place(event: e.TaskEvent) -> str:
     if event.section is not None:
         return f'section {event.section:<3} {event.item}  '
     return f'initialization {event.job}  ' if event.job else 'belt        '
+
+
+def _section(event: e.RoundBegun | e.ItemRemoved, what: str) -> str:
+    return f'section {event.section:<3} {event.item}{what}'
+
+
+def _cell_state(event: e.CellStateChanged) -> str:
+    reason = f' ({event.reason})' if event.reason else ''
+    return f'cell {event.state}{reason}'
+
+
+def _round(event: e.RoundBegun) -> str:
+    return _section(event, f'  {", ".join(event.tasks)} once more (round {event.n + 1})')
+
+
+def _job(event: e.JobQueued | e.JobCompleted | e.JobAborted) -> str:
+    return f'{event.job} {event.event.split(".")[1]}'
+
+
+def _failed(event: e.TaskFailed) -> str:
+    return f'{_place(event)}{event.task} failed: {why_words(event.reason, event.message)}'
+
+
+_LINES: Mapping[type[e.Event], Callable[..., str]] = {
+    e.TaskFailed: _failed,
+    e.TaskSkipped: lambda event: f'{_place(event)}{event.task} skipped: {event.reason}',
+    e.TaskMarkedDone: lambda event: f'{_place(event)}{event.task} marked done',
+    e.RoundBegun: _round,
+    e.ItemRejected: lambda event: f'item        {event.item} rejected: {event.reason}',
+    e.ItemNonconforming: lambda event: f'item        {event.item} nonconforming: {event.reason}',
+    e.ItemIdentified: lambda event: f'item        {event.item} is {event.serial}',
+    e.ItemRemoved: lambda event: _section(event, f' {event.how.replace("_", " ")}'),
+    e.HoldRaised: lambda event: f'HOLD {event.hold}: {hold_words(event)}',
+    e.ComponentOutOfService: lambda event: f'{event.component} is out of service ({event.reason})',
+    e.ComponentInService: lambda event: f'{event.component} is in service',
+    e.ScriptReleased: lambda event: f'script {event.digest} is released ({event.reason})',
+    e.CellStateChanged: _cell_state,
+    **dict.fromkeys((e.JobQueued, e.JobCompleted, e.JobAborted), _job),
+}
+"""What is said of an event that needs none before it."""

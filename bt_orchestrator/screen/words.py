@@ -38,6 +38,23 @@ def status_lines(status: CellStatus, shell: Shell | None) -> Iterator[str]:
 
     :param shell: for what can be typed; None: nothing can, as it is long past
     """
+    yield from _cell_lines(status)
+    yield from _job_lines(status, shell)
+    for reason in reasons(status.initialization):
+        yield f'  initialization  {reason}'
+    for section in status.sections:
+        yield f'  section {section.number:<3} {slot(section.slot) or "-":<14} {_work(section)}'
+    yield from (f'  {text}' for text in troubles(status))
+    for flag in status.flags:
+        yield f'  flag {flag_count(flag)}'
+    for hold in status.holds:
+        yield f'  {hold_text(hold)}'
+        yield from (f'    {text}' for text in (hold_advice(hold, shell) if shell else ()))
+    yield from (f'  next: {text}' for text in (next_lines(status, shell) if shell else ()))
+
+
+def _cell_lines(status: CellStatus) -> Iterator[str]:
+    """Yield how the cell stands, and what it waits for."""
     since = f'{status.state.value} for {duration(state_s(status))}'
     yield f'cell {one_line(status.cell)}: {since}, belt {belt(status)}, seq {status.seq}'
     if failure(status):
@@ -48,6 +65,10 @@ def status_lines(status: CellStatus, shell: Shell | None) -> Iterator[str]:
         yield f'  {stopped(status)}'
     if status.stop_reason:
         yield f'  stands still: {status.stop_reason.value}, {one_line(status.stop_message)}'
+
+
+def _job_lines(status: CellStatus, shell: Shell | None) -> Iterator[str]:
+    """Yield each job, and what it needs before it can go on."""
     for job in status.jobs:
         how_far = f'{job_count_words(job)}{job_terms(job)}{expected_finish(job, status)}'
         yield f'  {job_name(job)}: {job.state.state}, {how_far}'
@@ -62,17 +83,6 @@ def status_lines(status: CellStatus, shell: Shell | None) -> Iterator[str]:
     if unlisted(status):
         where = f': {shell.command("queue")}' if shell else ''
         yield f'  {unlisted(status)} more jobs in the queue{where}'
-    for reason in reasons(status.initialization):
-        yield f'  initialization  {reason}'
-    for section in status.sections:
-        yield f'  section {section.number:<3} {slot(section.slot) or "-":<14} {_work(section)}'
-    yield from (f'  {text}' for text in troubles(status))
-    for flag in status.flags:
-        yield f'  flag {flag_count(flag)}'
-    for hold in status.holds:
-        yield f'  {hold_text(hold)}'
-        yield from (f'    {text}' for text in (hold_advice(hold, shell) if shell else ()))
-    yield from (f'  next: {text}' for text in (next_lines(status, shell) if shell else ()))
 
 
 def unlisted(status: CellStatus) -> int:

@@ -58,6 +58,23 @@ INTERRUPTED = 130
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of the verb."""
     parser.description = DESCRIPTION
+    _add_line(parser)
+    _add_doors(parser)
+    parser.add_argument(
+        '--resume',
+        action='store_true',
+        help='take over from a demo that was killed: its journal, its controllers, its order',
+    )
+    parser.add_argument(
+        '--folder',
+        type=Path,
+        metavar='DIR',
+        help='where the journal and the logs are (default: ~/.local/state/bt_orchestrator/demo)',
+    )
+
+
+def _add_line(parser: argparse.ArgumentParser) -> None:
+    """Declare what runs, how fast, and what fails."""
     parser.add_argument('--cell', type=Path, metavar='CELL', help='cell file (default: shipped)')
     parser.add_argument(
         '--order', type=Path, metavar='ORDER', help='work order (default: the shipped WO-1001)'
@@ -89,6 +106,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default='ask',
         help='what a hold does: wait for its answer (default), or end the demo with exit status 1',
     )
+
+
+def _add_doors(parser: argparse.ArgumentParser) -> None:
+    """Declare who else sees the cell."""
     parser.add_argument(
         '--page',
         nargs='?',
@@ -113,17 +134,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar='PORT',
         help='serve OPC UA clients as well, on this computer and without encryption '
         f'(default port {OPCUA_PORT}), and go on after the order, until Ctrl-C',
-    )
-    parser.add_argument(
-        '--resume',
-        action='store_true',
-        help='take over from a demo that was killed: its journal, its controllers, its order',
-    )
-    parser.add_argument(
-        '--folder',
-        type=Path,
-        metavar='DIR',
-        help='where the journal and the logs are (default: ~/.local/state/bt_orchestrator/demo)',
     )
 
 

@@ -6,11 +6,11 @@ from fractions import Fraction
 from typing import Any
 
 from bt_orchestrator.report.account.account import Account
-from bt_orchestrator.report.account.figures import Figures
+from bt_orchestrator.report.account.figures import Bar, Figures
 from bt_orchestrator.report.account.period import Period
 from bt_orchestrator.report.account.planned import US
 from bt_orchestrator.report.account.stops import Held, Stop
-from bt_orchestrator.report.account.troubles import FailingTask
+from bt_orchestrator.report.account.troubles import FailingTask, Repairs
 
 
 def account_plain(account: Account) -> dict[str, Any]:
@@ -22,22 +22,10 @@ def account_plain(account: Account) -> dict[str, Any]:
         'period': _period(account),
         'made_from': _source(account),
         'notes': list(account.notes()),
-        'oee': {
-            'availability': _number(shown.availability),
-            'performance': _number(shown.performance),
-            'quality': _number(shown.quality),
-            'oee': _number(shown.oee),
-        },
+        'oee': _oee(shown),
         'quantities': {'produced': shown.produced, 'good': shown.good},
         'rate': {'per_item_s': seconds_of(shown.per_item_us), 'pace_s': seconds_of(shown.pace_us)},
-        'waterfall': [
-            {
-                'title': bar.title,
-                'loss': bar.loss.value if bar.loss else None,
-                'seconds': seconds_of(bar.us),
-            }
-            for bar in shown.waterfall()
-        ],
+        'waterfall': [_bar(bar) for bar in shown.waterfall()],
         'losses': {bar.loss.value: seconds_of(bar.us) for bar in shown.waterfall() if bar.loss},
         'jobs': [_job(shown, number) for number in range(len(times.made))],
         'stops': [{**summed(one), 'loss': one.loss.value} for one in times.stops],
@@ -47,16 +35,31 @@ def account_plain(account: Account) -> dict[str, Any]:
             'seconds': {loss.value: seconds_of(us) for loss, us in times.left_out_us.items()},
         },
         'failed_attempts': [summed(one) for one in times.failing],
-        'components': [
-            {
-                'component': one.component,
-                'failures': one.failures,
-                'down_s': seconds_of(one.down_us),
-                'mtbf_s': seconds_of(shown.mtbf_us(one)),
-                'mttr_s': seconds_of(shown.mttr_us(one)),
-            }
-            for one in times.repairs
-        ],
+        'components': [_component(shown, one) for one in times.repairs],
+    }
+
+
+def _oee(shown: Figures) -> dict[str, Any]:
+    return {
+        'availability': _number(shown.availability),
+        'performance': _number(shown.performance),
+        'quality': _number(shown.quality),
+        'oee': _number(shown.oee),
+    }
+
+
+def _bar(bar: Bar) -> dict[str, Any]:
+    loss = bar.loss.value if bar.loss else None
+    return {'title': bar.title, 'loss': loss, 'seconds': seconds_of(bar.us)}
+
+
+def _component(shown: Figures, one: Repairs) -> dict[str, Any]:
+    return {
+        'component': one.component,
+        'failures': one.failures,
+        'down_s': seconds_of(one.down_us),
+        'mtbf_s': seconds_of(shown.mtbf_us(one)),
+        'mttr_s': seconds_of(shown.mttr_us(one)),
     }
 
 
