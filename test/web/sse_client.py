@@ -6,7 +6,6 @@ import http.client
 import json
 import time
 from collections.abc import Callable
-from types import TracebackType
 from typing import Any, NamedTuple
 
 PATIENCE_S = 20.0
@@ -33,12 +32,7 @@ class SseClient:
     def __enter__(self) -> SseClient:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *exception: object) -> None:
         self.close()
 
     def close(self) -> None:

@@ -6,7 +6,6 @@ import shlex
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
-from types import TracebackType
 
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.screen.advice import Choice, Shell, hold_choices, next_choices
@@ -36,12 +35,7 @@ class Dialogue:
     def __enter__(self) -> Dialogue:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *exception: object) -> None:
         if self._running is not None:
             self._running.wait()
 

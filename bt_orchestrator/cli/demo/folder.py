@@ -10,7 +10,6 @@ import signal
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from types import TracebackType
 from typing import IO
 
 from bt_orchestrator.cli.programs import FAREWELL_S
@@ -71,12 +70,7 @@ class DemoFolder:
     def __enter__(self) -> DemoFolder:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *exception: object) -> None:
         self._lock.close()
 
     def begin(self) -> None:
