@@ -17,6 +17,7 @@ BACK = Restart(clock_step_s=-120.0, auto_resume=False)
 
 
 @pytest.mark.long
+@pytest.mark.timeout(600)
 def test_9_2_killed_at_every_step_nothing_is_lost_and_nothing_done_twice(tmp_path: Path) -> None:
     restarts = [Restart(), BACK, forgotten(random.Random(7)), Restart(clock_step_s=60.0)]
     restarts += [Restart()] * (len(POINTS) - len(restarts))

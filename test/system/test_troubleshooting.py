@@ -31,6 +31,7 @@ def test_every_entry_has_a_symptom_a_cause_and_a_command() -> None:
 
 
 @pytest.mark.long
+@pytest.mark.timeout(600)
 def test_every_command_does_what_it_is_for(start_cell: StartCell, tmp_path: Path) -> None:
     journal = ['--journal', str(tmp_path / 'cell' / 'journal.db')]
     cell = start_cell(fail=['worker.#1=abort'], run_options=journal)
