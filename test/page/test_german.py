@@ -16,7 +16,8 @@ FREE = ('aborted by the simulated controller', 'its grip is worn')
 """What a device and a person said."""
 
 _ENGLISH = re.compile(
-    r'\b(the|of|for|is|to|and|by|which|with|waiting|waits|taken|not|out|done|item|section|belt)\b'
+    r'\b(the|of|for|is|to|and|by|which|with|waiting|waits|taken|not|out|done|item|section|belt'
+    r'|if|free|cycle|jobs|rest|parallel)\b'
 )
 
 _SAID = """
@@ -67,6 +68,18 @@ def test_the_picture_of_the_line_is_german_with_all_that_it_tells(held: Stand, s
     assert 'Platz 4: WO-1001/3' in said
     assert len(said) > 100
     assert not [line for text in said for line in english_lines(text)]
+
+
+def test_the_tree_is_german(held: Stand, sit: Sit) -> None:
+    tab = sit(held.port, locale='de-DE').open('tree')
+    tab.until(lambda: tab.count('.twig') > 1, 'the tree')
+    tab.page.locator('.screen-head button').first.click()
+    tab.until(lambda: not tab.count('.twig[aria-expanded="false"]'), 'all branches to be open')
+    said = tab.page.locator('[role="tree"]').inner_text()
+    assert 'Störung, wenn es misslingt' in said
+    assert 'wartet auf Antwort (Störung 1)' in said
+    assert len(said.splitlines()) > 100
+    assert not english_lines(said)
 
 
 def test_english_words_are_found(held: Stand, sit: Sit) -> None:
