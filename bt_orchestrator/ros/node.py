@@ -50,6 +50,8 @@ from bt_orchestrator.ros.services.outputs import (
     EventsTopic,
     StatusTopic,
 )
+from bt_orchestrator.ros.services.patient_service import make_all_patient
+from bt_orchestrator.ros.services.prompt_profile import prompt_answers
 from bt_orchestrator.ros.services.queue_services import QueueServices
 from bt_orchestrator.ros.services.run_job import RunJobServer
 from bt_orchestrator.ros.services.senders import Senders
@@ -117,6 +119,7 @@ class TreeNode:
         self._log = SpareLog(node.get_logger())
         presence = Presence(node)  # hears others while this one is set up
         self.parameters = declare(node, defaults)
+        make_all_patient(node)
         self._senders = Senders(self.parameters, os.environ, get_rmw_implementation_identifier())
         types = InstalledActionTypes()
         cell = _read_cell(self.parameters, types)
@@ -142,7 +145,7 @@ class TreeNode:
         self._order_process = self._read_orders()
         self._generating = self._generate(parts)
         self._orders = RecipeOrders(self._order_process, self._generating, self.orchestrator.state)
-        self._run_job = self._take_requests(types, store)
+        self._take_requests(types, store)
         self._status = self._show(pulse)
         self._ticks = TickStatistics()
         self._inspected = start_inspection(
@@ -206,7 +209,6 @@ class TreeNode:
             self._journal.close()  # or else the end of the process does, if the disk lets it
         with leaving():
             self._gateway.close()
-            self._run_job.destroy()
             self.executor.shutdown()
             self.node.destroy_node()
 
@@ -243,8 +245,8 @@ class TreeNode:
         cell = self.orchestrator.state.cell
         return parts.make_generating(cell, self.parameters.recipes, partial(soon, self.executor))
 
-    def _take_requests(self, types: InstalledActionTypes, store: EventStore) -> RunJobServer:
-        """Offer the services and the action, which has to be destroyed."""
+    def _take_requests(self, types: InstalledActionTypes, store: EventStore) -> None:
+        """Offer the services and the action."""
         handler = RequestHandler(self.orchestrator, types, self._orders)
         later = partial(soon, self.executor)
         self.orchestrator.add_sink(QueueAnew(handler, self.orchestrator.state, later))
@@ -257,7 +259,6 @@ class TreeNode:
             self.node, self.orchestrator, self._overview, self._orders, self._expected, senders
         )
         self.orchestrator.add_sink(run_job)
-        return run_job
 
     def _look_ahead(self, parts: Parts, pulse: Pulse, store: EventStore) -> ExpectedEnds:
         state = self.orchestrator.state
@@ -360,7 +361,9 @@ def _open_journal(parameters: NodeParameters, parts: Parts) -> Journal | None:
 
 def _build(namespace: str, defaults: NodeParameters, parts: Parts) -> TreeNode:
     try:
-        return TreeNode(Node(NODE_NAME, namespace=namespace), defaults, parts)
+        with prompt_answers(os.environ):
+            node = Node(NODE_NAME, namespace=namespace)
+        return TreeNode(node, defaults, parts)
     except (NameValidationException, ParameterException) as error:
         raise BadRosArguments(f'ROS refuses a name or a parameter: {error}') from error
 

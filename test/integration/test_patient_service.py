@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import time
 import warnings
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -15,13 +18,17 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from bt_orchestrator.ros.qos import create_client
 from bt_orchestrator.ros.services import patient_service
-from bt_orchestrator.ros.services.patient_service import create_patient_service
+from bt_orchestrator.ros.services.patient_service import create_patient_service, make_all_patient
 from bt_orchestrator.spare_log import SpareLog
 
 pytestmark = pytest.mark.every_distro
 
 MANY = 60
 """Requests that wait at a time; by default ROS 2 keeps 10 and drops the others without a word."""
+
+UNHEARD = Path(__file__).parents[1] / 'unheard_answers.py'
+MOST_S = 0.05
+"""Of the quickest of many: half of what each takes by default, however busy the machine is."""
 
 ASK_EVERY_S = 0.2
 """More requests than that wait, and are dropped, before the first one is given up."""
@@ -58,13 +65,12 @@ def all_answered(futures: list[Any]) -> bool:
     return all(future.done() for future in futures)
 
 
-def test_a_dropped_answer_is_heard_later(
-    ros: ActionCaller, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def drop_the_first(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+    """Have the first answer of this process dropped; return all that are sent."""
     sent: list[Any] = []
     plainly = rclpy.service.Service.send_response
 
-    def drop_the_first(service: Any, response: Any, header: Any) -> None:
+    def send(service: Any, response: Any, header: Any) -> None:
         sent.append(response)
         if len(sent) == 1:
             text = 'failed to send response (timeout): client will not receive response'
@@ -72,7 +78,14 @@ def test_a_dropped_answer_is_heard_later(
         else:
             plainly(service, response, header)
 
-    monkeypatch.setattr(rclpy.service.Service, 'send_response', drop_the_first)
+    monkeypatch.setattr(rclpy.service.Service, 'send_response', send)
+    return sent
+
+
+def test_a_dropped_answer_is_heard_later(
+    ros: ActionCaller, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sent = drop_the_first(monkeypatch)
     create_patient_service(ros.node, GetParameters, '/ask', lambda request, response: response)
     client: Any = ros.node.create_client(GetParameters, '/ask')
     ros.spin_until(client.service_is_ready, 'the service')
@@ -80,6 +93,25 @@ def test_a_dropped_answer_is_heard_later(
     ros.spin_until(future.done, 'the answer')
     assert future.result() == GetParameters.Response()
     assert len(sent) == 2
+
+
+def test_the_services_for_parameters_are_patient_too(
+    ros: ActionCaller, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tried = drop_the_first(monkeypatch)
+    make_all_patient(ros.node)
+    service = f'{ros.node.get_fully_qualified_name()}/get_parameters'
+    client: Any = ros.node.create_client(GetParameters, service)
+    ros.spin_until(client.service_is_ready, 'the service')
+    ros.wait(client.call_async(GetParameters.Request(names=['use_sim_time'])), 'the answer')
+    assert len(tried) == 2
+
+
+def test_an_answer_that_nobody_hears_keeps_the_thread_for_a_moment() -> None:
+    quickest = subprocess.run(
+        [sys.executable, str(UNHEARD)], capture_output=True, text=True, check=True
+    )
+    assert float(quickest.stdout) < MOST_S, 'the middleware waits for who does not hear'
 
 
 def test_requests_that_came_at_once_are_all_answered(ros: ActionCaller) -> None:

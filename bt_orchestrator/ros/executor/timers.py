@@ -9,6 +9,9 @@ from rclpy.clock_type import ClockType
 from rclpy.node import Node
 from rclpy.timer import Timer
 
+MakeTimer = Callable[[float, Callable[[], None]], Timer]
+"""Makes a timer from its period in seconds and its callback."""
+
 
 def steady_timer(node: Node, period_s: float, callback: Callable[[], None]) -> Timer:
     """Make a timer of a node on the steady clock.

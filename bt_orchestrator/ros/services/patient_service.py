@@ -1,14 +1,17 @@
 """Services that say their answer later, and again to a client that could not hear it yet.
 
 A service is two DDS topics, discovered one by one. The request of a fresh client can come before
-the way back to it is known; the middleware then waits for 100 ms and drops the answer, and rclpy
-warns. The client would wait for ever.
+the way back to it is known; the middleware then drops the answer, and rclpy warns. The client
+would wait for ever. So such an answer is sent again, some times.
 
-A client that never hears, because it is discovered in part only or wants a quality of service that
-does not fit, would keep the thread for as long with each of its answers, and the middleware does
-not say whose the next one is. So after each such try everything else has its turn (`Turns`), and
-there are two allowances for tries: of each service, and of all that have made some lately. When
-one is used up, answers of these services wait; the line and all other services do not.
+It may also be the request of a client that has left: what it asked before waits in the queue of
+the service. By default the middleware waits for 100 ms before it drops an answer, so that a client
+that asks a lot and leaves, or one that wants a quality of service that does not fit, would keep
+the thread for many seconds. `prompt_profile.py` has it drop answers at once. It is not obeyed by
+every middleware, and none says whose the next answer is; so after each such try everything else
+has its turn, for a while if it took long (`Turns`), and there are two allowances for tries: of
+each service, and of all that have made some lately. When one is used up, answers of these services
+wait; the line and all other services do not.
 
 What takes long is not waited for: a callback returns a `Reply`, and the answer is sent
 when it is there.
@@ -35,8 +38,8 @@ from bt_orchestrator.spare_log import SpareLog
 if TYPE_CHECKING:
     from rclpy.node import Node
 
-AGAIN_AFTER_S = (0.3, 1.0, 3.0)
-"""Discovery takes up to 3 s; each attempt may take 100 ms of the thread."""
+AGAIN_AFTER_S = (0.1, 0.3, 1.0, 3.0)
+"""Discovery takes up to 3 s, and mostly some milliseconds."""
 
 KEPT_FOR_NEW = UNHEARD_S.at_once / 2
 """Share of the allowance that is not used to send an answer again."""
@@ -71,11 +74,19 @@ def create_patient_service(
 
     :param callback: returns the response, or a `Reply` that is to be it
     """
-    service: Any = node.create_service(kind, name, callback, qos_profile=SERVICES)
+    _be_patient(node, node.create_service(kind, name, callback, qos_profile=SERVICES))
+
+
+def make_all_patient(node: Node) -> None:
+    """Do the same for the services that a node has: those for its parameters."""
+    for service in node.services:
+        _be_patient(node, service)
+
+
+def _be_patient(node: Node, service: Any) -> None:
+    turns = _turns.get(node) or _turns.setdefault(node, Turns(_later_on(node)))
     log = SpareLog(node.get_logger())
-    later = partial(_once, node)
-    turns = _turns.setdefault(node, Turns())
-    answers = PatientAnswers(service.service_name, service.send_response, later, turns, log)
+    answers = PatientAnswers(service.service_name, service.send_response, turns, log)
     service.send_response = answers.send  # what every executor calls
 
 
@@ -86,7 +97,6 @@ class PatientAnswers:
         self,
         name: str,
         send: Callable[[Any, Any], object],
-        later: Later,
         turns: Turns,
         logger: Logger,
         clock: Callable[[], float] = time.monotonic,
@@ -94,12 +104,10 @@ class PatientAnswers:
         """Prepare.
 
         :param send: warns if the client cannot hear it, after having waited for it
-        :param later: calls back once, after so many seconds
         :param turns: those of all services of the node
         """
         self._name = name
         self._send = send
-        self._later = later
         self._turns = turns
         self._logger = logger
         self._clock = clock
@@ -128,17 +136,22 @@ class PatientAnswers:
             self._send_waiting()
 
     def _send_waiting(self) -> None:
-        self._holds = False
+        """Send what waits, up to the first that is not heard: then others have their turn."""
+        self._holds, heard = False, True
         try:
-            while self._is_owing and not self._turns.pauses and self._left > 0:
-                self._attempt(*(self._again or self._waiting).popleft())
+            while heard and self._is_owing and not self._turns.pauses and self._left > 0:
+                heard = self._attempt(*(self._again or self._waiting).popleft())
         finally:
-            if self._is_owing:
-                self._holds = True
-                if self._turns.pauses:
-                    self._turns.wait(self._send_waiting)
-                else:
-                    self._later(HELD_S, self._send_waiting)
+            if self._is_owing or not heard:
+                self._hold()
+
+    def _hold(self) -> None:
+        """Send nothing before the next turn."""
+        self._holds = True
+        if self._turns.pauses:
+            self._turns.wait(self._send_waiting)
+        else:
+            self._turns.later(0.0 if self._left > 0 else HELD_S, self._send_waiting)
 
     @property
     def _is_owing(self) -> bool:
@@ -151,14 +164,16 @@ class PatientAnswers:
         is_suspect = now - self._unheard_at < SUSPECT_S
         return min(own, self._turns.left(now)) if is_suspect else own
 
-    def _attempt(self, response: Any, header: Any, tried: int) -> None:
-        if not self._is_heard(response, header):
+    def _attempt(self, response: Any, header: Any, tried: int) -> bool:
+        heard = self._is_heard(response, header)
+        if not heard:
             self._send_later(response, header, tried + 1)
+        return heard
 
     def _send_later(self, response: Any, header: Any, tried: int) -> None:
         if tried <= len(AGAIN_AFTER_S):
             again = partial(self._send_again, response, header, tried)
-            self._later(AGAIN_AFTER_S[tried - 1], again)
+            self._turns.later(AGAIN_AFTER_S[tried - 1], again)
         else:
             self._warn('was not heard: its client is gone, not discovered, or wants another QoS')
 
@@ -187,15 +202,11 @@ class PatientAnswers:
         if unheard:
             self._unheard_at = now
             self._allowance.use(now - began, now)
-            self._turns.use(now - began, now, self._later)
+            self._turns.use(now - began, now)
         return not unheard
 
 
-def _once(node: Node, delay_s: float, callback: Callable[[], None]) -> None:
-    def call() -> None:
-        node.destroy_timer(timer)
-        callback()
+def _later_on(node: Node) -> Later:
+    from bt_orchestrator.ros.executor.alarms import Alarms  # the rest needs no ROS 2
 
-    from bt_orchestrator.ros.executor.timers import steady_timer  # the rest needs no ROS 2
-
-    timer = steady_timer(node, delay_s, call)
+    return Alarms(node).call_after

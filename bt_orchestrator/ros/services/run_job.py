@@ -9,11 +9,10 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
+from action_msgs.msg import GoalStatus
 from bt_orchestrator_interfaces.action import RunJob
 from bt_orchestrator_interfaces.msg import FailureReport, ItemReport, JobStatus
-from rclpy.action.server import ActionServer, CancelResponse, GoalResponse
 from rclpy.node import Node
 
 from bt_orchestrator.asking.handler import OrderReading
@@ -36,8 +35,8 @@ from bt_orchestrator.model.limits import QUEUE_SHOWN, REFUSED_GOALS
 from bt_orchestrator.model.requests import ADD
 from bt_orchestrator.replies import begin
 from bt_orchestrator.report.jobs import JobFold
-from bt_orchestrator.ros.qos import SERVICES
 from bt_orchestrator.ros.services.expected_ends import ExpectedEnds
+from bt_orchestrator.ros.services.goal_server import GoalServer, ServedGoal
 from bt_orchestrator.ros.services.order_requests import asked_order, written_order
 from bt_orchestrator.ros.services.senders import Senders
 from bt_orchestrator.ros.stamps import to_time
@@ -47,9 +46,6 @@ from bt_orchestrator.runtime.overview import Overview
 from bt_orchestrator.script.orders.desk import Reading
 from bt_orchestrator.spare_log import SpareLog
 
-RESULT_TIMEOUT_S = 900
-"""How long a result is kept for a client that comes back for it."""
-
 ON_THE_LINE = 'on_the_line'
 """Outcome of an item that has not ended."""
 
@@ -58,13 +54,13 @@ ON_THE_LINE = 'on_the_line'
 class _Served:
     """A goal and its job."""
 
-    handle: Any
+    goal: ServedGoal
     by: By
     status: JobStatus
     """The last one sent as feedback."""
 
 
-class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazzy's rclpy
+class RunJobServer:
     """Serves `~/run_job`. Implements `ports.EventSink`.
 
     A goal is accepted whatever its order is, for a refusal has no words in ROS 2: one with
@@ -91,26 +87,17 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
         """By job."""
         self._fold = JobFold()
         """The records of these jobs."""
-        self._being_read: list[Any] = []
+        self._being_read: list[ServedGoal] = []
         self._log = SpareLog(node.get_logger())
         self._refused = Allowance(REFUSED_GOALS)
-        super().__init__(
+        self._server = GoalServer(
             node,
             RunJob,
             '~/run_job',
-            execute_callback=_never_called,
-            goal_callback=self._admit,
-            handle_accepted_callback=self._begin,
-            cancel_callback=self._cancel,  # type: ignore[arg-type] # rclpy awaits it
-            result_timeout=RESULT_TIMEOUT_S,
-            goal_service_qos_profile=SERVICES,
-            cancel_service_qos_profile=SERVICES,
-            result_service_qos_profile=SERVICES,
-            feedback_pub_qos_profile=SERVICES,
+            admits=self._admits,
+            start=self._begin,
+            cancel=self._cancel,
         )
-
-    def notify_execute(self, goal_handle: Any, execute_callback: Any) -> None:
-        """Do nothing when a goal starts: rclpy would resume a waiting coroutine at every turn."""
 
     def publish(self, events: Sequence[Event]) -> None:
         """Take in durable events: tell how jobs stand, and end the goals of those that ended.
@@ -142,84 +129,80 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
 
     # --- requests ---------------------------------------------------------------------------
 
-    def _admit(self, _: Any) -> GoalResponse:
+    def _admits(self) -> bool:
         """Accept a goal, to say why if its order is refused, unless too many were refused."""
         if self._refused.left(time.monotonic()) >= 1:
-            return GoalResponse.ACCEPT
+            return True
         self._log.warning('run_job takes no goal now: too many orders were refused lately')
-        return GoalResponse.REJECT
+        return False
 
-    def _begin(self, handle: Any) -> None:
+    def _begin(self, goal: ServedGoal) -> None:
         """Queue the order of a goal that was accepted, once it was read."""
-        handle.execute()
-        self._being_read.append(handle)
+        self._being_read.append(goal)
+        begin(self._queue(goal))
 
-        begin(self._queue(handle))
-
-    async def _queue(self, handle: Any) -> None:
+    async def _queue(self, goal: ServedGoal) -> None:
         try:
-            await self._queue_or_refuse(handle)
+            await self._queue_or_refuse(goal)
         except Exception as error:  # noqa: BLE001 - a bad goal never stops the node
             self._log.error(f'run_job failed: {error!r}')
-            self._being_read = [one for one in self._being_read if one is not handle]
-            self._refuse(handle, f'internal error, see the log of the node: {error!r}')
+            self._being_read = [one for one in self._being_read if one is not goal]
+            self._refuse(goal, f'internal error, see the log of the node: {error!r}')
 
-    async def _queue_or_refuse(self, handle: Any) -> None:
-        goal, who = handle.request, self._senders.by(handle.request, 'run_job')
+    async def _queue_or_refuse(self, goal: ServedGoal) -> None:
+        asked, who = goal.request, self._senders.by(goal.request, 'run_job')
         try:
             check_sender(ADD, who)
-            order = asked_order(goal.order)
-            wanted = written_order(goal.text) if goal.text else wanted_orders([order])
+            order = asked_order(asked.order)
+            wanted = written_order(asked.text) if asked.text else wanted_orders([order])
             async with self._orders.read(wanted) as reading:
-                self._being_read.remove(handle)
-                await self._queue_read(handle, reading, who)
+                self._being_read.remove(goal)
+                await self._queue_read(goal, reading, who)
         except NotRead as why:
-            self._being_read.remove(handle)
-            self._refuse(handle, (await self._note(who, str(why))).message)
+            self._being_read.remove(goal)
+            self._refuse(goal, (await self._note(who, str(why))).message)
 
-    async def _queue_read(self, handle: Any, reading: Reading, who: By) -> None:
-        if handle.is_cancel_requested:
+    async def _queue_read(self, goal: ServedGoal, reading: Reading, who: By) -> None:
+        if goal.is_cancel_requested:
             words = 'the goal was cancelled before its order was queued'
-            self._refuse(handle, (await self._note(who, words)).message)
+            self._refuse(goal, (await self._note(who, words)).message)
             return
-        goal, (read,) = handle.request, reading.read
+        asked, (read,) = goal.request, reading.read
         if isinstance(read, Refused):
-            order = asked_order(goal.order)
+            order = asked_order(asked.order)
             await self._orchestrator.carry_out(refused_orders([order], [read], who))
             (told,) = answer_to_refused([order], [read]).orders
-            self._refuse(handle, read.count, told.findings)
+            self._refuse(goal, read.count, told.findings)
             return
         # From now on its events are its own: it may even end before `carry_out` returns. An
         # order that was given before is refused there, and the events are not those of a goal.
         is_known = read.id in self._served or read.id in self._orchestrator.state.jobs
         if not is_known:
-            self._served[read.id] = _Served(handle, who, JobStatus())
-        command = AddJobs((read,), who, goal.position or None, sharing=reading.sharing)
+            self._served[read.id] = _Served(goal, who, JobStatus())
+        command = AddJobs((read,), who, asked.position or None, sharing=reading.sharing)
         answer = await self._orchestrator.carry_out(command)
         if not answer.accepted:
             if not is_known:
                 del self._served[read.id]
-            self._refuse(handle, answer.message)
+            self._refuse(goal, answer.message)
 
     async def _note(self, who: By, why: str) -> Answer:
         """Put on record that nothing was queued."""
         return await self._orchestrator.carry_out(RefusedRequest(ADD.word, who, why))
 
-    async def _cancel(self, handle: Any) -> CancelResponse:
+    async def _cancel(self, goal: ServedGoal) -> bool:
         """Abort the job of a goal; the goal ends when the last item has left the line."""
-        if any(one is handle for one in self._being_read):
-            return CancelResponse.ACCEPT  # it will not be queued
-        found = ((name, one) for name, one in self._served.items() if one.handle is handle)
+        if goal in self._being_read:
+            return True  # it will not be queued
+        found = ((name, one) for name, one in self._served.items() if one.goal is goal)
         job, served = next(found, ('', None))
         if served is None:
-            return CancelResponse.REJECT
+            return False
         who = self._senders.of_cancel(served.by)
-        command = ControlJob('abort', job, who)
-        # rclpy polls its own coroutines at every turn; this one goes on in its turn.
-        answer = await begin(self._orchestrator.carry_out(command))
+        answer = await self._orchestrator.carry_out(ControlJob('abort', job, who))
         if not answer.accepted:
             self._log.warning(f'run_job is not cancelled: {answer.message}')
-        return CancelResponse.ACCEPT if answer.accepted else CancelResponse.REJECT
+        return answer.accepted
 
     # --- answers ----------------------------------------------------------------------------
 
@@ -227,7 +210,7 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
         served, status = self._served[job], self._status(job, ends)
         if status is not None and status != served.status:
             served.status = status
-            served.handle.publish_feedback(RunJob.Feedback(status=status))
+            self._server.feed_back(served.goal, RunJob.Feedback(status=status))
 
     def _ends(self) -> Mapping[str, float]:
         """Return in how many seconds jobs are expected to end."""
@@ -249,26 +232,21 @@ class RunJobServer(ActionServer):  # type: ignore[type-arg] # no Generic in Jazz
             items=[_item(item) for item in record.items.values()],
             failures=[_failure(failure) for failure in record.failures],
         )
-        self._conclude(served.handle, result)
+        self._conclude(served.goal, result)
 
-    def _refuse(self, handle: Any, message: str, findings: Sequence[str] = ()) -> None:
+    def _refuse(self, goal: ServedGoal, message: str, findings: Sequence[str] = ()) -> None:
         self._refused.use(1, time.monotonic())
         result = RunJob.Result(exit_status='refused', message=message, findings=list(findings))
-        self._conclude(handle, result)
+        self._conclude(goal, result)
 
-    def _conclude(self, handle: Any, result: RunJob.Result) -> None:
-        """End a goal soon, in a task of its own: the client may have gone long ago."""
-
-        def conclude(handle: Any) -> Any:
-            if result.exit_status == 'completed':
-                handle.succeed()
-            elif handle.is_cancel_requested:
-                handle.canceled()
-            else:
-                handle.abort()
-            return result
-
-        super().notify_execute(handle, conclude)
+    def _conclude(self, goal: ServedGoal, result: RunJob.Result) -> None:
+        if result.exit_status == 'completed':
+            status = GoalStatus.STATUS_SUCCEEDED
+        elif goal.is_cancel_requested:
+            status = GoalStatus.STATUS_CANCELED
+        else:
+            status = GoalStatus.STATUS_ABORTED
+        self._server.end(goal, status, result)
 
 
 def _item(item: ItemRecord) -> ItemReport:
@@ -289,8 +267,3 @@ def _failure(failure: FailureRecord) -> FailureReport:
         reason=failure.reason,
         message=failure.message,
     )
-
-
-def _never_called(handle: Any) -> Any:
-    """Do nothing: rclpy requires a function, but goals are ended by events and never executed."""
-    raise AssertionError(f'rclpy was told not to execute goals, and began {handle}')

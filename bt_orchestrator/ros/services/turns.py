@@ -8,19 +8,28 @@ from collections.abc import Callable
 from bt_orchestrator.model.allowance import Allowance
 from bt_orchestrator.model.limits import UNHEARD_TOGETHER_S
 
-PAUSE_S = 0.05
-"""Pause after an answer that was not heard: whatever else is ready has its turn."""
+LONG_S = 0.05
+"""A try that took longer has kept the thread from others; the next one lets them go first."""
 
-Later = Callable[[float, Callable[[], None]], None]
+PAUSE = 0.5
+"""Pause after a long try, as a share of the time that it took: whatever else is ready has its
+turn."""
+
+Later = Callable[[float, Callable[[], None]], object]
 
 
 class Turns:
-    """Pauses after each answer that was not heard; then one service after the other goes on.
+    """Pauses after each long try that was not heard; then one service after the other goes on.
 
-    Such an answer blocks the tick thread for 0.1 s, and several of them may be due at a time.
+    Such a try may block the tick thread for 0.1 s, and many of them may be due at a time.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, later: Later) -> None:
+        """Begin without a pause.
+
+        :param later: calls back once, after so many seconds
+        """
+        self.later = later
         self._waiting: deque[Callable[[], None]] = deque()
         self._allowance = Allowance(UNHEARD_TOGETHER_S)
         self.pauses = False
@@ -30,15 +39,12 @@ class Turns:
         """Return how many seconds may be spent now; below 0: overdrawn."""
         return self._allowance.left(now)
 
-    def use(self, seconds: float, now: float, later: Later) -> None:
-        """Note an answer that was not heard, and pause.
-
-        :param later: calls back once, after so many seconds
-        """
+    def use(self, seconds: float, now: float) -> None:
+        """Note an answer that was not heard, and pause if it took long."""
         self._allowance.use(seconds, now)
-        if not self.pauses:
+        if seconds > LONG_S and not self.pauses:
             self.pauses = True
-            later(PAUSE_S, self._go_on)
+            self.later(PAUSE * seconds, self._go_on)
 
     def wait(self, go_on: Callable[[], None]) -> None:
         """Call back after the pause, after those that came before."""

@@ -7,7 +7,7 @@ from attack.attacks.files import Copies, Disk, Lock
 from attack.attacks.graph import Parameters, States, Streams, Subscribers
 from attack.attacks.orders import Goals, Large, Orders, Paths
 from attack.attacks.process import Clock, Stopped
-from attack.attacks.requests import Garbage, History, Pauses, Reasons, Refusals
+from attack.attacks.requests import Departures, Garbage, History, Pauses, Reasons, Refusals
 from attack.attacks.servers import Cancels, ForeignGoals, Results, SecondServer, Twin
 
 ATTACKS: dict[str, Attack] = {
@@ -21,6 +21,7 @@ ATTACKS: dict[str, Attack] = {
         Garbage(),
         Reasons(),
         Refusals(),
+        Departures(),
         Pauses(),
         History(),
         SecondServer(),

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from importlib import import_module
 from typing import Any
 
+from action_msgs.msg import GoalInfo
 from attack import garbage
 from attack.attacks.attack import Attack, Bounds
 from attack.peer import Peer
@@ -94,6 +95,52 @@ class Refusals(Attack):
         for number in itertools.count():
             who = _WHO if drawn.random() < 0.8 else f'{_WHO} {number}'
             yield RemoveItem.Request(item=f'none/{number}', who=who, reason=garbage.text(drawn))
+
+
+class Departures(Attack):
+    """Clients that ask a service hundreds of times and leave, of one service after the other."""
+
+    name = 'departures'
+
+    _QUESTIONS = 300
+    """More than a service of the node keeps."""
+
+    def run(self, peer: Peer) -> None:
+        """Come, ask and go."""
+        asked = [*_services(peer), *self._of_run_job()]
+        # Who asks what the foreign clock asks keeps it waiting: a service has one queue for all.
+        asked = [(kind, service) for kind, service in asked if service != 'get_parameters']
+        peer.drawn.shuffle(asked)
+        peer.count('services', len(asked))
+        for kind, service in itertools.cycle(asked):
+            self._ask_and_go(peer, kind, service)
+            if not peer.goes_on():
+                break
+
+    def _of_run_job(self) -> Iterator[tuple[Any, str]]:
+        its = RunJob.Impl
+        for kind, name in (
+            (its.SendGoalService, 'send_goal'),
+            (its.CancelGoalService, 'cancel_goal'),
+            (its.GetResultService, 'get_result'),
+        ):
+            yield kind, f'run_job/_action/{name}'
+
+    def _ask_and_go(self, peer: Peer, kind: Any, service: str) -> None:
+        leaver = Peer(peer.target, peer.drawn, 0.0)
+        try:
+            client = leaver.client(kind, service)
+            for _ in range(self._QUESTIONS):
+                client.call_async(self._request(kind))
+        finally:
+            leaver.close()
+        peer.count('poured', self._QUESTIONS)
+
+    def _request(self, kind: Any) -> Any:
+        if kind is RunJob.Impl.CancelGoalService:
+            unknown = GoalInfo(goal_id=UUID(uuid=[1] * 16))  # zeros mean the goals of all
+            return kind.Request(goal_info=unknown)
+        return kind.Request()
 
 
 class Pauses(Attack):

@@ -16,21 +16,30 @@ from bt_orchestrator.ros.services.patient_service import (
     SUSPECT_S,
     PatientAnswers,
 )
-from bt_orchestrator.ros.services.turns import PAUSE_S, Turns
+from bt_orchestrator.ros.services.turns import PAUSE, Turns
 
 UNHEARD = (
     'an answer of /ask was not heard: its client is gone, not discovered, or wants another QoS'
 )
 TIMEOUT_S = 0.1
+PROMPT_S = 0.001
+"""The same where the middleware waits for nobody."""
+TURN_S = 1e-6
+"""What is asked for at once comes in the next turn of the executor."""
+PAUSED_S = PAUSE * TIMEOUT_S + 1e-9
+"""A pause, and the error of adding it to a time."""
 TIMEOUT = 'failed to send response (timeout): client will not receive response'
 
 
 class Bench:
     """A client that hears nothing at first, and a clock that is advanced by hand."""
 
-    def __init__(self, deaf_times: int, words: str = TIMEOUT) -> None:
+    def __init__(
+        self, deaf_times: int, words: str = TIMEOUT, timeout_s: float = TIMEOUT_S
+    ) -> None:
         self._deaf_times = deaf_times
         self._words = words
+        self._timeout_s = timeout_s
         self.sent: list[tuple[str, str]] = []
         self.delays: list[float] = []
         self.log: list[str] = []
@@ -39,7 +48,7 @@ class Bench:
         """How long the thread was kept by answers that nobody heard."""
         self._deaf: set[str] = set()
         self._due: list[tuple[float, Callable[[], None]]] = []
-        self._turns = Turns()
+        self._turns = Turns(self._later)
         self.longest_s = 0.0
         """How long the thread was kept at most, between two times at which others had theirs."""
         self._others_at = 0.0
@@ -47,8 +56,7 @@ class Bench:
 
     def service(self, name: str) -> PatientAnswers:
         """Return the answers of a service more."""
-        turns = self._turns
-        return PatientAnswers(name, self._send, self._later, turns, self, lambda: self.now)
+        return PatientAnswers(name, self._send, self._turns, self, lambda: self.now)
 
     def warning(self, message: str) -> None:
         self.log.append(message)
@@ -75,14 +83,14 @@ class Bench:
     def _send(self, response: str, header: str) -> None:
         self.sent.append((response, header))
         if len(self.sent) <= self._deaf_times or header in self._deaf:
-            self.now += TIMEOUT_S
-            self.kept_s += TIMEOUT_S
+            self.now += self._timeout_s
+            self.kept_s += self._timeout_s
             self.longest_s = max(self.longest_s, self.now - self._others_at)
             warnings.warn(self._words, RuntimeWarning, stacklevel=1)
 
     def _later(self, delay_s: float, callback: Callable[[], None]) -> None:
         self.delays.append(delay_s)
-        self._due.append((self.now + delay_s, callback))
+        self._due.append((self.now + max(delay_s, TURN_S), callback))
 
 
 def _time(due: tuple[float, Callable[[], None]]) -> float:
@@ -95,7 +103,7 @@ def test_it_is_sent_until_it_is_heard(deaf_times: int) -> None:
     bench.answers.send('yes', 'client 1')
     bench.run()
     assert bench.sent == [('yes', 'client 1')] * (deaf_times + 1)
-    again = [delay for delay in bench.delays if delay != PAUSE_S]
+    again = [delay for delay in bench.delays if delay != pytest.approx(PAUSED_S)]
     assert again == list(AGAIN_AFTER_S[:deaf_times])
     assert bench.log == []
 
@@ -175,8 +183,21 @@ def test_a_service_whose_clients_hear_answers_beside_others_whose_clients_never_
         for _ in range(10):
             deaf.send(f'{turn}', 'client 1')
         well.send(f'{turn}', 'client 2')
-        bench.run_until(bench.now + TIMEOUT_S + 2 * PAUSE_S)
+        bench.run_until(bench.now + TIMEOUT_S + 2 * PAUSED_S)
         assert (f'{turn}', 'client 2') in bench.sent
+
+
+def test_where_the_middleware_waits_for_nobody_each_turn_has_one_try() -> None:
+    bench, many = Bench(deaf_times=0, timeout_s=PROMPT_S), MOST_HELD
+    other = bench.service('/other')
+    bench.deafen('client 1')
+    for turn in range(many):
+        bench.answers.send(f'{turn}', 'client 1')
+        other.send(f'{turn}', 'client 2')
+        assert bench.sent[-1] == (f'{turn}', 'client 2'), 'others wait for no pause'
+    bench.run()
+    assert bench.longest_s == pytest.approx(PROMPT_S)
+    assert len([1 for _, client in bench.sent if client == 'client 1']) > many
 
 
 def test_others_are_answered_soon_beside_a_client_that_never_hears() -> None:
@@ -186,7 +207,7 @@ def test_others_are_answered_soon_beside_a_client_that_never_hears() -> None:
         bench.run_until(2.0 * turn)
         bench.answers.send(f'{turn}', 'client 1')
         bench.answers.send(f'{turn}', 'client 2')
-        bench.run_until(bench.now + PAUSE_S)
+        bench.run_until(bench.now + PAUSED_S)
         assert bench.sent[-1] == (f'{turn}', 'client 2')
     bench.run()
     assert len([1 for _, client in bench.sent if client == 'client 2']) == 100
