@@ -140,7 +140,12 @@ def _check(args: argparse.Namespace) -> None:
     report = Report('NAME')
     if not check_token(args.name, 'cell', START, report):
         (finding,) = report.findings
-        raise WrongUse(f'{finding.what}; {finding.hint}')
+        name = Path(args.name).name
+        is_path = (
+            args.output is None and name != args.name and check_token(name, '', START, report)
+        )
+        hint = f'write for instance `{name} -o {args.name}`' if is_path else finding.hint
+        raise WrongUse(f'{finding.what}; {hint}')
     if not 1 <= args.sections <= MOST_SECTIONS:
         raise WrongUse(f'--sections must be from 1 to {MOST_SECTIONS}, not {args.sections}')
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from bt_orchestrator.errors import counted
 from bt_orchestrator.report.forecast import (
     Bottleneck,
     Forecast,
@@ -97,9 +98,11 @@ def _wait_lines(forecast: Forecast) -> Iterator[str]:
 def _longest(waits: Sequence[WaitLoad]) -> Iterator[str]:
     for wait in waits[:WAITS_SHOWN]:
         yield f'    {wait.share:6.1%}  waits for {wait.cause}'
-    rest = sum(wait.share for wait in waits[WAITS_SHOWN:])
+    rest = waits[WAITS_SHOWN:]
     if rest:
-        yield f'    {rest:6.1%}  other waits'
+        each = f', at most {rest[0].share:.1%} each' if len(rest) > 1 else ''
+        share = sum(one.share for one in rest)
+        yield f'    {share:6.1%}  {counted(len(rest), "other wait")}{each}'
 
 
 def job_lines(forecast: Forecast) -> Iterator[str]:

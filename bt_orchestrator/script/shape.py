@@ -16,7 +16,7 @@ from bt_orchestrator.script.recipes.recipe_keys import OVERRIDES, RECIPE
 from bt_orchestrator.script.report import START, Report, nearest
 from bt_orchestrator.script.script_keys import ORDER, SCRIPT
 from bt_orchestrator.script.shifts.shifts_keys import SHIFTS
-from bt_orchestrator.script.yaml_nodes import ListNode, MapNode, Node
+from bt_orchestrator.script.yaml_nodes import ListNode, MapNode, Node, Scalar, quoted
 
 KINDS = (CELL, SCRIPT, ORDER, RECIPE, OVERRIDES, SHIFTS)
 
@@ -45,7 +45,7 @@ def refuse_strangers(
     other = _other_kind(root, tables)
     if other is not None:
         words = f'this is {other.name}, and {what or table.name} is expected'
-        hint = 'check which file is named'
+        hint = _how_to_order(root, table, other) or 'check which file is named'
         raise Refused([Finding(found.file, START.line, START.column, words, hint)])
     kind = _stranger(text, root, tables)
     if kind is None:
@@ -68,6 +68,15 @@ def _other_kind(root: Node | None, tables: tuple[Table, ...]) -> Table | None:
         and not keys & (expected - other.by_name.keys())
     ]
     return max(others, key=lambda other: _likeness(keys, other), default=None)
+
+
+def _how_to_order(root: Node | None, expected: Table, other: Table) -> str:
+    """Say which work order makes what a script or recipe describes; empty: it is none of them."""
+    key = {SCRIPT.name: 'script', RECIPE.name: 'recipe'}.get(other.name)
+    entry = root.find(key) if key is not None and isinstance(root, MapNode) else None
+    if expected is not ORDER or entry is None or not isinstance(entry.value, Scalar):
+        return ''
+    return f'name a file with {quoted(f"{key}: {entry.value.text}")} and `quantity`'
 
 
 def _likeness(keys: Set[str], table: Table) -> tuple[int, bool]:

@@ -101,6 +101,8 @@ def test_a_folder_that_cannot_be_made_is_named(here: Path) -> None:
     [
         (['2x', '--sections', '2'], '`2x` cannot be a cell name.*`cell_2x`'),
         (['a b', '--sections', '2'], '`a_b`'),
+        (['lines/mine', '--sections', '2'], 'write for instance `mine -o lines/mine`'),
+        (['lines/1', '--sections', '2'], '`lines_1`'),
         (['mine', '--sections', '0'], 'from 1 to 1000, not 0'),
         (['mine', '--sections', '1001'], 'from 1 to 1000, not 1001'),
     ],

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from fakes.action_types import FakeActionTypes
 from fakes.line import THREE, Line
@@ -12,8 +14,9 @@ from hypothesis import strategies as st
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.jobs.order import Job
-from bt_orchestrator.report.forecast import Forecast, JobForecast, steady_interval_s
+from bt_orchestrator.report.forecast import Forecast, JobForecast, WaitLoad, steady_interval_s
 from bt_orchestrator.report.forecast_fold import ForecastFold, forecast
+from bt_orchestrator.report.forecast_text import forecast_lines
 from bt_orchestrator.script.cell_file import parse_cell
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryStore
@@ -216,3 +219,19 @@ def test_no_mix_is_faster_than_what_it_says_of_its_sections(
         if whole.per_item_s is not None:
             assert whole.bottleneck is not None
             assert whole.per_item_s >= whole.bottleneck.pace_s - 1e-9
+
+
+@pytest.mark.parametrize(
+    ('rest', 'said'),
+    [
+        ((), '      5.0%  waits for flag 4'),
+        ((0.04,), '      4.0%  1 other wait'),
+        ((0.04, 0.03), '      7.0%  2 other waits, at most 4.0% each'),
+    ],
+)
+def test_waits_that_are_not_shown_are_counted(rest: tuple[float, ...], said: str) -> None:
+    found = mixed((THREE, 1))
+    shares = (0.2, 0.1, 0.1, 0.1, 0.05, *rest)
+    waits = tuple(WaitLoad('flag', f'flag {n}', 1.0, share) for n, share in enumerate(shares))
+    first = replace(found.sections[0], waits=waits)
+    assert list(forecast_lines(replace(found, sections=(first,), components=())))[-1] == said
