@@ -114,8 +114,9 @@ class CellProcesses:
         if remapped:
             spaced = ['--ros-args', '-r', f'__ns:={namespace}', '--']
         self._sim_words = ['sim-cell', '--cell', str(self.cell), '--log', str(self.log)]
-        # As `remembering`, of the servers alone: whatever node is killed.
-        self._sim_words += [*spaced, '--speed', str(speed), '--result-timeout', str(REMEMBERED_S)]
+        self._sim_words += [*spaced, '--speed', str(speed)]
+        if 'result_timeout' not in cell:  # as `remembering`, of the servers alone
+            self._sim_words += ['--result-timeout', str(REMEMBERED_S)]
         self._sim_words += [*sim_options, *(f'--fail={fault}' for fault in fail)]
         self._started = 0
         self.sims = [self.start_sim(share) for share in shares]
