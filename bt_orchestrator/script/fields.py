@@ -155,11 +155,13 @@ class Fields:
         if node is None:
             return ()
         items = node.items if isinstance(node, ListNode) else (node,)
-        texts = tuple(item for item in items if isinstance(item, Scalar) and item.text)
+        texts: list[Scalar] = []
         for item in items:
-            if item not in texts:
+            if isinstance(item, Scalar) and item.text:
+                texts.append(item)
+            else:
                 self._wrong_kind(key, item)
-        return texts
+        return tuple(texts)
 
     def mapping(self, key: str) -> MapNode | None:
         """Return a mapping."""

@@ -24,6 +24,9 @@ from bt_orchestrator.web.replies import Json, Problem
 
 _Found = TypeVar('_Found', dict[str, Any], dict[str, Any] | None)
 
+MOST_KINDS = 100
+"""Each record of a page is compared with all of them."""
+
 EVENTS_USUAL = 200
 """Records of an answer unless another number is asked for."""
 
@@ -120,6 +123,8 @@ class _Routes:
         query = request.query_params
         after, before = _whole(query, 'after'), _whole(query, 'before')
         kinds = tuple(filter(None, query.get('kinds', '').split(',')))
+        if len(kinds) > MOST_KINDS:
+            raise Problem(422, f'kinds are at most {MOST_KINDS} names; found {len(kinds)}')
         wanted = Wanted(
             after_seq=after or 0,
             before_seq=before,

@@ -126,6 +126,7 @@ def test_a_page_with_a_journal_and_one_without_tell_the_same(served: Served) -> 
         ('/api/jobs?after=e1x', 422, 'after is what an answer named as rest'),
         ('/api/events?after=-1', 422, 'after is a whole number'),
         ('/api/events?most=many', 422, 'most is a whole number'),
+        (f'/api/events?kinds={"a," * 101}', 422, 'kinds are at most 100 names; found 101'),
         ('/api/sections/6/history', 404, 'sections are 1 to 5; found 6'),
         ('/api/components/nobody/history', 404, 'there is no component nobody; one of conveyor'),
         ('/api/scripts/0123', 404, 'no script with the digest 0123'),
