@@ -70,6 +70,18 @@ def test_the_picture_of_the_line_is_german_with_all_that_it_tells(held: Stand, s
     assert not [line for text in said for line in english_lines(text)]
 
 
+def test_an_order_without_its_quantity_is_refused_in_german(held: Stand, sit: Sit) -> None:
+    tab = sit(held.port, locale='de-DE').open('order')
+    tab.until_news()
+    form = tab.page.locator('form.order-form')
+    form.locator('[name="script"]').select_option('inspect_and_assemble')
+    for quantity, said in (('', 'Bitte die Stückzahl angeben.'), ('7,5', 'Eine ganze Zahl')):
+        form.locator('[name="quantity"]').fill(quantity)
+        form.locator('[data-do="order"]').click()
+        form.get_by_text(said).wait_for()
+        assert not english_lines(form.inner_text())
+
+
 def test_the_tree_is_german(held: Stand, sit: Sit) -> None:
     tab = sit(held.port, locale='de-DE').open('tree')
     tab.until(lambda: tab.count('.twig') > 1, 'the tree')

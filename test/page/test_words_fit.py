@@ -72,6 +72,15 @@ def test_no_word_is_broken_and_the_top_bar_is_whole(held: Stand, sit: Sit, langu
     assert not found
 
 
+def test_the_table_of_expected_ends_breaks_no_word(held: Stand, sit: Sit) -> None:
+    tab = sit(held.port, locale='de-DE', viewport={'width': 390, 'height': 844}).open('queue')
+    tab.until_news()
+    tab.page.locator('[data-job="WO-1003"] [data-offer="job.next"]').click()
+    tab.until(lambda: tab.count('dialog [data-what-if] table'), 'the table')
+    assert not broken(tab)
+    assert tab.too_wide() == 0
+
+
 def test_a_broken_word_and_a_cut_name_are_found(held: Stand, sit: Sit) -> None:
     tab = sit(held.port).open()
     tab.until_news()

@@ -114,6 +114,13 @@ export function orderForm(changed, left) {
       ...[...entries.fields].map(([name, field]) => [`params.${name}`, field]),
     ]);
 
+  /** What is wrong with a number in words of the page; the checker would tell of keys of a file. */
+  function plainMistake(name) {
+    const entered = { quantity, priority, position }[name]?.value();
+    if (entered === '' && name === 'quantity') return t('order.quantity_missing');
+    return entered && typeof whole(entered) !== 'number' ? t('order.whole') : '';
+  }
+
   function value() {
     const said = {
       ...source.value(),
@@ -143,10 +150,8 @@ export function orderForm(changed, left) {
       const words = new Map();
       for (const { field, what, hint } of findings) {
         const name = known.has(field) ? field : source.tells(field);
-        words.set(
-          name,
-          [words.get(name), hint ? `${what}; ${hint}` : what].filter(Boolean).join('. '),
-        );
+        const told = [words.get(name), hint ? `${what}; ${hint}` : what];
+        words.set(name, plainMistake(name) || told.filter(Boolean).join('. '));
       }
       for (const [name, field] of known)
         field.warn(isAll || touched.has(name) ? (words.get(name) ?? '') : '');
