@@ -85,6 +85,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     words = list(sys.argv[1:] if argv is None else argv)
     if '_ARGCOMPLETE' in os.environ:
         _complete(os.environ.get('COMP_LINE', ''))
+    _open_standard_files()
     _print_anything()
     if (no_text := next(filter(_is_no_text, words), None)) is not None:
         return _complain(None, _NO_TEXT.format(no_text), 2)
@@ -232,6 +233,20 @@ def _complain(verb: str | None, what: str, status: int) -> int:
     for line in what.splitlines():
         print(f'{program}: error: {line}', file=sys.stderr)
     return status
+
+
+def _open_standard_files() -> None:
+    """Open nothing as what is closed of input, output and errors (`>&-`).
+
+    Otherwise the next file that is opened takes its number, and gets what libraries print.
+    """
+    for number, name, mode in ((0, 'stdin', 'r'), (1, 'stdout', 'w'), (2, 'stderr', 'w')):
+        if getattr(sys, name) is None:
+            nowhere = os.open(os.devnull, os.O_RDWR)
+            if nowhere != number:
+                os.dup2(nowhere, number)
+                os.close(nowhere)
+            setattr(sys, name, os.fdopen(number, mode))
 
 
 def _print_anything() -> None:

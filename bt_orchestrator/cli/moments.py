@@ -5,6 +5,9 @@ from __future__ import annotations
 import argparse
 from datetime import datetime
 
+EARLIEST, LATEST = 1900, 2999
+"""Years; in any time zone, and on a clock that was not set."""
+
 
 def moment(text: str) -> float:
     """Return seconds since the epoch of a time as people write it.
@@ -12,7 +15,10 @@ def moment(text: str) -> float:
     :raises ArgumentTypeError: it is no time
     """
     try:
-        return datetime.fromisoformat(text).timestamp()
+        found = datetime.fromisoformat(text)
+        if not EARLIEST <= found.year <= LATEST:
+            raise ValueError(f'{found.year} is no year of a line')
+        return found.timestamp()
     except ValueError as error:
         raise argparse.ArgumentTypeError(
             f'{text!r} is not a time; write 2026-05-17, or 2026-05-17T14:30, with +02:00 or '

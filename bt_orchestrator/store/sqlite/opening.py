@@ -25,6 +25,7 @@ from bt_orchestrator.store.sqlite.schema import SCHEMA, bring_up_to_date, schema
 def take_lock(path: Path) -> IO[str]:
     """Take the lock beside a journal."""
     try:
+        _refuse_circle(path)
         make_folder(path.parent)
         make_private(_lock_of(path))
         lock = _lock_of(path).open('a+')
@@ -37,6 +38,13 @@ def take_lock(path: Path) -> IO[str]:
         raise
     _sign(lock)
     return lock
+
+
+def _refuse_circle(path: Path) -> None:
+    try:
+        path.resolve()
+    except RuntimeError:  # a link that leads to itself; Python 3.13 leaves it to who opens it
+        raise OSError(errno.ELOOP, os.strerror(errno.ELOOP), str(path)) from None
 
 
 def refuse_in_use(copy: Path) -> None:

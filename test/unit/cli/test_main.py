@@ -6,6 +6,7 @@ import argparse
 import importlib.util
 import io
 import os
+import subprocess
 import sys
 from collections.abc import Callable
 from types import ModuleType
@@ -131,6 +132,18 @@ def test_other_errors_are_told_by_the_verb(
 
     assert main(['check']) == status
     assert capsys.readouterr().err == 'bt-orchestrator check: error: no node answers\n'
+
+
+def test_closed_input_output_and_errors_are_no_fault() -> None:
+    """As `history >&-` in a shell, or a service that a supervisor starts with nothing open."""
+    program = (
+        'import os, sys; sys.argv[1:] = ["completion", "bash"]; '
+        'from bt_orchestrator.cli.main import main; status = main(); '
+        'seen = [os.readlink(f"/proc/self/fd/{n}") for n in range(3)]; '
+        'assert seen == ["/dev/null"] * 3, seen; import py_trees; os._exit(status)'
+    )
+    shell = f"exec {sys.executable} -c '{program}' <&- >&- 2>&-"
+    assert subprocess.run(['/bin/sh', '-c', shell], check=False).returncode == 0
 
 
 def test_an_argument_that_is_no_text_is_refused(

@@ -121,6 +121,13 @@ def test_it_is_marked_as_ours(store: SqliteStore, path: Path) -> None:
     reader.close()
 
 
+def test_a_link_that_leads_to_itself_is_told(tmp_path: Path) -> None:
+    (tmp_path / 'journal').symlink_to('journal')
+    told = r'cannot be (opened: Too many|used: unable to open)'
+    with pytest.raises(JournalUnusable, match=told):
+        SqliteStore(tmp_path / 'journal')
+
+
 def test_a_folder_that_cannot_be_made_is_told(tmp_path: Path) -> None:
     (tmp_path / 'file').write_text('')
     assert 'cannot be opened' in refusal(tmp_path / 'file' / 'journal.sqlite3')
