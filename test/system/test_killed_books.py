@@ -100,7 +100,7 @@ def cell(start_cell: StartCell, tmp_path: Path) -> CellProcesses:
 
 
 @pytest.mark.long
-def test_9_4_reports_are_the_same_whoever_is_killed_while_books_are_made(
+def test_reports_are_the_same_whoever_is_killed_while_books_are_made(
     cell: CellProcesses, tmp_path: Path
 ) -> None:
     journal, every = tmp_path / 'cell.db', tmp_path / 'every event.db'
