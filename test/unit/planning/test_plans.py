@@ -380,7 +380,10 @@ def test_8_5_orders_that_contradict_the_recipe_are_told() -> None:
     order = Overrides(order=(('fit', 'bore'),))
     with pytest.raises(Impossible) as why:
         generate(cell, recipe_of(cell, STEPS), order, judge=Says(1.0))
-    assert str(why.value) == 'operations wait for each other: bore, fit, bore'
+    assert (
+        str(why.value)
+        == 'operations wait for each other: bore, fit, bore; remove one of the waits'
+    )
 
 
 def test_8_5_out_of_service_others_do_it_or_the_only_one_is_named() -> None:
