@@ -9,14 +9,13 @@ people and without goal ids.
 from __future__ import annotations
 
 from dataclasses import replace
-from math import inf
 
-from fakes.naive_run import FIRST, Item, Job, Task
-from fakes.naive_tasks import NaiveTasks
+from fakes.naive_queue import NaiveQueue
+from fakes.naive_run import Item, Job, Task
 from fakes.naive_verdicts import needs_belt
 
 
-class NaiveCell(NaiveTasks):
+class NaiveCell(NaiveQueue):
     """One cell with its queue."""
 
     def settle(self) -> None:
@@ -34,30 +33,6 @@ class NaiveCell(NaiveTasks):
             self.cell_state(still=seen == len(self.records))
 
     # --- jobs and items (6) -----------------------------------------------------------------
-
-    def submit(
-        self, id_: str, script: str, quantity: int, priority: int = 0, start: float | None = None
-    ) -> None:
-        known = [link['flag'] for one in self.jobs for link in one.plan.flags]
-        job = self.new_job(id_, script, quantity)
-        job.rank = (-priority, inf if start is None else start)
-        job.early = start is not None and start > self.now
-        self.flags |= {f['flag']: f['initial'] for f in job.plan.flags if f['flag'] not in known}
-        queue = [one for one in self.jobs if not self.has_begun(one)]
-        behind = next((one for one in queue if one.rank > job.rank), None)  # (6.7)
-        at = self.jobs.index(behind) if behind else len(self.jobs)
-        self.jobs.insert(at, job)
-        place = queue.index(behind) + 1 if behind else None
-        terms = {'priority': priority or None, 'start': start, 'awaits_start': job.early or None}
-        lacks, made = self.lacks(job) or None, job.plan.made_from
-        terms |= {'recipe': made.get('recipe'), 'recipe_version': made.get('version')}
-        terms |= {'awaits_release': self.is_unreleased(job) or None}
-        what = {'script': script, 'quantity': quantity, 'position': place, **terms}
-        self.say('job.queued', {'job': job}, **what, ranked=True, unavailable=lacks)
-        if job.early:
-            self.at(job.rank[1] - self.now, job, 'start', FIRST)
-        self.had_work |= self.is_able(job)
-        self.settle()
 
     def is_due(self, number: int, item: Item) -> bool:
         """Tell whether a section has a list for an item and has not begun with it."""
@@ -91,7 +66,7 @@ class NaiveCell(NaiveTasks):
     def prepare(self, task: Task) -> None:
         """Let a task of an initialization go on (5.1, 5.2)."""
         job = task.job
-        if job.aborting and task.state in ('new', 'waiting'):
+        if task.state in ('new', 'waiting') and self.is_needless(task):
             self.carry_out(task, 'skip')
         done = task.given.get('once') and self.done.get(task.does) == task.args
         first = [t for one in self.before(job) for t in one.first.values()]
@@ -99,7 +74,7 @@ class NaiveCell(NaiveTasks):
         ordered = all(one.state == 'done' for one in [*there, *task.after])
         turn = ordered and all(self.done_with_earlier(n, job) for n in task.device.places)
         begins = self.may_begin() and (turn or (done and self.stays_done(task)))
-        if task.state == 'new' and not begins:
+        if task.state == 'new' and not (begins and self.may_be_begun(job)):
             return
         if done and task.state in ('new', 'waiting') and not self.stopped(None):
             self.begin_job(job)
@@ -180,7 +155,8 @@ class NaiveCell(NaiveTasks):
         """Return the job that the source may work on (5.2, 6.1)."""
         job = next((job for job in self.able() if job.left), None)
         source = job.plan.source if job else 0
-        ready = job and self.done_with_earlier(source, job) and self.prepared(source, job)
+        may = job and not job.paused and self.stop_after != 'item' and self.may_be_begun(job)
+        ready = job and may and self.done_with_earlier(source, job) and self.prepared(source, job)
         return job if ready else None
 
     def belt(self) -> None:

@@ -29,10 +29,18 @@ class Job:
     first: dict[str, Task] = field(default_factory=dict)
     items: list[Item] = field(default_factory=list)
     aborting: bool = False
-    rank: tuple[int, float] = (0, inf)
-    """The smaller the more urgent (6.7)."""
+    terms: tuple[int, float | None] = (0, None)
+    """Priority and start."""
+    rank: tuple[int, float] | None = (0, inf)
+    """The smaller the more urgent; None: a person gave it its place (6.7)."""
     early: bool = False
     """It waits for its start (6.7)."""
+    waits: int = 0
+    """How often it was told to."""
+    by_recipe: bool = False
+    held: bool = False
+    paused: bool = False
+    stopping: bool = False
     needs: set[str] = field(default_factory=set)
     """The components of all of its tasks, and the conveyor (7.5)."""
 
@@ -138,6 +146,8 @@ class NaiveRun(ABC):
         self.now, self.beat, self.moving, self.state = 0.0, 1, False, 'Stopped'
         self.stopped_by_hand = False
         """An operator's stop, until an operator's start (7.2)."""
+        self.stop_after = ''
+        """`item` or `job`: the line runs empty (6.6)."""
         self.had_work = False
         """Since it was started: one that never had an order waits for one (7.2)."""
         self.move = Task('index', cell['conveyor'], devices[-1], {'conveyor'})
@@ -161,7 +171,7 @@ class NaiveRun(ABC):
         self.holds: list[Any] = []
         self.records: list[Row] = []
         self._facts: set[tuple[Any, ...]] = set()
-        self._agenda: list[tuple[float, Order, int, Any, int, str]] = []
+        self._agenda: list[tuple[float, Order, Any, Any, int, str]] = []
         self.deliveries = 0
         """Goals that were sent since the last one are on their way."""
         self.numbers, self._hold_ids = itertools.count(), itertools.count(1)
@@ -245,18 +255,16 @@ class NaiveRun(ABC):
 
     def is_able(self, job: Job) -> bool:
         """Tell whether nothing that it waits for lets others pass a job."""
-        return not (job.early or self.lacks(job) or self.is_unreleased(job))
+        return not (job.held or job.early or self.lacks(job) or self.is_unreleased(job))
 
     def able(self) -> list[Job]:
         return [job for job in self.jobs if self.is_able(job)]
 
-    def at(
-        self, after: float, task: Any, end: str, order: Order, number: int | None = None
-    ) -> None:
+    def at(self, after: float, task: Any, end: str, order: Order, number: Any = None) -> None:
         """Note how an attempt ends after a while, or the wait of a job.
 
         :param order: its place at that time
-        :param number: its place among those of the same order; None: the last one
+        :param number: its place among those of the same order; None: the last one; jobs: their ids
         """
         time, number = round(self.now + after, 6), next(self.numbers) if number is None else number
         self._agenda.append((time, order, number, task, getattr(task, 'goals', 0), end))
@@ -269,7 +277,7 @@ class NaiveRun(ABC):
             due = sorted(note for note in self._agenda if note[0] == self.now)
             self._agenda = [note for note in self._agenda if note[0] > self.now]
             for _, _, _, task, goals, end in due:
-                if isinstance(task, Job) and task.early:
+                if isinstance(task, Job) and task.early and end == f'start {task.waits}':
                     task.early = False
                     self.had_work |= self.is_able(task)
                     self.say('job.may_start', {'job': task})

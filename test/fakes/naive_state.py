@@ -45,6 +45,8 @@ class NaiveState(NaiveRun):
         """Let an operator command the cell; no order undoes what stopped it (7.2)."""
         self.say('operator.decided', {}, answer=what)
         self.stopped_by_hand = what != 'start' and (what != 'reset' or self.stopped_by_hand)
+        if what == 'start':
+            self.stop_after = ''
         self.enter(LEADS_TO[what])
         if what == 'abort':
             for task in [one for one in self.started if one.state == 'running']:
@@ -87,7 +89,7 @@ class NaiveState(NaiveRun):
         working = 'Holding' if self.holds else 'Execute'
         due = {'Starting': working, 'Unholding': working}
         due |= {'Resetting': 'Idle', 'Completing': 'Complete', 'Clearing': 'Stopped'}
-        if self.able() and not self.stopped_by_hand:
+        if self.able() and not (self.stopped_by_hand or self.stop_after):
             due |= {'Stopped': 'Resetting', 'Complete': 'Resetting', 'Idle': 'Starting'}
         if self.had_work and not self.able():
             due['Execute'] = 'Completing'
@@ -99,5 +101,12 @@ class NaiveState(NaiveRun):
             due['Execute'] = 'Holding'
         else:
             due |= {'Holding': 'Held', 'Held': 'Unholding'}
+        if self.state == 'Execute' and still and not (running or later) and self.ends_empty():
+            self.say('queue.stop_reached', {}, after=self.stop_after)
+            self.stopped_by_hand, self.stop_after = True, ''
+            due['Execute'] = 'Stopping'
         if self.state in due:
             self.enter(due[self.state])
+
+    @abstractmethod
+    def ends_empty(self) -> bool: ...

@@ -193,7 +193,8 @@ class NaiveTasks(NaiveState):
 
     def offered(self, task: Task) -> list[str]:
         """Return what makes sense as an answer about a held task now (7.1)."""
-        return answers(task, [item.job for item in self.slots().values()])
+        needless = bool(task.job) and not task.item and self.is_needless(task)
+        return answers(task, [one.job for one in self.slots().values()], needless=needless)
 
     def operate(self, answer: str, hold: Any = None, item: Item | None = None) -> None:
         """Do what an operator says; jobs on the belt are aborted and the move stays held (3.5)."""
@@ -244,3 +245,6 @@ class NaiveTasks(NaiveState):
 
     @abstractmethod
     def moved(self) -> None: ...
+
+    @abstractmethod
+    def is_needless(self, task: Task) -> bool: ...

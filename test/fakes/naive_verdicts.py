@@ -116,10 +116,13 @@ def is_open(task: Task) -> bool:
     return bool(task.given.get('qty_change')) and unknown and begun
 
 
-def answers(task: Task, on_the_belt: Iterable[Job]) -> list[str]:
-    """Return what makes sense as an answer about a held task now (7.1); a move has no job."""
+def answers(task: Task, on_the_belt: Iterable[Job], *, needless: bool) -> list[str]:
+    """Return what makes sense as an answer about a held task now (7.1); a move has no job.
+
+    :param needless: it is initialization that its job needs no more (6.6)
+    """
     job, item, slot_in_doubt = task.job, task.item, is_open(task)
-    again = not (job and job.aborting) if not item else is_for(task.given, item)
+    again = not needless if not item else is_for(task.given, item)
     again = again and not (slot_in_doubt and task.cancelled == 'abort_job')
     good = item and item.place and not (item.empty or item.rejected)
     jobs = [job] if job else on_the_belt

@@ -2,127 +2,45 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Collection, Sequence
-from typing import Protocol
+from dataclasses import replace
 
 import yaml
 from fakes.action_types import FakeActionTypes
-from fakes.drawn.plan import Moment, Plan, Row
+from fakes.drawn.plan import UPDATES, Plan, Row
 from fakes.naive_cell import NaiveCell
-from fakes.virtual_run import VirtualRun
+from fakes.virtual_run import BY, VirtualRun
 from hypothesis import note
 
 from bt_orchestrator.model.belt_statement import believed, parse_slots
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.cell_commands import Abort, Clear, Reset, Start, Stop
+from bt_orchestrator.model.commands import Command
 from bt_orchestrator.model.events import INDEX_KEY
 from bt_orchestrator.model.goal import GoalRequest
-from bt_orchestrator.model.jobs.job_commands import AddJobs
-from bt_orchestrator.model.jobs.order import Job, Terms
+from bt_orchestrator.model.jobs.isa95 import job_word
+from bt_orchestrator.model.jobs.job_commands import (
+    AddJobs,
+    ControlJob,
+    MoveJob,
+    RequeueJob,
+    RunNext,
+    StopAfter,
+    UpdateJob,
+)
+from bt_orchestrator.model.jobs.job_control import JobFacts
+from bt_orchestrator.model.jobs.order import Job, RecipeChoice, Terms
 from bt_orchestrator.model.packml import VERBS, possible_in
+from bt_orchestrator.model.requests.possible import of_job
 from bt_orchestrator.model.script import Script
+from bt_orchestrator.model.wish import AFTER, NEVER
 from bt_orchestrator.proof.deadlock import deadlock
 from bt_orchestrator.script.cell_file import parse_cell
 from bt_orchestrator.script.script_file import parse_script
 
 TYPES = FakeActionTypes()
+BY_RECIPE = RecipeChoice(('R-3',))
 COMMANDS = {'stop': Stop, 'abort': Abort, 'clear': Clear, 'reset': Reset, 'start': Start}
-PATIENCE = 120
-"""Decisions after which an operator has had enough: no drawn line needs nearly as many."""
-
-
-class Bench(Protocol):
-    """What an operator sees and does, of either cell."""
-
-    @property
-    def live(self) -> bool: ...
-    @property
-    def paused(self) -> bool: ...
-    def wait(self, seconds: float | None) -> None: ...
-    def holds(self) -> list[tuple[str, Sequence[str], str | None]]: ...
-    def standing(self) -> list[str]: ...
-    def answer(self, hold: str, answer: str) -> None: ...
-    def remove(self, item: str) -> None: ...
-    def pause(self, paused: bool) -> None: ...
-    def commands(self) -> Sequence[str]:
-        """Return the commands to the cell that are possible now, but for pauses."""
-
-    def command(self, what: str) -> None: ...
-    def components(self) -> Sequence[str]: ...
-    def out_of_service(self) -> Sequence[str]: ...
-    def service(self, component: str) -> None:
-        """Take a component out of service, or bring it back."""
-
-    def unreleased(self) -> Sequence[str]:
-        """Return the names of scripts that jobs of the queue wait for."""
-
-    def release(self, script: str) -> None: ...
-    def order(self) -> bool:
-        """Give the next order; return False if none is left."""
-
-
-REMOVES, PAUSES, ORDERS = 7, 8, 9
-GOES_ON = ('clear', 'reset', 'start')
-COMMANDS_OF = {10: ('stop',), 11: GOES_ON, 12: ('abort',)}
-"""Choices of an operator who does more than answer."""
-RELEASES = 15
-SERVICE = (13, 14)
-"""Choices of one who takes a component out of service, or brings it back."""
-
-
-def operate(bench: Bench, moments: Sequence[Moment]) -> bool:
-    """Work until every job ended; return False if the line got stuck.
-
-    At last everything is answered, resumed and started, and every order given.
-    """
-    later = itertools.repeat(None, PATIENCE)
-    for moment in itertools.chain(moments, later):
-        bench.wait(moment.delay_s if moment else None)
-        if not bench.live and moment is None:
-            if not bench.order():
-                return True
-            continue
-        choice = moment.choice if moment else 1
-        if choice == ORDERS:
-            bench.order()
-        elif choice in SERVICE:
-            names = bench.components()
-            which = choice + (int(moment.delay_s) if moment else 0)
-            bench.service(names[which % len(names)])
-        elif moment is None and (out := bench.out_of_service()):
-            bench.service(out[0])
-        elif (moment is None or choice == RELEASES) and (waited := bench.unreleased()):
-            bench.release(waited[0])
-        elif choice in COMMANDS_OF:
-            _command(bench, COMMANDS_OF[choice])
-        elif holds := bench.holds():
-            hold, answers, item = holds[0]
-            if 'remove_item' in answers:
-                assert item is not None
-                bench.remove(item)
-            else:
-                if moment is None:  # somebody has to let the job end
-                    answers = [one for one in answers if one != 'again']
-                bench.answer(hold, answers[choice % len(answers)])
-        elif bench.paused:
-            bench.pause(False)
-        elif moment is None:
-            if not _command(bench, GOES_ON):
-                return False
-        elif choice == REMOVES and (standing := bench.standing()):
-            bench.remove(standing[choice % len(standing)])
-        elif choice == PAUSES:
-            bench.pause(True)
-    raise AssertionError('an operator is asked again and again')
-
-
-def _command(bench: Bench, meant: Sequence[str]) -> bool:
-    """Give one of these commands to the cell; tell whether one is possible."""
-    fitting = [one for one in bench.commands() if one in meant]
-    for one in fitting:
-        bench.command(one)
-    return bool(fitting)
 
 
 class NaiveBench:
@@ -135,6 +53,7 @@ class NaiveBench:
         """
         self.cell = NaiveCell(plan.cell, plan.scripts, plan.duration)
         self._refused = refused
+        self._asked = 0
         self._orders = iter((*plan.orders, *plan.later))
         for _ in plan.orders:
             self.order()
@@ -200,6 +119,20 @@ class NaiveBench:
             self.cell.submit(*order)
         return order is not None
 
+    def possible(self) -> list[tuple[str, str]]:
+        return self.cell.possible()
+
+    def ways_to_empty(self) -> Sequence[str]:
+        return self.cell.ways_to_empty()
+
+    def run_empty(self, after: str) -> None:
+        self.cell.run_empty(after)
+
+    def ask(self, what: str, job: str, number: int) -> None:
+        self._asked += 1
+        if f'{what} {self._asked}' not in self._refused:
+            self.cell.ask(what, job, 1 + number % 3 if what == 'move' else number)
+
 
 class ProductBench:
     """The product in virtual time."""
@@ -216,7 +149,8 @@ class ProductBench:
         self.accepted: dict[str, str] = {}
         """Scripts of the orders."""
         self.refused: set[str] = set()
-        """Orders whose flags cannot be shared with the ones before (4.1)."""
+        """Orders, and changes of them, whose flags cannot be shared with the ones before (4.1)."""
+        self._asked = 0
         for _ in plan.orders:
             self.order()
 
@@ -289,7 +223,8 @@ class ProductBench:
         order = next(self._orders, None)
         if order:
             script, terms = self.scripts[order.script], Terms(order.priority, order.start)
-            job = Job(order.id, script, order.quantity, terms=terms)
+            recipe = BY_RECIPE if order.by_recipe else None
+            job = Job(order.id, script, order.quantity, terms=terms, recipe=recipe)
             answer = self.run.ask(AddJobs((job,)))
             if answer.accepted:
                 self.accepted[order.id] = order.script
@@ -297,6 +232,62 @@ class ProductBench:
                 assert 'the line can get stuck' in answer.message, answer
                 self.refused.add(order.id)
         return order is not None
+
+    def possible(self) -> list[tuple[str, str]]:
+        state = self.run.state
+        found = []
+        for job in state.jobs.values():
+            facts = JobFacts(
+                job_word(state, job),
+                job.ending,
+                awaits_start=job.awaits_start,
+                unreleased=job.unreleased,
+                unavailable=job.unavailable,
+                is_held=job.held,
+                is_by_recipe=job.job.recipe is not None,
+                left=job.cycles_left,
+            )
+            words = {request.word for request in of_job(facts)}
+            if not job.paused:  # the whole cell is
+                words.discard('resume')
+            found += [(word, job.job.id) for word in sorted(words)]
+        return found
+
+    def ways_to_empty(self) -> Sequence[str]:
+        state = self.run.state
+        ways = AFTER if state.on_the_line else ()
+        return [*ways, *([NEVER] if state.stop_after else [])]
+
+    def run_empty(self, after: str) -> None:
+        assert self.run.ask(StopAfter(after, BY)).accepted
+
+    def ask(self, what: str, job: str, number: int) -> None:
+        self._asked += 1
+        answer = self.run.ask(self._asking(what, job, number))
+        if not answer.accepted:
+            assert what in ('update', 'requeue'), answer
+            assert 'the line can get stuck' in answer.message, answer
+            self.refused.add(f'{what} {self._asked}')
+
+    def _asking(self, what: str, job: str, number: int) -> Command:
+        if what == 'move':
+            place = min(1 + number % 3, len(self.run.state.queue))
+            return MoveJob(job, place, BY)
+        if what == 'next':
+            return RunNext(job, BY)
+        if what == 'requeue':
+            had = self.run.state.jobs[job].job
+            return RequeueJob(job, replace(had, id=f'{job}-rest'), BY)
+        if what == 'update':
+            return UpdateJob(self._changed(job, number), BY)
+        return ControlJob(what, job, BY)
+
+    def _changed(self, name: str, number: int) -> Job:
+        change, now = UPDATES[number % len(UPDATES)], self.run.state.jobs[name].job
+        scripts = list(self.scripts.values())
+        script = scripts[number % len(scripts)] if change.script else now.script
+        terms = Terms(change.priority, change.start or now.terms.start)
+        return Job(name, script, change.quantity, terms=terms)
 
 
 def text_of(data: Row) -> str:
@@ -352,7 +343,7 @@ WORDS = (
         'params',
         'who',
     ),
-    *('exit_status', 'counts', 'owner', 'origin', 'role', 'known', 'claims', 'uptime'),
+    *('choice', 'exit_status', 'counts', 'owner', 'origin', 'role', 'known', 'claims', 'uptime'),
 )
 WORDED = {
     'task.skipped',
@@ -364,6 +355,8 @@ WORDED = {
     'component.out_of_service',
     'script.released',
     'job.aborted',
+    'job.stopping',
+    'job.completed',
 }
 
 

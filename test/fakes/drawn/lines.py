@@ -44,7 +44,7 @@ def lines(draw: Draw, traits: Traits = ANY) -> Plan:
     chosen = [scripts[draw(st.integers(0, len(scripts) - 1))]['script'] for _ in range(count)]
     orders = tuple(_order(draw, f'J{n}', name) for n, name in enumerate(chosen))
     first = count if draw(st.booleans()) else 1
-    moment = st.builds(Moment, st.sampled_from(MOMENTS), st.integers(0, 15))
+    moment = st.builds(Moment, st.sampled_from(MOMENTS), st.integers(0, 26))
     moments = draw(st.lists(moment, max_size=10))
     drawn = draw(st.lists(st.sampled_from((*SECONDS, 40.0)), max_size=5)) if traits.tied else []
     rebuilds = draw(st.frozensets(st.integers(1, 80), max_size=6))
@@ -60,10 +60,11 @@ def lines(draw: Draw, traits: Traits = ANY) -> Plan:
 
 
 def _order(draw: Draw, name: str, script: str) -> Order:
-    quantity = draw(st.integers(1, 4))
+    quantity, by_recipe = draw(st.integers(1, 4)), chance(draw, 60)
     if not chance(draw, 70):
-        return Order(name, script, quantity)
-    return Order(name, script, quantity, draw(st.sampled_from(PRIORITIES)), draw(STARTS))
+        return Order(name, script, quantity, by_recipe=by_recipe)
+    priority = draw(st.sampled_from(PRIORITIES))
+    return Order(name, script, quantity, priority, draw(STARTS), by_recipe)
 
 
 def _variant(draw: Draw, script: Row) -> Row:

@@ -33,6 +33,29 @@ class Order(NamedTuple):
     priority: int = 0
     start: float | None = None
     """Seconds from the begin of the run."""
+    by_recipe: bool = False
+    """It names a recipe, so what has not begun can be queued anew (7.6)."""
+
+
+class Change(NamedTuple):
+    """What an operator makes of an order."""
+
+    quantity: int
+    priority: int = 0
+    start: float | None = None
+    """Another one; None: as it was."""
+    script: bool = False
+    """Another script, by the number that is drawn."""
+
+
+UPDATES = (
+    Change(2),
+    Change(1, 5),
+    Change(3, -1, 30.0437),
+    Change(1, script=True),
+    Change(4, 3),
+    Change(2, 0, 70.0211, script=True),
+)
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,8 @@ from fakes import plan_runs
 from fakes.drawn.lines import lines
 from fakes.drawn.plan import Plan
 from fakes.line import THREE, TYPES, Line, with_section
-from fakes.plan_runs import ProductBench, operate
+from fakes.plan_operator import operate
+from fakes.plan_runs import ProductBench
 from fakes.profiles import examples
 from fakes.virtual_run import BY, VirtualRun
 from hypothesis import given

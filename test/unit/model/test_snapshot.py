@@ -13,7 +13,8 @@ import pytest
 from fakes.drawn.lines import lines
 from fakes.drawn.plan import Plan
 from fakes.line import THREE, Line
-from fakes.plan_runs import ProductBench, operate
+from fakes.plan_operator import operate
+from fakes.plan_runs import ProductBench
 from fakes.profiles import examples
 from fakes.virtual_run import snapshot
 from hypothesis import given

@@ -10,7 +10,8 @@ from typing import Any
 from fakes.drawn.lines import lines
 from fakes.drawn.plan import Plan
 from fakes.line import THREE, Line, with_section
-from fakes.plan_runs import ProductBench, operate
+from fakes.plan_operator import operate
+from fakes.plan_runs import ProductBench
 from fakes.profiles import examples
 from fakes.virtual_run import BY
 from hypothesis import given

@@ -6,7 +6,8 @@ from typing import Any
 
 import pytest
 from fakes.drawn.plan import Order, Plan
-from fakes.plan_runs import NaiveBench, ProductBench, comparable, operate
+from fakes.plan_operator import operate
+from fakes.plan_runs import NaiveBench, ProductBench, comparable
 
 TYPE = 'bt_orchestrator_interfaces/action/'
 BELT = {

@@ -11,7 +11,8 @@ from fakes.drawn.lines import lines
 from fakes.drawn.plan import Plan
 from fakes.full_tree import FullTree
 from fakes.line import THREE, Line, with_section
-from fakes.plan_runs import ProductBench, operate, show
+from fakes.plan_operator import operate
+from fakes.plan_runs import ProductBench, show
 from fakes.profiles import examples
 from fakes.virtual_run import VirtualRun
 from hypothesis import given

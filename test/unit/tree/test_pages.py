@@ -12,7 +12,8 @@ from fakes.calls import calls
 from fakes.drawn.lines import lines
 from fakes.drawn.plan import Plan
 from fakes.line import Line
-from fakes.plan_runs import ProductBench, operate, show
+from fakes.plan_operator import operate
+from fakes.plan_runs import ProductBench, show
 from fakes.profiles import examples
 from fakes.small_pages import small_pages
 from fakes.virtual_run import VirtualRun

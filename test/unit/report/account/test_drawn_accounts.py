@@ -12,7 +12,8 @@ from fakes.drawn.lines import lines
 from fakes.drawn.plan import Plan
 from fakes.line import Line
 from fakes.naive_account import naive_account
-from fakes.plan_runs import ProductBench, operate
+from fakes.plan_operator import operate
+from fakes.plan_runs import ProductBench
 from fakes.profiles import examples
 from fakes.virtual_run import VirtualRun
 from hypothesis import given

@@ -11,7 +11,8 @@ import pytest
 from fakes.drawn.lines import lines
 from fakes.drawn.plan import Plan
 from fakes.kept_books import book_all
-from fakes.plan_runs import ProductBench, operate
+from fakes.plan_operator import operate
+from fakes.plan_runs import ProductBench
 from fakes.profiles import examples
 from hypothesis import given
 from hypothesis import strategies as st

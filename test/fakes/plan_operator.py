@@ -1,0 +1,129 @@
+"""An operator of a drawn line, who sees the cell as a bench shows it, and does what was drawn."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from typing import Protocol
+
+from fakes.drawn.plan import Moment
+
+PATIENCE = 120
+"""Decisions after which an operator has had enough: no drawn line needs nearly as many."""
+
+
+class Bench(Protocol):
+    """What an operator sees and does, of either cell."""
+
+    @property
+    def live(self) -> bool: ...
+    @property
+    def paused(self) -> bool: ...
+    def wait(self, seconds: float | None) -> None: ...
+    def holds(self) -> list[tuple[str, Sequence[str], str | None]]: ...
+    def standing(self) -> list[str]: ...
+    def answer(self, hold: str, answer: str) -> None: ...
+    def remove(self, item: str) -> None: ...
+    def pause(self, paused: bool) -> None: ...
+    def commands(self) -> Sequence[str]:
+        """Return the commands to the cell that are possible now, but for pauses."""
+
+    def command(self, what: str) -> None: ...
+    def components(self) -> Sequence[str]: ...
+    def out_of_service(self) -> Sequence[str]: ...
+    def service(self, component: str) -> None:
+        """Take a component out of service, or bring it back."""
+
+    def unreleased(self) -> Sequence[str]:
+        """Return the names of scripts that jobs of the queue wait for."""
+
+    def release(self, script: str) -> None: ...
+    def possible(self) -> list[tuple[str, str]]:
+        """Return what can be asked of each job now, job after job."""
+
+    def ask(self, what: str, job: str, number: int) -> None: ...
+    def ways_to_empty(self) -> Sequence[str]: ...
+    def run_empty(self, after: str) -> None: ...
+    def order(self) -> bool:
+        """Give the next order; return False if none is left."""
+
+
+REMOVES, PAUSES, ORDERS = 7, 8, 9
+GOES_ON = ('clear', 'reset', 'start')
+COMMANDS_OF = {10: ('stop',), 11: GOES_ON, 12: ('abort',)}
+"""Choices of an operator who does more than answer."""
+RELEASES = 15
+RUNS_EMPTY = 26
+OF_JOBS = range(16, 26)
+"""Choices of one who asks something of a job."""
+SERVICE = (13, 14)
+"""Choices of one who takes a component out of service, or brings it back."""
+
+
+def operate(bench: Bench, moments: Sequence[Moment]) -> bool:
+    """Work until every job ended; return False if the line got stuck.
+
+    At last everything is answered, resumed and started, and every order given.
+    """
+    later = itertools.repeat(None, PATIENCE)
+    for moment in itertools.chain(moments, later):
+        bench.wait(moment.delay_s if moment else None)
+        if not bench.live and moment is None:
+            if not bench.order():
+                return True
+            continue
+        choice = moment.choice if moment else 1
+        if choice == ORDERS:
+            bench.order()
+        elif choice in SERVICE:
+            names = bench.components()
+            which = choice + (int(moment.delay_s) if moment else 0)
+            bench.service(names[which % len(names)])
+        elif choice in OF_JOBS and (possible := bench.possible()):
+            number = choice - OF_JOBS.start + (int(moment.delay_s) if moment else 0)
+            which = (number * 7 + len(possible) // 2) % len(possible)
+            bench.ask(*possible[which], number)
+        elif choice == RUNS_EMPTY and (ways := bench.ways_to_empty()):
+            bench.run_empty(ways[int(moment.delay_s if moment else 0) % len(ways)])
+        elif moment is None and 'never' in bench.ways_to_empty():
+            bench.run_empty('never')
+        elif moment is None and (kept := _kept(bench.possible())):
+            bench.ask(*kept[0], 0)
+        elif moment is None and (out := bench.out_of_service()):
+            bench.service(out[0])
+        elif (moment is None or choice == RELEASES) and (waited := bench.unreleased()):
+            bench.release(waited[0])
+        elif choice in COMMANDS_OF:
+            _command(bench, COMMANDS_OF[choice])
+        elif holds := bench.holds():
+            hold, answers, item = holds[0]
+            if 'remove_item' in answers:
+                assert item is not None
+                bench.remove(item)
+            else:
+                if moment is None:  # somebody has to let the job end
+                    answers = [one for one in answers if one != 'again']
+                bench.answer(hold, answers[choice % len(answers)])
+        elif bench.paused:
+            bench.pause(False)
+        elif moment is None:
+            if not _command(bench, GOES_ON):
+                return False
+        elif choice == REMOVES and (standing := bench.standing()):
+            bench.remove(standing[choice % len(standing)])
+        elif choice == PAUSES:
+            bench.pause(True)
+    raise AssertionError('an operator is asked again and again')
+
+
+def _kept(possible: Sequence[tuple[str, str]]) -> list[tuple[str, str]]:
+    """Return what lets jobs go on that somebody holds or has paused."""
+    return [one for one in possible if one[0] in ('release', 'resume')]
+
+
+def _command(bench: Bench, meant: Sequence[str]) -> bool:
+    """Give one of these commands to the cell; tell whether one is possible."""
+    fitting = [one for one in bench.commands() if one in meant]
+    for one in fitting:
+        bench.command(one)
+    return bool(fitting)
