@@ -3,7 +3,7 @@
 A killed process leaves its segments and locks in /dev/shm. Whoever comes next complains of them in
 front of every output, waits for them, or hears nothing. UDP over the loopback interface costs
 a few microseconds more and leaves nothing behind. A datagram that is lost there, because a socket
-is full, is sent again after a tenth of a second (by default after up to three).
+is full, is sent again after a twentieth of a second (by default after up to three).
 
 scripts/bootstrap copies this file and its profiles beside the variables of its environment, where
 every Python process reads them; so it imports little.

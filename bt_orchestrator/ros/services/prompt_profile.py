@@ -33,7 +33,7 @@ _PROMPT = f"""
       </reliability>
     </qos>
     <times>
-      <{{period}}><sec>0</sec><nanosec>100000000</nanosec></{{period}}>
+      <{{period}}><sec>0</sec><nanosec>50000000</nanosec></{{period}}>
     </times>
   </data_writer>
 """
