@@ -241,7 +241,7 @@ def _ending(entry: _Entry, event: e.JobStopping | e.JobAborting) -> None:
     entry.is_paused = False
     entry.job = replace(entry.job, reason=event.reason)
     ending = 'stopping' if isinstance(event, e.JobStopping) else 'aborting'
-    entry.set(ending=ending, held=False, awaits_release=False)
+    entry.set(ending=ending, held=False, awaits_start=False, awaits_release=False, unavailable=())
 
 
 def _ended(entry: _Entry, event: e.JobCompleted | e.JobAborted) -> None:

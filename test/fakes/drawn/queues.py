@@ -47,8 +47,9 @@ class QueueOperator:
 
     def answer(self, run: VirtualRun, often: float = 1.0) -> None:
         """Answer holds, and take an item off the belt now and then."""
-        for hold in list(run.state.holds.values()):
-            if hold.is_pause or hold.id not in run.state.holds:
+        for name in list(run.state.holds):
+            hold = run.state.holds.get(name)  # as the answers before have left it
+            if hold is None or hold.is_pause:
                 continue
             if hold.reason == 'overrun':
                 assert hold.item is not None

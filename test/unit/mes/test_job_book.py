@@ -19,9 +19,9 @@ from hypothesis import given
 from bt_orchestrator.mes.job_book import JobBook, News
 from bt_orchestrator.model.events import ItemNonconforming
 from bt_orchestrator.model.jobs.isa95 import JobWord, job_word
-from bt_orchestrator.model.jobs.job_commands import UpdateJob
+from bt_orchestrator.model.jobs.job_commands import AddJobs, UpdateJob
 from bt_orchestrator.model.jobs.job_record import Counts
-from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.jobs.order import Job, Terms
 from bt_orchestrator.model.status import JobStatus, ListedJob
 
 RUN, HELD, SUSPENDED, ENDED = (
@@ -196,6 +196,21 @@ def test_an_aborted_job_drains() -> None:
     run.control('abort', 'J')
     run.go()
     assert run.told()[-1] is JobWord.ABORTED
+
+
+def test_a_job_that_is_aborted_before_its_start_waits_for_it_no_more() -> None:
+    line = Line()
+    run = begin(line)
+    early = Job('K', line.script(THREE), 1, {}, terms=Terms(start=1e5))
+    assert run.ask(AddJobs((early,), BY)).accepted
+    booked = run.book.get('K')
+    assert booked is not None
+    assert booked.status.awaits_start
+    assert run.control('abort', 'K').accepted
+    booked = run.book.get('K')
+    assert booked is not None
+    assert not booked.status.awaits_start
+    run.go()
 
 
 def test_a_book_that_begins_later_goes_on_alike() -> None:
