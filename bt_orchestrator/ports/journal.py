@@ -50,8 +50,9 @@ class EventStore(Protocol):
     def append(self, events: Sequence[Event]) -> None:
         """Make the events durable, all or none.
 
-        :param events: one or more, with the next numbers
-        :raises JournalFailed: none of them is durable
+        :param events: one or more. Their numbers follow the last event without a gap; the first
+            number of a new journal is 1, that of a new history follows `go_on_after`
+        :raises JournalFailed: none of them is durable, or the numbers are not the next ones
         """
 
     def read(self, after: int = 0, most: int = -1) -> Iterable[Event]:

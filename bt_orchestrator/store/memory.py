@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from uuid import uuid4
 
-from bt_orchestrator.errors import JournalFailed
 from bt_orchestrator.model.books import WithoutBooks
 from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.records import Extent, JobPlace, Page, Record, Summaries, Wanted
 from bt_orchestrator.ports import Snapshot
+from bt_orchestrator.store.sequence import refuse_gap
 
 MOST = 1000
 """Most records of a page."""
@@ -47,11 +47,9 @@ class MemoryStore:
     def append(self, events: Sequence[Event]) -> None:
         """Keep the events.
 
-        :raises JournalFailed: there is such an event already; none of them is kept
+        :raises JournalFailed: they do not follow the last event; none of them is kept
         """
-        last = len(self._events)
-        if events[0].seq <= last:
-            raise JournalFailed(f'event {events[0].seq} is there already: the last one is {last}')
+        refuse_gap(events, len(self._events))
         self._events.extend(events)
 
     def read(self, after: int = 0, most: int = -1) -> Sequence[Event]:

@@ -153,6 +153,40 @@ class JournalContract(EventStoreContract):
             store.append(events(13, 25))
             assert store.booked() == 10
 
+    # --- the next number --------------------------------------------------------------------
+
+    def test_the_next_leaves_no_gap_either(self, tmp_path: Path) -> None:
+        self._written(tmp_path, 1, 5)
+        with closing(self.make(tmp_path)) as store:
+            with pytest.raises(JournalFailed, match='event 8 cannot follow event 5'):
+                store.append(events(8, 9))
+            assert list(store.read()) == events(1, 5)
+            store.append(events(6, 7))
+            assert list(store.read()) == events(1, 7)
+
+    def test_without_any_event_left_the_numbers_go_on(self, tmp_path: Path) -> None:
+        with closing(self.make(tmp_path)) as store:
+            store.append(events(1, 20))
+            store.begin_with(_state(20))
+            _remove(store, before=21)
+        with closing(self.make(tmp_path)) as store:
+            for wrong in (1, 20, 22):
+                with pytest.raises(JournalFailed, match=f'event {wrong} '):
+                    store.append(events(wrong, wrong))
+            store.append(events(21, 22))
+            assert list(store.read()) == events(21, 22)
+
+    def test_a_state_that_outlived_its_last_events_goes_on(self, tmp_path: Path) -> None:
+        with closing(self.make(tmp_path)) as store:
+            store.append(events(1, 20))
+            store.save(_state(20))
+        self.lose(tmp_path, 17, 20)
+        with closing(self.make(tmp_path)) as store:
+            with pytest.raises(JournalFailed, match='event 20 cannot follow event 16'):
+                store.append(events(20, 20))
+            store.append(events(21, 22))
+            assert list(store.read(20)) == events(21, 22)
+
     # --- another history --------------------------------------------------------------------
 
     def test_another_history_begins_with_the_next_event(self, tmp_path: Path) -> None:
@@ -164,6 +198,8 @@ class JournalContract(EventStoreContract):
         with closing(self.make(tmp_path)) as store:  # nothing was written
             assert (store.history, list(store.read())) == (old, events(1, 20))
             store.go_on_after(12)
+            with pytest.raises(JournalFailed, match='event 21 cannot follow event 12'):
+                store.append(events(21, 21))
             store.append(events(13, 14))
             new = store.history
             assert list(store.read()) == events(1, 14)

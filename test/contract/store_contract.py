@@ -6,13 +6,14 @@ Subclass it and say how one is made.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
 from contract.written_events import events
 
 from bt_orchestrator.errors import JournalFailed
+from bt_orchestrator.model.events import Event
 from bt_orchestrator.ports import EventStore
 
 
@@ -85,3 +86,20 @@ class EventStoreContract(ABC):
         assert list(store.read()) == events(1, 10)
         store.append(events(11, 12))
         assert list(store.read()) == events(1, 12)
+
+    @pytest.mark.parametrize('gap', [events(12, 13), [*events(11, 11), *events(13, 13)]])
+    def test_an_append_that_leaves_a_gap_is_refused(
+        self, store: EventStore, gap: Sequence[Event]
+    ) -> None:
+        store.append(events(1, 10))
+        with pytest.raises(JournalFailed, match=r'event 1[23] cannot follow event 1[01]'):
+            store.append(gap)
+        assert list(store.read()) == events(1, 10)
+        store.append(events(11, 12))
+        assert list(store.read()) == events(1, 12)
+
+    def test_a_new_one_begins_with_event_1(self, store: EventStore) -> None:
+        with pytest.raises(JournalFailed, match='event 2 cannot follow event 0'):
+            store.append(events(2, 3))
+        store.append(events(1, 3))
+        assert list(store.read()) == events(1, 3)

@@ -15,6 +15,7 @@ from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.jobs.job_record import JobRecord
 from bt_orchestrator.model.judging.sealed_ids import SealedIds
 from bt_orchestrator.ports import Snapshot
+from bt_orchestrator.store.sequence import refuse_gap
 from bt_orchestrator.store.sqlite import (
     books,
     opening,
@@ -84,6 +85,8 @@ class SqliteStore:
         """None: only read so far."""
         self._end = _EVERY
         """Rows after this event are not read, and are removed with the first write."""
+        self._last: int | None = None
+        """The last event in it; None: not looked up yet, which is before the first write."""
         self._is_said_unclosed = False
         """The file itself, not only its log, is marked as being written."""
         self._sound_ids: set[str] = set()
@@ -126,10 +129,13 @@ class SqliteStore:
         :raises JournalFailed: none of them is in the journal
         """
         with self._writable():
+            last = self._followed_by(events[0].seq) if self._last is None else self._last
+            refuse_gap(events, last)
             if self._history == self._on_file:
                 rows.add(self._database, events)
             else:
                 self._append_to_a_new_history(events)
+            self._last = events[-1].seq
         self._mark.write(Reached(self.history, events[-1].seq, events[-1].time))
 
     def read(self, after: int = 0, most: int = -1) -> Iterator[Event]:
@@ -163,7 +169,7 @@ class SqliteStore:
         first copied to another name.
         """
         self._history = History(uuid4().hex, False, self._on_file.checked_from)
-        self._end = seq
+        self._end = self._last = seq
         if self._files is not None:  # it was upgraded
             self._only_read_again()
 
@@ -304,6 +310,12 @@ class SqliteStore:
             begin_history(self._database, self.history)
             rows.add(self._database, events)
         self._on_file, self._end = self._history, _EVERY
+
+    def _followed_by(self, seq: int) -> int:
+        """Return the last event: of the rows, or of a state that outlived the rows before it."""
+        last = max(rows.last_seq(self._database), kept_from(self._database) - 1)
+        is_after_state = seq - 1 > last and seq - 1 in snapshots.kept(self._database)
+        return seq - 1 if is_after_state else last
 
     def _begin_to_write(self) -> FilesInUse:
         """Open the journal for writing.
