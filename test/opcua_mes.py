@@ -13,6 +13,7 @@ from opcua_reader import Reader, client_of
 from opcua_stand import PATIENCE_S
 
 DONE, UNKNOWN, WRONG, NOT_ACCEPTED, MALFORMED = 1, 2, 8, 16, 1 << 32
+ENDED, ABORTED = 5, 6
 COMMENT = [ua.LocalizedText('a test', 'en')]
 
 
@@ -70,6 +71,16 @@ class Mes(Reader):
         )
         assert (code.is_good(), status) == (True, DONE)
         return response
+
+    async def found_in(self, state: int) -> list[str]:
+        """Return the ids of the jobs with a response that are in a state, by its number."""
+        wanted = [ua.ISA95StateDataType(StateNumber=state)]
+        _, (found, status) = await self.send(
+            'JobOrderResults/RequestJobResponseByJobOrderState',
+            ua.Variant(wanted, ua.VariantType.ExtensionObject, is_array=True),
+        )
+        assert status == DONE
+        return [one.JobOrderID for one in found]
 
     async def listen(self, node: asyncua.Node) -> None:
         """Hear the events of a node."""

@@ -90,15 +90,26 @@ class JobBook:
                 entry.is_paused = True
 
     def take(self, listed: Iterable[ListedJob]) -> None:
-        """Take in parameters, details and reasons; states are known better here."""
-        for one in listed:
-            entry = self._entries.setdefault(one.status.id, _Entry(one))
+        """Take in parameters, details and reasons of all jobs; states are known better here.
+
+        A job that ended and is not among them was cleared.
+        """
+        told = {one.status.id: one for one in listed}
+        for name, one in told.items():
+            entry = self._entries.setdefault(name, _Entry(one))
             entry.job = replace(one, status=entry.job.status)
+        for one in self.ended():
+            if one.status.id not in told:
+                del self._entries[one.status.id]
 
     def get(self, job: str) -> ListedJob | None:
         """Return a job; None: it is not listed, as far as is known here."""
         entry = self._entries.get(job)
         return None if entry is None else entry.job
+
+    def ended(self) -> list[ListedJob]:
+        """Return the jobs that ended and were not cleared, in the order in which they ended."""
+        return [one.job for one in self._entries.values() if one.job.status.state in OVER]
 
     @property
     def interrupted(self) -> str:
@@ -137,6 +148,8 @@ class JobBook:
             return None, None
         before = known.job.status.state
         fold(known, event)
+        if isinstance(event, _ENDS):
+            self._entries[event.job] = self._entries.pop(event.job)  # the last that ended
         return known, before
 
     def _of_service(
@@ -292,6 +305,8 @@ _REMARKS: Mapping[type[e.Event], str] = {
     e.JobUpdated: 'was changed',
     e.JobMayStart: 'waits for its start no more',
 }
+
+_ENDS = (e.JobCompleted, e.JobAborted)
 
 _COUNTED = ('started', 'placed', 'packed', 'rejected', 'nonconforming', 'missing')
 

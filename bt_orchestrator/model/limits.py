@@ -135,6 +135,13 @@ REFUSALS = Share(64e3, 300.0)
 QUEUE_SHOWN = 100
 """Number of jobs of the queue in a status and in forecasts."""
 
+ENDED_KEPT = 100
+"""Number of ended jobs that a cell lists unless somebody clears them, the last ones; the journal
+has them all."""
+
+ENDED_SHOWN = 10
+"""Number of them in a status, which is sent often; the others are asked for."""
+
 EVENTS_PAGE = 200
 """Most events in one answer: reading them blocks the tick thread for a few milliseconds."""
 

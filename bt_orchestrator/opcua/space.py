@@ -36,6 +36,8 @@ class Argument:
     type: ua.VariantType
     meaning: str
     is_list: bool = False
+    is_optional: bool = False
+    """Of a method that had fewer arguments before; clients that know it so leave it out."""
 
     def accepts(self, given: ua.Variant) -> bool:
         """Tell whether a value is of its type; null is an empty text, or no list."""
@@ -215,7 +217,7 @@ def answering(call: Call, inputs: Sequence[Argument] | None = None) -> _Handler:
         if inputs is None:
             values = [one.Value for one in given]
         else:
-            values = [one.value_of(value) for one, value in zip(inputs, given, strict=True)]
+            values = [one.value_of(value) for one, value in zip(inputs, given, strict=False)]
         try:
             outputs = await call(*values)
         except ua.UaStatusCodeError as error:
@@ -231,13 +233,13 @@ def answering(call: Call, inputs: Sequence[Argument] | None = None) -> _Handler:
 
 def _wrong(inputs: Sequence[Argument], given: Sequence[ua.Variant]) -> ua.CallMethodResult | None:
     """Return what is wrong with arguments, argument by argument; None: nothing."""
-    if len(given) < len(inputs):
+    if len(given) < sum(not one.is_optional for one in inputs):
         return _result(ua.StatusCodes.BadArgumentsMissing)
     if len(given) > len(inputs):
         return _result(ua.StatusCodes.BadTooManyArguments)
     codes = [
         ua.StatusCodes.Good if one.accepts(value) else ua.StatusCodes.BadTypeMismatch
-        for one, value in zip(inputs, given, strict=True)
+        for one, value in zip(inputs, given, strict=False)
     ]
     if not any(codes):
         return None

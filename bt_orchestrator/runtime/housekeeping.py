@@ -15,10 +15,10 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TypeVar
 
-from bt_orchestrator.model.jobs.job_folds import ENDED_KEPT
 from bt_orchestrator.model.jobs.job_record import record_of
 from bt_orchestrator.model.judging.sealed_ids import SealedIds
 from bt_orchestrator.model.keeping.state_text import StateText
+from bt_orchestrator.model.limits import ENDED_KEPT
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import Bookkeeping, Journal, Snapshot, Writer
 from bt_orchestrator.replies import Reply, begin

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.hold_words import hold_name
-from bt_orchestrator.model.jobs.job_folds import ENDED_KEPT
+from bt_orchestrator.model.limits import ENDED_KEPT
 from bt_orchestrator.model.line import is_complete
 from bt_orchestrator.model.packml import TRANSITIONS, Cause, PackmlState
 from bt_orchestrator.model.state import CellState, Phase

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from bt_orchestrator.model.cell import Cell, Component
 from bt_orchestrator.model.contest import Contest
-from bt_orchestrator.model.limits import QUEUE_SHOWN
+from bt_orchestrator.model.limits import ENDED_SHOWN, QUEUE_SHOWN
 from bt_orchestrator.model.packml import Cause
 from bt_orchestrator.model.requests import CELL, Request, of_cell
 from bt_orchestrator.model.roles import Role
@@ -28,9 +28,6 @@ from bt_orchestrator.runtime.observed_durations import ObservedDurations
 from bt_orchestrator.runtime.section_overview import section_status
 from bt_orchestrator.runtime.tasks_in_flight import TasksInFlight, feedback_of
 from bt_orchestrator.tree.reasons import waits_of
-
-ENDED_SHOWN = 10
-"""Number of ended jobs that a status lists, the last ones."""
 
 _NO_ENDS: Mapping[str, float] = {}
 

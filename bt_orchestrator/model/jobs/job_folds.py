@@ -7,12 +7,10 @@ from collections.abc import Callable
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.initialization import Preparation
 from bt_orchestrator.model.jobs.order import Job, Terms
+from bt_orchestrator.model.limits import ENDED_KEPT
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.state import CellState, FlagState, JobState, Phase
 from bt_orchestrator.model.wish import STOP_AFTER, Wish
-
-ENDED_KEPT = 100
-"""How many ended jobs the state remembers; the journal has them all."""
 
 
 def script_loaded(event: e.ScriptLoaded, state: CellState) -> None:

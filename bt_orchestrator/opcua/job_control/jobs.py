@@ -40,6 +40,8 @@ class Jobs:
         self._waiting: list[Event] = []
         """Heard meanwhile."""
         self._task: asyncio.Task[None] | None = None
+        self._has_missed = False
+        """Events are lost: what they told has to be asked for."""
         self._asked: set[str] = set()
         """Jobs that a status has, and nothing else is known of."""
 
@@ -71,9 +73,10 @@ class Jobs:
         if self._task is not None and not self._task.done():
             return
         self.book.agree(status)
-        unknown = [job.id for job in status.jobs if self.book.get(job.id) is None]
-        if set(unknown) - self._asked:
-            self._asked |= set(unknown)
+        unknown = {job.id for job in status.jobs if self.book.get(job.id) is None}
+        if self._has_missed or unknown - self._asked:
+            self._has_missed = False
+            self._asked |= unknown
             self._spawn(self._learn())
 
     def hear(self, event: Event) -> None:
@@ -84,8 +87,8 @@ class Jobs:
             self._follow(event)
 
     def listed(self, status: CellStatus) -> dict[str, ListedJob]:
-        """Return the jobs of a status with what else is known of them."""
-        found = {}
+        """Return the jobs of a status, and all that ended, with what else is known of them."""
+        found = {one.status.id: one for one in self.book.ended()}
         for job in status.jobs:
             known = self.book.get(job.id)
             found[job.id] = ListedJob(job) if known is None else replace(known, status=job)
@@ -139,6 +142,7 @@ class Jobs:
         self.book.take(await self._bridge.doors.read(_all_jobs))
 
     def _follow(self, event: Event) -> None:
+        self._has_missed |= event.seq > self.book.seq + 1
         for news in self.book.follow(event):
             self._tell(news)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 from asyncua import ua
@@ -11,7 +11,7 @@ from bt_orchestrator.mes.job_order import job_order
 from bt_orchestrator.mes.job_response import has_response, response_of
 from bt_orchestrator.mes.job_states import states_of
 from bt_orchestrator.model.jobs.isa95 import OVER
-from bt_orchestrator.model.status import JobStatus, ListedJob
+from bt_orchestrator.model.status import ListedJob
 from bt_orchestrator.opcua.job_control.structures import Structures, listed
 
 MOST = 100
@@ -78,11 +78,16 @@ class JobLists:
         return _Made(response, self._structures.response(response))
 
 
-def chosen(jobs: Sequence[JobStatus]) -> list[JobStatus]:
+def chosen(jobs: Iterable[ListedJob]) -> list[ListedJob]:
     """Return the jobs to be listed: the last that ended, those on the line, the first queued."""
-    over = [job for job in jobs if job.state in OVER]
-    line = [job for job in jobs if job.state not in OVER and not job.position][:MOST]
-    queue = sorted((job for job in jobs if job.position), key=lambda job: job.position)
+    over: list[ListedJob] = []
+    line: list[ListedJob] = []
+    queue: list[ListedJob] = []
+    for job in jobs:
+        status = job.status
+        (over if status.state in OVER else queue if status.position else line).append(job)
+    line = line[:MOST]
+    queue.sort(key=lambda job: job.status.position)
     room = MOST - len(line)
     ended = min(len(over), max(room - len(queue), min(LEAST_ENDED, room)))
     return [*over[len(over) - ended :], *line, *queue[: room - ended]]

@@ -127,14 +127,15 @@ class JobControl:
     def show(self, status: CellStatus) -> None:
         """Show the jobs of a status."""
         self._jobs.show(status)
-        self._put(status)
-        self._shown.reached(status.seq)
+        self._show(status)
         if self._bridge.orderable.is_due and (self._looking is None or self._looking.done()):
             self._looking = asyncio.ensure_future(self._look())
 
     def hear(self, event: Event) -> None:
-        """Tell of changes of state."""
+        """Tell of changes of state; a status may have come before its events."""
         self._jobs.hear(event)
+        if event.seq == self._bridge.status.seq:
+            self._show(self._bridge.status)
 
     def begin(self, history: str) -> None:
         """Forget the jobs."""
@@ -145,11 +146,14 @@ class JobControl:
         self._events.tell(news, self._bridge.history)
 
     def _show_again(self) -> None:
-        self._put(self._bridge.status)
+        self._show(self._bridge.status)
+
+    def _show(self, status: CellStatus) -> None:
+        self._put(status)
+        self._shown.reached(min(status.seq, self._jobs.book.seq))
 
     def _put(self, status: CellStatus) -> None:
-        listed = self._jobs.listed(status)
-        jobs = [listed[job.id] for job in chosen(status.jobs)]
+        jobs = chosen(self._jobs.listed(status).values())
         values, stamp = self._space.values, status.stamp
         interrupted = status.stop_message if status.stop_reason is not None else ''
         values.put(self._space.node(f'{RECEIVER}/JobOrderList'), self._lists.orders(jobs), stamp)

@@ -68,13 +68,29 @@ class Records:
             'GetEvents',
             self._events,
             [
-                Argument('AfterSeq', LONG, 'number of the event before the first to return'),
+                Argument(
+                    'AfterSeq', LONG, 'NextSeq of the answer before; 0: from the first event'
+                ),
                 Argument('Most', NUMBER, 'events in the answer; 0: as many as fit'),
+                Argument(
+                    'History',
+                    TEXT,
+                    'History of the answer before; empty: there was none. With '
+                    'that of another journal the answer begins with the first event',
+                    is_optional=True,
+                ),
             ],
             [
                 Argument('Events', TEXT, 'JSON of an event each', is_list=True),
-                Argument('LastSeq', LONG, 'number of the newest event of the journal'),
+                Argument(
+                    'LastSeq',
+                    LONG,
+                    'number of the newest event of the journal. The answer may '
+                    'end before it: go on with NextSeq',
+                ),
                 Argument('History', TEXT, 'name of the journal; if it changes, numbers restart'),
+                Argument('NextSeq', LONG, 'AfterSeq of the next call'),
+                Argument('IsLast', YES_NO, 'there are no more events yet'),
             ],
             'events from the journal of the cell, oldest first; the first one may have a higher '
             'number than asked for, if earlier ones were removed',
@@ -97,16 +113,26 @@ class Records:
             ua.Variant(found.is_whole, YES_NO),
         ]
 
-    async def _events(self, after: int, most: int) -> Sequence[ua.Variant]:
+    async def _events(
+        self, after: int, most: int, history: str | None = None
+    ) -> Sequence[ua.Variant]:
+        doors = self._bridge.doors
         try:
-            page = await self._bridge.doors.events_after(after, most)
+            page = await doors.events_after(after, most)
+            if history and page.history != history:
+                page = await doors.events_after(0, most)
         except NodeUnreachable as error:
             raise ua.UaStatusCodeError(ua.StatusCodes.BadNoCommunication) from error
-        return [
+        answer = [
             ua.Variant([to_text(event) for event in page.events], TEXT, is_array=True),
             ua.Variant(page.last_seq, LONG),
             ua.Variant(page.history, TEXT),
         ]
+        if history is None:  # a client of before, which may expect so many outputs
+            return answer
+        after = page.events[-1].seq if page.events else min(after, page.last_seq)
+        is_last = not page.events or after >= page.last_seq
+        return [*answer, ua.Variant(after, LONG), ua.Variant(is_last, YES_NO)]
 
     async def _found(self, job: str) -> Found:
         try:

@@ -62,6 +62,7 @@ class BookedRun(VirtualRun):
             assert of == (job.recipe, job.recipe_version)
             found = {name: getattr(status, name) for name in COUNTED}
             assert found == {name: getattr(job.progress, name) for name in COUNTED}
+        assert [one.status.id for one in self.book.ended()] == list(self.state.ended)
 
     def told(self, job: str = 'J') -> list[JobWord]:
         """Return the states of a job that were told."""
@@ -81,6 +82,16 @@ def test_a_job_that_nothing_stops() -> None:
     (last,) = run.news[-1:]
     assert (last.job.status.packed, last.job.status.started) == (2, 2)
     assert last.before is RUN
+
+
+def test_a_job_that_was_cleared_unheard_is_forgotten() -> None:
+    run = begin(Line())
+    run.go()
+    (ended,) = run.book.ended()
+    run.book.take([ended])
+    assert run.book.ended() == [ended]
+    run.book.take([])
+    assert run.book.get('J') is None
 
 
 def test_queued_jobs_are_held_released_changed_and_removed() -> None:

@@ -11,7 +11,7 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model import fold
 from bt_orchestrator.model.codec import event_types
 from bt_orchestrator.model.fold import apply
-from bt_orchestrator.model.jobs.job_folds import ENDED_KEPT
+from bt_orchestrator.model.limits import ENDED_KEPT
 from bt_orchestrator.model.state import CellState
 
 

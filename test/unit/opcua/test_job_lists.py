@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from bt_orchestrator.model.jobs.isa95 import JobWord
-from bt_orchestrator.model.status import JobStatus
+from bt_orchestrator.model.status import JobStatus, ListedJob
 from bt_orchestrator.opcua.job_control.lists import MOST, chosen
 
 
@@ -37,7 +37,7 @@ def jobs(ended: int, line: int, queued: int) -> list[JobStatus]:
 def test_the_line_is_listed_first_then_the_last_that_ended_then_the_queue(
     there: tuple[int, int, int], listed: tuple[int, int, int]
 ) -> None:
-    found = [job.id for job in chosen(jobs(*there))]
+    found = [job.status.id for job in chosen(map(ListedJob, jobs(*there)))]
     assert len(found) <= MOST
     counts = tuple(sum(id_.startswith(kind) for id_ in found) for kind in 'ELQ')
     assert counts == listed

@@ -3,7 +3,18 @@
 from __future__ import annotations
 
 from asyncua import ua
-from opcua_mes import DONE, MALFORMED, NOT_ACCEPTED, UNKNOWN, Mes, data, order, parameter, with_mes
+from opcua_mes import (
+    ABORTED,
+    DONE,
+    MALFORMED,
+    NOT_ACCEPTED,
+    UNKNOWN,
+    Mes,
+    data,
+    order,
+    parameter,
+    with_mes,
+)
 from web.stand_cell import StandCell
 
 from bt_orchestrator.model.jobs.order import WorkOrder
@@ -141,6 +152,25 @@ def test_an_order_is_changed_and_told_as_it_is(script: str, url: str) -> None:
         assert changed.JobState[0].StateText.Text == 'NotAllowedToStart'
         assert (await mes.listed())['UP-1'].JobOrder == told
         assert await mes.method('Cancel', 'UP-1') == DONE
+
+    with_mes(url, look)
+
+
+def test_every_order_that_ended_is_listed_until_it_is_cleared(script: str, url: str) -> None:
+    names = [f'END-{number:02}' for number in range(35)]
+
+    async def look(mes: Mes) -> None:
+        for name in names:
+            assert await mes.method('Store', order(name, script)) == DONE
+            assert await mes.method('Abort', name) == DONE
+        assert [one for one in await mes.listed() if one in names] == names
+        assert [one for one in await mes.found_in(ABORTED) if one in names] == names
+        for name in (names[0], names[-1]):
+            assert await mes.method('Clear', name) == DONE
+            assert name not in await mes.listed()
+            assert name not in await mes.found_in(ABORTED)
+        for name in names[1:-1]:
+            assert await mes.method('Clear', name) == DONE
 
     with_mes(url, look)
 

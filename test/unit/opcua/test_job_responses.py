@@ -39,6 +39,44 @@ def test_items_and_events_are_pulled(script: str, url: str) -> None:
     with_mes(url, look)
 
 
+def test_events_are_followed_page_by_page(script: str, url: str) -> None:
+    async def page(mes: Mes, after: int, *history: str) -> list[Any]:
+        given = [ua.Variant(after, ua.VariantType.UInt64), ua.Variant(3, ua.VariantType.UInt32)]
+        given += [ua.Variant(one, ua.VariantType.String) for one in history]
+        cell = await mes.node('JobOrderResults').get_parent()
+        code, outputs = await mes.send('GetEvents', *given, on=cell.nodeid)
+        assert code.is_good()
+        return [[json.loads(one)['seq'] for one in outputs[0]], *outputs[1:]]
+
+    async def look(mes: Mes) -> None:
+        assert await mes.method('Store', order('EV-1', script)) == DONE
+        assert await mes.method('Cancel', 'EV-1') == DONE
+        found, next_seq, history, is_last = [], 0, '', False
+        while not is_last:
+            events, last, history, next_seq, is_last = await page(mes, next_seq, history)
+            assert events[-1] == next_seq
+            found += events
+        assert found == list(range(1, last + 1))
+        assert await page(mes, last, history) == [[], last, history, last, True]
+        other, *_ = await page(mes, last, 'another journal')
+        assert other == [1, 2, 3], 'it begins with the first event of the journal that there is'
+
+    with_mes(url, look)
+
+
+def test_a_call_for_events_without_a_history_answers_as_before(url: str) -> None:
+    async def look(mes: Mes) -> None:
+        cell = await mes.node('JobOrderResults').get_parent()
+        given = ua.Variant(0, ua.VariantType.UInt64), ua.Variant(2, ua.VariantType.UInt32)
+        code, outputs = await mes.send('GetEvents', *given, on=cell.nodeid)
+        assert code.is_good()
+        assert len(outputs) == 3
+        code, _ = await mes.send('GetEvents', given[0], on=cell.nodeid)
+        assert code.value == ua.StatusCodes.BadArgumentsMissing
+
+    with_mes(url, look)
+
+
 def test_responses_are_found_by_state(script: str, url: str) -> None:
     async def by_state(mes: Mes, *states: Any) -> tuple[list[str], int]:
         given = ua.Variant(list(states), ua.VariantType.ExtensionObject, is_array=True)

@@ -8,8 +8,8 @@ from fakes.queued_jobs import LINE, SCRIPT, begun, queue, queued
 from fakes.virtual_run import BY, VirtualRun
 
 from bt_orchestrator.model.jobs.job_commands import MoveJob, RunNext, UpdateJob
-from bt_orchestrator.model.jobs.job_folds import ENDED_KEPT
 from bt_orchestrator.model.jobs.order import Job
+from bt_orchestrator.model.limits import ENDED_KEPT
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryStore

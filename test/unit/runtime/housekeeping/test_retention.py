@@ -19,9 +19,9 @@ from fakes.virtual_run import snapshot
 from bt_orchestrator.errors import JournalMismatch
 from bt_orchestrator.model.events import ItemIdentified
 from bt_orchestrator.model.jobs.job_commands import AddJobs
-from bt_orchestrator.model.jobs.job_folds import ENDED_KEPT
 from bt_orchestrator.model.jobs.order import Job
 from bt_orchestrator.model.keeping.snapshot import Writer
+from bt_orchestrator.model.limits import ENDED_KEPT
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.runtime import housekeeping
 from bt_orchestrator.store.sqlite.store import SqliteStore
