@@ -12,7 +12,7 @@ The order of the children decides ties: initialization first, then the downstrea
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 
 from py_trees.common import Status
@@ -32,7 +32,13 @@ from bt_orchestrator.tree.guards import (
 )
 from bt_orchestrator.tree.leaf import ActionLeaf
 from bt_orchestrator.tree.pages import Page, detach, is_long, paged
-from bt_orchestrator.tree.policies import OnFailureDecorator, Retry, Rounds, Verdict
+from bt_orchestrator.tree.policies import (
+    Conditional,
+    OnFailureDecorator,
+    Retry,
+    Rounds,
+    Verdict,
+)
 from bt_orchestrator.tree.root import CellRoot
 from bt_orchestrator.tree.section import CompleteCycle, CycleOf, ReleaseConveyor, Section
 from bt_orchestrator.tree.sharing import BELT, INITIALIZATION
@@ -72,8 +78,8 @@ class CellTree:
             recorder, self.initialization, self.sections, self.belt, self._attention
         )
         self._branches: dict[str, list[Ticked]] = {}
-        self._digests: dict[str, str] = {}
-        """Digests of the scripts that the branches were compiled from."""
+        self._compiled: dict[str, tuple[str, Mapping[str, object]]] = {}
+        """Digest of the script, and parameters, that the branches of a job were compiled from."""
         self._to_follow = True
         """The jobs at work may have changed since the last tick."""
         self.follow_jobs()
@@ -112,8 +118,8 @@ class CellTree:
             return
         self._to_follow = False
         jobs = {job.job.id: job for job in self._recorder.state.jobs.at_work()}
-        for name, digest in list(self._digests.items()):
-            if name not in jobs or jobs[name].digest != digest:
+        for name, compiled in list(self._compiled.items()):
+            if name not in jobs or _source(jobs[name]) != compiled:
                 self.prune(name)
         for name, job in jobs.items():
             if name not in self._branches:
@@ -124,7 +130,7 @@ class CellTree:
     def insert(self, job: JobState) -> None:
         """Add the branches of a job, behind those of earlier jobs. Only between ticks."""
         branches = self._branches[job.job.id] = []
-        self._digests[job.job.id] = job.digest
+        self._compiled[job.job.id] = _source(job)
         self._attention.sharing.enter(job.digest, job.job.script)
         self._attention.again()
         if job.job.script.initialization:
@@ -138,7 +144,7 @@ class CellTree:
 
     def prune(self, job: str) -> None:
         """Remove the branches of a job. Only between ticks."""
-        self._attention.sharing.leave(self._digests.pop(job))
+        self._attention.sharing.leave(self._compiled.pop(job)[0])
         self._attention.again()
         for branch in self._branches.pop(job):
             parent = branch.parent
@@ -268,6 +274,11 @@ _AT_WORK = (
 """Events after which other jobs may be at work."""
 
 
+def _source(job: JobState) -> tuple[str, Mapping[str, object]]:
+    """Return what the branches of a job are compiled from."""
+    return job.digest, job.job.params
+
+
 def _decided(subject: Subject) -> Ticked:
     """Compile a task's leaf, with the decorators that handle its failures."""
     leaf: Ticked = ActionLeaf(subject)
@@ -275,7 +286,8 @@ def _decided(subject: Subject) -> Ticked:
         leaf = Verdict(subject, leaf)
     if subject.task.retries:
         leaf = Retry(subject, leaf)
-    return OnFailureDecorator(subject, leaf)
+    decided = OnFailureDecorator(subject, leaf)
+    return decided if subject.task.condition is None else Conditional(subject, decided)
 
 
 class Standby(Ticked):

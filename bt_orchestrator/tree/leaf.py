@@ -12,7 +12,7 @@ from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.hold_words import again_words, hold_wait_words
 from bt_orchestrator.model.line import waits_for_service
 from bt_orchestrator.model.reference import resolve
-from bt_orchestrator.model.state import Phase, TaskState
+from bt_orchestrator.model.state import End, Phase, TaskState
 from bt_orchestrator.model.wait import Wait, WaitKind
 from bt_orchestrator.tree.subject import Subject, holder, section_of
 from bt_orchestrator.tree.ticking import Ticked
@@ -31,7 +31,7 @@ class ActionLeaf(TaskWaiter, Ticked):
 
     def __init__(self, subject: Subject) -> None:
         task = subject.task
-        super().__init__(task.name if task.id == task.name else f'{task.id}: {task.name}')
+        super().__init__(task.name if task.id == task.name else f'{task.id} ({task.name})')
         self.subject = subject
 
     @property
@@ -59,7 +59,7 @@ class ActionLeaf(TaskWaiter, Ticked):
         if progress.phase is Phase.FAILED:
             self.feedback_message = f'failed: {progress.reason.value if progress.reason else ""}'
             return Status.FAILURE
-        self.feedback_message = 'done'
+        self.feedback_message = _ended(progress)
         return Status.SUCCESS
 
     def _start_if_free(self, progress: TaskState | None) -> Status:
@@ -87,7 +87,7 @@ class ActionLeaf(TaskWaiter, Ticked):
         self._begin_job()
         self.subject.recorder.record([e.TaskSkipped(**key._asdict(), reason=reason)])
         self.subject.recorder.record(effects.of_passing(self.subject.state, key))
-        self.feedback_message = 'done'
+        self.feedback_message = f'skipped: {reason}'
         return Status.SUCCESS
 
     def _obstacle(self) -> Wait | None:
@@ -176,3 +176,20 @@ class ActionLeaf(TaskWaiter, Ticked):
             message=f'{there} stands where {self.subject.key.item} would be placed',
             answers=(RETRY,),  # other answers would leave a second item in the slot
         )
+
+
+def _ended(progress: TaskState) -> str:
+    """Say how a passed task ended."""
+    if progress.end is None or progress.end is End.DONE:
+        return 'done'
+    why = progress.reason.value if progress.reason else progress.message
+    return ': '.join(filter(None, (_ENDS[progress.end], why)))
+
+
+_ENDS = {
+    End.MARKED_DONE: 'marked done',
+    End.SKIPPED: 'skipped',
+    End.CONTINUED: 'failed and continued',
+    End.REJECTED: 'failed and the item rejected',
+    End.ABORTED: 'failed and the job aborted',
+}

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from py_trees.common import Status
 
+from bt_orchestrator.errors import MissingResult
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model import failures
 from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.goal import Reason
+from bt_orchestrator.model.judging.verdict import found_words
 from bt_orchestrator.model.script import Repeat
 from bt_orchestrator.tree.subject import Subject
 from bt_orchestrator.tree.ticking import Ticked, Wrapper
@@ -52,7 +54,8 @@ class Verdict(Wrapper, TaskWaiter):
 
     def __init__(self, subject: Subject, child: Ticked) -> None:
         assert subject.task.fails_unless is not None
-        super().__init__(f'fails unless {subject.task.fails_unless.words}', child)
+        wanted = subject.with_bounds(subject.task.fails_unless)
+        super().__init__(f'fails unless {wanted.words}', child)
         self.subject = subject
 
     def update(self) -> Status:
@@ -75,6 +78,28 @@ class Verdict(Wrapper, TaskWaiter):
         return Status.RUNNING
 
 
+class Conditional(Wrapper):
+    """Shows the condition of a task, and the values that decided it (semantics 6.5)."""
+
+    def __init__(self, subject: Subject, child: Ticked) -> None:
+        assert subject.task.condition is not None
+        self.condition = subject.with_bounds(subject.task.condition)
+        super().__init__(str(self.condition), child)
+        self.subject = subject
+
+    def update(self) -> Status:
+        """Show the values once the task has started or was skipped."""
+        self.feedback_message = '' if self.subject.progress is None else self._found()
+        return self.decorated.status
+
+    def _found(self) -> str:
+        try:
+            found = found_words(self.condition, self.subject.state.scope(self.subject.key))
+        except MissingResult as missing:
+            return str(missing)
+        return f'found {found}'
+
+
 class Rounds(Wrapper):
     """Shows the rounds of a repeat; its verdicts begin them."""
 
@@ -85,11 +110,15 @@ class Rounds(Wrapper):
         """
         super().__init__(repeat.rounds, child)
         self.subject = subject
+        self.repeat = repeat
 
     def update(self) -> Status:
-        """Say which round it is."""
-        number = self.subject.state.round(self.subject.key)
-        self.feedback_message = f'round {number + 1}' if number else ''
+        """Say which round it is, and why it began."""
+        cycle = self.subject.cycle
+        number = cycle.rounds.get(self.repeat.name, 0)
+        why = cycle.round_causes.get(self.repeat.name, '')
+        words = f'round {number + 1}' if number else ''
+        self.feedback_message = ': '.join(filter(None, (words, why)))
         return self.decorated.status
 
 

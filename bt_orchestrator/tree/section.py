@@ -73,7 +73,10 @@ class CycleOf(_OfSection):
         if cycle is None or cycle.job != self.job:
             self.feedback_message = ''
             return Status.FAILURE
-        self.feedback_message = cycle.item
+        is_aborting = self.recorder.state.jobs[self.job].aborting
+        self.feedback_message = (
+            f'{cycle.item}, the job is being aborted' if is_aborting else cycle.item
+        )
         return Status.SUCCESS
 
 

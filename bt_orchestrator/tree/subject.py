@@ -10,9 +10,17 @@ from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.condition import Condition, holds
 from bt_orchestrator.model.hold_words import hold_wait_words
-from bt_orchestrator.model.reference import look_up, resolve
+from bt_orchestrator.model.judging.verdict import with_bounds
+from bt_orchestrator.model.reference import Scope, look_up, resolve
 from bt_orchestrator.model.script import Task
-from bt_orchestrator.model.state import CellState, Phase, TaskState, same_args, same_task
+from bt_orchestrator.model.state import (
+    CellState,
+    Cycle,
+    Phase,
+    TaskState,
+    same_args,
+    same_task,
+)
 from bt_orchestrator.model.wait import Wait, WaitKind
 
 
@@ -67,6 +75,14 @@ class Subject:
     def state(self) -> CellState:
         """The state now."""
         return self.recorder.state
+
+    @property
+    def cycle(self) -> Cycle:
+        """The cycle in hand of its section; called only during one."""
+        assert self.section is not None
+        cycle = self.recorder.state.sections[self.section].cycle
+        assert cycle is not None, f'section {self.section} has no cycle'
+        return cycle
 
     @property
     def key(self) -> e.TaskKey:
@@ -128,6 +144,15 @@ class Subject:
             return None if holds(condition, self.state.scope(self.key)) else str(condition)
         except MissingResult:
             return None
+
+    def with_bounds(self, condition: Condition) -> Condition:
+        """Return a condition with the job's values in place of parameters, where it has them."""
+        assert self.job is not None
+        params = self.state.jobs[self.job].job.params
+        try:
+            return with_bounds(condition, Scope(params, order={}, item={}, results={}))
+        except MissingResult:
+            return condition  # a drawing has no order
 
     def missing(self) -> MissingResult | None:
         """Return a value that arguments, condition or verdict need, and this item lacks."""

@@ -9,6 +9,7 @@ child. `tick` remains for other callers.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
 
 from py_trees import composites, decorators
 from py_trees.behaviour import Behaviour
@@ -23,6 +24,10 @@ class Ticked(Behaviour):
     """A success lasts until the branch is stopped: the parent's later ticks skip it. This holds
     for tasks, not for conditions. If the state resets a task (5.1), the whole tree restarts.
     """
+
+    def __init__(self, name: str, *arguments: Any, **options: Any) -> None:
+        # In pydot a colon separates node and port: without this, watchers merge nodes.
+        super().__init__(name.replace(':', '\N{RATIO}'), *arguments, **options)
 
     def run(self) -> Status:
         """Tick this behaviour and its children as needed; return its status."""

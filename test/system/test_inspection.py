@@ -23,8 +23,8 @@ from bt_orchestrator.model.limits import STREAMS
 
 pytestmark = pytest.mark.every_distro
 
-WORK = 'work: TASK_A'
-LONG_WORK = 'work: TASK_B'
+WORK = 'work (TASK_A)'
+LONG_WORK = 'work (TASK_B)'
 
 LEASE_S = 60.0
 """More than the middleware (20 s) and the grace (5 s) take to be sure that a watcher is dead."""
@@ -94,18 +94,18 @@ def test_a_job_is_seen_from_its_beginning_to_its_end(
     new, running, done = Behaviour.INVALID, Behaviour.RUNNING, Behaviour.SUCCESS
 
     cell.run_small()
-    client.until(seen, lambda s: s.status('feed: TASK_A') == running, 'at the feeding')
+    client.until(seen, lambda s: s.status('feed (TASK_A)') == running, 'at the feeding')
     hands.finish('feeder')
     working = client.until(seen, lambda s: s.status(WORK) == running, 'at work')
     assert working.message.changed
     assert working.text(WORK) == 'running at worker/task'
     assert working.status('section 2') == running
-    assert working.status('pack: TASK_A') == new
+    assert working.status('pack (TASK_A)') == new
     root = working.message.behaviours[0]
     assert (root.name, root.type, root.additional_detail) == ('small_cell', 4, 'OnAll')
     assert not working.message.blackboard_on_visited_path
     hands.finish('worker')
-    client.until(seen, lambda s: s.status('pack: TASK_A') == running, 'at the packing')
+    client.until(seen, lambda s: s.status('pack (TASK_A)') == running, 'at the packing')
     hands.finish('packer')
     client.ros.spin_until(lambda: 'WO-1' not in seen[-1].by_name, 'the end of the job')
 

@@ -111,7 +111,7 @@ def test_the_tree_and_the_blackboard_on_a_terminal(
     terminal = open_terminal('watch', '--tree', '--blackboard', columns=100, lines=60)
     terminal.until_shows('▶ small_cell  running')
     terminal.until_shows('/small_cell/slots/2')
-    assert re.search(r'▶ work: TASK_A  running  waiting for an answer to hold 1', terminal.text)
+    assert re.search(r'▶ work \(TASK_A\)  running  waiting for an answer to hold 1', terminal.text)
     assert re.search(r'/small_cell/slots/2 +WO-1/1$', terminal.text, re.MULTILINE)
 
 
@@ -136,7 +136,7 @@ def test_a_node_goes_away_and_comes_back(
         )
         small_cell.watch.wait_servers()
         small_cell.run_small(task='TASK_B')
-        terminal.until_shows('work: TASK_B  running  running at worker/task')
+        terminal.until_shows('work (TASK_B)  running  running at worker/task')
         assert plain.stop() == 0
         plain.assert_clean()
     finally:

@@ -72,12 +72,26 @@ def task_failed(event: e.TaskFailed, state: CellState) -> None:
 def round_begun(event: e.RoundBegun, state: CellState) -> None:
     section = state.sections[event.section]
     assert section.cycle is not None
-    section.cycle = changed(section.cycle, rounds={**section.cycle.rounds, event.repeat: event.n})
+    cycle = section.cycle
+    section.cycle = changed(
+        cycle,
+        rounds={**cycle.rounds, event.repeat: event.n},
+        round_causes={**cycle.round_causes, event.repeat: _round_cause(event, state)},
+    )
     for name in event.tasks:
         key = e.TaskKey(event.job, event.section, event.item, name)
         _release(state, key)
         state.tasks.pop(key, None)
         state.items[event.item].results.pop(name, None)
+
+
+def _round_cause(event: e.RoundBegun, state: CellState) -> str:
+    """Return the failed task of a repeat, with what its record says."""
+    for name in event.tasks:
+        failed = state.tasks.get(e.TaskKey(event.job, event.section, event.item, name))
+        if failed is not None and failed.phase is not Phase.DONE and failed.reason is not None:
+            return f'{name}: {failed.message or failed.reason.value}'
+    return ''
 
 
 def task_retrying(event: e.TaskRetrying, state: CellState) -> None:

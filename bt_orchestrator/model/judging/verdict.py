@@ -25,22 +25,29 @@ def why_refused(task: Task, results: Mapping[str, Any], scope: Scope) -> str | N
             return None
     except MissingResult as missing:
         return str(missing)
-    wanted = _with_bounds(task.fails_unless, judged)
-    return f'expected {wanted.words}; found {_found(wanted, judged)}'
+    wanted = with_bounds(task.fails_unless, judged)
+    return f'expected {wanted.words}; found {found_words(wanted, judged)}'
 
 
-def _with_bounds(condition: Condition, scope: Scope) -> Condition:
-    """Return a condition with numbers in place of parameters."""
+def with_bounds(condition: Condition, scope: Scope) -> Condition:
+    """Return a condition with numbers in place of parameters.
+
+    :raises MissingResult: the scope lacks a parameter
+    """
     return replace(
         condition,
         at_least=resolve(condition.at_least, scope),
         at_most=resolve(condition.at_most, scope),
-        all=tuple(_with_bounds(part, scope) for part in condition.all),
-        any=tuple(_with_bounds(part, scope) for part in condition.any),
+        all=tuple(with_bounds(part, scope) for part in condition.all),
+        any=tuple(with_bounds(part, scope) for part in condition.any),
     )
 
 
-def _found(condition: Condition, scope: Scope) -> str:
+def found_words(condition: Condition, scope: Scope) -> str:
+    """Return the values that a condition compares; one value stands alone, others have names.
+
+    :raises MissingResult: the scope lacks a value
+    """
     named = dict.fromkeys(
         reference for one in condition.comparisons for reference in references(one.value)
     )

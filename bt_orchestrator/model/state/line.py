@@ -17,6 +17,8 @@ class Cycle:
     """The beat its turn belongs to (semantics 3.7)."""
     rounds: Mapping[str, int] = field(default_factory=dict)
     """Further rounds begun, by the name of the repeat (semantics 3.9)."""
+    round_causes: Mapping[str, str] = field(default_factory=dict)
+    """Why the last of these rounds began, by the name of the repeat."""
 
 
 @dataclass

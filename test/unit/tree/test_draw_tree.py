@@ -20,8 +20,10 @@ def test_the_tree_has_every_behaviour_in_the_order_of_ticks() -> None:
     parts = [dot.nodes[f'root.{n}']['label'] for n in range(1, 6)]
     assert parts == ['initialization', 'section 3', 'section 2', 'section 1', 'belt']
     branch = [dot.nodes[f'root.3.1.2{deeper}']['label'] for deeper in ('', '.1', '.1.1', '.1.1.1')]
-    assert branch == ['belt at rest', 'hold if it fails', 'retry up to 1 time', 'work: TASK_A']
-    assert dot.nodes['root.3.1.2.1.1.1']['tooltip'].startswith('action: work: TASK_A (ActionLeaf)')
+    assert branch == ['belt at rest', 'hold if it fails', 'retry up to 1 time', 'work (TASK_A)']
+    assert dot.nodes['root.3.1.2.1.1.1']['tooltip'].startswith(
+        'action: work (TASK_A) (ActionLeaf)'
+    )
     assert set(dot.edges) == {f'{n.rpartition(".")[0]} -> {n}' for n in dot.nodes if '.' in n}
 
 

@@ -24,6 +24,8 @@ const NAMES = Object.entries({
   zone: /^zone (?<name>.+) free$/,
   retry: /^retry up to (?<name>\d+) times?$/,
   unless: /^fails unless (?<name>.+)$/,
+  when: /^when (?<name>.+)$/,
+  except: /^unless (?<name>.+)$/,
   hold: /^hold if it fails$/,
   continue: /^continue if it fails$/,
   reject: /^reject if it fails$/,
@@ -33,6 +35,14 @@ const NAMES = Object.entries({
 /** What the node says of a behaviour that waits for nothing. */
 const MESSAGES = Object.entries({
   done: /^done$/,
+  marked: /^marked done: (?<reason>\w+)$/,
+  skipped: /^skipped: (?<name>.+)$/,
+  continued: /^failed and continued: (?<reason>\w+)$/,
+  rejected: /^failed and the item rejected: (?<reason>\w+)$/,
+  aborted: /^failed and the job aborted: (?<reason>\w+)$/,
+  aborting: /^the job is being aborted$/,
+  found: /^found (?<name>.+)$/,
+  caused: /^round (?<number>\d+): (?<name>.+)$/,
   decided: /^decided$/,
   finished: /^finished with (?<name>.+)$/,
   attempt: /^attempt (?<name>\d+)$/,
@@ -69,8 +79,8 @@ function said(words, english) {
   for (const [key, pattern] of words) {
     const found = pattern.exec(english);
     if (!found) continue;
-    const { name = '', reason = '' } = found.groups ?? {};
-    return t(`twig.${key}`, { name, reason: tOr(`reason.${reason}`, reason) });
+    const { name = '', number = '', reason = '' } = found.groups ?? {};
+    return t(`twig.${key}`, { name, number, reason: tOr(`reason.${reason}`, reason) });
   }
   return english;
 }
