@@ -123,8 +123,8 @@ class _Reader:
                 yield task.id, mark
 
     def _job(self, job: JobStatus) -> str:
-        state = self._wording.job_state(job.state.value)
-        return f'{job.id} ({script_words(job)}): {state}, {self._counts(job)}'
+        states = map(self._wording.job_state, filter(None, (job.state.value, job.ending)))
+        return f'{job.id} ({script_words(job)}): {", ".join(states)}, {self._counts(job)}'
 
     def _counts(self, job: JobStatus) -> str:
         """Say how far a job is; bad counts only when there are any."""

@@ -167,6 +167,7 @@ def _job(job: JobStatus, status: CellStatus) -> JobRow:
         script=one_line(script_words(job)),
         state=job.state.state,
         counts=job_count_words(job)
+        + words.ending(job)
         + words.start_wait(job)
         + words.lacks(job)
         + words.expected_finish(job, status),

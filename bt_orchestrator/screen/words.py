@@ -71,7 +71,7 @@ def _job_lines(status: CellStatus, shell: Shell | None) -> Iterator[str]:
     """Yield each job, and what it needs before it can go on."""
     for job in status.jobs:
         how_far = f'{job_count_words(job)}{job_terms(job)}{expected_finish(job, status)}'
-        yield f'  {job_name(job)}: {job.state.state}, {how_far}'
+        yield f'  {job_name(job)}: {job.state.state}{ending(job)}, {how_far}'
         if shell and job.awaits_release:
             release = shell.command(f'release-script {job.digest} {WHY}')
             yield f'    an engineer releases it: {release}'
@@ -120,6 +120,11 @@ def belt(status: CellStatus) -> str:
 def job_name(job: JobStatus) -> str:
     """Return a job with its script."""
     return f'{one_line(job.id)} ({one_line(script_words(job))})'
+
+
+def ending(job: JobStatus) -> str:
+    """Say that a job is stopping or aborting: it ends when its last item has left."""
+    return f', {job.ending}' if job.ending else ''
 
 
 def job_terms(job: JobStatus) -> str:

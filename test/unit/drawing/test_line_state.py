@@ -270,3 +270,11 @@ def test_the_legend_explains_what_is_new() -> None:
 def test_a_status_of_another_cell() -> None:
     with pytest.raises(NotThisLine, match='of cell other, not of test_line'):
         drawn(status(cell='other'))
+
+
+def test_a_live_drawing_says_that_a_job_is_being_aborted() -> None:
+    line = Line()
+    script = line.script(SCRIPT)
+    state = status(jobs=[job(ending='aborting')])
+    (told,) = line_state(state, script, line.cell).jobs
+    assert told == 'WO-1 (test): Running, aborting, 0 of 4 packed'

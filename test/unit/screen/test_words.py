@@ -289,3 +289,9 @@ def test_a_job_that_was_made_anew_says_without_what_and_how_fast_it_is() -> None
     ):
         assert words.job_terms(statuses.job(anew=other)) == f', {told}'
     assert words.job_terms(statuses.job(anew=anew, state=JobWord.ENDED)) == ''
+
+
+def test_a_job_that_is_ending_says_so_in_every_view() -> None:
+    status = statuses.status(jobs=[statuses.job(ending='aborting', started_at=3.0, started=2)])
+    assert any(': Running, aborting, 0 of 10' in line for line in words.status_lines(status, NODE))
+    assert ', aborting' in cell_view(status, NODE).jobs[0].counts
