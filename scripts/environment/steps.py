@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import configparser
 import os
 import shutil
 import sys
@@ -11,7 +12,7 @@ from pathlib import Path
 from commands import base_interpreter, run_logged
 from installer import UV_OPTIONS, Installer
 from node_packages import FILES, install_node_packages
-from projects import Project, interface_project, package_project, read_list
+from projects import PACKAGE, Project, interface_project, package_project, read_list
 from report import Failure, say, step
 from sources import digest
 
@@ -164,6 +165,7 @@ class Environment:
         with ThreadPoolExecutor() as pool:
             list(pool.map(lambda each: each.build(scratch, wheels / each.name), projects))
         self._installer.install_wheels('build', *sorted(wheels.glob('*/*.whl')))
+        link_programs(self.folder)
         for project in projects:
             self._done(project.name, project.stamp)
         shutil.rmtree(scratch, ignore_errors=True)
@@ -181,6 +183,20 @@ class Environment:
 
     def _done(self, name: str, stamp: str) -> None:
         self._stamp(name).write_text(stamp)
+
+
+def link_programs(environment: Path) -> None:
+    """Put the package's programs where `ros2 run` and launch files look for them, as colcon does."""
+    folder = environment / 'lib' / PACKAGE
+    folder.mkdir(parents=True, exist_ok=True)
+    for metadata in environment.glob(f'lib/python*/site-packages/{PACKAGE}-*.dist-info'):
+        scripts = configparser.ConfigParser()
+        scripts.optionxform = str  # type: ignore[method-assign, assignment]
+        scripts.read(metadata / 'entry_points.txt')
+        for name in scripts['console_scripts']:
+            link = folder / name
+            link.unlink(missing_ok=True)
+            link.symlink_to(Path('..', '..', 'bin', name))
 
 
 def _pins(path: Path) -> list[str]:

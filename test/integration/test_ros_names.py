@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import sys
+
 import pytest
 from rclpy.exceptions import InvalidTopicNameException
 from rclpy.expand_topic_name import expand_topic_name
 from rclpy.validate_full_topic_name import validate_full_topic_name
 
+from bt_orchestrator.ros.link.client import NodeClient
 from bt_orchestrator.script.report import START, Report
 from bt_orchestrator.script.ros_names import LONGEST_TOPIC, check_topic_name
 
@@ -27,3 +30,10 @@ def test_rclpy_agrees(name: str) -> None:
     else:
         is_legal = True
     assert check_topic_name(name, START, Report('a.yaml')) is is_legal
+
+
+def test_clients_of_one_process_have_names_of_their_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A launch file renames each node of a process, with `__node` for the global arguments."""
+    monkeypatch.setattr(sys, 'argv', ['page', '--ros-args', '-r', '__node:=page'])
+    with NodeClient('/cell', 1.0) as one, NodeClient('/cell', 1.0) as other:
+        assert one.node.get_fully_qualified_name() != other.node.get_fully_qualified_name()

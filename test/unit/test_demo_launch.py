@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import runpy
 import sys
 from pathlib import Path
@@ -165,5 +166,8 @@ def test_the_programs_exist(launched: LaunchFile) -> None:
     setup = (ROOT / 'setup.py').read_text(encoding='utf-8')
     for process in launched.processes(page='true', opcua='true'):
         assert f"'{process['executable']} = bt_orchestrator.cli" in setup
+        # Where `ros2 run` and launch files look.
+        program = Path(sys.prefix) / 'lib' / 'bt_orchestrator' / process['executable']
+        assert os.access(program, os.X_OK), program
     assert callable(run.tree_node_main)
     assert callable(sim_cell.sim_cell_main)

@@ -6,6 +6,7 @@ import sys
 import time
 from collections.abc import Callable
 from typing import Any
+from uuid import uuid4
 
 import rclpy
 from bt_orchestrator_interfaces.msg import CellDescription as CellDescription_
@@ -56,9 +57,11 @@ class NodeClient:
         # One of its own: a process may look at several nodes.
         self._context = Context()
         rclpy.init(context=self._context, signal_handler_options=SignalHandlerOptions.NO)
+        # A launch file's name for the process would be the name of each of its nodes.
         self._node = Node(
-            'bt_orchestrator_client',
+            f'bt_orchestrator_client_{uuid4().hex[:8]}',
             context=self._context,
+            use_global_arguments=False,
             start_parameter_services=False,
             enable_rosout=False,
         )
