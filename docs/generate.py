@@ -70,6 +70,7 @@ PARTS: Mapping[str, Callable[[], Iterator[str]]] = {
     'states of the cell': states.states_of_the_cell,
     'status': status.status,
     'kinds of waits': status.kinds_of_waits,
+    'causes of a standstill': status.causes_of_a_standstill,
     'stop reasons': states.stop_reasons,
     'commands and states': states.commands_in_states,
     'everything that can be asked': requests.everything_that_can_be_asked,

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from bt_orchestrator.model.words import Words
+
 
 @dataclass(frozen=True)
 class Contest:
@@ -23,6 +25,12 @@ class Contest:
         if self.servers:
             return f'waiting for {component} to have one server; there are {self.words(action)}'
         return f'waiting for {component}; {self.words(action)}'
+
+    def facts(self, action: str) -> Words | None:
+        """Return what `words` says as facts; None: there is none."""
+        if self.servers:
+            return Words('several_servers', {'action': action, 'servers': ', '.join(self.servers)})
+        return Words('foreign_goals', {'goals': ', '.join(self.goals)}) if self.goals else None
 
     def words(self, action: str) -> str:
         """Describe the contest; empty: there is none."""

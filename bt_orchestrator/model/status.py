@@ -15,10 +15,12 @@ from bt_orchestrator.model.jobs.made_anew import MadeAnew
 from bt_orchestrator.model.jobs.order import RecipeChoice
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.roles import Role
+from bt_orchestrator.model.stands import Stands
 from bt_orchestrator.model.state import End, Hold
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.model.wait import Wait
 from bt_orchestrator.model.wish import Wish
+from bt_orchestrator.model.words import Words
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,20 @@ class ItemStatus:
 
 
 @dataclass(frozen=True)
+class FinishedCycle:
+    """The last cycle that a section completed in this beat.
+
+    It stays told until the belt has moved.
+    """
+
+    job: str
+    item: str
+    passed: tuple[PassedTask, ...] = ()
+    failed: tuple[str, ...] = ()
+    """Ids of tasks that failed and were passed all the same."""
+
+
+@dataclass(frozen=True)
 class SectionStatus:
     """One position of the belt and its station."""
 
@@ -88,6 +104,8 @@ class SectionStatus:
     """Ids of tasks that failed, whether passed or not."""
     waits: tuple[Wait, ...] = ()
     """Why the section waits."""
+    finished: FinishedCycle | None = None
+    """What it did in this beat before the cycle in progress."""
 
 
 @dataclass(frozen=True)
@@ -118,6 +136,8 @@ class ComponentStatus:
     """None: it is in service."""
     contested: str = ''
     """The contest, in words; no goal is sent during one (semantics 2.5)."""
+    contested_words: Words | None = None
+    """The contest as facts."""
     state: str = ''
     """Last value of its state topic."""
     task: str = ''
@@ -188,6 +208,12 @@ class JobStatus:
     """Those of them that have a goal in flight."""
     passed: tuple[PassedTask, ...] = ()
     """Initialization tasks that have ended; none once the job has ended."""
+    good: int | None = None
+    """Packed items that conformed when they left the line; None: not told here."""
+    by_hand: int | None = None
+    """Missing items that were placed and then taken off by hand; None: not told here."""
+    end_unknown: str = ''
+    """Why its end cannot be expected; empty: nothing speaks against it."""
 
     @property
     def unreleased(self) -> str:
@@ -257,6 +283,10 @@ class CellStatus:
     """Why the line stands still: operator, own_fault, starved, blocked or emergency."""
     stop_message: str = ''
     """The stop reason in words."""
+    stop_words: Words | None = None
+    """The stop reason as facts; None: it is known in words only."""
+    stands: Stands | None = None
+    """Why nothing moves, also where nothing is held (semantics 7.4); None: something moves."""
     stop_after: str = ''
     """item or job: the line runs empty and stops."""
     wish: Wish | None = None

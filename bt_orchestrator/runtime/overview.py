@@ -137,18 +137,18 @@ class Overview:
             ready=reading.ready and not contested and out is None,
             out_of_service='' if out is None else out.reason,
             out_of_service_since=None if out is None else out.since,
-            contested=contested,
+            contested=contested.words(component.action) if contested else '',
+            contested_words=contested.facts(component.action) if contested else None,
             state='' if reading.value is None else str(reading.value),
             task=str(key) if key else '',
             feedback=feedback_of(engine.flights, progress.goal if progress else None),
         )
 
-    def _contested(self, component: Component) -> str:
-        """Say who else uses or serves a component; also after the journal has failed."""
+    def _contested(self, component: Component) -> Contest | None:
+        """Return who else uses or serves a component; also after the journal has failed."""
         rivals = self._engine.gateway.rivals(component.name)
         contests = self._engine.state.contests
-        contest = Contest(tuple(rivals)) if rivals else contests.get(component.name)
-        return contest.words(component.action) if contest else ''
+        return Contest(tuple(rivals)) if rivals else contests.get(component.name)
 
 
 def description_of(cell: Cell) -> CellDescription:

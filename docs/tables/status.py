@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any, get_args, get_origin
 
 from bt_orchestrator.model.codec import hints_of
+from bt_orchestrator.model.stands import StandCause
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.model.wait import WaitKind
 from tables import docstrings
@@ -41,6 +42,13 @@ def kinds_of_waits() -> Iterator[str]:
         ('kind', 'waits for'),
         ((f'`{kind.value}`', cell(documented[kind.value])) for kind in WaitKind),
     )
+
+
+def causes_of_a_standstill() -> Iterator[str]:
+    """Yield a table of the causes for which a cell stands."""
+    documented = docstrings.of_members(StandCause)
+    rows = ((f'`{cause.value}`', cell(documented[cause.value])) for cause in StandCause)
+    yield from table(('cause', 'meaning'), rows)
 
 
 def _kinds(kind: Any) -> list[type]:

@@ -20,11 +20,13 @@ from bt_orchestrator.model.status import (
     CellDescription,
     CellStatus,
     ComponentStatus,
+    FinishedCycle,
     ItemStatus,
     JobStatus,
     ListedJob,
 )
 from bt_orchestrator.model.wish import Wish
+from bt_orchestrator.model.words import Words
 from bt_orchestrator.ros.stamps import from_time, to_time
 from bt_orchestrator.ros.types.description_messages import cell_description, description_message
 from bt_orchestrator.ros.types.job_messages import listed_job, listed_message
@@ -42,8 +44,12 @@ DRAWN = {str: TEXTS, int: WHOLE, float: SECONDS, bool: st.booleans()}
 NAMED: dict[Any, dict[str, st.SearchStrategy[Any]]] = {
     ItemStatus: {'id': NAMES},
     Wish: {'command': NAMES},
+    FinishedCycle: {'job': NAMES},
+    Words: {'kind': NAMES},
     JobStatus: {
         'priority': INT16,
+        'good': WHOLE,
+        'by_hand': WHOLE,
         'recipe_version': st.none() | st.integers(1, 2**32 - 1),
         **dict.fromkeys(('start', 'due', 'started_at', 'ended_at'), st.none() | LATER),
     },

@@ -75,6 +75,14 @@ class HoldRaised(Event):
     answers: tuple[str, ...] = ()
     owner: str = ''
     """Who paused the cell; empty: not one person."""
+    round: int = 0
+    """Which further round of its repeat, from 1; 0: the first pass, or no repeat."""
+    controller_said: str = ''
+    """As in `task.failed`."""
+    last_feedback: str = ''
+    """As in `task.failed`."""
+    topic_says: str = ''
+    """In doubt after a restart: what the action's status topic says of the goal."""
 
 
 @dataclass(frozen=True, kw_only=True)

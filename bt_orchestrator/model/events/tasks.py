@@ -108,6 +108,12 @@ class TaskFailed(TaskEvent):
     """What was refused (result_refused, duplicate_serial)."""
     left_out: tuple[str, ...] = ()
     """As in `task.succeeded`."""
+    round: int = 0
+    """As in `task.started`."""
+    controller_said: str = ''
+    """Text of the controller's own result, cut."""
+    last_feedback: str = ''
+    """Last feedback of the attempt, as one JSON object."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -26,6 +26,10 @@ def hold_raised(event: e.HoldRaised, state: CellState) -> None:
         action=event.action,
         attempt=event.attempt,
         attempts=event.attempts,
+        round=event.round,
+        controller_said=event.controller_said,
+        last_feedback=event.last_feedback,
+        topic_says=event.topic_says,
     )
     state.holds[hold.id] = hold
     state.holds_raised += 1

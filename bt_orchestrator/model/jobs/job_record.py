@@ -46,6 +46,10 @@ class FailureRecord:
     item: str | None = None
     results: Mapping[str, Any] = field(default_factory=dict)
     """What was refused (result_refused, duplicate_serial)."""
+    round: int = 0
+    """Which further round of its repeat, from 1; 0: the first pass, or no repeat."""
+    controller_said: str = ''
+    """Text of the controller's own result, cut."""
 
     def is_of(self, item: str, task: str) -> bool:
         """Tell whether it is an attempt of this task of this item."""

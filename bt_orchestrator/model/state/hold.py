@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from bt_orchestrator.model.events import TaskKey
 from bt_orchestrator.model.pauses import NAMED
+from bt_orchestrator.model.words import Words
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,18 @@ class Hold:
     """Number of the attempt that failed, from 1; 0: none was made."""
     attempts: int = 0
     """Attempts that the script allows."""
+    round: int = 0
+    """Which further round of its repeat, from 1; 0: the first pass, or no repeat."""
+    message_words: tuple[Words, ...] = ()
+    """Sentences of the node in the message, as facts; empty: they are known in words only."""
+    controller_said: str = ''
+    """Text of the controller's own result, cut."""
+    last_feedback: str = ''
+    """Last feedback of the failed attempt, as one JSON object."""
+    topic_says: str = ''
+    """In doubt after a restart: what the action's status topic says of the goal."""
+    answers_why: str = ''
+    """Why other answers are not offered; empty: nothing is left out."""
 
     @property
     def is_pause(self) -> bool:

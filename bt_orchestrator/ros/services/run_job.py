@@ -264,6 +264,8 @@ def _failure(failure: FailureRecord) -> FailureReport:
         item=failure.item or '',
         task=failure.task,
         attempt=failure.attempt,
+        round=failure.round,
         reason=failure.reason,
         message=failure.message,
+        controller_said=failure.controller_said,
     )

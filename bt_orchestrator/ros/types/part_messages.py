@@ -9,6 +9,12 @@ from bt_orchestrator_interfaces import msg
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import ComponentStatus, ItemStatus, SectionStatus
 from bt_orchestrator.ros.stamps import from_moment, from_time, to_moment, to_time
+from bt_orchestrator.ros.types.fact_messages import (
+    finished_message,
+    finished_of,
+    words_message,
+    words_of,
+)
 from bt_orchestrator.ros.types.task_messages import (
     passed_message,
     passed_task,
@@ -40,6 +46,7 @@ def section_message(section: SectionStatus) -> msg.SectionStatus:
         passed=[passed_message(task) for task in section.passed],
         failed=section.failed,
         waits=[wait_message(wait) for wait in section.waits],
+        finished=finished_message(section.finished),
     )
 
 
@@ -64,6 +71,7 @@ def section_status(message: msg.SectionStatus) -> SectionStatus:
         passed=tuple(map(passed_task, message.passed)),
         failed=tuple(message.failed),
         waits=tuple(map(wait_of, message.waits)),
+        finished=finished_of(message.finished),
     )
 
 
@@ -86,6 +94,7 @@ def component_message(component: ComponentStatus) -> msg.ComponentStatus:
         available=component.available,
         ready=component.ready,
         contested=component.contested,
+        contested_words=words_message(component.contested_words),
         out_of_service=component.out_of_service,
         out_of_service_since=to_moment(component.out_of_service_since),
         state=component.state,
@@ -102,6 +111,7 @@ def component_status(message: msg.ComponentStatus) -> ComponentStatus:
         available=message.available,
         ready=message.ready,
         contested=message.contested,
+        contested_words=words_of(message.contested_words),
         out_of_service=message.out_of_service,
         out_of_service_since=from_moment(message.out_of_service_since),
         state=message.state,
@@ -127,6 +137,12 @@ def hold_message(hold: Hold) -> msg.HoldStatus:
         message=hold.message,
         answers=hold.answers,
         owner=hold.owner,
+        round=hold.round,
+        message_words=[words_message(words) for words in hold.message_words],
+        controller_said=hold.controller_said,
+        last_feedback=hold.last_feedback,
+        topic_says=hold.topic_says,
+        answers_why=hold.answers_why,
         since=to_time(hold.since),
     )
 
@@ -149,4 +165,10 @@ def hold_of(message: msg.HoldStatus) -> Hold:
         action=message.action,
         attempt=message.attempt,
         attempts=message.attempts,
+        round=message.round,
+        message_words=tuple(filter(None, map(words_of, message.message_words))),
+        controller_said=message.controller_said,
+        last_feedback=message.last_feedback,
+        topic_says=message.topic_says,
+        answers_why=message.answers_why,
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable
+from collections.abc import Callable, Hashable, Iterable, Iterator
 from typing import Any, Generic, TypeVar
 
 from bt_orchestrator_interfaces import msg
@@ -21,6 +21,14 @@ from bt_orchestrator.model.status import (
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.model.wish import Wish
 from bt_orchestrator.ros.stamps import from_time, to_time
+from bt_orchestrator.ros.types.fact_messages import (
+    job_facts_message,
+    stands_message,
+    stands_of,
+    with_facts,
+    words_message,
+    words_of,
+)
 from bt_orchestrator.ros.types.job_messages import job_message, job_status
 from bt_orchestrator.ros.types.part_messages import (
     component_message,
@@ -69,12 +77,12 @@ class StatusWriter:
     def __init__(self) -> None:
         self._sections = _Parts[SectionStatus](lambda section: section.number, section_message)
         self._components = _Parts[ComponentStatus](lambda one: one.name, component_message)
-        self._jobs = _Parts[JobStatus](lambda job: job.id, job_message)
+        self._jobs = _Parts[JobStatus](lambda job: job.id, _job_messages)
         self._holds = _Parts[Hold](lambda hold: hold.id, hold_message)
 
     def message(self, status: CellStatus) -> msg.Status:
         """Return the message with all that a status says."""
-        wish = status.wish or Wish('')
+        wish, jobs = status.wish or Wish(''), self._jobs.messages(status.jobs)
         return msg.Status(
             stamp=to_time(status.stamp),
             seq=status.seq,
@@ -97,6 +105,8 @@ class StatusWriter:
             ],
             stop_reason=status.stop_reason.value if status.stop_reason else '',
             stop_message=status.stop_message,
+            stop_words=words_message(status.stop_words),
+            stands=stands_message(status.stands),
             unauthenticated_role=(
                 status.unauthenticated_role.value if status.unauthenticated_role else ''
             ),
@@ -107,7 +117,8 @@ class StatusWriter:
             initialization_waits=[wait_message(wait) for wait in status.initialization],
             sections=self._sections.messages(status.sections),
             components=self._components.messages(status.components),
-            jobs=self._jobs.messages(status.jobs),
+            jobs=[job for job, _ in jobs],
+            job_facts=[facts for _, facts in jobs],
             queued=status.queued,
             flags=[
                 msg.FlagStatus(name=flag.name, count=flag.count, capacity=flag.capacity)
@@ -115,6 +126,10 @@ class StatusWriter:
             ],
             holds=self._holds.messages(status.holds),
         )
+
+
+def _job_messages(job: JobStatus) -> tuple[msg.JobStatus, msg.JobFacts]:
+    return job_message(job), job_facts_message(job)
 
 
 def cell_status(message: msg.Status) -> CellStatus:
@@ -129,6 +144,8 @@ def cell_status(message: msg.Status) -> CellStatus:
         state_times={PackmlState(one.state): one.seconds for one in message.state_times},
         stop_reason=StopReason(message.stop_reason) if message.stop_reason else None,
         stop_message=message.stop_message,
+        stop_words=words_of(message.stop_words),
+        stands=stands_of(message.stands),
         stop_after=message.stop_after,
         wish=_wish(message),
         waits_for=message.waits_for,
@@ -144,11 +161,16 @@ def cell_status(message: msg.Status) -> CellStatus:
         initialization=tuple(map(wait_of, message.initialization_waits)),
         sections=tuple(map(section_status, message.sections)),
         components=tuple(map(component_status, message.components)),
-        jobs=tuple(map(job_status, message.jobs)),
+        jobs=tuple(_jobs(message)),
         queued=message.queued,
         flags=tuple(FlagStatus(one.name, one.count, one.capacity) for one in message.flags),
         holds=tuple(map(hold_of, message.holds)),
     )
+
+
+def _jobs(message: msg.Status) -> Iterator[JobStatus]:
+    for job, facts in zip(message.jobs, message.job_facts, strict=True):
+        yield with_facts(job_status(job), facts)
 
 
 def _wish(message: msg.Status) -> Wish | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bt_orchestrator.model.by import named
+from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.hold_words import hold_words
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.state import Hold
@@ -48,6 +49,7 @@ def cell_part(status: CellStatus, description: CellDescription, node: str) -> di
         'since': status.state_since,
         'stop_reason': status.stop_reason.value if status.stop_reason else '',
         'stop_message': status.stop_message,
+        'stands': to_plain(status.stands, whole=True),
         'stop_after': status.stop_after,
         'wish': _wish_part(status.wish) if status.wish else None,
         'waits_for': status.waits_for,
@@ -117,6 +119,11 @@ def hold_part(hold: Hold) -> dict[str, object]:
         'message': hold.message,
         'attempt': hold.attempt,
         'attempts': hold.attempts,
+        'round': hold.round,
+        'controller_said': hold.controller_said,
+        'last_feedback': hold.last_feedback,
+        'topic_says': hold.topic_says,
+        'answers_why': hold.answers_why,
         'since': hold.since,
         'owner': hold.owner,
         'words': hold_words(hold),

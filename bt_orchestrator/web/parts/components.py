@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.status import (
     CellDescription,
     ComponentDescription,
@@ -22,6 +23,7 @@ def component_part(
         'available': component.available,
         'ready': component.ready,
         'contested': component.contested,
+        'contested_words': to_plain(component.contested_words, whole=True),
         'out_of_service': component.out_of_service,
         'out_of_service_since': component.out_of_service_since,
         'state': component.state,
