@@ -186,7 +186,7 @@ class Environment:
 
 
 def link_programs(environment: Path) -> None:
-    """Put the package's programs where `ros2 run` and launch files look for them, as colcon does."""
+    """Put the programs where `ros2 run` and launch files look for them, as colcon does."""
     folder = environment / 'lib' / PACKAGE
     folder.mkdir(parents=True, exist_ok=True)
     for metadata in environment.glob(f'lib/python*/site-packages/{PACKAGE}-*.dist-info'):
