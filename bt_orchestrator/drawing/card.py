@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,6 +24,7 @@ BADGE_WIDTH = 56
 
 ID_COLUMNS = 17
 NAME_COLUMNS = 27
+ROUND_COLUMNS = 38
 """As CARD_COLUMNS, in their larger letters."""
 
 ITEM_FILL = '#dbeafe'
@@ -203,21 +204,41 @@ def _marks(sheet: Sheet, task: Task) -> Iterator[tuple[str, str]]:
         yield say('\u25bc takes flag {flag}', flag=flag.flag), ''
     for flag in sheet.script.upstream_of.get(task.id, ()):
         yield say('\u25b2 sets flag {flag}', flag=flag.flag), ''
-    repeat = sheet.script.repeat_of.get(task.id)
-    if repeat is not None:
-        for text in wrapped(f'\u21bb {", ".join(repeat.tasks)}: {_rounds(repeat, say)}'):
-            yield text, ROUND_FILL
     for zone in sheet.script.zones_of.get(task.id, ()):
         yield say('\u25a0 zone {zone}', zone=zone), sheet.zone_fill(zone)
     if sheet.limits(task):
         yield say('\u25c6 limits the pace'), ''
 
 
-def _rounds(repeat: Repeat, say: Callable[..., str]) -> str:
-    times = repeat.times
+def rounds_words(repeat: Repeat, wording: Wording) -> str:
+    """Say how often the tasks of a repeat may be done again."""
+    times, say = repeat.times, wording.say
     return (
         say('up to 1 more round') if times == 1 else say('up to {count} more rounds', count=times)
     )
+
+
+def last_round(sheet: Sheet, tasks: Sequence[Task]) -> Label:
+    """Say what follows where a verdict refuses the result of the last round (semantics 3.9).
+
+    :param tasks: of a repeat
+    """
+    say = sheet.wording.say
+    judged = [task for task in tasks if task.fails_unless is not None]
+    policies = dict.fromkeys(task.on_failure for task in judged)
+    if len(policies) == 1:
+        said = [say('after the last round: {policy}', policy=say(POLICY[one])) for one in policies]
+    else:
+        said = [
+            say(
+                'after the last round of {task}: {policy}',
+                task=task.id,
+                policy=say(POLICY[task.on_failure]),
+            )
+            for task in judged
+        ]
+    lines = [Text(text, 9, italic=True) for one in said for text in wrapped(one, ROUND_COLUMNS)]
+    return Label((_wide(lines),), height=11 * len(lines) + 4.0)
 
 
 def _details(sheet: Sheet, task: Task, belt: str) -> Iterator[str]:
@@ -243,4 +264,7 @@ def _details(sheet: Sheet, task: Task, belt: str) -> Iterator[str]:
     yield _retries(sheet, task) if task.retries else say('no retries')
     yield say('if it fails: {policy}', policy=say(POLICY[task.on_failure]))
     yield say('repeatable: yes') if task.repeatable else say('repeatable: no')
+    repeat = sheet.script.repeat_of.get(task.id)
+    if repeat is not None:
+        yield f'\u21bb {", ".join(repeat.tasks)}: {rounds_words(repeat, sheet.wording)}'
     yield from (text for text, _ in _marks(sheet, task))

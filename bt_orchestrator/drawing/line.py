@@ -11,7 +11,7 @@ from contextlib import AbstractContextManager
 
 from bt_orchestrator.drawing.box import Box
 from bt_orchestrator.drawing.canvas import Canvas, LineLabel, Stroke
-from bt_orchestrator.drawing.card import Sheet, details
+from bt_orchestrator.drawing.card import ROUND_FILL, Sheet, details, rounds_words
 from bt_orchestrator.drawing.dot_canvas import DotCanvas
 from bt_orchestrator.drawing.label import Entry, Label, Text, one_entry
 from bt_orchestrator.drawing.legend import legend, title
@@ -19,7 +19,7 @@ from bt_orchestrator.drawing.line_state import LineState, SectionMark
 from bt_orchestrator.drawing.mark import about_slot, slot_label
 from bt_orchestrator.drawing.page import FlagLine, Page
 from bt_orchestrator.drawing.picture import Picture
-from bt_orchestrator.drawing.plan import Column, Placed
+from bt_orchestrator.drawing.plan import Column, Loop, Placed
 from bt_orchestrator.drawing.style import (
     BAR_FILL,
     BELT,
@@ -27,6 +27,7 @@ from bt_orchestrator.drawing.style import (
     FLAG,
     GROUP_FILL,
     INK,
+    LOOP_LINE,
     PAPER,
     SECTION_FILL,
     SLOT_FILL,
@@ -40,6 +41,7 @@ from bt_orchestrator.proof.pace import pace
 INITIALIZATION = 'a section begins the first item of an order when its components are initialized'
 BELT_MOVES = 'moves every item by one slot, when every section has let it go'
 GROUP = 'these start together; the group ends when all of them ended'
+LOOP = 'tasks that are all done again where a verdict refuses the result of one'
 FLAG_IS = 'flag {flag}: capacity {capacity}, initial count {initial}'
 FLAG_SET = '{task} starts while it is below {capacity}, and adds one after it'
 FLAG_TAKEN = '{task} starts while it is above 0, and takes one after it'
@@ -109,6 +111,8 @@ class _Drawing:
         with self._frame(name, self._heading(number), box, self._about(number)):
             for count, group in enumerate(column.groups, 1):
                 self._group(f'{name}.group.{count}', group)
+            for loop in column.loops:
+                self._loop(f'repeat.{loop.repeat.name}', loop)
             self._slot(column)
             if column.release is not None:
                 self._release(f'{name}.release', column.release)
@@ -117,6 +121,8 @@ class _Drawing:
             self._cards(column.cards)
             if not column.cards:
                 self._idle(name, column.slot)
+        for loop in column.loops:
+            self._back(f'repeat.{loop.repeat.name}.back', loop)
         for one, other in column.arrows:
             self._arrow(one, other)
 
@@ -172,6 +178,20 @@ class _Drawing:
         heading = one_entry(Text(self._say('in parallel'), italic=True), width=box.width - 12)
         with self._canvas.frame(name, heading, box, GROUP_FILL, [self._say(GROUP)]):
             pass  # its members are drawn with the section, in the order of the list
+
+    def _loop(self, name: str, loop: Loop) -> None:
+        self._names[loop.box] = f'task.{loop.repeat.tasks[0]}'
+        words = f'\u21bb {rounds_words(loop.repeat, self._sheet.wording)}'
+        heading = one_entry(Text(words, bold=True), width=loop.box.width - 12)
+        with self._canvas.frame(name, heading, loop.box, ROUND_FILL, [self._say(LOOP)]):
+            pass  # as in a group
+        self._canvas.label(f'{name}.after', loop.after, loop.after_box, [self._say(LOOP)])
+
+    def _back(self, name: str, loop: Loop) -> None:
+        ends = self._names[loop.last], self._names[loop.first]
+        self._canvas.line(
+            ends, loop.way_back, Stroke(LOOP_LINE, 1.6), name=name, about=[self._say(LOOP)]
+        )
 
     def _cards(self, cards: Iterable[Placed]) -> None:
         for one in cards:

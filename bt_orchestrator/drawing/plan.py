@@ -10,11 +10,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
-from bt_orchestrator.drawing.box import Box
-from bt_orchestrator.drawing.card import CARD_WIDTH, Sheet, belt_words, card
+from bt_orchestrator.drawing.box import Box, Point
+from bt_orchestrator.drawing.card import CARD_WIDTH, Sheet, belt_words, card, last_round
 from bt_orchestrator.drawing.label import Label
 from bt_orchestrator.drawing.mark import SLOT_HEIGHT
-from bt_orchestrator.model.script import SectionList, Step, Task
+from bt_orchestrator.model.script import Repeat, SectionList, Step, Task
 
 GAP = 24.0
 """Between the steps of a list, for an arrow."""
@@ -23,6 +23,9 @@ TITLE = 24.0
 GROUP_TITLE = 18.0
 BAR = 20.0
 TRACK_GAP = 12.0
+MARGIN = 4.0
+LOOP_SIDE = 16.0
+"""On both sides of the tasks of a repeat; the way back is on the right."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +39,36 @@ class Placed:
 
 
 @dataclass(frozen=True)
+class Loop:
+    """A repeat: the frame around its tasks, and the way back from the last verdict."""
+
+    repeat: Repeat
+    box: Box
+    first: Box
+    last: Box
+    """The card of the last verdict."""
+    after: Label
+    """What follows the last round."""
+    after_box: Box
+
+    def moved(self, right: float, down: float) -> Loop:
+        """Return the same repeat elsewhere."""
+        places = ('box', 'first', 'last', 'after_box')
+        return replace(self, **{name: getattr(self, name).moved(right, down) for name in places})
+
+    @property
+    def way_back(self) -> list[Point]:
+        """From the last verdict to the first task."""
+        lane = self.first.right + LOOP_SIDE / 2
+        # A repeat of one task leads back to the same card.
+        start, end = (
+            self.last.bottom - self.last.height / 4,
+            self.first.top + self.first.height / 4,
+        )
+        return [(self.last.right, start), (lane, start), (lane, end), (self.first.right, end)]
+
+
+@dataclass(frozen=True)
 class Column:
     """One section, as if it stood in the upper left corner."""
 
@@ -45,6 +78,7 @@ class Column:
     slot: Box
     cards: tuple[Placed, ...] = ()
     groups: tuple[Box, ...] = ()
+    loops: tuple[Loop, ...] = ()
     release: Box | None = None
     joins: tuple[Box, ...] = ()
     """Where two groups meet."""
@@ -63,6 +97,7 @@ class Column:
             slot=move(self.slot),
             cards=tuple(replace(one, box=move(one.box)) for one in self.cards),
             groups=tuple(map(move, self.groups)),
+            loops=tuple(one.moved(right, down) for one in self.loops),
             release=None if self.release is None else move(self.release),
             joins=tuple(map(move, self.joins)),
             arrows=tuple((move(one), move(other)) for one, other in self.arrows),
@@ -85,11 +120,13 @@ class _Stacking:
         self._sheet = sheet
         self._tasks = tasks
         self._number = number
-        self._inner = max(map(_width, tasks.steps), default=CARD_WIDTH) if tasks else CARD_WIDTH
+        steps = tasks.steps if tasks else ()
+        self._inner = max(map(self._width, steps), default=CARD_WIDTH)
         self._slot = replace(self._bar(TITLE), height=BAR if sheet.state is None else SLOT_HEIGHT)
         self._bottom = self._slot.bottom
         self._cards: list[Placed] = []
         self._groups: list[Box] = []
+        self._loops: list[Loop] = []
         self._release: Box | None = None
         self._joins: list[Box] = []
         self._arrows: list[tuple[Box, Box]] = []
@@ -118,6 +155,7 @@ class _Stacking:
             self._slot,
             tuple(self._cards),
             tuple(self._groups),
+            tuple(self._loops),
             self._release,
             tuple(self._joins),
             tuple(self._arrows),
@@ -127,7 +165,7 @@ class _Stacking:
         return Box(PADDING + (self._inner - CARD_WIDTH) / 2, top, CARD_WIDTH, BAR)
 
     def _group(self, step: Step) -> tuple[list[Box], list[Box]]:
-        top, width = self._bottom + GAP, _width(step)
+        top, width = self._bottom + GAP, self._width(step)
         ends = self._tracks(step, top + GROUP_TITLE)
         self._bottom += PADDING
         left = PADDING + (self._inner - width) / 2
@@ -136,14 +174,17 @@ class _Stacking:
 
     def _tracks(self, step: Step, top: float) -> tuple[list[Box], list[Box]]:
         """Place the tracks side by side; returns the first and the last box of each."""
-        width = len(step.tracks) * (CARD_WIDTH + TRACK_GAP) - TRACK_GAP
-        left = PADDING + (self._inner - width) / 2
+        left = PADDING + (self._inner - self._tracks_width(step)) / 2
         tops, ends = [], []
         for track in step.tracks:
-            boxes = self._track(step, track, left, top)
+            repeat = self._repeat(track)
+            if repeat is None:
+                boxes = self._track(step, track, left, top)
+            else:
+                boxes = [self._loop(repeat, step, track, left, top)]
             tops.append(boxes[0])
             ends.append(boxes[-1])
-            left += CARD_WIDTH + TRACK_GAP
+            left += self._track_width(track) + TRACK_GAP
         self._bottom = max(box.bottom for box in ends)
         return tops, ends
 
@@ -159,6 +200,32 @@ class _Stacking:
         self._arrows += pairwise(boxes)
         return boxes
 
+    def _loop(
+        self, repeat: Repeat, step: Step, track: Sequence[Task], left: float, top: float
+    ) -> Box:
+        """Place a repeat in a frame of its own."""
+        inner = left + LOOP_SIDE
+        boxes = self._track(step, track, inner, top + GROUP_TITLE)
+        verdicts = [box for task, box in zip(track, boxes, strict=True) if task.fails_unless]
+        after = last_round(self._sheet, track)
+        after_box = Box(inner, boxes[-1].bottom + MARGIN, CARD_WIDTH, after.height)
+        width, height = CARD_WIDTH + 2 * LOOP_SIDE, after_box.bottom + MARGIN - top
+        box = Box(left, top, width, height)
+        self._loops.append(Loop(repeat, box, boxes[0], verdicts[-1], after, after_box))
+        return box
+
+    def _repeat(self, track: Sequence[Task]) -> Repeat | None:
+        return self._sheet.script.repeat_of.get(track[0].id)
+
+    def _track_width(self, track: Sequence[Task]) -> float:
+        return CARD_WIDTH + (0 if self._repeat(track) is None else 2 * LOOP_SIDE)
+
+    def _tracks_width(self, step: Step) -> float:
+        return sum(map(self._track_width, step.tracks)) + TRACK_GAP * (len(step.tracks) - 1)
+
+    def _width(self, step: Step) -> float:
+        return self._tracks_width(step) + (2 * PADDING if step.is_group else 0)
+
     def _join(self, tops: Sequence[Box]) -> None:
         """Draw arrows from the ends above; those of two groups meet in a point."""
         if len(self._ends) > 1 and len(tops) > 1:
@@ -168,11 +235,6 @@ class _Stacking:
             self._arrows += [(end, point) for end in self._ends]
             self._ends = [point]
         self._arrows += [(end, top) for end in self._ends for top in tops]
-
-
-def _width(step: Step) -> float:
-    cards = len(step.tracks) * (CARD_WIDTH + TRACK_GAP) - TRACK_GAP
-    return cards + 2 * PADDING if step.is_group else cards
 
 
 # --- initialization ---------------------------------------------------------------------------

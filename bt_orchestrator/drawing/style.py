@@ -15,5 +15,6 @@ SLOT_FILL = '#d5dae2'
 GROUP_FILL = '#e6ebf2'
 FLAG = '#b45309'
 BELT = '#8a94a3'
+LOOP_LINE = '#4f46e5'
 ALARM = '#b00020'
 """Frames of what failed or is held."""

@@ -168,14 +168,27 @@ def test_a_zone_is_named_on_each_of_its_tasks() -> None:
         assert '\u25a0 zone crane' in long().words(f'task.{task}')
 
 
-def test_a_repeat_is_named_on_each_of_its_tasks_and_in_the_legend() -> None:
-    judged = 'fails_unless: "${results.look.item_present}"'
+def test_a_repeat_is_a_frame_with_a_way_back_and_what_follows() -> None:
+    judged = 'fails_unless: "${results.look.item_present}", on_failure: reject'
     repeat = f'- repeat: [{{id: glue, @b2}}, {{id: look, @a2, {judged}}}]\n  times: 2'
-    picture = drawn(with_section(2, repeat))
-    for task in ('glue', 'look'):
-        assert '\u21bb glue, look: up to 2 more rounds' in picture.words(f'task.{task}')
+    picture = drawn(
+        with_section(2, repeat).replace('qty_change: -1', 'qty_change: -1, runs_for: all')
+    )
+    assert words(picture.clusters['repeat.glue']['label']) == ['\u21bb up to 2 more rounds']
+    assert picture.words('repeat.glue.after') == ['after the last round: reject the item']
+    assert picture.edges['task.look -> task.glue']['id'] == 'repeat.glue.back'
     assert '\u21bb' in picture.words('legend')
     assert '\u21bb' not in drawn(THREE).words('legend')
+
+
+def test_verdicts_of_one_repeat_say_each_what_follows_the_last_round() -> None:
+    judged = 'fails_unless: "${results.NAME.item_present}"'
+    one, other = (judged.replace('NAME', name) for name in ('glue', 'look'))
+    tasks = f'[{{id: glue, @b2, {one}, on_failure: continue}}, {{id: look, @a2, {other}}}]'
+    picture = drawn(with_section(2, f'- repeat: {tasks}'))
+    said = ' '.join(picture.words('repeat.glue.after')).replace('   ', ' ')
+    assert 'after the last round of glue: continue' in said
+    assert 'after the last round of look: hold, an operator decides' in said
 
 
 def test_initialization_is_a_group_with_its_order() -> None:
