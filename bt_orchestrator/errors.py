@@ -126,8 +126,8 @@ class NotRead(OrchestratorError):
 class MissingResult(OrchestratorError):
     """A reference names no value that could be used for this item.
 
-    semantics 6.3, 6.5: the task was skipped or failed, or a condition would compare no finite
-    number. The attempt ends with the reason `missing_result`.
+    semantics 6.3: the task was skipped or failed, or its result has NaN or infinity there. The
+    attempt ends with the reason `missing_result`.
     """
 
     def __init__(

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from bt_orchestrator.errors import MissingResult
 from bt_orchestrator.model.reference import (
     Reference,
     Scope,
     Template,
     as_text,
-    look_up,
     references,
     resolve,
 )
@@ -101,7 +98,7 @@ def _is_met(condition: Condition, scope: Scope) -> bool:
     if condition.parts:
         met = [_is_met(part, scope) for part in condition.parts]  # each, for what it may lack
         return all(met) if condition.all else any(met)
-    value = _known(condition.value, scope)
+    value = resolve(condition.value, scope)
     if condition.one_of:
         return value in condition.one_of
     if condition.not_equals is not None:
@@ -110,15 +107,3 @@ def _is_met(condition: Condition, scope: Scope) -> bool:
     if low is None and high is None:
         return bool(value == condition.equals)
     return (low is None or value >= low) and (high is None or value <= high)
-
-
-def _known(value: Template, scope: Scope) -> Any:
-    """Return the value of a template.
-
-    :raises MissingResult: a part of it does not exist, or is no finite number
-    """
-    for reference in references(value):
-        named = look_up(reference, scope)
-        if isinstance(named, float) and not math.isfinite(named):
-            raise MissingResult(str(reference), f'is {named}, which is no finite number')
-    return resolve(value, scope)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import math
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -67,7 +68,7 @@ def references(value: object) -> Iterator[Reference]:
 def resolve(value: Any, scope: Scope) -> Any:
     """Replace every reference in an argument value by what it names.
 
-    :raises MissingResult: the result does not exist for this item (semantics 6.3)
+    :raises MissingResult: see `look_up`
     """
     if isinstance(value, Template):
         if len(value.parts) == 1 and isinstance(value.parts[0], Reference):
@@ -86,14 +87,41 @@ def resolve(value: Any, scope: Scope) -> Any:
 def look_up(reference: Reference, scope: Scope) -> Any:
     """Return what a reference names.
 
-    :raises MissingResult: the result does not exist for this item (semantics 6.3)
+    :raises MissingResult: the result does not exist for this item, or is or contains a number that
+        is not finite (semantics 6.3)
     """
     value: Any = getattr(scope, reference.source)
     for key in (reference.name, *reference.fields):
         if not isinstance(value, Mapping) or key not in value:
             raise MissingResult(str(reference))
         value = value[key]
+    bad = _not_finite(value)
+    if bad is not None:
+        place, number = bad
+        what = f'has {number} at {place.removeprefix(".")}' if place else f'is {number}'
+        raise MissingResult(str(reference), f'{what}, which is no finite number')
     return value
+
+
+def _not_finite(value: object) -> tuple[str, float] | None:
+    """Return the place in a value, and the number, of its first NaN or infinity."""
+    if isinstance(value, float):
+        return None if math.isfinite(value) else ('', value)
+    if isinstance(value, Mapping):
+        return _first_not_finite(value.items(), '.{}')
+    return (
+        _first_not_finite(enumerate(value), '[{}]') if isinstance(value, (list, tuple)) else None
+    )
+
+
+def _first_not_finite(
+    members: Iterable[tuple[object, object]], step: str
+) -> tuple[str, float] | None:
+    for key, member in members:
+        bad = _not_finite(member)
+        if bad is not None:
+            return step.format(key) + bad[0], bad[1]
+    return None
 
 
 def as_text(value: object) -> str:

@@ -61,6 +61,10 @@ PARAMETER_TYPES: Mapping[str, FieldType] = {
 """What a script's parameters may be."""
 
 
+_NOT_FINITE = ('nan', 'inf', 'infinity')
+"""Texts in which other programs write no finite number; JSON and a shell carry them as texts."""
+
+
 def simple_type(ros_name: str) -> FieldType | None:
     """Return the type of a field that holds one value; None for arrays and messages."""
     bounded = re.fullmatch(r'(w?string)<=(\d+)', ros_name)
@@ -121,6 +125,9 @@ def _int_misfit(value: object, type_: FieldType) -> Misfit | None:
 
 def _float_misfit(value: object, type_: FieldType) -> Misfit | None:
     needed = _named('a number', type_)
+    if isinstance(value, str) and value.lower().lstrip('.+-') in _NOT_FINITE:
+        hint = 'give a number that was measured; NaN and infinity are refused'
+        return Misfit(_named('a finite number', type_), hint)
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return Misfit(needed, _number_hint(value, 'write a number, without quotes'))
     largest = LARGEST_FLOAT32 if type_.ros_name.startswith('float32') else LARGEST_FLOAT64

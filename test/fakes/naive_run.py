@@ -6,7 +6,7 @@ import itertools
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from math import inf, isnan
+from math import inf, isfinite, isnan
 from types import SimpleNamespace
 from typing import Any
 
@@ -61,8 +61,14 @@ class Item:
     serial: str = ''
 
     def value(self, text: Any) -> Any:
-        """Return what a reference stands for; KeyError: nothing; any other value is itself."""
-        return self.values[text[2:-1]] if str(text).startswith('${') else text
+        """Return what a reference stands for; any other value is itself.
+
+        KeyError: it stands for nothing, or for no finite number (6.3).
+        """
+        found = self.values[text[2:-1]] if str(text).startswith('${') else text
+        if isinstance(found, float) and not isfinite(found):
+            raise KeyError(text)
+        return found
 
     def remember(self, task: Task, results: Row) -> None:
         self.values |= {f'results.{task.id}.{name}': value for name, value in results.items()}

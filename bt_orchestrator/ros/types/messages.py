@@ -105,7 +105,7 @@ def _single(value: Any, field: FieldType, present: Any, place: str) -> Any:
         value = value.item()  # a number of numpy's
     if field.kind == 'bytes' and isinstance(value, bytes) and len(value) == 1:
         return value
-    # A script is held to finite numbers, but the result of one controller may go to another.
+    # No goal has such a number (semantics 6.3), but an answer of a simulated controller may.
     not_finite = isinstance(value, float) and not math.isfinite(value)
     problem = None if not_finite and field.kind == 'float' else misfit(value, field)
     if problem is not None:

@@ -63,6 +63,13 @@ def test_what_does_not_fit_is_refused_with_what_would(text: str, said: str) -> N
     assert said in str(refused.value)
 
 
+@pytest.mark.parametrize('value', ['nan', '.nan', 'NaN', 'inf', '-.inf', 'Infinity', '1e999'])
+def test_a_number_that_is_not_finite_is_refused_at_every_door(value: str) -> None:
+    """A shell, JSON and YAML write it in their own ways."""
+    with pytest.raises(CommandRefused, match='`measurement` must be a finite number'):
+        given_results(results_text(results_of([f'measurement={value}'])), ACTION)
+
+
 @pytest.mark.parametrize(
     ('words', 'said'),
     [
