@@ -42,7 +42,8 @@ ORDER = """\
 @pytest.fixture
 def planned(start_cell: StartCell, tmp_path: Path) -> CellProcesses:
     """Give a line with a long job on it, two behind that, and a recipe."""
-    cell = start_cell(ABLE_CELL, run_options=['--recipes', str(tmp_path / 'cell')])
+    # 500 items at this speed take minutes: the job is there to the end.
+    cell = start_cell(ABLE_CELL, speed=4, run_options=['--recipes', str(tmp_path / 'cell')])
     cell.connect()
     (cell.folder / 'recipe.yaml').write_text(RECIPE)
     (cell.folder / 'before.yaml').write_text(RECIPE.replace('version: 4', 'version: 3'))

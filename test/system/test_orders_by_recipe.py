@@ -20,6 +20,9 @@ from bt_orchestrator_interfaces.srv import (
 from cell_processes import SMALL_CELL, CellProcesses, StartCell, runs, small_script
 from diagnostic_msgs.msg import KeyValue
 
+LONG = 5000
+"""Items of a job that does not end before the node was killed and asked again."""
+
 MODULE = 'bt_orchestrator.cli.generating.process'
 
 ABLE = {
@@ -141,6 +144,9 @@ def _what_is_out_of_service_is_left_out(cell: CellProcesses) -> None:
     assert 'out of service' in told.answers[0].findings[0]
     back = Command.Request(command='in_service', component='packer', reason='mended')
     assert cell.watch.call(Command, 'command', back).accepted
+    # Generated behind A, so that A's change for the packer is over when the next part begins.
+    again = QueueAdd.Request(orders=[by_recipe('G')], held=True)
+    assert cell.watch.call(QueueAdd, 'queue/add', again).accepted
 
 
 def _queued_jobs_follow_what_is_out_of_service(cell: CellProcesses) -> None:
@@ -172,7 +178,7 @@ def _queued_jobs_follow_what_is_out_of_service(cell: CellProcesses) -> None:
 def _the_rest_of_a_job_is_made_without_it(cell: CellProcesses) -> None:
     watch = cell.watch
     whole = watch.until('job.queued', job='A')['digest']
-    order = WorkOrder(order='H', recipes=['BOX'], quantity=400)
+    order = WorkOrder(order='H', recipes=['BOX'], quantity=LONG)
     assert watch.call(QueueAdd, 'queue/add', QueueAdd.Request(orders=[order])).accepted
     watch.until('item.placed', job='H')
     told = watch.command('out_of_service', component='worker', who='Ada')
@@ -194,7 +200,7 @@ def _the_rest_of_a_job_is_made_without_it(cell: CellProcesses) -> None:
     assert (rest['rest_of'], rest['position'], rest['anew']['without']) == ('H', 1, ['worker'])
     assert watch.until('job.stopping', job='H')['seq'] < rest['seq']
     begun = len({one['item'] for one in watch.seen('cycle.started', job='H')})
-    assert rest['quantity'] == 400 - begun
+    assert rest['quantity'] == LONG - begun
     status = watch.until_status(
         lambda told: any(job.id == 'H-rest' and job.made_anew for job in told.jobs), 'the rest'
     )
@@ -206,10 +212,13 @@ def _the_rest_of_a_job_is_made_without_it(cell: CellProcesses) -> None:
     assert watch.call(QueueCommand, 'queue/command', abort).accepted
     watch.until('job.aborted', job='H')
     assert watch.until('task.started', job='H-rest', task='work')['component'] == 'packer'
+    # Paused: the last items of H-rest stay on the line, and H-end cannot begin before its cancel.
+    assert watch.command('pause').accepted
     requeue.job, requeue.order = 'H-rest', 'H-end'
     assert watch.call(QueueCommand, 'queue/command', requeue).accepted
     cancel = QueueCommand.Request(command='cancel', job='H-end', reason='enough')
     assert watch.call(QueueCommand, 'queue/command', cancel).accepted
+    assert watch.command('resume').accepted
     assert watch.until('job.completed', job='H-rest')['exit_status'] == 'stopped'
     assert watch.command('in_service', component='worker', who='Ada').accepted
     watch.until('job.updated', count=2, job='A', digest=whole)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 
-from cell_processes import CellProcesses, small_script
+from cell_processes import CellProcesses, StartCell, small_script
 
 
 def order_file(cell: CellProcesses, name: str, quantity: int) -> str:
@@ -13,14 +13,16 @@ def order_file(cell: CellProcesses, name: str, quantity: int) -> str:
     return str(path)
 
 
-def test_requests_are_worked_out_and_not_made(small_cell: CellProcesses) -> None:
-    small_cell.script(small_script())
-    small_cell.run_small(quantity=500, order='long')
-    small_cell.watch.until('item.removed')
-    orders = [order_file(small_cell, name, 20) for name in 'ab']
-    assert small_cell.verb('submit', *orders)[0] == 0
+def test_requests_are_worked_out_and_not_made(start_cell: StartCell) -> None:
+    cell = start_cell(speed=4)  # 500 items take minutes: the job is there to the end
+    cell.connect()
+    cell.script(small_script())
+    cell.run_small(quantity=500, order='long')
+    cell.watch.until('item.removed')
+    orders = [order_file(cell, name, 20) for name in 'ab']
+    assert cell.verb('submit', *orders)[0] == 0
 
-    status, output, errors = small_cell.verb('what-if', 'queue next b', '--json')
+    status, output, errors = cell.verb('what-if', 'queue next b', '--json')
     assert status == 0, errors
     found = json.loads(output)
     before = {one['job']: one['ends_s'] for one in found['before']}
@@ -30,10 +32,10 @@ def test_requests_are_worked_out_and_not_made(small_cell: CellProcesses) -> None
     assert before['a'] < before['b']
     assert after['b'] < after['a']
 
-    trees = ('--trees', str(small_cell.folder))
-    rush = order_file(small_cell, 'rush', 1)
+    trees = ('--trees', str(cell.folder))
+    rush = order_file(cell, 'rush', 1)
     words = (f'submit {rush}', 'queue next rush', 'queue resume long')
-    status, output, errors = small_cell.verb('what-if', *words, *trees)
+    status, output, errors = cell.verb('what-if', *words, *trees)
     assert status == 1, errors
     lines = output.splitlines()
     assert lines[0].split() == ['job', 'ends', 'in', 'would', 'end', 'in', 'change']
@@ -41,7 +43,7 @@ def test_requests_are_worked_out_and_not_made(small_cell: CellProcesses) -> None
     assert lines[2].split()[1] == 'new'
     assert lines[5].startswith('would be refused: job.resume: long is Running; ')
 
-    status, output, _ = small_cell.verb('queue', '--json')
+    status, output, _ = cell.verb('queue', '--json')
     assert [job['id'] for job in json.loads(output)['jobs']] == ['long', 'a', 'b'], 'as before'
-    status, _, errors = small_cell.verb('what-if', 'status')
+    status, _, errors = cell.verb('what-if', 'status')
     assert (status, 'asks nothing of the cell' in errors) == (2, True)

@@ -103,7 +103,9 @@ def _of_script(read: ReadScript, cell: Cell) -> tuple[Finding, ...]:
         if without_time is not None and kind not in told:
             found.add(node.place, *without_time)
         told.add(kind)
-        for what, hint in chain(_repeated(task, script), _never_there(task, script)):
+        for what, hint in chain(
+            _repeated(task, script), _never_there(task, script), _left_on_the_belt(task, script)
+        ):
             found.add(node.place, what, hint)
     return found.findings
 
@@ -138,6 +140,30 @@ def _never_there(task: Task, script: Script) -> Iterator[tuple[str, str]]:
                 f'items are rejected by {listing(r.id for r in rejecting)}; refer to a task before'
             )
             yield what, hint
+
+
+def _left_on_the_belt(task: Task, script: Script) -> Iterator[tuple[str, str]]:
+    """Yield that the task takes out good items, and no task takes out rejected ones from there on.
+
+    An operator or `abort_job` may reject any item on the belt; it then stops the belt (3.6).
+    """
+    if task.qty_change >= 0 or not task.runs_for.includes(rejected=False):
+        return
+    places = _places(script)
+    takers = [
+        one
+        for one in script.tasks.values()
+        if one.qty_change < 0 and one.runs_for.includes(rejected=True)
+    ]
+    if any(_is_at_or_behind(places[one.id], places[task.id]) for one in takers):
+        return
+    behind = f' behind `{takers[-1].id}`' if takers else ''
+    what = (
+        f'an item that an operator or `abort_job` rejects{behind} is never taken out: `{task.id}` '
+        'runs for good items only'
+    )
+    hint = 'set `runs_for: all`, or each such item stops the belt until somebody takes it off'
+    yield what, hint
 
 
 _Place = tuple[int, int, int, int]

@@ -10,7 +10,8 @@ import pytest
 from fakes.action_types import FakeActionTypes
 from fakes.glue_cell import CELL as GLUE_CELL
 from fakes.glue_cell import RECIPE
-from fakes.script_texts import CELL, LINE
+from fakes.script_texts import CELL
+from fakes.script_texts import LINE as GOOD_ONLY
 from fakes.shipped import REFERENCE_CELL, ROOT, STUCK, TREES
 
 from bt_orchestrator.cli.check import add_arguments, check
@@ -19,6 +20,7 @@ from bt_orchestrator.errors import Refused
 GEAR_MOTOR = ROOT / 'recipes' / 'gear_motor.yaml'
 GEAR_MOTOR_CELL = ROOT / 'config' / 'gear_motor_cell.yaml'
 TYPES = FakeActionTypes()
+LINE = GOOD_ONLY.replace('qty_change: -1', 'qty_change: -1, runs_for: all')
 FITS = 'fits cell reference_cell'
 WAITS = 'waits for zone shared_table not counted'
 CIRCLE = 'assemble, inspect, the belt moves (flag camera_read)'
@@ -352,6 +354,31 @@ def test_a_result_that_some_item_has_is_no_warning(
     files: Files, options: str, runs_for: str, giver: str
 ) -> None:
     assert files.check(REJECTING % (options, runs_for, giver)) == []
+
+
+DISCARD = (
+    '{id: discard, task: PICK_AND_PACK, action: /packer/task, qty_change: -1, runs_for: rejected}'
+)
+BEHIND = GOOD_ONLY.replace('qty_change: -1}', f'qty_change: -1}}, {DISCARD}')
+BEFORE = GOOD_ONLY.replace('[{id: pack', f'[{DISCARD}, {{id: pack')
+
+
+@pytest.mark.parametrize(('text', 'behind'), [(GOOD_ONLY, ''), (BEFORE, ' behind `discard`')])
+def test_a_rejected_item_that_stays_on_the_belt_is_a_warning(
+    files: Files, text: str, behind: str
+) -> None:
+    (line,) = files.check(text)
+    assert line.startswith('line.yaml:4:')
+    assert line.partition(': warning: ')[2] == (
+        f'an item that an operator or `abort_job` rejects{behind} is never taken out: `pack` runs '
+        'for good items only; set `runs_for: all`, or each such item stops the belt until '
+        'somebody takes it off'
+    )
+
+
+@pytest.mark.parametrize('text', [LINE, BEHIND])
+def test_a_rejected_item_that_is_taken_out_is_no_warning(files: Files, text: str) -> None:
+    assert files.check(text) == []
 
 
 def test_strict_takes_warnings_for_mistakes(files: Files) -> None:
