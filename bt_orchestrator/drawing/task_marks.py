@@ -76,7 +76,12 @@ def held_mark(hold: Hold, wording: Wording = ENGLISH) -> TaskMark:
     return TaskMark(
         Mark.HELD,
         say('(hold {hold})', hold=hold.id),
-        say('{why}; answer with {answers}', why=why, answers=answers),
+        '; '.join(
+            filter(
+                None,
+                (say('{why}; answer with {answers}', why=why, answers=answers), hold.answers_why),
+            )
+        ),
     )
 
 

@@ -125,34 +125,69 @@ def raise_hold(state: CellState, key: e.TaskKey, task: Task) -> e.HoldRaised:
 
 def answers(state: CellState, key: e.TaskKey, task: Task) -> tuple[str, ...]:
     """Return what an operator may answer about a held task now (semantics 3.5, 4.3, 7.1)."""
+    return tuple(answer for answer, obstacle in _obstacles(state, key, task) if obstacle is None)
+
+
+def why_not_offered(state: CellState, key: e.TaskKey, task: Task) -> str:
+    """Say why a held task offers no more answers; empty: it offers all that could make sense."""
+    by_obstacle: dict[str, list[str]] = {}
+    for answer, obstacle in _obstacles(state, key, task):
+        if obstacle:
+            by_obstacle.setdefault(obstacle, []).append(answer)
+    return '; '.join(f'no {" or ".join(named)}: {why}' for why, named in by_obstacle.items())
+
+
+_NEVER = ''
+"""An obstacle that needs no words: the answer makes no sense for such a task."""
+
+
+def _obstacles(state: CellState, key: e.TaskKey, task: Task) -> Iterator[tuple[str, str | None]]:
+    """Yield each answer with what speaks against it; None: it is offered."""
     if key.job is None:
         aborts = any(not job.aborting for job in _jobs_on_the_belt(state))
-        return (RETRY, MARK_DONE, *([ABORT_JOB] if aborts else []))
+        yield from ((RETRY, None), (MARK_DONE, None))
+        yield ABORT_JOB, None if aborts else 'no job on the belt is left to abort'
+        return
     failed = state.tasks[key]
-    is_open = _is_open(failed, task)
-    again = effects.why_skipped(state, key, task) is None
-    if is_open and failed.cancel_cause == ABORT_JOB:
-        again = False
-    offered = {
-        # A missing result would be missing again.
-        RETRY: again and failed.reason is not Reason.MISSING_RESULT,
-        AGAIN: again and _repeat(state, key) is not None,
-        MARK_DONE: True,
-        # An item that needs this task to leave the belt would not leave it.
-        SKIP: task.qty_change != -1 or not again,
-        REJECT: not is_open and _may_be_rejected(state, key),
-        ABORT_JOB: not is_open and not state.jobs[key.job].aborting,
-    }
-    return tuple(answer for answer, sensible in offered.items() if sensible)
+    unknown = _what_is_unknown(key, task) if _is_open(failed, task) else None
+    again = _why_not_again(state, key, task)
+    # A missing result would be missing again.
+    is_missing = failed.reason is Reason.MISSING_RESULT
+    yield RETRY, again or ('the result would be missing again' if is_missing else None)
+    yield AGAIN, _NEVER if _repeat(state, key) is None else again
+    yield MARK_DONE, None
+    would_stay = task.qty_change == -1 and again is None
+    yield SKIP, 'the item would not leave the belt' if would_stay else None
+    yield REJECT, unknown or _why_not_rejected(state, key)
+    is_aborting = state.jobs[key.job].aborting
+    yield ABORT_JOB, unknown or ('the job is being aborted' if is_aborting else None)
 
 
-def _may_be_rejected(state: CellState, key: e.TaskKey) -> bool:
-    """Tell whether the item is there and good, and its section still has its turn (3.8)."""
+def _why_not_again(state: CellState, key: e.TaskKey, task: Task) -> str | None:
+    """Say why no further attempt makes sense (semantics 4.3, 7.1)."""
+    failed = state.tasks[key]
+    if _is_open(failed, task) and failed.cancel_cause == ABORT_JOB:
+        return 'the task was cancelled with its job'
+    skipped = effects.why_skipped(state, key, task)
+    return None if skipped is None else f'the task would be skipped ({skipped})'
+
+
+def _why_not_rejected(state: CellState, key: e.TaskKey) -> str | None:
+    """Say why the item cannot be rejected: it must be there and good, in the turn (3.8)."""
     if key.job is None or key.item is None or key.section is None:
-        return False
+        return _NEVER
     item, tasks = state.items[key.item], state.script(key.job).sections[key.section]
+    if item.rejected:
+        return 'the item is rejected already'
+    if not item.present or item.gone:
+        return 'the item is not on the belt'
     in_turn = (task.id for step in tasks.steps[: tasks.turn_steps] for task in step.tasks)
-    return item.present and not item.gone and not item.rejected and key.task in in_turn
+    return None if key.task in in_turn else 'the section has released the belt'
+
+
+def _what_is_unknown(key: e.TaskKey, task: Task) -> str:
+    done = 'placed in' if task.qty_change == 1 else 'taken out of'
+    return f'it is not known whether {key.item} was {done} section {key.section}'
 
 
 def _question(key: e.TaskKey, task: Task, offered: tuple[str, ...]) -> str:

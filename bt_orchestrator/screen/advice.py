@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple, Protocol
 
 from bt_orchestrator.model.jobs.isa95 import OVER
+from bt_orchestrator.model.one_line import one_line
 from bt_orchestrator.model.packml import Cause, PackmlState
 from bt_orchestrator.model.requests import CELL, About, Request, of_hold
 from bt_orchestrator.model.status import CellStatus
@@ -35,6 +36,10 @@ class Question(Protocol):
     @property
     def answers(self) -> tuple[str, ...]:
         """What makes sense now."""
+
+    @property
+    def answers_why(self) -> str:
+        """Why other answers are not offered; empty: nothing is left out, or not known."""
 
 
 class Shell(NamedTuple):
@@ -77,7 +82,7 @@ def hold_advice(hold: Question, shell: Shell) -> list[str]:
     others: Sequence[str] = hold.answers[1:]
     if others:
         commands[1:] = [f'or {", ".join(others)} in place of {hold.answers[0]}']
-    return commands
+    return [*commands, *filter(None, [one_line(hold.answers_why)])]
 
 
 def hold_choices(hold: Question) -> tuple[Choice, ...]:

@@ -131,6 +131,8 @@ class _Raised(NamedTuple):
     id: str
     item: str | None
     answers: tuple[str, ...]
+    answers_why: str = ''
+    """No event tells it."""
 
 
 def _raised(event: e.HoldRaised) -> _Raised:

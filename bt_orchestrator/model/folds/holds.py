@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.failures import answers
+from bt_orchestrator.model.failures import answers, why_not_offered
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.script import index_task
 from bt_orchestrator.model.state import CellState, Hold, Phase, TaskState
@@ -36,15 +36,26 @@ def hold_raised(event: e.HoldRaised, state: CellState) -> None:
     if hold.key is not None:
         before = state.tasks.get(hold.key, TaskState(Phase.HELD))
         state.tasks[hold.key] = changed(before, phase=Phase.HELD, hold=hold.id)
+        _offer(state, hold)
 
 
 def offer_anew(state: CellState) -> None:
     """Update the offered answers of every held task to its item and its job."""
-    for name, hold in state.holds.items():
-        key = hold.key
-        if key is not None and state.tasks[key].reason is not None:
-            task = state.task(key) or index_task(state.cell)
-            state.holds[name] = changed(hold, answers=answers(state, key, task))
+    for hold in list(state.holds.values()):
+        _offer(state, hold)
+
+
+def _offer(state: CellState, hold: Hold) -> None:
+    """Update the offered answers of a task that failed; other holds keep theirs."""
+    key = hold.key
+    if key is None or state.tasks[key].reason is None:
+        return
+    task = state.task(key) or index_task(state.cell)
+    state.holds[hold.id] = changed(
+        hold,
+        answers=answers(state, key, task),
+        answers_why=why_not_offered(state, key, task),
+    )
 
 
 def hold_released(event: e.HoldReleased, state: CellState) -> None:

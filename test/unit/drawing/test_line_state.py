@@ -148,10 +148,12 @@ def test_a_reason_stands_on_the_card_and_whole_in_its_tooltip() -> None:
 
 
 def test_a_hold_says_what_may_be_answered() -> None:
-    held = hold(section=2, item='WO-1/1', task='look', message='too late')
+    why = 'no reject: the item is rejected already'
+    held = hold(section=2, item='WO-1/1', task='look', message='too late', answers_why=why)
     picture = drawn(status(section_2(), holds=[held]))
     hint = picture.nodes['task.look']['tooltip']
     assert 'timeout (too late); answer with retry | skip' in hint
+    assert why in hint
     assert 'BORDER="3"' in picture.nodes['task.look']['label']
 
 

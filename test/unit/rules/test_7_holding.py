@@ -271,6 +271,8 @@ def test_7_1_of_an_item_that_was_removed_nothing_is_tried_again(task: str, answe
     assert run.remove('J/1').accepted
     (hold,) = run.state.holds.values()
     assert hold.answers == ('mark_done', 'skip', 'abort_job')
+    said = 'no retry: the task would be skipped (empty position); '
+    assert hold.answers_why == f'{said}no reject: the item is not on the belt'
     assert not run.answer('retry').accepted
     run.answer(answer)
     run.go()
@@ -294,6 +296,10 @@ def test_7_1_where_the_job_is_aborted_a_task_for_rejected_items_is_tried_again()
     run.control('abort', 'J')
     (hold,) = run.state.holds.values()
     assert hold.answers == ('retry', 'mark_done')
+    assert hold.answers_why == (
+        'no skip: the item would not leave the belt; no reject: the item is rejected already; '
+        'no abort_job: the job is being aborted'
+    )
     run.answer('retry')
     run.go()
     assert run.ended
@@ -305,6 +311,8 @@ def test_7_1_of_initialization_that_nobody_needs_any_more_nothing_is_tried_again
     run.control('abort', 'J')
     (hold,) = run.state.holds.values()
     assert hold.answers == ('mark_done', 'skip')
+    said = 'no retry: the task would be skipped (job aborted); '
+    assert hold.answers_why == f'{said}no abort_job: the job is being aborted'
     run.answer('skip')
     run.go()
     assert run.ended
@@ -315,6 +323,7 @@ def test_7_1_the_move_aborts_each_job_once() -> None:
     run.answer('abort_job')
     (hold,) = run.state.holds.values()
     assert hold.answers == ('retry', 'mark_done')
+    assert hold.answers_why == 'no abort_job: no job on the belt is left to abort'
 
 
 # --- 7.1: `reject` is for an item whose section still has its turn -----------------------------
@@ -375,6 +384,8 @@ def test_7_1_only_answers_that_say_what_the_slot_holds(
     (hold,) = run.state.holds.values()
     assert (hold.reason, hold.answers) == (reason, answers)
     assert f'was J/1 {question}? mark_done if it was, else retry' in hold.message
+    why = f'no reject or abort_job: it is not known whether J/1 was {question}'
+    assert hold.answers_why.endswith(why)
     run.answer('mark_done')
     run.go()
     assert run.ended
@@ -400,6 +411,7 @@ def test_7_1_after_an_abort_of_the_cell_the_slot_is_asked_for(
     run.control('abort', 'J')
     (hold,) = run.state.holds.values()
     assert hold.answers == then
+    assert ('no retry: ' in hold.answers_why) == ('retry' not in then)
 
 
 @pytest.mark.parametrize('word', REMARKS)
@@ -555,6 +567,7 @@ def test_7_1_a_task_that_lacks_a_result_is_not_tried_again(
     run = Line(faults={'b1': '#1=abort'}).run(text)
     (hold,) = run.state.holds.values()
     assert (hold.reason, hold.answers) == ('missing_result', answers)
+    assert hold.answers_why.startswith('no retry: the result would be missing again')
     assert not run.answer('retry').accepted
     assert run.answer('mark_done').accepted
     run.go()

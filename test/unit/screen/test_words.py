@@ -295,3 +295,9 @@ def test_a_job_that_is_ending_says_so_in_every_view() -> None:
     status = statuses.status(jobs=[statuses.job(ending='aborting', started_at=3.0, started=2)])
     assert any(': Running, aborting, 0 of 10' in line for line in words.status_lines(status, NODE))
     assert ', aborting' in cell_view(status, NODE).jobs[0].counts
+
+
+def test_a_hold_says_why_answers_are_missing() -> None:
+    why = 'no reject: the item is rejected already'
+    lines = words.status_lines(statuses.status(holds=[statuses.hold(answers_why=why)]), NODE)
+    assert list(lines)[-1].strip() == why
