@@ -151,6 +151,9 @@ SAMPLES: dict[str, Any] = {
     'seconds': -3600.0,
     'lots': {'glue': 'L-77'},
     'serial': 'SN-4711',
+    'controller_said': 'gripper open',
+    'last_feedback': '{"current_sub_task": "closing"}',
+    'topic_says': 'it succeeded',
 }
 """A value for every field of every event."""
 
