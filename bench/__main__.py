@@ -11,7 +11,16 @@ import traceback
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from bench import opcua_rows, page_rows, reader_rows, report, report_rows, ros_rows, virtual_rows
+from bench import (
+    engine_rows,
+    opcua_rows,
+    page_rows,
+    reader_rows,
+    report,
+    report_rows,
+    ros_rows,
+    virtual_rows,
+)
 from bench.plot import draw
 from bench.rows import TARGETS, Row, merged
 
@@ -21,10 +30,14 @@ Bench = Callable[[], Iterator[Row]]
 def benches(args: argparse.Namespace) -> dict[tuple[str, ...], Bench]:
     """Return what measures which rows."""
     quick, rounds = args.quick, args.rounds or (1 if args.quick else 5)
+    in_turns = args.rounds or (1 if quick else 10)
     tasks = args.tasks or (60 if quick else 10_000)
     events = args.events or (2_000 if quick else 1_000_000)
     return {
         ('simulator',): lambda: virtual_rows.simulator(rounds, 20 if quick else 500),
+        ('engine', 'engine_against', 'engine_normal', 'engine_normal_against'): lambda: (
+            engine_rows.engine(2 if quick else args.rounds or 40, 5 if quick else 30, args.against)
+        ),
         ('sections',): lambda: virtual_rows.sections(rounds, 3 if quick else 60),
         ('queue',): lambda: virtual_rows.queue(rounds, 2 if quick else 40),
         ('check',): lambda: virtual_rows.check(*((1, 8, 4) if quick else (3, 200, 10))),
@@ -34,8 +47,8 @@ def benches(args: argparse.Namespace) -> dict[tuple[str, ...], Bench]:
         ),
         ('restart',): lambda: virtual_rows.restart(rounds, events),
         ('report',): lambda: report_rows.report(rounds, events),
-        ('dispatch', 'polling', 'wrap', 'cpu', 'watcher'): lambda: ros_rows.dispatch(
-            rounds, 3 if quick else 20
+        ('dispatch', 'dispatch_normal', 'polling', 'wrap', 'cpu', 'watcher'): lambda: (
+            ros_rows.dispatch(in_turns, 3 if quick else 20)
         ),
         ('readers', 'readers_cpu'): lambda: reader_rows.readers(
             rounds, *((3, 2_000) if quick else (20, 50_000))
@@ -112,7 +125,10 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument(
         '--only', action='append', choices=sorted(TARGETS), help='with what is measured beside it'
     )
-    parser.add_argument('--rounds', type=int, help='default 5')
+    parser.add_argument(
+        '--against', metavar='REV', help='revision whose engine takes turns with this one'
+    )
+    parser.add_argument('--rounds', type=int, help='default 5; latencies 10, engine 40')
     parser.add_argument('--tasks', type=int, help='of the drift (default 10000)')
     parser.add_argument('--events', type=int, help='of the journal (default 1000000)')
     parser.add_argument('--json', type=Path, metavar='FILE')

@@ -34,8 +34,15 @@ POOLED = {'latencies, s', 'wraps, s'}
 """Notes that hold every single measurement, by candidate."""
 
 TARGETS = {
-    'dispatch': Target('dispatch p50, ours / rclpy chain on the same executor, FULL', 1.4, 1.15),
-    'wrap': Target('cycle wrap p50, ours / rclpy chain on the same executor, FULL', 1.4, 1.15),
+    'engine': Target('engine alone, CPU a task, us, journal in memory'),
+    'engine_normal': Target('engine alone, CPU a task, us, NORMAL'),
+    'engine_against': Target('engine alone / that of --against, journal in memory', 1.05, 0.65),
+    'engine_normal_against': Target('engine alone / that of --against, NORMAL', 1.05, 0.65),
+    'dispatch': Target('dispatch p50, ours / rclpy chain on the same executor, FULL', 1.5, 1.25),
+    'dispatch_normal': Target(
+        'dispatch p50, ours / rclpy chain on the same executor, NORMAL', 1.35, 1.15
+    ),
+    'wrap': Target('cycle wrap p50, ours / rclpy chain on the same executor, FULL', 1.6, 1.3),
     'polling': Target('dispatch p50, 100 ms polling tree / ours'),
     'polling_fast': Target('dispatch p50, 10 ms polling tree / ours'),
     'cpu': Target('CPU per task with the forecast, ours / chain, same executor', 1.3, 1.1),
