@@ -56,6 +56,8 @@ class SectionMark:
     """Of the item in the slot; both may be so."""
     works_on: str = ''
     """Item of the cycle in hand, with the job's script if that is not the one that is drawn."""
+    finished: str = ''
+    """Item of the cycle that it completed in this beat."""
     waiting: tuple[str, ...] = ()
 
 

@@ -55,7 +55,7 @@ def slot_label(
     """Return a slot with what stands there, and what its section does."""
     say = wording.say
     there = f'({mark.slot})' if mark.is_empty_position else mark.slot or say('empty')
-    work = say('works on {item}', item=mark.works_on) if mark.works_on else say('no cycle')
+    work = next(_work(mark, wording), say('no cycle'))
     waits = '' if mark.works_on else ' '.join(mark.waiting[:1])
     texts = (
         Text(say('slot {number}: {there}', number=number, there=there), bold=True),
@@ -82,11 +82,17 @@ def about_slot(mark: SectionMark, wording: Wording) -> Iterator[str]:
     """Yield what is wrong with the item, and everything that the section waits for."""
     if fate := _fate(mark, wording):
         yield fate
+    work = tuple(_work(mark, wording))
+    yield from work or (wording.say('no cycle in hand'),)
+    yield from mark.waiting
+
+
+def _work(mark: SectionMark, wording: Wording) -> Iterator[str]:
+    """Yield which items a section works on and is done with."""
     if mark.works_on:
         yield wording.say('works on {item}', item=mark.works_on)
-    else:
-        yield wording.say('no cycle in hand')
-    yield from mark.waiting
+    if mark.finished:
+        yield wording.say('done with {item}', item=mark.finished)
 
 
 def headlines(state: LineState, wording: Wording) -> list[Text]:

@@ -111,14 +111,15 @@ class _Reader:
             is_rejected=slot.rejected,
             is_nonconforming=bool(slot.nonconforming),
             works_on=f'{section.item.id}{other}' if section.item else '',
+            finished=section.finished.item if section.finished else '',
             waiting=tuple(dict.fromkeys(map(self._wording.wait, section.waits))),
         )
 
     def _cycle(self, section: SectionStatus) -> Iterator[tuple[str, TaskMark]]:
         """Yield the tasks of a section that works for the script that is drawn."""
         tasks = self._script.sections.get(section.number)
-        is_drawn = self._scripts.get(section.job) == self._script.name
-        if tasks is not None and section.item is not None and is_drawn:
+        job = section.job or (section.finished.job if section.finished else '')
+        if tasks is not None and self._scripts.get(job) == self._script.name:
             for task, mark in cycle_marks(section, tasks, self._held, self._wording):
                 yield task.id, mark
 

@@ -7,8 +7,8 @@ from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from bt_orchestrator.drawing.line_state import Mark, TaskMark
 from bt_orchestrator.drawing.wording import ENGLISH, Wording
 from bt_orchestrator.model.script import SectionList, Task
-from bt_orchestrator.model.state import End, Hold
-from bt_orchestrator.model.status import JobStatus, PassedTask, SectionStatus, TaskStatus
+from bt_orchestrator.model.state import End, Hold, PassedTask
+from bt_orchestrator.model.status import JobStatus, SectionStatus, TaskStatus
 from bt_orchestrator.model.wait import Wait
 
 HeldTasks = Mapping[tuple[int | None, str | None, str | None], Hold]
@@ -23,9 +23,13 @@ def held_tasks(holds: Iterable[Hold]) -> HeldTasks:
 def cycle_marks(
     section: SectionStatus, tasks: SectionList, held: HeldTasks, wording: Wording = ENGLISH
 ) -> Iterator[tuple[Task, TaskMark]]:
-    """Yield the tasks of a section's list with how each stands; without a cycle they are new."""
+    """Yield the tasks of a section's list with how each stands.
+
+    Without a cycle they stand as the cycle left them that the section finished in this beat.
+    """
     if section.item is None:
-        yield from ((task, NEW) for task in tasks.tasks)
+        left = _passed(section.finished.passed, wording) if section.finished else {}
+        yield from ((task, left.get(task.id, NEW)) for task in tasks.tasks)
         return
     passed = _passed(section.passed, wording)
     due = set(_due(tasks, passed))

@@ -16,7 +16,7 @@ from bt_orchestrator.model.jobs.order import RecipeChoice
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.roles import Role
 from bt_orchestrator.model.stands import Stands
-from bt_orchestrator.model.state import End, Hold
+from bt_orchestrator.model.state import Hold, PassedTask
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.model.wait import Wait
 from bt_orchestrator.model.wish import Wish
@@ -46,17 +46,6 @@ class TaskStatus:
     """Last feedback message as one JSON object."""
     round: int = 0
     """Which further round of its repeat, from 1; 0: the first pass, or no repeat."""
-
-
-@dataclass(frozen=True)
-class PassedTask:
-    """A task that the cell has passed, and how it ended."""
-
-    id: str
-    end: End
-    """done, marked_done or skipped; after a failure continued, rejected or aborted."""
-    reason: str = ''
-    """Why it was skipped, or failed."""
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from bt_orchestrator.model.events import TaskKey
 from bt_orchestrator.model.jobs.isa95 import job_word
 from bt_orchestrator.model.jobs.needs import awaited_by
-from bt_orchestrator.model.state import CellState, JobState, Phase
-from bt_orchestrator.model.status import JobStatus, PassedTask
-from bt_orchestrator.runtime.section_overview import passed_task
+from bt_orchestrator.model.passed import passed_task
+from bt_orchestrator.model.state import CellState, JobState, PassedTask, Phase
+from bt_orchestrator.model.status import JobStatus
 from bt_orchestrator.runtime.tasks_in_flight import TasksInFlight
 
 

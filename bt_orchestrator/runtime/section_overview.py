@@ -1,23 +1,12 @@
-"""The status of a section: its slot, its current cycle, and the finished tasks of that."""
+"""The status of a section: its slot, its current cycle, and what it finished in this beat."""
 
 from __future__ import annotations
 
-from bt_orchestrator.model.events import TaskKey
-from bt_orchestrator.model.hold_words import why_words
-from bt_orchestrator.model.state import (
-    CellState,
-    Cycle,
-    End,
-    ItemState,
-    Phase,
-    SectionState,
-    TaskState,
-)
-from bt_orchestrator.model.status import ItemStatus, PassedTask, SectionStatus
+from bt_orchestrator.model.passed import passed_tasks
+from bt_orchestrator.model.state import CellState, Finished, ItemState, SectionState
+from bt_orchestrator.model.status import FinishedCycle, ItemStatus, SectionStatus
 from bt_orchestrator.model.wait import Wait
 from bt_orchestrator.runtime.tasks_in_flight import TasksInFlight
-
-_FAILED = (Phase.FAILED, Phase.RETRYING, Phase.HELD)
 
 
 def section_status(
@@ -28,7 +17,8 @@ def section_status(
     :param waits: why it waits
     """
     slot, cycle = state.slot(section.number), section.cycle
-    passed, failed = _passed(state, section.number, cycle)
+    finished = section.finished if state.belt_carries else None
+    passed, failed = passed_tasks(state, section.number, cycle) if cycle else ((), ())
     return SectionStatus(
         number=section.number,
         slot=None if slot is None else _item(slot),
@@ -38,6 +28,7 @@ def section_status(
         passed=passed,
         failed=failed,
         waits=waits,
+        finished=_finished(finished) if finished else None,
     )
 
 
@@ -45,37 +36,5 @@ def _item(item: ItemState) -> ItemStatus:
     return ItemStatus(item.id, item.present, item.rejected, tuple(item.nonconforming))
 
 
-def _passed(
-    state: CellState, section: int, cycle: Cycle | None
-) -> tuple[tuple[PassedTask, ...], tuple[str, ...]]:
-    """Return the tasks that the current cycle has passed, and those that failed."""
-    if cycle is None:
-        return (), ()
-    nonconforming = state.items[cycle.item].nonconforming
-    passed, failed = [], []
-    for task in state.script(cycle.job).sections[section].tasks:
-        progress = state.tasks.get(TaskKey(cycle.job, section, cycle.item, task.id))
-        if progress is None:
-            continue
-        if progress.phase is Phase.DONE:
-            is_nonconforming = task.id in nonconforming
-            passed.append(passed_task(task.id, progress, is_nonconforming=is_nonconforming))
-        has_failed = progress.end is not None and progress.end.is_failure
-        if has_failed or task.id in nonconforming or progress.phase in _FAILED:
-            failed.append(task.id)
-    return tuple(passed), tuple(failed)
-
-
-def passed_task(task: str, progress: TaskState, *, is_nonconforming: bool = False) -> PassedTask:
-    """Return how a task in phase DONE ended.
-
-    :param is_nonconforming: it made its item so; a state of an older version does not say it
-    """
-    end = progress.end or (End.CONTINUED if is_nonconforming else End.DONE)
-    return PassedTask(task, end, _reason(progress))
-
-
-def _reason(progress: TaskState) -> str:
-    if progress.reason is None:
-        return progress.message
-    return why_words(progress.reason.value, progress.message)
+def _finished(finished: Finished) -> FinishedCycle:
+    return FinishedCycle(finished.job, finished.item, finished.passed, finished.failed)

@@ -153,7 +153,7 @@ def _rows(section: SectionStatus, status: CellStatus) -> Iterator[Row]:
     if any(hold.section == number for hold in status.holds):
         weight = Weight.HELD
     if section.waits or not section.running:
-        said = [fate, *words.reasons(section.waits)]
+        said = [fate, words.finished(section), *words.reasons(section.waits)]
         reasons = '; '.join(filter(None, said))
         yield Row(number, slot, reasons, weight, None)
 

@@ -212,8 +212,16 @@ def task(running: TaskStatus) -> str:
 
 
 def _work(section: SectionStatus) -> str:
-    said = [fate(section.slot), *map(task, section.running), *reasons(section.waits)]
-    return '; '.join(filter(None, said))
+    said = (fate(section.slot), *map(task, section.running), finished(section))
+    return '; '.join(filter(None, (*said, *reasons(section.waits))))
+
+
+def finished(section: SectionStatus) -> str:
+    """Say with which item a section is done in this beat, and which of its tasks failed."""
+    if section.finished is None:
+        return ''
+    failed = ', '.join(map(one_line, section.finished.failed))
+    return f'done with {one_line(section.finished.item)}{f" ({failed} failed)" if failed else ""}'
 
 
 def reasons(waits: Iterable[Wait]) -> list[str]:

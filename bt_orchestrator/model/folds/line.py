@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.state import CellState, Cycle, ItemState
+from bt_orchestrator.model.passed import passed_tasks
+from bt_orchestrator.model.state import CellState, Cycle, Finished, ItemState
 
 # --- cycles, flags, the belt ----------------------------------------------------------------
 
@@ -25,7 +26,11 @@ def turn_completed(event: e.TurnCompleted, state: CellState) -> None:
 
 
 def cycle_completed(event: e.CycleCompleted, state: CellState) -> None:
-    state.sections[event.section].cycle = None
+    section = state.sections[event.section]
+    assert section.cycle is not None
+    told = passed_tasks(state, event.section, section.cycle)
+    section.finished = Finished(event.job, event.item, section.cycle.beat, *told)
+    section.cycle = None
     script = state.script(event.job)
     for task in script.sections[event.section].tasks:
         del state.tasks[e.TaskKey(event.job, event.section, event.item, task.id)]
@@ -52,6 +57,9 @@ def belt_indexed(event: e.BeltIndexed, state: CellState) -> None:
     state.indexing = False
     state.beat = event.beat
     del state.tasks[e.INDEX_KEY]
+    for section in state.sections.values():
+        if section.finished is not None and section.finished.beat < event.beat:
+            section.finished = None
 
 
 # --- items ----------------------------------------------------------------------------------

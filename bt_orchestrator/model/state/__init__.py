@@ -3,19 +3,35 @@
 from bt_orchestrator.model.state.cell import DERIVED, CellState
 from bt_orchestrator.model.state.hold import Hold
 from bt_orchestrator.model.state.jobs import ItemState, JobState, Progress
-from bt_orchestrator.model.state.line import Cycle, FlagState, OutOfService, Reading, SectionState
-from bt_orchestrator.model.state.tasks import End, Phase, TaskState, same_args, same_task
+from bt_orchestrator.model.state.line import (
+    Cycle,
+    Finished,
+    FlagState,
+    OutOfService,
+    Reading,
+    SectionState,
+)
+from bt_orchestrator.model.state.tasks import (
+    End,
+    PassedTask,
+    Phase,
+    TaskState,
+    same_args,
+    same_task,
+)
 
 __all__ = [
     'Phase',
     'End',
     'TaskState',
+    'PassedTask',
     'same_task',
     'same_args',
     'ItemState',
     'Progress',
     'JobState',
     'Cycle',
+    'Finished',
     'SectionState',
     'FlagState',
     'Reading',

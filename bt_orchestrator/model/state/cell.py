@@ -177,6 +177,11 @@ class CellState:
         """Id of the next hold; short, because operators type it."""
         return str(self.holds_raised + 1)
 
+    @property
+    def belt_carries(self) -> bool:
+        """Tell whether any slot has an item or an empty position."""
+        return any(section.slot is not None for section in self.sections.values())
+
     def slot(self, section: int) -> ItemState | None:
         """Return the item, or empty position, in a section's slot."""
         item = self.sections[section].slot

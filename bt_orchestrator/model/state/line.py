@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from bt_orchestrator.model.state.tasks import PassedTask
+
 
 @dataclass(frozen=True)
 class Cycle:
@@ -21,6 +23,19 @@ class Cycle:
     """Why the last of these rounds began, by the name of the repeat."""
 
 
+@dataclass(frozen=True)
+class Finished:
+    """What a completed cycle did."""
+
+    job: str
+    item: str
+    beat: int
+    """The beat of the cycle."""
+    passed: tuple[PassedTask, ...] = ()
+    failed: tuple[str, ...] = ()
+    """Ids of tasks that failed and were passed all the same."""
+
+
 @dataclass
 class SectionState:
     """One section: its cycle in hand and its turn."""
@@ -31,6 +46,8 @@ class SectionState:
     """The last beat in which it completed a turn."""
     slot: str | None = None
     """Item, or empty position, that stands here."""
+    finished: Finished | None = None
+    """The last cycle that it completed, until the belt has moved after it."""
 
 
 @dataclass

@@ -84,6 +84,17 @@ class TaskState:
     hold: str | None = None
 
 
+@dataclass(frozen=True)
+class PassedTask:
+    """A task that the cell has passed, and how it ended."""
+
+    id: str
+    end: End
+    """done, marked_done or skipped; after a failure continued, rejected or aborted."""
+    reason: str = ''
+    """Why it was skipped, or failed."""
+
+
 def same_task(task: Task) -> str:
     """Return a key of a task's action and constant, without its arguments (semantics 5.1)."""
     return f'{task.action} {task.name}'

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from bt_orchestrator_interfaces import msg
 
-from bt_orchestrator.model.state import End
-from bt_orchestrator.model.status import PassedTask, TaskStatus
+from bt_orchestrator.model.state import End, PassedTask
+from bt_orchestrator.model.status import TaskStatus
 from bt_orchestrator.model.wait import Wait, WaitKind
 from bt_orchestrator.ros.stamps import from_time, to_time
 

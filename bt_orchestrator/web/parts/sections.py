@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.status import CellStatus, ItemStatus, JobStatus, SectionStatus
 from bt_orchestrator.web.offers import item_offers
-from bt_orchestrator.web.parts.tasks import TaskParts
+from bt_orchestrator.web.parts.tasks import Part, TaskParts
 from bt_orchestrator.web.parts.waits import wait_parts
 
 
@@ -19,10 +20,18 @@ def section_part(
     scripts: Mapping[str, Script],
     tasks: TaskParts,
 ) -> dict[str, object]:
-    """Return a section with its whole task list; without a cycle that of the next job."""
-    job = jobs.get(section.job) or _next_job(status)
-    script = scripts.get(job.digest) if job else None
-    listed = script.sections.get(section.number) if script else None
+    """Return a section with its whole task list.
+
+    Without a cycle it is the list of the cycle that it finished in this beat, or of the next job.
+    """
+    finished = section.finished
+    job = jobs.get(section.job or (finished.job if finished else '')) or _next_job(status)
+
+    def parts(of: JobStatus | None, stands: SectionStatus) -> list[Part]:
+        script = scripts.get(of.digest) if of else None
+        listed = script.sections.get(section.number) if script else None
+        return tasks.of_section(stands, listed) if listed else []
+
     return {
         'number': section.number,
         'slot': item_part(section.slot),
@@ -30,9 +39,20 @@ def section_part(
         'job': section.job,
         'holds': [hold.id for hold in status.holds if hold.section == section.number],
         'waits': wait_parts(section.waits),
-        'tasks': tasks.of_section(section, listed) if listed else [],
+        'tasks': parts(job, section),
+        'finished': finished
+        and {
+            'item': finished.item,
+            'job': finished.job,
+            'tasks': parts(jobs.get(finished.job), _at_rest(section)),
+        },
         'offers': item_offers(section.slot),
     }
+
+
+def _at_rest(section: SectionStatus) -> SectionStatus:
+    """Return a section without its cycle in hand: it shows what it finished."""
+    return changed(section, job='', item=None, running=(), passed=(), failed=(), waits=())
 
 
 def belt_part(status: CellStatus, tasks: TaskParts) -> dict[str, object]:

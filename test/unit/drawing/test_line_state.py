@@ -13,13 +13,12 @@ from bt_orchestrator.drawing.line import draw_line
 from bt_orchestrator.drawing.line_state import Mark
 from bt_orchestrator.drawing.status_marks import NotThisLine, line_state
 from bt_orchestrator.model.frozen import changed
-from bt_orchestrator.model.state import End, Hold
+from bt_orchestrator.model.state import End, Hold, PassedTask
 from bt_orchestrator.model.status import (
     BeltStatus,
     CellStatus,
     FlagStatus,
     JobStatus,
-    PassedTask,
     SectionStatus,
 )
 

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import pytest
 from fakes.dot_text import DotText
-from fakes.line import THREE, Line
+from fakes.line import THREE, Line, with_section
 from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.drawing.line import draw_line
 from bt_orchestrator.drawing.status_marks import line_state
-from bt_orchestrator.model.state import End
-from bt_orchestrator.model.status import CellStatus, ItemStatus, PassedTask
+from bt_orchestrator.model.cell_commands import Abort
+from bt_orchestrator.model.state import End, PassedTask
+from bt_orchestrator.model.status import CellStatus, FinishedCycle, ItemStatus
 from bt_orchestrator.model.wait import WaitKind
 from bt_orchestrator.runtime.observed_durations import ObservedDurations
 from bt_orchestrator.runtime.overview import Overview, description_of
 from bt_orchestrator.screen import words
+from bt_orchestrator.sim.simulation import Simulation
 
 SCRIPT = """
 params: {off: {type: bool, default: true}}
@@ -121,6 +123,41 @@ def test_initialization_that_ended_is_told() -> None:
     run.answer('mark_done')
     (job,) = run.sim.status().jobs
     assert job.passed == (PassedTask('home', End.MARKED_DONE, 'task_result_false'),)
+
+
+# --- work of this beat that is finished -------------------------------------------------------
+
+
+def test_finished_work_stays_told_through_an_abort_and_a_restart() -> None:
+    line = Line(seconds={'a1': 4.0})
+    run = line.begin(THREE, 3).go(until=7.5)
+    done = FinishedCycle('J', 'J/1', (PassedTask('work', End.DONE),))
+    assert run.sim.status().sections[1].finished == done
+    run.command(Abort)
+    assert run.go(until=8.0).sim.status().sections[1].finished == done
+    again = Simulation(line.cell, line.types, run.store)
+    assert again.status().sections[1].finished == done
+
+
+def test_drawing_and_terminal_tell_the_finished_work() -> None:
+    line = Line(faults={'a2': '#1=abort'}, seconds={'a1': 4.0})
+    run = line.begin(with_section(2, '[{id: look, @a2, on_failure: continue}]'), 3).go(until=7.5)
+    status, script = run.sim.status(), run.state.script('J')
+    dot = draw_line(script, line.cell, line_state(status, script, line.cell)).dot
+    assert DotText(dot).words('task.look')[0].endswith('failed, continued')
+    assert 'done with J/1' in dot
+    (row,) = (line for line in words.status_lines(status, None) if 'section 2' in line)
+    assert (
+        row.split('J/1', 1)[1]
+        .strip()
+        .startswith('nonconforming (look); done with J/1 (look failed); waiting')
+    )
+
+
+def test_an_empty_belt_has_no_finished_work() -> None:
+    run = Line().begin(THREE, 1).go()
+    assert run.state.sections[3].finished is not None
+    assert [one.finished for one in run.sim.status().sections] == [None, None, None]
 
 
 # --- goals in flight ------------------------------------------------------------------------

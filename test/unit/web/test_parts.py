@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from typing import Any
 
 import pytest
 from fakes.line import THREE, Line, with_initialization, with_section
@@ -43,13 +44,58 @@ def check_parts(run: VirtualRun) -> None:
         assert at_work == {task.id for task in section.running}
         over = {'done', 'marked_done', 'skipped', 'continued', 'rejected', 'aborted'}
         ended = {task['id']: task['mark'] for task in part['tasks'] if task['mark'] in over}
-        assert ended == {task.id: task.end.value for task in section.passed}
+        left = section.finished.passed if section.finished and not section.item else ()
+        assert ended == {task.id: task.end.value for task in (*section.passed, *left)}
+        done = part['finished'] and {one['id']: one['mark'] for one in part['finished']['tasks']}
+        assert (done or {}) == done_in_this_beat(run, section.number)
         slot = part['slot']
         assert (slot and slot['id']) == (section.slot and section.slot.id)
     for job in status.jobs:
         part = parts[f'job/{job.id}']
         assert (part['left'], part['on_line']) == (job.left, job.on_line)
         assert part['is_over'] == (job.ended_at is not None)
+
+
+def done_in_this_beat(run: VirtualRun, section: int) -> dict[str, str]:
+    """Return the tasks of the last cycle that ended since the belt moved, by the journal."""
+    ended: dict[str, str] = {}
+    since: list[dict[str, Any]] = []
+    for record in run.records:
+        since.append(record)
+        if record['event'] == 'belt.indexed':
+            ended, since = {}, []
+        if record['event'] == 'cycle.completed' and record['section'] == section:
+            ended = {
+                one['task']: _ENDS[one['event']]
+                for one in run.records[: record['seq']]
+                if one.get('item') == record['item']
+                and one.get('section') == section
+                and one['event'] in _ENDS
+            }
+    return ended if any(one.slot for one in run.state.sections.values()) else {}
+
+
+_ENDS = {'task.succeeded': 'done', 'task.skipped': 'skipped', 'task.marked_done': 'marked_done'}
+
+
+def test_a_section_that_waits_for_the_belt_keeps_its_tasks_done() -> None:
+    run = Line(seconds={'a1': 4.0}).begin(THREE, 3).go(until=7.5)
+    assert marks(page_parts(run), 2) == [('work', 'done')]
+    assert page_parts(run)['section/2']['finished']['item'] == 'J/1'
+    run.go(until=12.5)
+    assert page_parts(run)['section/2']['slot']['id'] == 'J/2'
+    assert marks(page_parts(run), 2) == [('work', 'running')]
+
+
+def test_a_cycle_ahead_and_the_finished_one_are_both_shown() -> None:
+    pick = '{id: pick, @b1, requires_conveyor: false}'
+    text = with_section(1, f'[{pick}, {{id: place, @a1, qty_change: 1}}]')
+    run = Line(seconds={'a2': 9.0}).begin(text, 3).go(until=8.0)
+    part = page_parts(run)['section/1']
+    assert marks(page_parts(run), 1) == [('pick', 'done'), ('place', 'waiting')]
+    assert part['item']['id'] == 'J/3'
+    assert part['finished']['item'] == part['slot']['id'] == 'J/2'
+    assert {one['mark'] for one in part['finished']['tasks']} == {'done'}
 
 
 @pytest.mark.parametrize('sections', [3, 5, 9])

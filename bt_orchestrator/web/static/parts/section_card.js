@@ -1,6 +1,6 @@
 /** One section: its item, the whole task list with times, and what it waits for. */
 
-import { attribute, h, keyed, text } from '../core/dom.js';
+import { attribute, h, keyed, show, text } from '../core/dom.js';
 import { t } from '../core/text.js';
 import { foremostWait, waitWords } from '../core/waits.js';
 import { itemName } from './item_name.js';
@@ -19,6 +19,7 @@ export function sectionCard() {
     (task) => task.id,
     (task) => keepRow(rows, task.id),
   );
+  const finished = h('p', { class: 'section-wait', 'data-ordinary': true });
   const wait = h('p', { class: 'section-wait' });
   const element = h(
     'article',
@@ -26,6 +27,7 @@ export function sectionCard() {
     h('h2', {}, alarm, link),
     item.element,
     list,
+    finished,
     wait,
   );
   return {
@@ -41,6 +43,8 @@ export function sectionCard() {
       reshape(alarm, isHeld ? 'triangle' : 'none');
       item.update(section.item ?? section.slot);
       tasks(section.tasks);
+      show(finished, section.finished);
+      text(finished, section.finished ? t('section.finished', section.finished) : '');
       attribute(wait, 'data-ordinary', !foremost || isQuiet(foremost, isHeld));
       attribute(wait, 'title', section.waits.map(waitWords).join('\n'));
       text(wait, foremost ? waitWords(foremost) : '');

@@ -1,5 +1,5 @@
 /** One section: what it does now, with feedback and holds, and what it did lately. */
-import { children, h, show } from '../core/dom.js';
+import { children, h, show, text } from '../core/dom.js';
 import { mountLive } from '../core/live.js';
 import { part, partsOf } from '../core/store.js';
 import { t } from '../core/text.js';
@@ -30,6 +30,9 @@ class Section {
     this.holds = holdList();
     this.waits = h('ul', { class: 'waits' });
     this.tasks = taskList();
+    this.finished = h('h3');
+    this.finishedTasks = taskList();
+    this.finishedBox = h('div', {}, this.finished, this.finishedTasks.element);
     this.feedback = feedback();
     this.offers = offers({
       about: () => t('part.section', { number }),
@@ -53,6 +56,7 @@ class Section {
           h('h2', {}, t('section.now')),
           this.waits,
           this.tasks.element,
+          this.finishedBox,
           this.offers.element,
         ),
         h(
@@ -110,6 +114,7 @@ class Section {
       section.waits.map((wait) => h('li', { 'data-ordinary': wait.is_ordinary }, waitWords(wait))),
     );
     this.tasks.update(section.tasks);
+    this.#showFinished(section);
     this.feedback.update(section.tasks);
     this.offers.update(section.offers ?? []);
     show(this.offers.element, section.offers?.length);
@@ -124,6 +129,14 @@ class Section {
     );
   }
 
+  /** While a cycle is in hand, the list above is that of the next item. */
+  #showFinished({ finished, item }) {
+    show(this.finishedBox, finished && item);
+    if (!finished) return;
+    text(this.finished, t('section.finished', finished));
+    this.finishedTasks.update(finished.tasks);
+  }
+
   #beside(numbers) {
     const to = (number, sign) =>
       numbers.includes(number) ? h('span', {}, sign, ' ', sectionLink(number)) : [];
@@ -132,7 +145,7 @@ class Section {
   }
 }
 
-function aboutOf({ slot, item, job }) {
+function aboutOf({ slot, item, job, finished }) {
   const there = slot
     ? [
         t('section.slot'),
@@ -143,7 +156,9 @@ function aboutOf({ slot, item, job }) {
     : t('section.slot_empty');
   const work = item
     ? [t('section.works_on'), ' ', itemLink(item.id), ' · ', jobLink(job)]
-    : t('section.no_cycle');
+    : finished
+      ? t('section.finished', finished)
+      : t('section.no_cycle');
   const bad = slot?.rejected ? t('section.rejected') : '';
   return [h('span', {}, there), h('span', {}, work), bad ? h('strong', {}, bad) : null];
 }
