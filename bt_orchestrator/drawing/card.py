@@ -61,6 +61,8 @@ class Sheet:
     pace: Pace | None = None
     """How fast the line is with the script; None: not told."""
     wording: Wording = ENGLISH
+    is_bare: bool = False
+    """Without title and legend: what is around the drawing says that."""
 
     def limits(self, task: Task) -> bool:
         """Tell whether a task is part of what limits the line."""

@@ -48,13 +48,20 @@ FLAG_TAKEN = '{task} starts while it is above 0, and takes one after it'
 
 
 def draw_line(
-    script: Script, cell: Cell, state: LineState | None = None, wording: Wording = ENGLISH
+    script: Script,
+    cell: Cell,
+    state: LineState | None = None,
+    wording: Wording = ENGLISH,
+    *,
+    is_bare: bool = False,
 ) -> Picture:
     """Draw a script as a process; every place is fixed, so Graphviz has nothing to lay out.
 
     :param state: the line at work, in the same words; None: the script alone
+    :param is_bare: without title and legend
     """
-    sheet = Sheet(script, cell, state, pace(script, cell) if state is None else None, wording)
+    told_pace = pace(script, cell) if state is None else None
+    sheet = Sheet(script, cell, state, told_pace, wording, is_bare)
     page = Page(sheet, title(sheet).height, legend(sheet).height)
     size, about = (
         Box(0, 0, page.width, page.height),
@@ -80,8 +87,9 @@ class _Drawing:
     def whole(self) -> None:
         """Draw everything."""
         canvas, page = self._canvas, self._page
-        canvas.label('title', title(self._sheet), page.title, ['title'])
-        canvas.label('legend', legend(self._sheet), page.legend, ['legend'])
+        if not self._sheet.is_bare:
+            canvas.label('title', title(self._sheet), page.title, ['title'])
+            canvas.label('legend', legend(self._sheet), page.legend, ['legend'])
         self.header()
         for column in page.columns:
             self.section(column)

@@ -22,8 +22,8 @@ from bt_orchestrator.drawing.plan import (
 from bt_orchestrator.drawing.routes import GUTTER, LABEL_GAP, LANE, Lanes, Place, Route
 from bt_orchestrator.model.script import Dependency, index_task
 
-LONGEST_ROW = 1700.0
-"""Points; a longer belt goes on in the next row."""
+LONGEST_ROW = 1900.0
+"""Points: six sections, two of them with a group, have room. A longer belt has several rows."""
 LABEL_HEIGHT = 28.0
 MARGIN = 4.0
 EDGE = 14.0
@@ -47,7 +47,8 @@ class Page:
     """Everything of a drawing in its place."""
 
     def __init__(self, sheet: Sheet, title_height: float, legend_height: float) -> None:
-        self.title = Box(0, 0, TITLE_WIDTH, title_height)
+        """Lay out a drawing; without title and legend their heights are not used."""
+        self.title = Box(0, 0, 0, -GAP) if sheet.is_bare else Box(0, 0, TITLE_WIDTH, title_height)
         self._lanes = Lanes()
         plain = [column(sheet, n) for n in range(1, sheet.cell.conveyor.sections + 1)]
         rows = list(_in_rows(plain))
@@ -81,7 +82,11 @@ class Page:
         move = Placed(task, label, Box(PADDING, TITLE, CARD_WIDTH, label.height))
         self.belt_frame = _around([move]).moved(left, top)
         self.move = _moved(move, left, top)
-        self.legend = Box(self.belt_frame.right + GUTTER, top, legend_width(sheet), legend_height)
+        self.legend = (
+            self.belt_frame
+            if sheet.is_bare
+            else Box(self.belt_frame.right + GUTTER, top, legend_width(sheet), legend_height)
+        )
         frames = [self.belt_frame, self.legend, self.initialization_frame or self.belt_frame]
         self._header_bottom = max(frame.bottom for frame in frames)
 

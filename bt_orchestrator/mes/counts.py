@@ -16,9 +16,8 @@ class Count:
     job: str
     """Empty: there was no job yet."""
     processed: int = 0
-    """Produced (semantics 6.2)."""
+    """Good or bad."""
     defective: int = 0
-    """Those of them that are not good."""
 
 
 class Counter:
@@ -46,4 +45,4 @@ class Counter:
 
 
 def _count(job: JobStatus) -> Count:
-    return Count(job.id, job.produced, job.produced - job.good)
+    return Count(job.id, job.packed + job.rejected, job.rejected)

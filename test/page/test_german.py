@@ -64,7 +64,7 @@ def test_the_picture_of_the_line_is_german_with_all_that_it_tells(held: Stand, s
     tab = sit(held.port, locale='de-DE').open('why')
     tab.until(lambda: tab.count('.picture-room svg [data-part]'), 'the picture')
     said = tab.page.evaluate(_SAID)
-    assert 'Legende' in said
+    assert 'gleichzeitig' in said
     assert 'Platz 4: WO-1001/3' in said
     assert len(said) > 100
     assert not [line for text in said for line in english_lines(text)]
@@ -89,7 +89,7 @@ def test_the_tree_is_german(held: Stand, sit: Sit) -> None:
     tab.until(lambda: not tab.count('.twig[aria-expanded="false"]'), 'all branches to be open')
     said = tab.page.locator('[role="tree"]').inner_text()
     assert 'Störung, wenn es misslingt' in said
-    assert 'wartet auf Antwort (Störung 1)' in said
+    assert 'wartet auf Antwort auf Störung 1 (mark: ' in said
     assert len(said.splitlines()) > 100
     assert not english_lines(said)
 

@@ -6,7 +6,7 @@ With SHIFT_PICTURES=FOLDER the pictures stay in that folder.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -23,8 +23,20 @@ JOBS = {'WO-1': 6, 'WO-2': 3, 'WO-3': 2}
 class Shift:
     """A tab of somebody at work, and a folder for its pictures."""
 
-    def __init__(self, cell: CellProcesses, person: Person, tab: Tab, folder: Path) -> None:
+    def __init__(
+        self,
+        cell: CellProcesses,
+        open_late: Callable[[], Tab],
+        person: Person,
+        tab: Tab,
+        folder: Path,
+    ) -> None:
+        """Take what is there.
+
+        :param open_late: opens a page that is started only then
+        """
         self.cell = cell
+        self.open_late = open_late
         self.person = person
         self.tab = tab
         self._folder = folder
@@ -75,12 +87,13 @@ def shift(tmp_path: Path, start_page: StartPage, sit: Sit) -> Iterator[Shift]:
     )
     try:
         cell.connect()
-        page = start_page('--journal', str(tmp_path / 'journal.sqlite3'), '--trees', str(TREES))
-        person = sit(page.port, viewport={'width': 1280, 'height': 800})
+        options = ('--journal', str(tmp_path / 'journal.sqlite3'), '--trees', str(TREES))
+        person = sit(start_page(*options).port, viewport={'width': 1280, 'height': 800})
         pictures = os.environ.get('SHIFT_PICTURES')
         tab = person.open()
         tab.until_news()
-        yield Shift(cell, person, tab, Path(pictures) if pictures else tmp_path / 'pictures')
+        folder = Path(pictures) if pictures else tmp_path / 'pictures'
+        yield Shift(cell, lambda: sit(start_page(*options).port).open(), person, tab, folder)
     finally:
         cell.close()
 
@@ -164,6 +177,10 @@ def a_node_that_was_killed(shift: Shift) -> None:
     shift.cell.node.kill()
     tab.until_news('node')
     shift.picture('node_silent')
+    late = shift.open_late()
+    late.until(
+        lambda: late.count('[data-part="journal"] tbody tr') == 3, 'the jobs of the journal'
+    )
     shift.cell.start_node()
     shift.cell.node.wait_ready()
     tab.until_news()

@@ -10,8 +10,8 @@ from page.browsing import Person, Tab
 from page.conftest import Sit
 from page.stands import Stand, stand
 
-SCREENS = ('overview', 'queue', 'order', 'section/4', 'tree', 'jobs', 'item/WO-1001/1')
-SIZES = ((1280, 800), (768, 1024), (390, 844))
+SCREENS = ('overview', 'queue', 'order', 'why', 'section/4', 'tree', 'jobs', 'item/WO-1001/1')
+SIZES = ((1920, 1080), (1366, 768), (768, 1024), (390, 844))
 MOST_LETTERS = 12
 """Longer words, as names may be, are broken where there is no room."""
 
@@ -44,6 +44,15 @@ _CUT = """
 """
 
 
+_OUTSIDE = """
+() => [...document.querySelectorAll('body *')]
+  .filter((one) => one.checkVisibility({ visibilityProperty: true })
+    && !one.closest('.for-readers, .picture-room, .tree')
+    && one.getBoundingClientRect().right > document.documentElement.clientWidth + 1)
+  .map((one) => `${one.tagName}.${one.className}: ${one.textContent.slice(0, 40)}`)
+"""
+
+
 @pytest.fixture(scope='module')
 def held(tmp_path_factory: pytest.TempPathFactory, browser: Any) -> Iterator[Stand]:
     """Give a line that is Held, and a component out of service that jobs in the queue need."""
@@ -67,7 +76,7 @@ def test_no_word_is_broken_and_the_top_bar_is_whole(held: Stand, sit: Sit, langu
         for screen in SCREENS:
             tab.go(screen)
             tab.until_quiet()
-            if wrong := broken(tab) + cut(tab):
+            if wrong := broken(tab) + cut(tab) + outside(tab):
                 found[width, screen] = wrong
     assert not found
 
@@ -114,6 +123,11 @@ def test_nothing_is_claimed_of_what_is_not_known(held: Stand, sit: Sit) -> None:
 
 def broken(tab: Tab) -> list[str]:
     found: list[str] = tab.page.evaluate(_BROKEN, MOST_LETTERS)
+    return found
+
+
+def outside(tab: Tab) -> list[str]:
+    found: list[str] = tab.page.evaluate(_OUTSIDE)
     return found
 
 

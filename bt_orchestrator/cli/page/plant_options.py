@@ -6,7 +6,6 @@ import argparse
 from pathlib import Path
 
 from bt_orchestrator.cli import bootstrap
-from bt_orchestrator.cli.wrong_use import WrongUse
 from bt_orchestrator.script.shifts.shifts_file import read_shifts
 from bt_orchestrator.web.seams import Plant
 
@@ -24,20 +23,17 @@ def add_plant_options(parser: argparse.ArgumentParser) -> None:
         '--cell',
         type=Path,
         metavar='CELL',
-        help='with --shifts: cell file (YAML), whose durations give the pace; without it there is '
-        'no performance and no OEE',
+        help='cell file (YAML), whose durations give the pace of a shift; without it there is no '
+        'performance and no OEE; without --shifts it is of no use',
     )
 
 
 def plant_of(args: argparse.Namespace) -> Plant | None:
     """Return what the options say together; None: no account is wanted.
 
-    :raises WrongUse: a cell file is of use with shifts only
     :raises Refused: a file has mistakes
     """
     if args.shifts is None:
-        if args.cell is not None:
-            raise WrongUse('page: --cell gives the pace of a shift; give --shifts FILE as well')
         return None
     cell = None
     if args.cell is not None:

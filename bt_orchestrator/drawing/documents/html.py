@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from datetime import datetime
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 from xml.etree import ElementTree as ET
+from zoneinfo import ZoneInfo
 
 from bt_orchestrator.drawing.documents.style import STYLE
 from bt_orchestrator.report.xml_text import xml_text
@@ -80,25 +82,36 @@ def program() -> str:
         return 'bt-orchestrator'
 
 
-def clock(time: float) -> str:
-    """Write the time of day, as the clock on the wall of this computer shows it."""
-    return datetime.fromtimestamp(time).strftime('%H:%M:%S.%f')[:-5]
+@dataclass(frozen=True)
+class Times:
+    """How times are written: in the zone of the reader, or else in that of this computer."""
+
+    zone: ZoneInfo | None = None
+
+    def clock(self, time: float) -> str:
+        """Write the time of day, as the clock on the wall shows it."""
+        return self._at(time).strftime('%H:%M:%S.%f')[:-5]
+
+    def day(self, time: float) -> str:
+        """Write the day and the time of day, to the second."""
+        return self._at(time).strftime('%Y-%m-%d %H:%M:%S')
+
+    def period(self, begin: float, end: float | None) -> str:
+        """Write from when to when something was; the day once, if it is one."""
+        if end is None:
+            return f'from {self.day(begin)}'
+        is_one_day = self.day(begin)[:10] == self.day(end)[:10]
+        return f'{self.day(begin)} to {self.day(end)[11:] if is_one_day else self.day(end)}'
+
+    def name(self, time: float) -> str:
+        """Name the zone at a moment, as UTC+01:00, and with its own name where it has one."""
+        offset = self._at(time).strftime('%z')
+        utc = f'UTC{offset[:3]}:{offset[3:]}'
+        return utc if self.zone is None else f'{self.zone.key} ({utc})'
+
+    def _at(self, time: float) -> datetime:
+        return datetime.fromtimestamp(time, self.zone).astimezone(self.zone)
 
 
-def day(time: float) -> str:
-    """Write the day and the time of day, to the second."""
-    return datetime.fromtimestamp(time).strftime('%Y-%m-%d %H:%M:%S')
-
-
-def period(begin: float, end: float | None) -> str:
-    """Write from when to when something was; the day once, if it is one."""
-    if end is None:
-        return f'from {day(begin)}'
-    is_one_day = day(begin)[:10] == day(end)[:10]
-    return f'{day(begin)} to {day(end)[11:] if is_one_day else day(end)}'
-
-
-def zone(time: float) -> str:
-    """Name the time zone of this computer, as UTC+01:00."""
-    offset = datetime.fromtimestamp(time).astimezone().strftime('%z')
-    return f'UTC{offset[:3]}:{offset[3:]}'
+HERE = Times()
+"""In the zone of this computer."""

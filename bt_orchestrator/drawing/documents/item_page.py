@@ -5,15 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from bt_orchestrator.drawing.documents.html import (
-    Html,
-    clock,
-    day,
-    document,
-    period,
-    program,
-    zone,
-)
+from bt_orchestrator.drawing.documents.html import HERE, Html, Times, document, program
 from bt_orchestrator.drawing.documents.item_strip import item_strip
 from bt_orchestrator.drawing.gantt_page import gantt_svg
 from bt_orchestrator.report.exports import shown
@@ -66,6 +58,7 @@ class Source:
     """When the document was made, seconds since the epoch."""
     lacks: Sequence[str] = ()
     """What of the journal could not be read, in sentences."""
+    times: Times = HERE
 
 
 def item_page(items: Sequence[ItemHistory], source: Source, title: str) -> str:
@@ -96,13 +89,13 @@ def _list(sheet: Html, items: Sequence[ItemHistory], source: Source, title: str)
         row.add('td', item.serial)
         row.add('td', f'{_SIGNS[item.how]} {HOW[item.how]}')
         for time in (item.started, item.ended):
-            row.add('td', '' if time is None else day(time), class_='time')
+            row.add('td', '' if time is None else source.times.day(time), class_='time')
         row.add('td', str(_failed(item)), class_='number')
     _foot(sheet, source)
 
 
 def _record(sheet: Html, item: ItemHistory, source: Source) -> None:
-    _head(sheet, item)
+    _head(sheet, item, source.times)
     _lacks(sheet, source)
     if item.started is None:
         sheet.add(
@@ -118,18 +111,19 @@ def _record(sheet: Html, item: ItemHistory, source: Source) -> None:
         _times(sheet, item)
     sheet.add('h2', 'What happened')
     for chapter in chapters(item):
-        _chapter(sheet, chapter)
+        _chapter(sheet, chapter, source.times)
     _foot(sheet, source)
 
 
-def _head(sheet: Html, item: ItemHistory) -> None:
+def _head(sheet: Html, item: ItemHistory, times: Times) -> None:
     head = sheet.add('header', class_='head')
     names = head.add('div')
     names.add('p', 'Item record', class_='kind')
     names.add('h1', item.serial or item.item)
     about = [f'item {item.item}' if item.serial else '', f'order {item.job}']
     if item.started is not None:
-        about.append(period(item.started, item.ended))
+        when = times.period(item.started, item.ended)
+        about.append(f'{when}, {times.name(item.started)}')
     names.add('p', ' \u00b7 '.join(filter(None, about)), class_='sub')
     look = 'warn' if item.how == 'packed' and item.nonconforming else _LOOKS[item.how]
     words = f'{_SIGNS[item.how]} {HOW[item.how]}'
@@ -205,13 +199,13 @@ def _failed(item: ItemHistory) -> int:
 # --- the story ----------------------------------------------------------------------------------
 
 
-def _chapter(sheet: Html, chapter: Chapter) -> None:
+def _chapter(sheet: Html, chapter: Chapter, times: Times) -> None:
     part = sheet.add('section', class_='chapter')
     if chapter.title:
         head = part.add('header')
         head.add('h3', chapter.title)
-        until = '' if chapter.until is None else f' to {clock(chapter.until)}'
-        head.add('p', f'{clock(chapter.since)}{until}')
+        until = '' if chapter.until is None else f' to {times.clock(chapter.until)}'
+        head.add('p', f'{times.clock(chapter.since)}{until}')
         if chapter.beside:
             head.add('p', f'beside it stood {chapter.beside}')
     table = part.add('table', class_='story')
@@ -220,12 +214,12 @@ def _chapter(sheet: Html, chapter: Chapter) -> None:
         row.add('th', name, class_='number' if name == 'took' else '')
     body = table.add('tbody')
     for entry in chapter.entries:
-        _entry(body, entry)
+        _entry(body, entry, times)
 
 
-def _entry(body: Html, entry: Entry) -> None:
+def _entry(body: Html, entry: Entry, times: Times) -> None:
     row = body.add('tr', class_=f'is-{entry.kind} {entry.outcome}'.strip())
-    row.add('td', clock(entry.time), class_='time')
+    row.add('td', times.clock(entry.time), class_='time')
     if entry.kind == TASK:
         waited = row.add('td', class_='waited')
         for one in entry.waited:
@@ -254,5 +248,7 @@ def _entry(body: Html, entry: Entry) -> None:
 
 
 def _foot(sheet: Html, source: Source) -> None:
-    made = f'Made {day(source.made)} from {source.journal} by {program()}'
-    sheet.add('footer', f'{made}. Times are those of this computer, {zone(source.made)}.')
+    times = source.times
+    made = f'Made {times.day(source.made)} from {source.journal} by {program()}'
+    whose = 'of this computer, ' if times.zone is None else 'of '
+    sheet.add('footer', f'{made}. Times are those {whose}{times.name(source.made)}.')

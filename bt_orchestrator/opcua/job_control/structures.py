@@ -33,10 +33,7 @@ _RESOURCE_TYPES = {
     'MaterialRequirements': 'ISA95MaterialDataType',
 }
 
-_COUNTS = (
-    *('RunsPlanned', 'RunsStarted', 'RunsCompleted', 'ProducedQuantity', 'GoodQuantity'),
-    *('ScrapQuantity', 'NonconformingQuantity', 'MissingQuantity'),
-)
+_COUNTS = ('RunsPlanned', 'RunsStarted', 'RunsCompleted')
 _ENUMERATIONS = ('JobResult', 'JobExecutionMode')
 
 NO_TIME = datetime(1970, 1, 1, tzinfo=timezone.utc)

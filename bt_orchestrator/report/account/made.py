@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import from_plain, to_plain
-from bt_orchestrator.model.jobs.counting import kind_of
+from bt_orchestrator.model.jobs.job_record import BY_HAND, PACKED
 
 
 @dataclass
@@ -94,8 +94,14 @@ class ItemsAtWork:
 
 def count(made: Made, left: Left) -> None:
     """Count an item."""
-    kind = kind_of(left.how, is_nonconforming=left.is_bad)
-    setattr(made, kind, getattr(made, kind) + 1)
+    if left.how == PACKED and not left.is_bad:
+        made.good += 1
+    elif left.how == PACKED:
+        made.nonconforming += 1
+    elif left.how == BY_HAND:
+        made.by_hand += 1
+    else:
+        made.rejected += 1
 
 
 def add(made: Made, more: Made, *, is_planned: bool) -> None:

@@ -79,7 +79,7 @@ class Archive:
         if self._open is None:
             return (
                 f'only events from {extent.first_seq} on are known here: the page reads no '
-                'journal; start it with --journal FILE'
+                'journal; whoever installed the page can give it the journal of the node'
             )
         return f'events before {extent.first_seq} are not in the journal any more'
 

@@ -6,10 +6,12 @@ import time
 from collections.abc import Awaitable, Callable
 from io import StringIO
 from typing import NamedTuple
+from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 from starlette.requests import Request
 from starlette.responses import Response
 
+from bt_orchestrator.drawing.documents.html import Times
 from bt_orchestrator.drawing.documents.item_page import Source, item_page
 from bt_orchestrator.errors import JournalUnusable
 from bt_orchestrator.model.codec import json_of
@@ -72,6 +74,9 @@ def _of_item(archive: Archive) -> Endpoint:
         '/api/items/{item:path}/record.html',
         _document(archive),
         'returns the whole record of an item as a document, for a browser and for paper',
+        query={
+            'zone': "its times are in this zone, as Europe/Berlin; else of the page's computer"
+        },
         refusals={
             404: 'nothing is known of the item',
             503: 'the journal cannot be read now: the message says why',
@@ -81,20 +86,21 @@ def _of_item(archive: Archive) -> Endpoint:
 
 
 def _document(archive: Archive) -> Callable[[Request], Awaitable[Response]]:
-    def asked(look: Look, item: str) -> str:
+    def asked(look: Look, item: str, times: Times) -> str:
         history = item_history(reading(look), item)
         if history is None:
             raise Problem(404, f'nothing is known here of item {item}')
         begun = history.started is not None
         lacks = [archive.why_not_whole(look.extent, has_beginning=begun), *look.damage]
         journal = f'journal {look.extent.history}'.strip()
-        source = Source(f'the {journal}', time.time(), [one for one in lacks if one])
+        source = Source(f'the {journal}', time.time(), [one for one in lacks if one], times)
         return item_page([history], source, f'Item {item}')
 
     async def answer(request: Request) -> Response:
         name = request.path_params['item']
+        times = _times(request.query_params.get('zone', ''))
         try:
-            text = await archive.read(lambda look: asked(look, name))
+            text = await archive.read(lambda look: asked(look, name, times))
         except JournalUnusable as error:
             raise Problem(503, str(error)) from error
         return Response(
@@ -102,6 +108,14 @@ def _document(archive: Archive) -> Callable[[Request], Awaitable[Response]]:
         )
 
     return answer
+
+
+def _times(zone: str) -> Times:
+    """Return how times are written; of a zone that this computer does not know, its own."""
+    try:
+        return Times(ZoneInfo(zone) if zone else None)
+    except (ZoneInfoNotFoundError, ValueError, OSError):
+        return Times()
 
 
 def _plain(item: str) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from bt_orchestrator.model.hold_words import several_holds
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.model.wait import Wait, WaitKind
 from bt_orchestrator.report.wait_chains import Cause, Chain, causes, chains
@@ -37,6 +38,7 @@ def _wait_part(wait: Wait) -> dict[str, object]:
         'sections': list(wait.sections),
         'task': wait.task,
         'components': list(wait.components),
+        'holds': list(several_holds(wait.reason)),
         'is_ordinary': wait.kind in _ORDINARY,
     }
 

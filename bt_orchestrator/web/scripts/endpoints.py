@@ -71,6 +71,7 @@ def endpoints(shelf: Shelf, cell: Cell) -> tuple[Endpoint, ...]:
             query={
                 'live': '1: with the state of now',
                 'language': f'of its words: {", ".join(wordings())}',
+                'bare': '1: without title and legend',
             },
             refusals=_UNKNOWN,
             media='image/svg+xml',
@@ -106,7 +107,10 @@ class _Routes:
             known = ' or '.join(wordings())
             raise Problem(422, f'language is {known}; found {language!r}')
         try:
-            drawn = await self._drawings.drawn(digest, script, cell, status, language)
+            is_bare = request.query_params.get('bare') == '1'
+            drawn = await self._drawings.drawn(
+                digest, script, cell, status, language, is_bare=is_bare
+            )
         except NotThisLine as error:
             raise Problem(503, str(error)) from error
         headers = {'etag': drawn.tag, 'cache-control': 'no-cache'}

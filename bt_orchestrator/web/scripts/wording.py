@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from bt_orchestrator.drawing.line_state import Mark
-from bt_orchestrator.drawing.wording import ENGLISH, Wording
-from bt_orchestrator.model.hold_words import NumberedHold, why_words
+from bt_orchestrator.drawing.wording import Wording
+from bt_orchestrator.model.hold_words import NumberedHold, several_holds, why_words
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.wait import Wait, WaitKind
 
@@ -35,7 +35,7 @@ def wordings() -> Mapping[str, Wording]:
     found: dict[str, Wording] = {}
     for path in sorted(_STRINGS.glob('*.json')):
         words = json.loads(path.read_text(encoding='utf-8'))
-        found[path.stem] = ENGLISH if path.stem == 'en' else PageWording(words)
+        found[path.stem] = (EnglishWording if path.stem == 'en' else PageWording)(words)
     return found
 
 
@@ -66,6 +66,8 @@ class PageWording(Wording):
         """Say what something waits for, as `static/core/waits.js` does."""
         if wait.kind is WaitKind.CELL_STATE:
             return self._cell_state(wait.name)
+        if holds := several_holds(wait.reason):
+            return self._word('wait', 'holds').format(names=', '.join(holds))
         kind, sections = wait.kind.value, self._sections(wait.sections)
         by, key = _NAMED.get(wait.kind, ('', kind))
         if by and not getattr(wait, by):
@@ -111,3 +113,12 @@ class PageWording(Wording):
     def _word(self, group: str, name: str, otherwise: str | None = None) -> str:
         """Return a word; what the page has none for stays as it is."""
         return str(self._strings[group].get(name, name if otherwise is None else otherwise))
+
+
+class EnglishWording(PageWording):
+    """English as the page has it: without the words of programs, such as reasons of holds."""
+
+    def wait(self, wait: Wait) -> str:
+        """Say what something waits for: in the node's sentence, if that names no hold."""
+        is_of_hold = wait.kind in (WaitKind.HOLD, WaitKind.PAUSE)
+        return super().wait(wait) if is_of_hold else wait.reason

@@ -72,6 +72,7 @@ def test_a_shift_has_its_hours_and_with_a_cell_file_its_pace(
     shifts = tmp_path / 'shifts.yaml'
     shifts.write_text('shifts: {early: {from: 06:00, to: 14:00}}')
     assert plant() is None
+    assert plant('--cell', REFERENCE_CELL) is None
     hours = Plant(Shifts({'early': Shift('early', Hours(360, 840))}), None)
     assert plant('--shifts', shifts) == hours
     found = plant('--shifts', shifts, '--cell', REFERENCE_CELL)
@@ -82,7 +83,6 @@ def test_a_shift_has_its_hours_and_with_a_cell_file_its_pace(
 @pytest.mark.parametrize(
     ('words', 'message'),
     [
-        (['--cell', 'cell.yaml'], 'give --shifts FILE as well'),
         (['--shifts', 'none.yaml'], 'none.yaml:1:1: the file does not exist'),
         (['--host', '0.0.0.0'], 'passwords would cross the network in the clear'),
         (['--host', '0.0.0.0', '--trust-this-computer'], 'leave one of the two out'),

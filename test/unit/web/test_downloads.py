@@ -117,3 +117,12 @@ def test_the_record_of_an_item_is_a_document(bench: Bench) -> None:
     assert 'Item record' in text
     assert 'it looked so' in text
     assert browser.get('/api/items/WO-%C3%A4/9/record.html').status == 404
+
+
+@pytest.mark.parametrize(
+    ('zone', 'words'),
+    [('Asia/Tokyo', 'of Asia/Tokyo (UTC+09:00).'), ('Moon/Base', 'of this computer, UTC')],
+)
+def test_a_record_is_in_the_zone_of_its_reader(bench: Bench, zone: str, words: str) -> None:
+    answer = bench.browser().get(f'/api/items/WO-%C3%A4/1/record.html?zone={zone}')
+    assert f'Times are those {words}' in answer.body.decode()

@@ -10,7 +10,6 @@ from fakes.long_line import LONG, long_line
 from fakes.page_parts import status_of
 
 from bt_orchestrator.drawing.line_state import Mark
-from bt_orchestrator.drawing.wording import ENGLISH
 from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.packml import PackmlState
@@ -21,8 +20,25 @@ from bt_orchestrator.web.scripts.wording import wordings
 GERMAN = wordings()['de']
 
 
-def test_english_is_that_of_the_code() -> None:
-    assert wordings()['en'] is ENGLISH
+def test_english_is_that_of_the_code_without_words_of_programs() -> None:
+    english = wordings()['en']
+    text = 'waiting for section 2 to finish with WO-1/5'
+    assert english.wait(Wait(text, WaitKind.TURN, sections=(2,))) == text
+    hold = Wait('waiting for an answer to hold 1 (mark: task_result_false)', WaitKind.HOLD, '1')
+    assert english.wait(hold) == 'waiting for an answer (hold 1)'
+    assert english.failure('task_result_false', '') == 'done, but without success'
+
+
+@pytest.mark.parametrize(
+    ('language', 'words'),
+    [
+        ('en', 'waiting for answers to holds 1, 2, 3'),
+        ('de', 'wartet auf Antworten auf die Störungen 1, 2, 3'),
+    ],
+)
+def test_a_wait_for_several_holds_names_all(language: str, words: str) -> None:
+    wait = Wait('waiting for answers to holds 1, 2 and 3', WaitKind.HOLD, '1')
+    assert wordings()[language].wait(wait) == words
 
 
 def test_a_drawing_has_the_same_parts_in_each_language() -> None:
@@ -31,13 +47,16 @@ def test_a_drawing_has_the_same_parts_in_each_language() -> None:
     run.go(until=2.5)
     script, drawings = run.job().job.script, Drawings()
 
-    async def drawn(language: str) -> str:
-        found = await drawings.drawn(digest(script), script, line.cell, status_of(run), language)
+    async def drawn(language: str, *, is_bare: bool = False) -> str:
+        found = await drawings.drawn(
+            digest(script), script, line.cell, status_of(run), language, is_bare=is_bare
+        )
         return found.svg.decode()
 
     english, german = (asyncio.run(drawn(language)) for language in ('en', 'de'))
     assert english == asyncio.run(drawn('en')), 'another language was kept in its place'
     assert 'Legende' in german
+    assert 'Legende' not in asyncio.run(drawn('de', is_bare=True))
     parts = r' id="([^"]+)"'
     assert re.findall(parts, english) == re.findall(parts, german)
 

@@ -23,14 +23,15 @@ import { outcomeWords } from './outcome.js';
  * @param {Object} options
  * @param {string} [options.about] names what it is about
  * @param {Object} [options.values] parameters that are known already
+ * @param {string} [options.hold] id of the hold that it answers
  * @returns {Promise<boolean>} whether it was accepted
  */
-export async function ask(offer, { about = '', values = {} } = {}) {
+export async function ask(offer, { about = '', values = {}, hold = '' } = {}) {
   if (isEmergency(offer)) return sendAtOnce(offer, titleOf(offer, about));
   if ((!who().role || who().is_locked) && !(await askToLogIn())) return false;
-  if (may(offer.name)) return openCommand(offer, titleOf(offer, about), values);
+  if (may(offer.name)) return openCommand(offer, titleOf(offer, about), values, hold);
   const isOther = await askForAnother(offer, titleOf(offer, about));
-  return isOther ? ask(offer, { about, values }) : false;
+  return isOther ? ask(offer, { about, values, hold }) : false;
 }
 
 /** Say who may do it; tell whether somebody else has logged in to do it. */

@@ -1,6 +1,6 @@
 /** What stands on the belt, slot by slot: for `clear`. It begins with what the page shows. */
 
-import { h } from '../core/dom.js';
+import { h, text } from '../core/dom.js';
 import { part, partsOf } from '../core/store.js';
 import { t } from '../core/text.js';
 
@@ -13,7 +13,7 @@ export function beltField() {
     return { number, shown, select: selectOf(shown) };
   });
   const rows = slots.map(({ number, select }) =>
-    h('label', { class: 'belt-row' }, h('span', {}, t('part.section', { number })), select),
+    h('label', { class: 'belt-row' }, h('span', {}, t('part.section', { number })), whole(select)),
   );
   const element = h(
     'fieldset',
@@ -48,6 +48,15 @@ function selectOf(shown) {
       ),
     ),
   );
+}
+
+/** A select cuts what is too long, and the end of an item's id counts: its words stand around it. */
+function whole(select) {
+  const words = h('span', { class: 'choice-words', 'aria-hidden': 'true' });
+  const say = () => text(words, select.selectedOptions[0].text);
+  select.addEventListener('change', say);
+  say();
+  return h('span', { class: 'choice' }, words, select);
 }
 
 function itemsOnTheLine() {

@@ -8,6 +8,7 @@ import { t } from '../core/text.js';
 import { dialogButtons, openDialog } from './dialog.js';
 import { parameterForm } from './form.js';
 import { holdButton } from './hold_button.js';
+import { isOver, sayWhoEnded } from './hold_over.js';
 import { askToLogIn } from './login.js';
 import { note } from './notes.js';
 import { outcomeWords } from './outcome.js';
@@ -19,17 +20,19 @@ import { whatIf } from './what_if.js';
  * @param {Object} offer
  * @param {string} title
  * @param {Object} known parameters that are not asked for
+ * @param {string} [hold] id of the hold that it answers: the dialog is closed when it is over
  * @returns {Promise<boolean>} whether the command was accepted, when the dialog is closed
  */
-export function openCommand(offer, title, known) {
-  return new Promise((resolve) => new Command(offer, title, known, resolve).open());
+export function openCommand(offer, title, known, hold = '') {
+  return new Promise((resolve) => new Command(offer, title, known, hold, resolve).open());
 }
 
 class Command {
-  constructor(offer, title, known, done) {
+  constructor(offer, title, known, hold, done) {
     this.offer = offer;
     this.title = title;
     this.known = known;
+    this.hold = hold;
     this.done = done;
     this.form = parameterForm({ ...offer, body: { ...offer.body, ...known } });
     this.reason = reasonField(offer.name, offer.why === 'first');
@@ -50,11 +53,14 @@ class Command {
       this.answer.element,
       dialogButtons(() => this.dialog.close(), this.go),
     ];
-    const unsubscribe = subscribe('news', () => this.#judge());
+    const ends = [
+      subscribe('news', () => this.#judge()),
+      subscribe('hold/', () => this.#leaveIfOver()),
+    ];
     this.dialog = openDialog(this.title, content, {
       name: this.offer.name,
       closed: () => {
-        unsubscribe();
+        ends.forEach((end) => end());
         this.ahead?.end();
         this.done(this.isAccepted);
       },
@@ -63,6 +69,14 @@ class Command {
     this.dialog.element.querySelector('select, input, textarea, summary').focus();
     this.form.element.addEventListener('input', () => this.#lookAhead());
     this.#lookAhead();
+    this.#leaveIfOver();
+  }
+
+  /** Somebody else has answered the hold: nothing is left to decide here. */
+  #leaveIfOver() {
+    if (this.isSending || !this.dialog.element.open || !isOver(this.hold)) return;
+    this.dialog.close();
+    sayWhoEnded(this.hold, this.title);
   }
 
   #sendButton() {
@@ -106,6 +120,7 @@ class Command {
     if (!this.dialog.element.open) this.#note(outcome);
     else if (outcome.kind === 'login') await askToLogIn();
     this.#setSending(false);
+    this.#leaveIfOver();
   }
 
   #setSending(isSending) {

@@ -4,7 +4,7 @@
  * The bar above stays free, since abort, pause and stop are one press, whatever is open.
  */
 
-import { h } from '../core/dom.js';
+import { focusNear, h } from '../core/dom.js';
 import { t } from '../core/text.js';
 import { clearSettled } from './notes.js';
 
@@ -23,6 +23,7 @@ let count = 0;
 export function openDialog(title, body, { name = '', closed = () => {} } = {}) {
   const id = `dialog-${(count += 1)}`;
   const before = document.activeElement;
+  const around = ancestors(before);
   clearSettled();
   const element = h(
     'dialog',
@@ -36,7 +37,7 @@ export function openDialog(title, body, { name = '', closed = () => {} } = {}) {
     cover.remove();
     open.splice(open.indexOf(element), 1);
     letOthersBe();
-    before?.focus?.({ preventScroll: true });
+    giveBack(before, around);
     closed();
   });
   element.addEventListener('keydown', (event) => {
@@ -49,6 +50,20 @@ export function openDialog(title, body, { name = '', closed = () => {} } = {}) {
   element.show();
   letOthersBe();
   return { element, close };
+}
+
+/** Give the focus back; where the element has gone meanwhile, to what is left around it. */
+function giveBack(before, around) {
+  before?.focus?.({ preventScroll: true });
+  if (document.activeElement !== before || before === document.body) {
+    focusNear(around.find((one) => one.isConnected));
+  }
+}
+
+function ancestors(element) {
+  const found = [];
+  for (let one = element?.parentElement; one; one = one.parentElement) found.push(one);
+  return found;
 }
 
 /** Close all: another screen is shown. */

@@ -7,7 +7,8 @@ const STAY_MS = 6000;
 
 /**
  * Show a note.
- * @param {'accepted'|'refused'|'unknown'} kind accepted ones go by themselves
+ * @param {'accepted'|'told'|'refused'|'unknown'} kind accepted ones go by themselves; they and what
+ *   somebody else did go when something else is asked
  * @param {string} words
  * @returns {function(string, string): void} says something else in its place
  */
@@ -40,5 +41,6 @@ export function note(kind, words) {
 
 /** Take away what is settled: it must not lie over what is asked next. */
 export function clearSettled() {
-  for (const element of document.querySelectorAll('[data-note="accepted"]')) element.remove();
+  const settled = document.querySelectorAll('[data-note="accepted"], [data-note="told"]');
+  for (const element of settled) element.remove();
 }

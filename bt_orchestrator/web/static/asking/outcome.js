@@ -1,5 +1,6 @@
 /** What became of a command, in words. */
 
+import { withButtons } from '../core/requests.js';
 import { sentence, t } from '../core/text.js';
 
 /**
@@ -10,5 +11,5 @@ export function outcomeWords({ kind, message, isFromJournal }) {
   const words = t(`outcome.${kind}`);
   if (kind === 'absent') return words;
   const source = isFromJournal ? t('outcome.journal') : '';
-  return [source, words, sentence(message)].filter(Boolean).join(' ');
+  return [source, words, sentence(withButtons(message))].filter(Boolean).join(' ');
 }

@@ -75,8 +75,12 @@ export function keyed(parent, key, make) {
   const views = new Map();
   return (things) => {
     const wanted = new Set(things.map((thing) => String(key(thing))));
+    let left = -1;
     for (const [name, view] of views) {
       if (wanted.has(name)) continue;
+      if (view.element.contains(document.activeElement)) {
+        left = [...parent.children].indexOf(view.element);
+      }
       view.end?.();
       view.element.remove();
       views.delete(name);
@@ -90,7 +94,20 @@ export function keyed(parent, key, make) {
       parent,
       [...wanted].map((name) => views.get(name).element),
     );
+    if (left >= 0) focusNear(parent.children[Math.min(left, parent.children.length - 1)] ?? parent);
   };
+}
+
+/**
+ * Give the focus to an element, or to what it stands in: whatever takes it by `tabindex`. A button
+ * beside the one that has gone would be pressed by a key that was meant for the other.
+ */
+export function focusNear(element) {
+  let near = element;
+  while (near && !(near.hasAttribute('tabindex') && near.checkVisibility())) {
+    near = near.parentElement;
+  }
+  (near ?? document.getElementById('main')).focus({ preventScroll: true });
 }
 
 function inOrder(parent, elements) {

@@ -22,9 +22,17 @@ export function meaningOf(offer, parameter) {
   return sentence(tOr(`parameter.${offer.name}.${parameter.name}`, parameter.meaning));
 }
 
-/** A message of the node, with its words for answers as the buttons have them. */
-export function withAnswers(message) {
-  return message.replace(/\b(mark_done|abort_job)\b/g, (word) => `“${t(`word.hold.${word}`)}”`);
+/** Verbs of the command line, and answers, where the node names them in a sentence. */
+const VERB = /\b(?:bt-orchestrator ([a-z-]+)(?: [^;,.()]*)?|(remove-item) \S+|(mark_done|abort_job)\b)/g;
+const KINDS = ['cell', 'item', 'component', 'script', 'hold'];
+
+/** A message of the node, with the words of the buttons here in place of verbs of the command line. */
+export function withButtons(message) {
+  return message.replace(VERB, (said, verb, item, answer) => {
+    const name = (verb ?? item ?? answer).replaceAll('-', '_');
+    const kind = KINDS.find((one) => tOr(`word.${one}.${name}`, ''));
+    return kind ? `“${t(`word.${kind}.${name}`)}”` : said;
+  });
 }
 
 /** Roles in words. */

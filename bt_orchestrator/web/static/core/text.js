@@ -63,6 +63,11 @@ export function sentence(words) {
   return words.charAt(0).toLocaleUpperCase(LOCALES[language]) + words.slice(1);
 }
 
+/** Say several words as one list: Pause, Stop and Abort. */
+export function list(words) {
+  return new Intl.ListFormat(LOCALES[language]).format(words);
+}
+
 /** Say a number. */
 export function number(value) {
   return value.toLocaleString(LOCALES[language]);
@@ -102,6 +107,11 @@ export function about(epoch) {
 /** Say when, with the zone. */
 export function atInZone(epoch) {
   return `${at(epoch)} ${zone(epoch)}`;
+}
+
+/** The viewer's zone for programs, for instance Europe/Berlin; in a path. */
+export function readersZone() {
+  return encodeURIComponent(new Intl.DateTimeFormat().resolvedOptions().timeZone);
 }
 
 /** The viewer's zone by name at a moment, for instance CET or UTC. */

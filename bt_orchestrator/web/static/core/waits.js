@@ -1,6 +1,7 @@
 /** What something waits for, in words. The node says it in English; here it is made from its data. */
 
-import { currentLanguage, t, tOr } from './text.js';
+import { part } from './store.js';
+import { currentLanguage, list, t, tOr } from './text.js';
 
 /** Kinds of waits that say more when they name somebody. */
 const KEYS = [
@@ -15,14 +16,26 @@ const AFTER = ['item', 'job'];
 /** Of more sections than these only their number is said. */
 const FEW = 3;
 
+/** Of a hold the node says the reason as programs have it, in one word. */
+const ABOUT_HOLDS = ['hold', 'pause'];
+
 /** Say one wait. */
 export function waitWords(wait) {
+  if (ABOUT_HOLDS.includes(wait.kind)) return holdWords(wait);
   if (currentLanguage() === 'en' && wait.words && wait.sections.length <= FEW) return wait.words;
   if (wait.kind === 'cell_state') return stateWords(wait.name);
   const sections = sectionWords(wait.sections);
   const key = KEYS.find((one) => one.kind === wait.kind && wait[one.by])?.key ?? wait.kind;
   const holder = [wait.task, sections].filter(Boolean).join(', ');
   return t(`wait.${key}`, { name: wait.name, task: wait.task, sections, holder });
+}
+
+function holdWords({ kind, name, holds = [] }) {
+  if (holds.length) return t('wait.holds', { names: list(holds) });
+  const hold = part(`hold/${name}`);
+  if (!hold?.task) return t(`wait.${kind}`, { name });
+  const reason = tOr(`reason.${hold.reason}`, hold.reason);
+  return t('wait.hold_of', { name, task: hold.label, reason });
 }
 
 /** The state in which nothing starts; or that the line runs empty, after an item or a job. */

@@ -4,7 +4,7 @@ import { attribute, h, keyed, text } from '../core/dom.js';
 import { part, shownMoment } from '../core/store.js';
 import { seconds, t } from '../core/text.js';
 import { foremostWait, waitWords } from '../core/waits.js';
-import { itemName } from './item_name.js';
+import { itemName, jobOf } from './item_name.js';
 import { reshape, shape } from '../core/shape.js';
 
 /** So many slots need more than one row. */
@@ -16,7 +16,7 @@ export function beltStrip() {
   const word = h('strong', { class: 'belt-word' });
   const why = h('span', { class: 'belt-why one-line' });
   const list = h('ol', { class: 'slots' });
-  const slots = keyed(list, (section) => section.number, slotView);
+  const slots = keyed(list, ({ section }) => section.number, slotView);
   const element = h(
     'section',
     { class: 'belt panel', 'data-part': 'belt', 'aria-label': t('part.belt') },
@@ -37,8 +37,10 @@ export function beltStrip() {
       const sections = (part('cell')?.sections ?? [])
         .map((number) => part(`section/${number}`))
         .filter(Boolean);
-      slots(sections);
+      const jobs = new Set(sections.filter(({ slot }) => slot).map(({ slot }) => jobOf(slot)));
+      slots(sections.map((section) => ({ section, isNamed: jobs.size > 1 })));
       attribute(list, 'data-many', sections.length > MANY);
+      attribute(list, 'data-jobs', jobs.size > 1);
       if (!belt) return;
       const wait = belt.moving ? null : foremostWait(belt.waits);
       attribute(element, 'data-moving', belt.moving);
@@ -77,13 +79,13 @@ function slotView() {
   const element = h('li', { class: 'slot' }, link);
   return {
     element,
-    update(section) {
+    update({ section, isNamed }) {
       attribute(element, 'data-slot', section.number);
       attribute(element, 'data-held', section.holds.length > 0);
       attribute(link, 'href', `#/section/${section.number}`);
       text(more, slotWords(section));
       text(number, section.number);
-      item.update(section.slot);
+      item.update(section.slot, isNamed);
     },
   };
 }

@@ -1,7 +1,7 @@
 /** One hold: where, what and why, and each answer with its consequence. */
 
 import { attribute, h, show, text } from '../core/dom.js';
-import { withAnswers } from '../core/requests.js';
+import { withButtons } from '../core/requests.js';
 import { shownMoment } from '../core/store.js';
 import { at, duration, t, tOr } from '../core/text.js';
 import { offers } from './offers.js';
@@ -17,10 +17,14 @@ export function holdCard() {
   const message = h('p', { class: 'hold-message' });
   const facts = h('p', { class: 'hold-facts' });
   const item = h('a', { class: 'hold-item' });
-  const answers = offers({ about: () => holdTitle(hold), label: t('overview.answers') });
+  const answers = offers({
+    about: () => aboutHold(hold),
+    hold: () => hold.id,
+    label: t('overview.answers'),
+  });
   const element = h(
     'article',
-    { class: 'hold' },
+    { class: 'hold', tabindex: -1 },
     h(
       'div',
       { class: 'hold-said' },
@@ -47,7 +51,7 @@ export function holdCard() {
       reshape(drawn, hold.is_pause ? 'pause' : 'triangle');
       text(place, holdTitle(hold));
       text(why, tOr(`reason.${hold.reason}`, hold.reason));
-      text(message, withAnswers(hold.message));
+      text(message, withButtons(hold.message));
       attribute(message, 'title', hold.message);
       show(item, hold.item);
       if (hold.item)
@@ -64,6 +68,11 @@ function holdTitle(hold) {
   if (hold.section) return holdPlace(hold);
   const place = hold.job ? t('part.initialization') : t('part.belt');
   return [place, holdPlace(hold)].filter(Boolean).join(', ');
+}
+
+/** For dialogs: the card is under them. */
+function aboutHold(hold) {
+  return [holdTitle(hold), hold.item].filter(Boolean).join(', ');
 }
 
 function factWords(hold) {

@@ -4,7 +4,10 @@ import { attribute, h, text } from '../core/dom.js';
 import { t } from '../core/text.js';
 import { reshape, shape } from '../core/shape.js';
 
-/** Make it: an element and `update(item)`; null: nothing is there. */
+/** Make it: an element and `update(item)`; null: nothing is there. A short one has no job unless `isNamed`. */
+/** The job of an item, whose id is JOB/NUMBER. */
+export const jobOf = (item) => item.id.slice(0, Math.max(item.id.lastIndexOf('/'), 0));
+
 export function itemName({ isShort = false } = {}) {
   const drawn = shape('none');
   const job = h('span', { class: 'item-job one-line' });
@@ -14,7 +17,7 @@ export function itemName({ isShort = false } = {}) {
   const element = h('span', { class: 'item' }, drawn, name, state);
   return {
     element,
-    update(item) {
+    update(item, isNamed = !isShort) {
       const kind = kindOf(item);
       attribute(element, 'data-item', item?.id ?? '');
       attribute(element, 'data-item-kind', kind);
@@ -25,11 +28,11 @@ export function itemName({ isShort = false } = {}) {
       );
       reshape(drawn, SHAPES[kind]);
       const at = item?.id.lastIndexOf('/') ?? -1;
-      text(job, item && !isShort ? item.id.slice(0, Math.max(at, 0)) : '');
+      text(job, item && isNamed ? item.id.slice(0, Math.max(at, 0)) : '');
       text(
         number,
         item
-          ? item.id.slice(isShort ? at + 1 : Math.max(at, 0))
+          ? item.id.slice(isNamed ? Math.max(at, 0) : at + 1)
           : isShort
             ? ''
             : t('overview.empty_slot'),

@@ -33,6 +33,7 @@ export function jobRow() {
       attribute(element, 'data-job', job.id);
       attribute(element, 'data-state', job.state);
       attribute(element, 'data-substate', job.substate);
+      attribute(element, 'data-waits', job.position > 0);
       attribute(link, 'href', `#/job/${encodeURIComponent(job.id)}`);
       text(link, job.id);
       text(script, scriptWords(job));

@@ -1,8 +1,9 @@
 /** How old the news are. What is old looks old: two sentences, for two different troubles. */
 
 import { attribute, h, text } from '../core/dom.js';
-import { clock, news, position, subscribe } from '../core/store.js';
-import { at, atInZone, duration, t } from '../core/text.js';
+import { isEmergency, wordOf } from '../core/requests.js';
+import { clock, news, part, position, subscribe } from '../core/store.js';
+import { at, atInZone, duration, list, t } from '../core/text.js';
 import { everySecond } from '../core/tick.js';
 
 /** Make the line: an element, `end()`. */
@@ -33,7 +34,14 @@ export function newsTrouble() {
   if (refused && kind === 'none') return t('news.refused');
   if (heard === null) return `${t(`news.${kind}`)} ${t('news.never_heard')}`;
   const since = t('news.last_heard', { time: at(heard), ago: duration(clock() - heard) });
-  return `${t(`news.${kind}`)} ${since} ${t('news.old')}`;
+  return `${t(`news.${kind}`)} ${since} ${t('news.old')} ${pressable()}`;
+}
+
+/** Name the commands that can be pressed on old news: those that the cell offered last. */
+function pressable() {
+  const words = (part('cell')?.offers ?? []).filter(isEmergency).map(wordOf);
+  if (!words.length) return t('news.none_pressable');
+  return t('news.pressable', { count: words.length, commands: list(words) });
 }
 
 function gapWords() {

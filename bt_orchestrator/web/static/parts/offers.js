@@ -12,10 +12,16 @@ import { shape } from '../core/shape.js';
  * Make buttons for offers: an element, `update(offers)` and `end()`.
  * @param {Object} options
  * @param {function(): string} [options.about] names what they are about, for the dialog
+ * @param {function(): string} [options.hold] its id where they are answers: a dialog ends with it
  * @param {boolean} [options.isCompact] without the effect beside the word; the dialog says it
  * @param {string} [options.label] names the group for readers of the screen
  */
-export function offers({ about = () => '', isCompact = false, label = '' } = {}) {
+export function offers({
+  about = () => '',
+  hold = () => '',
+  isCompact = false,
+  label = '',
+} = {}) {
   const element = h('div', {
     class: isCompact ? 'offers is-compact' : 'offers',
     role: 'group',
@@ -28,7 +34,7 @@ export function offers({ about = () => '', isCompact = false, label = '' } = {})
     element,
     (offer) => offer.path + offer.name,
     () => {
-      const button = offerButton(about, isCompact);
+      const button = offerButton(() => ({ about: about(), hold: hold() }), isCompact);
       buttons.add(button);
       return { ...button, end: () => buttons.delete(button) };
     },
@@ -36,14 +42,14 @@ export function offers({ about = () => '', isCompact = false, label = '' } = {})
   return { element, update: list, end: () => ends.forEach((end) => end()) };
 }
 
-function offerButton(about, isCompact) {
+function offerButton(subject, isCompact) {
   let offer = null;
   const word = h('span', { class: 'offer-word' });
   const effect = h('span', { class: 'offer-effect' });
   const locked = shape('lock');
   const element = h(
     'button',
-    { type: 'button', class: 'offer', onclick: () => ask(offer, { about: about() }) },
+    { type: 'button', class: 'offer', onclick: () => ask(offer, subject()) },
     h('span', { class: 'offer-name' }, locked, word),
     isCompact ? null : effect,
   );

@@ -1,7 +1,7 @@
 // Zoom and pan of a picture, by its view box: pointers, keys and calls do the same thing.
 
 const CLOSEST = 6; // pixels a point of the picture
-const READABLE = 0.55; // below, its text cannot be read
+const READABLE = 1.1; // below, its smallest text cannot be read
 const STEP = 1.4;
 const PART = 0.15; // of what is seen, for one press of an arrow key
 
@@ -34,7 +34,7 @@ export class PanZoom {
     }
   }
 
-  /** Take a picture; one of the same size is seen as the one before it. */
+  /** Take a picture; one of the same size is seen as the one before it. Tells whether it is not. */
   show(svg) {
     const { x, y, width, height } = svg.viewBox.baseVal;
     const isSame = this.area?.width === width && this.area?.height === height;
@@ -42,6 +42,7 @@ export class PanZoom {
     this.area = { x, y, width, height };
     if (isSame) this.#look(this.centre, this.scale);
     else this.#begin();
+    return !isSame;
   }
 
   whole() {
@@ -71,16 +72,16 @@ export class PanZoom {
     if (!this.svg) return;
     const { x, y, width, height } = part.getBBox();
     const centre = { x: x + width / 2, y: y + height / 2 };
-    if (this.scale < READABLE) this.#look(centre, 1);
+    if (this.scale < READABLE) this.#look(centre, READABLE);
     else if (this.scale > this.#least()) this.#look(centre, this.scale);
   }
 
-  /** A long line begins at its upper end, as wide as there is room: the whole could not be read. */
+  /** What cannot be read as a whole begins at its upper left, as large as it has to be. */
   #begin() {
     this.whole();
-    if (this.scale >= READABLE / 2) return;
+    if (this.scale >= READABLE) return;
     const { x, y, width } = this.area;
-    this.#look({ x: x + width / 2, y }, Math.min(this.frame.clientWidth / width, 1));
+    this.#look({ x, y }, Math.max(this.frame.clientWidth / width, READABLE));
   }
 
   /** The scale at which the whole is seen. */

@@ -31,8 +31,10 @@ class Picture {
     this.element = h('div', { class: 'picture' }, this.#buttons(), this.room, help());
     this.parts = new Map(); // name: {element, source}
     this.marked = { way: [], root: '' };
+    this.start = '';
     this.onShown = () => !document.hidden && this.show(this.digest);
     document.addEventListener('visibilitychange', this.onShown);
+    addEventListener('resize', this.onShown); // a telephone that is turned has room for it
   }
 
   #buttons() {
@@ -53,7 +55,7 @@ class Picture {
 
   show(digest) {
     this.digest = digest;
-    if (!digest || document.hidden || this.timer) {
+    if (!digest || document.hidden || !this.room.checkVisibility() || this.timer) {
       this.isWanted = true;
       return;
     }
@@ -73,6 +75,11 @@ class Picture {
     }
   }
 
+  /** Name the part that a picture begins with, if there is no room for the whole of it. */
+  beginAt(name) {
+    this.start = name;
+  }
+
   lookAt(name) {
     const part = this.parts.get(name);
     if (part) this.panZoom.lookAt(part.element);
@@ -81,10 +88,11 @@ class Picture {
   end() {
     clearTimeout(this.timer);
     document.removeEventListener('visibilitychange', this.onShown);
+    removeEventListener('resize', this.onShown);
   }
 
   async #fetch(digest) {
-    const address = `/api/drawing/${digest}.svg?live=1&language=${currentLanguage()}`;
+    const address = `/api/drawing/${digest}.svg?live=1&bare=1&language=${currentLanguage()}`;
     const answer = await fetch(address).catch(() => null);
     if (!answer?.ok || digest !== this.digest) return; // the top bar says that the page is silent
     const source = new DOMParser().parseFromString(await answer.text(), 'image/svg+xml');
@@ -120,7 +128,7 @@ class Picture {
     svg.removeAttribute('width');
     svg.removeAttribute('height');
     this.room.replaceChildren(svg);
-    this.panZoom.show(svg);
+    if (this.panZoom.show(svg) && this.start) this.lookAt(this.start);
   }
 }
 

@@ -1,4 +1,7 @@
-/** Tables whose rows belong to things: a row that stays keeps its elements, and so the focus. */
+/**
+ * Tables whose rows belong to things: a row that stays keeps its elements, and so the focus. On a
+ * telephone each row is a card, in which every value stands beside its head (`screens.css`).
+ */
 import { h, keyed, show } from '../core/dom.js';
 
 /**
@@ -10,19 +13,21 @@ import { h, keyed, show } from '../core/dom.js';
  * @returns {{element: Element, show: function(Array): void}}
  */
 export function table({ caption, columns, key, empty, isCaptionShown = false }) {
-  const body = h('tbody');
+  const body = h('tbody', { role: 'rowgroup' });
   const nothing = h('p', { class: 'nothing' }, empty);
   const look = (column) => (column.isNumber ? 'number' : null);
-  const heads = columns.map((one) => h('th', { scope: 'col', class: look(one) }, one.head));
+  const heads = columns.map((one) =>
+    h('th', { scope: 'col', role: 'columnheader', class: look(one) }, one.head),
+  );
   const whole = h(
     'div',
     // what scrolls has to be reached by keys
     { class: 'table-room', tabindex: 0, role: 'region', 'aria-label': caption },
     h(
       'table',
-      { class: 'things' },
+      { class: 'things', role: 'table' },
       h('caption', { class: isCaptionShown ? null : 'for-readers' }, caption),
-      h('thead', {}, h('tr', {}, heads)),
+      h('thead', { role: 'rowgroup' }, h('tr', { role: 'row' }, heads)),
       body,
     ),
   );
@@ -39,11 +44,13 @@ export function table({ caption, columns, key, empty, isCaptionShown = false }) 
 
 function makeRow(columns, look) {
   const cells = columns.map((one, place) =>
-    place ? h('td', { class: look(one) }) : h('th', { scope: 'row', class: look(one) }),
+    place
+      ? h('td', { role: 'cell', class: look(one), 'data-head': one.head })
+      : h('th', { scope: 'row', role: 'rowheader', class: look(one) }),
   );
   let before = '';
   return {
-    element: h('tr', {}, cells),
+    element: h('tr', { role: 'row' }, cells),
     update(thing) {
       const now = JSON.stringify(thing);
       if (now === before) return;

@@ -60,12 +60,11 @@ export function twigName(name) {
 }
 
 /**
- * What makes a message of a behaviour one in the viewer's language: waits are known as data, by
- * their sentence; what is none, as the id of an item, stays as it is.
+ * What makes a message of a behaviour one in the viewer's language, English too, which has no words
+ * of programs here: waits are known as data, by their sentence; what is none, as the id of an item, stays as it is.
  * @returns {function(string): string}
  */
 export function messageWords() {
-  if (currentLanguage() === 'en') return (message) => message;
   const known = new Map(allWaits().map((wait) => [wait.words, wait]));
   const parts = (sentence) => sentence.split(AND).map((one) => said(MESSAGES, one)).join(AND);
   const say = (sentence) =>

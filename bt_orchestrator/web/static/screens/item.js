@@ -2,7 +2,7 @@
 import { get } from '../core/api.js';
 import { children, h, show, text } from '../core/dom.js';
 import { subscribe } from '../core/store.js';
-import { duration, t } from '../core/text.js';
+import { duration, readersZone, t } from '../core/text.js';
 import { happenings } from '../parts/happenings.js';
 import { inPath, jobLink } from '../parts/links.js';
 import { scriptWords } from '../parts/job_row.js';
@@ -30,7 +30,7 @@ class Item {
     const link = (word, href, download) =>
       h('a', { class: 'button', href, download, hidden: true }, t(word));
     this.downloads = [
-      link('item.document', `${path}/record.html`, ''),
+      link('item.document', `${path}/record.html?zone=${readersZone()}`, ''),
       link('item.download', path, `${id.replaceAll('/', '-')}.json`),
     ];
     this.element = h(

@@ -11,7 +11,7 @@ import { jobStateWords, recipeWords } from '../parts/job_row.js';
 import { offers } from '../parts/offers.js';
 import { table } from '../parts/table.js';
 import { values } from '../parts/values.js';
-import { bad } from './jobs.js';
+import { bad } from '../parts/job_table.js';
 
 const PAUSE_MS = 1000;
 

@@ -2,10 +2,9 @@
 import { get } from '../core/api.js';
 import { children, h, show, text } from '../core/dom.js';
 import { subscribe } from '../core/store.js';
-import { at, duration, number, t } from '../core/text.js';
-import { scriptWords } from '../parts/job_row.js';
-import { inPath, itemLink, jobLink } from '../parts/links.js';
-import { table } from '../parts/table.js';
+import { at, t } from '../core/text.js';
+import { jobTable } from '../parts/job_table.js';
+import { inPath, itemLink } from '../parts/links.js';
 
 const MOST = 50;
 
@@ -18,29 +17,9 @@ export function mount(root) {
   return () => end();
 }
 
-const COLUMNS = [
-  ['job', (job) => jobLink(job.id)],
-  ['script', (job) => scriptWords(job)],
-  ['status', (job) => t(`job.is_${job.status}`)],
-  ['queued', (job) => at(job.queued)],
-  ['ended', (job) => at(job.ended)],
-  ['took', (job) => took(job), 'number'],
-  ['packed', (job) => packed(job)],
-];
-
 class Jobs {
   constructor() {
-    const columns = COLUMNS.map(([name, cell, kind]) => ({
-      head: t(`jobs.${name}`),
-      cell,
-      isNumber: kind === 'number',
-    }));
-    this.table = table({
-      caption: t('jobs.title'),
-      columns,
-      key: (job) => `${job.id}@${job.queued}`,
-      empty: t('jobs.nothing'),
-    });
+    this.table = jobTable();
     this.older = h('button', { type: 'button', onclick: () => this.next() }, t('jobs.older'));
     this.note = h('p', { class: 'remark', role: 'status' });
     this.jobs = [];
@@ -115,20 +94,4 @@ function serialSearch() {
     h('button', { type: 'submit' }, t('jobs.search')),
     found,
   );
-}
-
-function packed({ counts, quantity }) {
-  const good = t('jobs.of', { packed: number(counts.packed), quantity: number(quantity) });
-  const lost = bad(counts);
-  return [h('div', {}, good), lost ? h('div', { class: 'alarm' }, lost) : ''];
-}
-
-function took({ started, ended }) {
-  return started === null || ended === null ? '' : duration(ended - started);
-}
-
-/** Say how many items were bad, by kinds. */
-export function bad(counts) {
-  const kinds = ['rejected', 'missing', 'nonconforming'].filter((kind) => counts[kind]);
-  return kinds.map((kind) => t(`bar.${kind}`, { count: counts[kind] })).join(', ');
 }

@@ -1,4 +1,4 @@
-/** To log in, as a screen: where looking is not free. */
+/** To log in, as a screen: for commands, and for looking where that is not free. */
 
 import { h } from '../core/dom.js';
 import { askToLogIn } from '../asking/login.js';
@@ -13,7 +13,7 @@ export function mount(root) {
       'section',
       { class: 'panel narrow' },
       h('h1', {}, t('login.title')),
-      h('p', {}, t('login.why')),
+      h('p', {}, t(who().looks_freely ? 'login.why_free' : 'login.why')),
       h(
         'button',
         { type: 'button', class: 'primary', 'data-do': 'log-in', onclick: go },

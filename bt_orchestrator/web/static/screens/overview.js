@@ -1,12 +1,13 @@
 /** The cell at a glance: what waits for a person comes first, then the line, then the jobs. */
 
 import { attribute, h, keyed, show, text } from '../core/dom.js';
-import { part, subscribe } from '../core/store.js';
+import { news, part, subscribe } from '../core/store.js';
 import { t } from '../core/text.js';
 import { everySecond } from '../core/tick.js';
 import { beltStrip } from '../parts/belt_strip.js';
 import { holdCard } from '../parts/hold_card.js';
 import { jobRow } from '../parts/job_row.js';
+import { journalKnown } from '../parts/journal_known.js';
 import { sectionCard } from '../parts/section_card.js';
 import { shiftCard } from '../parts/shift_card.js';
 import { flagList, troubleList } from '../parts/side_lists.js';
@@ -36,9 +37,11 @@ export function mount(root) {
     ),
   );
   const silence = h('p', { class: 'panel' }, t('overview.nothing_heard'));
-  root.append(h('h1', { class: 'for-readers' }, t('overview.title')), silence, page);
+  const journal = h('div');
+  const title = h('h1', { class: 'for-readers' }, t('overview.title'));
+  root.append(title, silence, journal, page);
   const shown = [
-    [['cell'], () => showWhichThereIs(silence, page)],
+    [['cell', 'news'], () => showWhichThereIs({ silence, journal, page })],
     [['cell', 'hold/'], holds.update],
     [['cell', 'belt', 'section/'], belt.update],
     [['cell', 'section/'], sections.update],
@@ -58,9 +61,15 @@ export function mount(root) {
   };
 }
 
-function showWhichThereIs(silence, page) {
-  show(silence, !part('cell'));
-  show(page, part('cell'));
+function showWhichThereIs({ silence, journal, page }) {
+  const isHeard = Boolean(part('cell'));
+  show(silence, !isHeard);
+  show(page, isHeard);
+  show(journal, !isHeard);
+  if (isHeard || journal.firstChild || news().kind !== 'node') return;
+  const known = journalKnown();
+  journal.append(known.element);
+  known.read();
 }
 
 function partsNamed(kind, ids = []) {
@@ -74,7 +83,12 @@ function holdList() {
   return {
     element: h(
       'section',
-      { class: 'hold-region', 'data-part': 'holds', 'aria-label': t('overview.holds') },
+      {
+        class: 'hold-region',
+        'data-part': 'holds',
+        'aria-label': t('overview.holds'),
+        tabindex: -1,
+      },
       nothing,
       list,
     ),
@@ -98,6 +112,7 @@ function sectionGrid() {
     update() {
       const sections = partsNamed('section', part('cell')?.sections);
       attribute(element, 'data-many', sections.length > 12);
+      element.style.setProperty('--sections', sections.length);
       cards.update(sections);
     },
   };

@@ -35,7 +35,7 @@ class Section {
     this.finishedBox = h('div', {}, this.finished, this.finishedTasks.element);
     this.feedback = feedback();
     this.offers = offers({
-      about: () => t('part.section', { number }),
+      about: () => [t('part.section', { number }), this.slot?.id].filter(Boolean).join(', '),
       label: t('section.offers'),
     });
     this.components = h('ul', { class: 'links' });
@@ -107,6 +107,7 @@ class Section {
   }
 
   #show(section) {
+    this.slot = section.slot;
     this.#beside(part('cell')?.sections ?? []);
     children(this.about, aboutOf(section));
     children(

@@ -46,16 +46,20 @@ class Why {
         { class: 'why-sides' },
         h(
           'section',
-          { class: 'panel', 'aria-label': t('why.picture') },
+          { class: 'panel why-causes', 'aria-labelledby': 'why-causes' },
+          h('h2', { id: 'why-causes' }, t('why.causes')),
+          this.causes,
+          this.nothing,
+        ),
+        h(
+          'section',
+          { class: 'panel why-picture', 'aria-label': t('why.picture') },
           this.picture.element,
           this.noScript,
         ),
         h(
           'section',
-          { class: 'panel', 'aria-labelledby': 'why-reasons' },
-          h('h2', {}, t('why.causes')),
-          this.causes,
-          this.nothing,
+          { class: 'panel why-reasons', 'aria-labelledby': 'why-reasons' },
           h('h2', { id: 'why-reasons' }, t('why.reasons')),
           this.note,
           this.reasons,
@@ -70,6 +74,8 @@ class Why {
     this.fillCauses(part('why')?.causes ?? []);
     show(this.nothing, this.chains.length === 0);
     this.#listScripts();
+    const gravest = part('why')?.causes.find((cause) => !cause.is_ordinary);
+    this.picture.beginAt(gravest ? (drawnParts(gravest.part)[0] ?? '') : '');
     this.#draw();
     this.#mark();
   }

@@ -1,0 +1,102 @@
+"""Dialogs name what they are about, whole, and end with it; the focus never gets lost."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from page.browsing import Person, Tab
+from page.conftest import Sit
+from page.stands import Stand, stand
+
+from bt_orchestrator.model.jobs.order import Terms, WorkOrder
+
+FAULTS = ['component_3a.TASK_A#3=abort', 'component_3a.TASK_A#4=false']
+"""The third item is held, and held again when it is retried."""
+LONG = 'WO-1123-1909-VERPACKUNG-LINKS-B'
+"""The job behind that of the held item."""
+ITEM = 'WO-1001/3'
+PHONE = {'width': 390, 'height': 844}
+
+_FOCUS = '() => document.activeElement.tagName'
+
+_CUT = """
+selector => [...document.querySelectorAll(selector)]
+  .filter((one) => one.scrollWidth > one.clientWidth + 1
+    || one.getBoundingClientRect().right > document.documentElement.clientWidth)
+  .map((one) => one.textContent)
+"""
+
+
+@pytest.fixture(scope='module')
+def line(tmp_path_factory: pytest.TempPathFactory, browser: Any) -> Iterator[Stand]:
+    """Give a line with items of two jobs, the last item of the first one held."""
+    folder = tmp_path_factory.mktemp('stand')
+    with stand(folder, jobs=1, quantity=3, fail=FAULTS, speed=8.0) as one:
+        order = WorkOrder(one.cell.script, LONG, 4, {}, Terms())
+        assert one.cell.queue(order).accepted
+        person = Person(browser, f'http://127.0.0.1:{one.port}')
+        tab = person.open()
+        tab.until(lambda: tab.count('[data-hold="1"]'), 'a hold')
+        person.leave()
+        yield one
+
+
+def test_dialogs_and_focus_while_a_line_is_held_aborted_and_lost(line: Stand, sit: Sit) -> None:
+    tab = sit(line.port, viewport=PHONE).open()
+    tab.until_news()
+    slots_name_their_jobs(tab)
+    a_hold_that_somebody_else_answers_closes_its_dialog(tab, line)
+    focus_goes_on_after_an_answer(tab)
+    clear_shows_each_item_whole(tab, line)
+    old_news_name_only_what_can_be_pressed(tab, line)
+
+
+def slots_name_their_jobs(tab: Tab) -> None:
+    tab.until(lambda: tab.count('.slots[data-jobs]'), 'two jobs on the belt')
+    assert tab.page.locator('[data-slot="3"] .item-id').inner_text().split() == [LONG, '/1']
+    assert not tab.page.evaluate(_CUT, '.slot .item-id, .slot .item-job')
+    assert tab.too_wide() == 0
+
+
+def a_hold_that_somebody_else_answers_closes_its_dialog(tab: Tab, line: Stand) -> None:
+    tab.page.locator('[data-hold="1"] [data-offer="hold.skip"]').click()
+    dialog = tab.page.locator('dialog[data-dialog="hold.skip"]')
+    assert ITEM in dialog.locator('h2').inner_text()
+    line.ask('hold.retry', hold='1', reason='turned it')
+    dialog.wait_for(state='detached')
+    note = tab.page.locator('[data-note="told"]')
+    note.wait_for()
+    assert 'Ann has answered “Retry”. “turned it”' in note.inner_text()
+    assert 'Nothing was sent from here.' in note.inner_text()
+    tab.until(lambda: tab.count('[data-hold="2"]'), 'the next hold')
+    wait = tab.page.locator('[data-section="4"] .section-wait').inner_text()
+    assert 'done, but without success' in wait
+
+
+def focus_goes_on_after_an_answer(tab: Tab) -> None:
+    tab.answer('2', 'mark_done', 'looked at it')
+    tab.until(lambda: not tab.count('[data-hold="2"]'), 'the hold to be gone')
+    assert tab.page.evaluate(_FOCUS) != 'BODY'
+
+
+def clear_shows_each_item_whole(tab: Tab, line: Stand) -> None:
+    line.ask('cell.abort')
+    clear = tab.page.locator('header [data-offer="cell.clear"]')
+    clear.click()
+    dialog = tab.page.locator('dialog[data-dialog="cell.clear"]')
+    told = dialog.locator('.choice-words').all_inner_texts()
+    assert told[2:4] == [f'{LONG}/1', ITEM]
+    assert not tab.page.evaluate(_CUT, '.belt-row, .choice-words')
+    dialog.locator('[data-do="leave"]').click()
+    assert tab.page.evaluate(_FOCUS) == 'BUTTON'
+
+
+def old_news_name_only_what_can_be_pressed(tab: Tab, line: Stand) -> None:
+    line.cell.switch()
+    tab.until_news('node')
+    said = tab.page.locator('.state-why').get_attribute('title') or ''
+    offered = tab.page.locator('header [data-emergency]').all_inner_texts()
+    assert 'No command can be given' in said if not offered else offered[0] in said
+    assert 'Stop' not in said
