@@ -8,15 +8,12 @@ from contextlib import closing
 from datetime import datetime
 from pathlib import Path
 
-from bt_orchestrator.cli import bootstrap
-from bt_orchestrator.cli.journal_file import open_records
 from bt_orchestrator.cli.moments import moment
 from bt_orchestrator.errors import NotKept
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.ports import Records
 from bt_orchestrator.screen.words import status_lines
-from bt_orchestrator.sim.past import JournalPast
 
 
 def event_or_moment(text: str) -> int | float:
@@ -35,6 +32,11 @@ def status_at(at: int | float, journal: Path, cell: Path) -> CellStatus:
     :raises JournalUnusable: the journal cannot be read
     :raises Refused: the cell file, with every mistake in it
     """
+    # Imported here: engine and readers take longer to import than a running node takes to answer.
+    from bt_orchestrator.cli import bootstrap
+    from bt_orchestrator.cli.journal_file import open_records
+    from bt_orchestrator.sim.past import JournalPast
+
     known = bootstrap.load_cell(cell, bootstrap.installed_types())
     with closing(open_records(journal)) as records:
         seq = at if isinstance(at, int) else _last_before(records, at)

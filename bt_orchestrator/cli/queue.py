@@ -106,6 +106,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns 1 when it was refused."""
+    _refuse_options_of_others(args)
     if args.action == 'list':
         _expect(args, 0, 'nothing')
         return _list(args)
@@ -113,6 +114,25 @@ def run(args: argparse.Namespace) -> int:
         raise WrongUse(f'queue {args.action}: say why, with --reason TEXT')
     ask = _ASK.get(args.action, _control)
     return ask(args)
+
+
+_OPTIONS = {
+    'at': ADD.word,
+    'held': ADD.word,
+    'order': REQUEUE.word,
+    **dict.fromkeys(('quantity', 'param', 'script', 'recipe', 'version', 'bind'), UPDATE.word),
+    **dict.fromkeys(('priority', 'start', 'due', 'details'), UPDATE.word),
+}
+"""Options of one action alone, by their names in the arguments."""
+
+
+def _refuse_options_of_others(args: argparse.Namespace) -> None:
+    for name, action in _OPTIONS.items():
+        value = getattr(args, name)
+        is_given = value is not None if name == 'priority' else bool(value)
+        if is_given and action != args.action:
+            option = 'as' if name == 'order' else name
+            raise WrongUse(f'queue {args.action}: --{option} is for queue {action}')
 
 
 def _list(args: argparse.Namespace) -> int:

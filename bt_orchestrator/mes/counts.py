@@ -16,8 +16,9 @@ class Count:
     job: str
     """Empty: there was no job yet."""
     processed: int = 0
-    """Good or bad."""
+    """Produced (semantics 6.2)."""
     defective: int = 0
+    """Those of them that are not good."""
 
 
 class Counter:
@@ -45,4 +46,4 @@ class Counter:
 
 
 def _count(job: JobStatus) -> Count:
-    return Count(job.id, job.packed + job.rejected, job.rejected)
+    return Count(job.id, job.produced, job.produced - job.good)

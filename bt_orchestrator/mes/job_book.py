@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.jobs.counting import MISSING, counts_of, good_of
 from bt_orchestrator.model.jobs.isa95 import OVER, QUEUED, JobWord, queued_word, word_at_work
-from bt_orchestrator.model.jobs.job_record import MISSING, counted_as
 from bt_orchestrator.model.status import CellStatus, JobStatus, ListedJob
 from bt_orchestrator.model.stop_reason import StopReason
 
@@ -51,6 +51,10 @@ class _Entry:
     def count(self, name: str) -> None:
         """Count one more."""
         self.set(**{name: getattr(self.job.status, name) + 1})
+
+    def count_good(self) -> None:
+        """Derive the good ones from the other counts."""
+        self.set(good=good_of(self.job.status.packed, self.job.status.nonconforming))
 
 
 class JobBook:
@@ -265,8 +269,9 @@ def _ended(entry: _Entry, event: e.JobCompleted | e.JobAborted) -> None:
         ending='',
         position=0,
         expected_end_s=None,
-        **{name: count for name, count in event.counts.items() if name in _COUNTED},
+        **{_COUNTED[name]: count for name, count in event.counts.items() if name in _COUNTED},
     )
+    entry.count_good()
 
 
 def _cycle_started(entry: _Entry, event: e.CycleStarted) -> None:
@@ -284,9 +289,9 @@ def _missing(entry: _Entry, _: e.ItemMissing) -> None:
 
 
 def _removed(entry: _Entry, event: e.ItemRemoved) -> None:
-    name = counted_as(event.how)
-    if name in _COUNTED:
+    for name in counts_of(event.how, is_nonconforming=event.item in entry.nonconforming):
         entry.count(name)
+    entry.count_good()
 
 
 def _continued(entry: _Entry, event: e.TaskContinued) -> None:
@@ -296,9 +301,7 @@ def _continued(entry: _Entry, event: e.TaskContinued) -> None:
 
 def _nonconforming(entry: _Entry, event: e.ItemNonconforming | e.TaskContinued) -> None:
     assert event.item is not None
-    if event.item not in entry.nonconforming:
-        entry.nonconforming.add(event.item)
-        entry.count('nonconforming')
+    entry.nonconforming.add(event.item)
 
 
 _REMARKS: Mapping[type[e.Event], str] = {
@@ -308,7 +311,10 @@ _REMARKS: Mapping[type[e.Event], str] = {
 
 _ENDS = (e.JobCompleted, e.JobAborted)
 
-_COUNTED = ('started', 'placed', 'packed', 'rejected', 'nonconforming', 'missing')
+_COUNTED = {
+    **{name: name for name in ('started', 'placed', 'packed', 'rejected', 'missing')},
+    'nonconforming': 'nonconforming', 'removed': 'by_hand',
+}
 
 _FOLDS: Mapping[type[e.Event], Callable[[_Entry, Any], None]] = {
     e.JobUpdated: _updated,

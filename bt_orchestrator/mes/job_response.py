@@ -39,7 +39,7 @@ REST_OF = 'RestOf'
 
 EXTRAS: Mapping[str, str] = {
     'ScrapQuantity': 'items that left the line rejected',
-    'NonconformingQuantity': 'items of which a task failed and was continued',
+    'NonconformingQuantity': 'packed items of which a task failed and was passed',
     'MissingQuantity': 'items that were never placed, or taken off the belt by hand',
     RECIPE: 'recipe that the script was generated from; not there: none',
     RECIPE_VERSION: 'version of the recipe; not there: none, or not known',
@@ -106,6 +106,8 @@ def response_of_record(record: JobRecord) -> JobResponse | None:
         rejected=counts.rejected,
         nonconforming=counts.nonconforming,
         missing=counts.missing,
+        good=counts.good,
+        by_hand=counts.by_hand,
     )
     response = _response(status, record.terms.details, record.reason)
     used = Counter(lot for item in record.items.values() for lot in item.lots.items())
@@ -127,11 +129,11 @@ def _response(status: JobStatus, details: Mapping[str, object], reason: str) -> 
 def _data(status: JobStatus, reason: str) -> Iterator[Parameter]:
     yield Parameter('RunsStarted', status.started)
     yield Parameter('RunsCompleted', status.left)
-    yield Parameter('ProducedQuantity', float(status.packed + status.rejected))
-    yield Parameter('GoodQuantity', float(status.packed))
-    yield Parameter('ScrapQuantity', float(status.rejected))
-    yield Parameter('NonconformingQuantity', float(status.nonconforming))
-    yield Parameter('MissingQuantity', float(status.missing))
+    yield Parameter('ProducedQuantity', status.produced)
+    yield Parameter('GoodQuantity', status.good)
+    yield Parameter('ScrapQuantity', status.rejected)
+    yield Parameter('NonconformingQuantity', status.nonconforming)
+    yield Parameter('MissingQuantity', status.missing)
     yield Parameter('JobResult', int(_result(status)))
     if status.recipe:
         yield Parameter(RECIPE, status.recipe)

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from bt_orchestrator.model.jobs.counting import produced_of
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.jobs.made_anew import MadeAnew
 from bt_orchestrator.model.jobs.order import RecipeChoice
@@ -190,6 +191,7 @@ class JobStatus:
     packed: int = 0
     rejected: int = 0
     nonconforming: int = 0
+    """Of the packed ones."""
     missing: int = 0
     initialization: tuple[str, ...] = ()
     """Ids of initialization tasks that have not succeeded yet."""
@@ -197,10 +199,10 @@ class JobStatus:
     """Those of them that have a goal in flight."""
     passed: tuple[PassedTask, ...] = ()
     """Initialization tasks that have ended; none once the job has ended."""
-    good: int | None = None
-    """Packed items that conformed when they left the line; None: not told here."""
-    by_hand: int | None = None
-    """Missing items that were placed and then taken off by hand; None: not told here."""
+    good: int = 0
+    """Packed items that conformed when they left the line."""
+    by_hand: int = 0
+    """Missing items that were placed and then taken off by hand."""
     end_unknown: str = ''
     """Why its end cannot be expected; empty: nothing speaks against it."""
 
@@ -214,6 +216,11 @@ class JobStatus:
         """Count the items that it will still begin."""
         is_over = self.ending or self.ended_at is not None
         return 0 if is_over else max(self.quantity - self.started, 0)
+
+    @property
+    def produced(self) -> int:
+        """Count the items that were placed and have left the line."""
+        return produced_of(self.packed, self.rejected, self.by_hand)
 
     @property
     def left(self) -> int:

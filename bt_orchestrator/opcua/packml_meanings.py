@@ -21,10 +21,13 @@ VALUES: Mapping[str, str] = {
     'Admin/StateCurrentTime': 'seconds of the present stay, by unit mode and state',
     'Admin/StateCumulativeTime': 'seconds since the journal began, by unit mode and state',
     'Admin/ProdProcessedCount': (
-        'items that have left the line, good or bad: an element for each job on the line, the '
-        'oldest first, else for the last job. Name: its id; Count: its own; AccCount: of all jobs'
+        'items produced, good or bad: packed, rejected or taken off by hand. An element for each '
+        'job on the line, the oldest first, else for the last job. Name: its id; Count: its own; '
+        'AccCount: of all jobs'
     ),
-    'Admin/ProdDefectiveCount': 'the same of bad items only',
+    'Admin/ProdDefectiveCount': (
+        'the same of items that are not good: rejected, nonconforming, or taken off by hand'
+    ),
     'Admin/StopReason': (
         'why the line stands still: ID and Category are numbers that never change, Value is the '
         'number of the hold that decides it, DateTime since when; Trigger is false while it runs'

@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
-from bt_orchestrator.model.jobs.job_record import ABORTED, PACKED, REMOVED, JobRecord
+from bt_orchestrator.model.jobs.counting import PACKED
+from bt_orchestrator.model.jobs.job_record import ABORTED, REMOVED, JobRecord
 from bt_orchestrator.report.causes import Cause, cause_words, kind_words
 from bt_orchestrator.report.forecast import (
     Bottleneck,

@@ -11,15 +11,14 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.jobs.counting import MISSING, counts_of
 from bt_orchestrator.model.jobs.job_folds import terms_of
 from bt_orchestrator.model.jobs.job_record import (
-    MISSING,
     REMOVED,
     RUNNING,
     FailureRecord,
     ItemRecord,
     JobRecord,
-    counted_as,
 )
 
 
@@ -104,7 +103,9 @@ def _item_missing(job: JobRecord, event: e.ItemMissing) -> None:
 
 
 def _item_removed(job: JobRecord, event: e.ItemRemoved) -> None:
-    _count(job, counted_as(event.how))
+    is_marked = bool(_item_of(job, event.item, event.time).nonconforming)
+    for name in counts_of(event.how, is_nonconforming=is_marked):
+        _count(job, name)
     _end_item(job, event, event.how)
 
 
@@ -148,8 +149,6 @@ def _round_begun(job: JobRecord, event: e.RoundBegun) -> None:
 def _nonconforming(job: JobRecord, event: e.ItemNonconforming | e.TaskContinued) -> ItemRecord:
     assert event.item is not None
     item = _item_of(job, event.item, event.time)
-    if not item.nonconforming:
-        _count(job, 'nonconforming')
     item.nonconforming.append(event.task)
     return item
 

@@ -27,7 +27,10 @@ class MachineUptime:
         """Return the uptime; None: it cannot be known, or only this container goes by it."""
         if self._boot is None or self._clock is None:
             return None
-        return Uptime(self._boot, round(time.clock_gettime(self._clock), 3))
+        try:
+            return Uptime(self._boot, round(time.clock_gettime(self._clock), 3))
+        except OSError:  # a program such as faketime stands between, and has no such clock
+            return None
 
 
 def _boot_id(proc: Path) -> str | None:

@@ -53,6 +53,8 @@ def job_status(
         rejected=progress.rejected,
         nonconforming=progress.nonconforming,
         missing=progress.missing,
+        good=progress.good,
+        by_hand=progress.by_hand,
         initialization=_to_prepare(state, job) if is_live else (),
         running=in_flight.of_initialization(job) if is_live else (),
         passed=_prepared(state, job) if is_live and job.started else (),

@@ -9,11 +9,10 @@ from pathlib import Path
 from bt_orchestrator.model.script import Parameter
 from bt_orchestrator.script.drafts import ScriptDraft
 from bt_orchestrator.script.fields import file_fields
-from bt_orchestrator.script.lookup import ENDINGS
 from bt_orchestrator.script.parameters import read_parameters
 from bt_orchestrator.script.report import Report
 from bt_orchestrator.script.script_keys import SCRIPT
-from bt_orchestrator.script.source_text import read_text
+from bt_orchestrator.script.source_text import ENDINGS, read_text
 
 
 @dataclass(frozen=True)

@@ -88,6 +88,10 @@ class TaskDraft:
             return False
         return self.precedes(other) or not self.position.is_comparable(other.position)
 
+    def hint_to_precede(self, other: TaskDraft) -> str:  # noqa: ARG002 - for recipes
+        """Say what to write so that it comes before another one; empty: no key does that."""
+        return ''
+
     def is_beside(self, other: TaskDraft) -> bool:
         """Tell whether both are in different tracks of one parallel group."""
         if self.position is None or other.position is None:

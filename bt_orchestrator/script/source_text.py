@@ -8,6 +8,9 @@ from bt_orchestrator.errors import Finding, Refused
 from bt_orchestrator.ordinary_file import NotOrdinary, open_ordinary
 from bt_orchestrator.script.report import START, did_you_mean
 
+ENDINGS = ('.yaml', '.yml')
+"""Of files that people write for this program."""
+
 LARGEST_FILE = 4_000_000
 """Bytes; a script of 2,000 tasks has about 250,000."""
 
@@ -49,9 +52,9 @@ def _decoded(data: bytes, path: Path) -> str:
 
 
 def _neighbour(path: Path) -> str:
-    """Offer the file nearby that is most like the one asked for."""
+    """Offer the YAML file nearby that is most like the one asked for."""
     try:
-        names = sorted(entry.name for entry in path.parent.iterdir())
+        names = sorted(one.name for one in path.parent.iterdir() if one.suffix in ENDINGS)
     except OSError:
         return f'there is no folder {path.parent} either'
     return did_you_mean(path.name, names, 'check the path')

@@ -84,7 +84,7 @@ class UsersFile:
             )
         try:
             return _users(yaml.safe_load(text))
-        except (yaml.YAMLError, KeyError, TypeError, ValueError) as error:
+        except (yaml.YAMLError, KeyError, TypeError, ValueError, RecursionError) as error:
             raise UsersUnusable(
                 f'{self._path}: this is not a file of users, or it is damaged '
                 f'({_in_short(error)}); bring a copy of it back, or remove it and add the users '

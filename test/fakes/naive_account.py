@@ -65,7 +65,7 @@ def overlap(begin: int, end: int, planned: Sequence[tuple[int, int]]) -> int:
 def is_good(out: Mapping[str, Any], records: Records) -> bool:
     let_pass = any(
         one['item'] == out['item']
-        for one in records
+        for one in records[: records.index(out)]  # a later mark changes no count
         if one['event'] == 'item.nonconforming'
         or (one['event'] == 'task.continued' and one['policy'] == 'continue' and one.get('item'))
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 from bt_orchestrator.cli.generating.comments import comments_of
@@ -11,7 +12,7 @@ from bt_orchestrator.errors import OrchestratorError, Refused
 from bt_orchestrator.model.codec import digest, digest_of
 from bt_orchestrator.model.script import MadeFrom, Script
 from bt_orchestrator.planning.generate import generate
-from bt_orchestrator.planning.outcome import Generated, Judge
+from bt_orchestrator.planning.outcome import Generated, Judge, NotMade
 from bt_orchestrator.script.admission import admitted
 from bt_orchestrator.script.writing.script_text import write_script
 from bt_orchestrator.sim.pace_judge import PaceJudge
@@ -45,6 +46,8 @@ def make(
     """
     judge = judge_of(inputs)
     found = plan(inputs, without, keep, judge)
+    if keep is not None:
+        found = _freely(found, inputs, without, judge)
     comments = comments_of(found, inputs, without)
     bare = write_script(replace(found.script, made_from=None), inputs.cell, comments)
     made_from = replace(inputs.made_from, text_digest=text_digest(bare))
@@ -64,6 +67,18 @@ def plan(inputs: Inputs, without: frozenset[str], keep: Script | None, judge: Ju
     return generate(
         inputs.cell, inputs.recipe, inputs.overrides, without=without, keep=keep, judge=judge
     )
+
+
+def _freely(found: Generated, inputs: Inputs, without: frozenset[str], judge: Judge) -> Generated:
+    """Return the same script as it is made without one to keep; other ones stay as they are.
+
+    A script that is generated anew on itself is then the same file, reasons and all.
+    """
+    with suppress(NotMade):
+        freely = plan(inputs, without, None, judge)
+        if freely.script == found.script:
+            return freely
+    return found
 
 
 def judge_of(inputs: Inputs) -> PaceJudge:

@@ -27,7 +27,7 @@ from bt_orchestrator.cli.journal_file import open_records, say_damage
 from bt_orchestrator.cli.output import opened
 from bt_orchestrator.mes.job_response import b2mml, response_of_record
 from bt_orchestrator.model.codec import json_of
-from bt_orchestrator.model.jobs.job_record import JobRecord, job_to_plain
+from bt_orchestrator.model.jobs.job_record import JobRecord, all_counts, job_to_plain
 from bt_orchestrator.report.job_text import job_text
 from bt_orchestrator.report.reading import Reading
 
@@ -113,7 +113,7 @@ def _json(jobs: Sequence[JobRecord], args: argparse.Namespace) -> Iterator[str]:
     for job in jobs:
         plain = job_to_plain(job)
         plain.setdefault('status', job.status)
-        plain['counts'] = vars(job.counts)
+        plain['counts'] = all_counts(job.counts)
         if not args.items:
             plain.pop('items', None)
         yield json_of(plain)

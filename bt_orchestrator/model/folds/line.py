@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bt_orchestrator.model import events as e
+from bt_orchestrator.model.jobs.counting import NONCONFORMING, kind_of
 from bt_orchestrator.model.passed import passed_tasks
 from bt_orchestrator.model.state import CellState, Cycle, Finished, ItemState
 
@@ -97,10 +98,7 @@ def item_nonconforming(event: e.ItemNonconforming, state: CellState) -> None:
 
 def mark_nonconforming(state: CellState, name: str, task: str) -> None:
     """Note that an item passed a task that was not done well for it."""
-    item = state.items[name]
-    if not item.nonconforming:
-        state.jobs[item.job].progress.nonconforming += 1
-    item.nonconforming.append(task)
+    state.items[name].nonconforming.append(task)
 
 
 def item_removed(event: e.ItemRemoved, state: CellState) -> None:
@@ -115,6 +113,8 @@ def item_removed(event: e.ItemRemoved, state: CellState) -> None:
         progress.rejected += 1
     else:
         progress.packed += 1
+    kind = kind_of(event.how, is_nonconforming=bool(item.nonconforming))
+    progress.nonconforming += kind == NONCONFORMING
     if event.section == state.script(event.job).sink:
         _leave(state, item)
         return

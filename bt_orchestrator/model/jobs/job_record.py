@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from bt_orchestrator.model.codec import from_plain, to_plain
+from bt_orchestrator.model.jobs.counting import good_of, produced_of
 from bt_orchestrator.model.jobs.order import NO_TERMS, Terms
 from bt_orchestrator.model.state import JobState
 
@@ -16,9 +17,6 @@ QUEUED, RUNNING = 'queued', 'running'
 
 ABORTED, REMOVED = 'aborted', 'removed'
 """Two of the ways to end: its items were rejected; it left the queue without having started."""
-
-MISSING, BY_HAND, PACKED = 'missing', 'by_hand', 'packed'
-"""How an item ended: never placed, taken off the belt by an operator, out at the sink."""
 
 
 @dataclass(frozen=True)
@@ -31,6 +29,19 @@ class Counts:
     rejected: int = 0
     missing: int = 0
     nonconforming: int = 0
+    """Of the packed ones."""
+    by_hand: int = 0
+    """Of the missing, those that were placed and taken off the belt by hand."""
+
+    @property
+    def good(self) -> int:
+        """Packed, and conforming as they left."""
+        return good_of(self.packed, self.nonconforming)
+
+    @property
+    def produced(self) -> int:
+        """Placed, and no longer on the line."""
+        return produced_of(self.packed, self.rejected, self.by_hand)
 
 
 @dataclass(frozen=True)
@@ -105,9 +116,9 @@ class JobRecord:
     """False: its events were removed, and with them its items and failures."""
 
 
-def counted_as(how: str) -> str:
-    """Return the count of its job to which an item adds that left the belt so (semantics 6.2)."""
-    return MISSING if how == BY_HAND else how
+def all_counts(counts: Counts) -> dict[str, int]:
+    """Return counts as JSON carries them, with those that follow from others."""
+    return {**vars(counts), 'good': counts.good, 'produced': counts.produced}
 
 
 def record_of(job: JobState) -> JobRecord:

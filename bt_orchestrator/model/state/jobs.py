@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from bt_orchestrator.model.jobs.counting import good_of
 from bt_orchestrator.model.jobs.made_anew import MadeAnew
 from bt_orchestrator.model.jobs.order import Job
 
@@ -49,9 +50,20 @@ class Progress:
     rejected: int = 0
     """Rejected items that have left the line."""
     nonconforming: int = 0
+    """Of the packed ones, those that were as they left."""
     missing: int = 0
     removed: int = 0
     """Of the missing, those that were placed and taken out by hand."""
+
+    @property
+    def good(self) -> int:
+        """Packed, and conforming as they left."""
+        return good_of(self.packed, self.nonconforming)
+
+    @property
+    def by_hand(self) -> int:
+        """What `removed` is called outside of the state."""
+        return self.removed
 
 
 @dataclass

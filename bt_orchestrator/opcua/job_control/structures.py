@@ -33,7 +33,10 @@ _RESOURCE_TYPES = {
     'MaterialRequirements': 'ISA95MaterialDataType',
 }
 
-_COUNTS = ('RunsPlanned', 'RunsStarted', 'RunsCompleted')
+_COUNTS = (
+    *('RunsPlanned', 'RunsStarted', 'RunsCompleted', 'ProducedQuantity', 'GoodQuantity'),
+    *('ScrapQuantity', 'NonconformingQuantity', 'MissingQuantity'),
+)
 _ENUMERATIONS = ('JobResult', 'JobExecutionMode')
 
 NO_TIME = datetime(1970, 1, 1, tzinfo=timezone.utc)

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import from_plain, to_plain
-from bt_orchestrator.model.jobs.job_record import BY_HAND, PACKED
+from bt_orchestrator.model.jobs.counting import kind_of
 
 
 @dataclass
@@ -94,14 +94,8 @@ class ItemsAtWork:
 
 def count(made: Made, left: Left) -> None:
     """Count an item."""
-    if left.how == PACKED and not left.is_bad:
-        made.good += 1
-    elif left.how == PACKED:
-        made.nonconforming += 1
-    elif left.how == BY_HAND:
-        made.by_hand += 1
-    else:
-        made.rejected += 1
+    kind = kind_of(left.how, is_nonconforming=left.is_bad)
+    setattr(made, kind, getattr(made, kind) + 1)
 
 
 def add(made: Made, more: Made, *, is_planned: bool) -> None:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.jobs.job_record import MISSING
+from bt_orchestrator.model.jobs.counting import MISSING
 from bt_orchestrator.report.account.fold import AccountFold, Times
 from bt_orchestrator.report.account.planned import us_of
 from bt_orchestrator.report.task_spans import TaskSpan, TaskSpans

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from bt_orchestrator.model.jobs.job_record import PACKED
+from bt_orchestrator.model.jobs.counting import PACKED
 from bt_orchestrator.report.account.losses import WORDS, Loss
 from bt_orchestrator.report.account.planned import US
 from bt_orchestrator.report.account.words import is_seen

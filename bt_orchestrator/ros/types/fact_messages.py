@@ -83,7 +83,7 @@ def finished_of(message: msg.FinishedCycle) -> FinishedCycle | None:
 def job_facts_message(job: JobStatus) -> msg.JobFacts:
     """Return what the message about a job cannot carry."""
     return msg.JobFacts(
-        job=job.id, good=job.good or 0, by_hand=job.by_hand or 0, end_unknown=job.end_unknown
+        job=job.id, good=job.good, by_hand=job.by_hand, end_unknown=job.end_unknown
     )
 
 

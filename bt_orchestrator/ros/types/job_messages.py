@@ -6,8 +6,10 @@ import json
 from typing import Any
 
 from bt_orchestrator_interfaces import msg
+from builtin_interfaces.msg import Time
 
 from bt_orchestrator.model.codec import json_of
+from bt_orchestrator.model.jobs.counting import good_of
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.jobs.made_anew import MadeAnew
 from bt_orchestrator.model.status import JobStatus, ListedJob
@@ -97,10 +99,19 @@ def job_status(message: msg.JobStatus) -> JobStatus:
         rejected=message.rejected,
         nonconforming=message.nonconforming,
         missing=message.missing,
+        good=good_of(message.packed, message.nonconforming),
+        by_hand=_by_hand(message),
         initialization=tuple(message.initialization),
         running=tuple(map(task_status, message.running)),
         passed=tuple(map(passed_task, message.passed)),
     )
+
+
+def _by_hand(message: msg.JobStatus) -> int:
+    """Derive how many items were taken off the belt by hand; of a job at work 1 may be lacking."""
+    if message.ended_at != Time():
+        return int(message.placed - message.packed - message.rejected)
+    return max(int(message.missing + message.placed - message.started), 0)
 
 
 def _anew_fields(anew: MadeAnew | None) -> dict[str, Any]:

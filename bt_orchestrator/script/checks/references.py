@@ -177,8 +177,9 @@ class ReferenceReader:
         fault = self._order_fault(giver)
         if fault is not None:
             what = f'{quoted(str(written))} has no value here: {fault}'
-            step = self._script.a_step
-            raise ReferenceFault(what, f'refer to {step} that has ended before this one starts')
+            assert self._task is not None
+            hint = f'refer to {self._script.a_step} that has ended before this one starts'
+            raise ReferenceFault(what, giver.hint_to_precede(self._task) or hint)
 
     def _order_fault(self, giver: TaskDraft) -> str | None:
         """Say why a task cannot have given a result before this one starts."""

@@ -60,7 +60,7 @@ def _unused(
     """Yield nominal times of labels that no script uses.
 
     Only types without a task field have labels; a constant that no script uses is none the less
-    one of the type.
+    one of the type. A recipe may use the label of a capability at any time.
     """
     used: dict[str, set[str]] = {}
     for script in scripts:
@@ -70,8 +70,9 @@ def _unused(
     for name, component in cell.components.items():
         if types.action(component.type).has_task_field or name not in used:
             continue
+        able = {capability.task for capability in component.capabilities.values()}
         for label in component.durations_s:
-            if label not in used[name]:
+            if label not in used[name] | able:
                 what = (
                     f'no script has a task `{label}` of `{name}`: its nominal time has no effect'
                 )

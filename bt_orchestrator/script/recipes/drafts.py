@@ -63,6 +63,13 @@ class OperationDraft(TaskDraft):
         """Tell whether it has ended before the other one starts."""
         return self.precedes(other)
 
+    def hint_to_precede(self, other: TaskDraft) -> str:
+        """Say what to write at an operation beside it; empty: it is not beside it."""
+        if not isinstance(other, OperationDraft) or not self.is_beside(other):
+            return ''
+        before = ', '.join((*other.after, self.id))
+        return f'write `after: [{before}]` there'
+
     def is_beside(self, other: TaskDraft) -> bool:
         """Tell whether neither of two operations is before the other."""
         return other is not self and not self.precedes(other) and not other.precedes(self)

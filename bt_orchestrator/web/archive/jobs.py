@@ -13,7 +13,7 @@ from typing import Any
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import to_plain
-from bt_orchestrator.model.jobs.job_record import ItemRecord, JobRecord
+from bt_orchestrator.model.jobs.job_record import ItemRecord, JobRecord, all_counts
 from bt_orchestrator.model.records import JobPlace, Wanted
 from bt_orchestrator.report.jobs import FOLLOWED, JobFold
 from bt_orchestrator.web.archive.archive import Look
@@ -95,7 +95,7 @@ def summary(record: JobRecord, *, is_whole: bool) -> dict[str, Any]:
         'queued': record.queued,
         'started': record.started,
         'ended': record.ended,
-        'counts': dict(vars(record.counts)),
+        'counts': all_counts(record.counts),
         'params': to_plain(record.params),
         'terms': to_plain(record.terms, whole=True),
         'is_whole': is_whole,

@@ -233,6 +233,11 @@ def test_a_label_that_is_used_is_no_warning(files: Files, durations: str) -> Non
     assert of_cell(files.check(LINE + DRIVE, durations)) == []
 
 
+def test_a_label_of_a_capability_is_no_warning(files: Files) -> None:
+    able = 'BRING: 2.0, FETCH: 3.0}, workspaces: [left], capabilities: {fetch: {task: FETCH}'
+    assert of_cell(files.check(LINE + DRIVE, able)) == []
+
+
 def test_a_label_of_another_script_of_the_cell_is_no_warning(files: Files) -> None:
     trees = files.folder / 'trees'
     trees.mkdir()

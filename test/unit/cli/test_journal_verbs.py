@@ -80,7 +80,7 @@ def test_history_as_job_responses(journal: str, capsys: pytest.CaptureFixture[st
     response = json.loads(line)['JobResponse']
     assert (response['JobOrderID'], response['JobState']) == ('J1', 'Ended')
     found = {one['ID']: one['Value'][0]['ValueString'] for one in response['JobResponseData']}
-    assert (found['GoodQuantity'], found['JobResult']) == ('3.0', '1')
+    assert (found['GoodQuantity'], found['JobResult']) == ('3', '1')
 
 
 def test_history_for_programs_without_a_job_is_nothing(

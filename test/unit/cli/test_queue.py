@@ -34,6 +34,10 @@ WHY = ['--reason', 'rush']
         (['update', 'a', '--details', '{"a"', *WHY], '`details` must be JSON'),
         (['update', 'a', '--details', '/no/such/file', *WHY], 'No such file'),
         (['update', 'a', '--details', '/dev/zero', *WHY], 'this is a pipe or a device'),
+        (['hold', 'a', '--at', '3', *WHY], 'queue hold: --at is for queue add'),
+        (['update', 'a', '--held', *WHY], 'queue update: --held is for queue add'),
+        (['list', '--as', 'B'], 'queue list: --as is for queue requeue'),
+        (['add', 'a', '--priority', '0'], 'queue add: --priority is for queue update'),
         (['stop-after', 'lunch', *WHY], "one of item, job, never; found 'lunch'"),
     ],
 )

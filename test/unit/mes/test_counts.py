@@ -12,7 +12,12 @@ from bt_orchestrator.model.status import JobStatus
 
 
 def of(name: str, packed: int, rejected: int = 0, **about: Any) -> JobStatus:
-    plain: dict[str, Any] = {'started': packed + rejected, 'packed': packed, 'rejected': rejected}
+    plain: dict[str, Any] = {
+        'started': packed + rejected,
+        'packed': packed,
+        'good': packed,
+        'rejected': rejected,
+    }
     return job(name, **{**plain, **about})
 
 
@@ -41,3 +46,9 @@ def test_the_total_never_falls_when_jobs_leave_the_list() -> None:
     counter.show(status(jobs=[of('A', 5, state=JobWord.ENDED), of('B', 2)]))
     counter.show(status(jobs=[of('B', 3, 1), of('C', 1)]))
     assert (counter.processed, counter.defective) == (5 + 4 + 1, 1)
+
+
+def test_what_is_not_good_is_defective() -> None:
+    counter = Counter()
+    counter.show(status(jobs=[of('A', 8, 2, good=7, nonconforming=1, missing=3, by_hand=1)]))
+    assert counter.counts == (Count('A', 11, 4),)

@@ -17,7 +17,7 @@ from fakes.virtual_run import BY, VirtualRun
 from hypothesis import given
 
 from bt_orchestrator.mes.job_book import JobBook, News
-from bt_orchestrator.model.events import ItemNonconforming
+from bt_orchestrator.model.events import ItemNonconforming, ItemRemoved
 from bt_orchestrator.model.jobs.isa95 import JobWord, job_word
 from bt_orchestrator.model.jobs.job_commands import AddJobs, UpdateJob
 from bt_orchestrator.model.jobs.job_record import Counts
@@ -175,16 +175,19 @@ def test_items_that_fail_are_counted() -> None:
     assert job.status.nonconforming == 1
 
 
-def test_an_item_that_passes_without_its_verdict_is_counted_once() -> None:
+def test_a_nonconforming_item_is_counted_once_as_it_leaves() -> None:
     book = JobBook()
     book.begin(listed=[ListedJob(JobStatus('J', 'small', JobWord.RUNNING, started_at=1.0))])
     for seq, task in enumerate(('weigh', 'look'), start=1):
         book.follow(
             ItemNonconforming(seq=seq, job='J', item='J/1', task=task, reason='by eye it is good')
         )
+    assert book.get('J').status.nonconforming == 0  # type: ignore[union-attr]
+    for seq, item in enumerate(('J/1', 'J/2'), start=3):
+        book.follow(ItemRemoved(seq=seq, job='J', item=item, section=3, how='packed'))
     job = book.get('J')
     assert job is not None
-    assert job.status.nonconforming == 1
+    assert (job.status.packed, job.status.nonconforming, job.status.good) == (2, 1, 1)
 
 
 def test_the_recipe_of_a_job_is_booked_with_every_change() -> None:

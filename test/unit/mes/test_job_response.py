@@ -33,6 +33,8 @@ ENDED = ListedJob(
         rejected=1,
         nonconforming=1,
         missing=1,
+        good=1,
+        by_hand=1,
     ),
     {'lot': 'A7'},
     {'Description': ['For ACME'], 'Customers': ['ACME'], 'PlannedSetupTime': 5},
@@ -51,11 +53,11 @@ def test_times_counts_and_result() -> None:
         'Customers': ('ACME',),
         'RunsStarted': 4,
         'RunsCompleted': 4,
-        'ProducedQuantity': 3.0,
-        'GoodQuantity': 2.0,
-        'ScrapQuantity': 1.0,
-        'NonconformingQuantity': 1.0,
-        'MissingQuantity': 1.0,
+        'ProducedQuantity': 4,
+        'GoodQuantity': 1,
+        'ScrapQuantity': 1,
+        'NonconformingQuantity': 1,
+        'MissingQuantity': 1,
         'JobResult': 1,
     }
 
@@ -117,7 +119,7 @@ def test_a_journal_tells_the_same_response() -> None:
         started=10.0,
         ended=70.5,
         status='completed',
-        counts=Counts(4, 4, 2, 1, 1, 1),
+        counts=Counts(4, 4, 2, 1, 1, 1, 1),
     )
     assert response_of_record(record) == response_of(ENDED)
 
@@ -143,7 +145,7 @@ def test_b2mml() -> None:
             response_of(ENDED),
             data=(
                 Parameter('Customers', ('ACME', 'Other')),
-                Parameter('GoodQuantity', 2.0),
+                Parameter('GoodQuantity', 2),
                 Parameter('RunsStarted', 4),
                 Parameter('Overproduction', True),
                 Parameter('ReasonForStateChange', Text('late', 'en')),
@@ -166,7 +168,7 @@ def test_b2mml() -> None:
                         {'ValueString': 'Other', 'DataType': 'string'},
                     ],
                 },
-                {'ID': 'GoodQuantity', 'Value': [{'ValueString': '2.0', 'DataType': 'double'}]},
+                {'ID': 'GoodQuantity', 'Value': [{'ValueString': '2', 'DataType': 'integer'}]},
                 {'ID': 'RunsStarted', 'Value': [{'ValueString': '4', 'DataType': 'integer'}]},
                 {
                     'ID': 'Overproduction',

@@ -30,7 +30,7 @@ def test_an_order_is_stored_started_made_and_cleared(script: str, url: str) -> N
         assert script == ended.JobOrder.WorkMasterID[0].ID
         response = await mes.response('WO-7')
         found = data(response)
-        assert (found['GoodQuantity'], found['RunsCompleted'], found['JobResult']) == (2.0, 2, 1)
+        assert (found['GoodQuantity'], found['RunsCompleted'], found['JobResult']) == (2, 2, 1)
         assert response.EndTime > response.StartTime
         (last,) = await mes.heard_of(lambda one: one.Message.Text.startswith('WO-7 is Ended'))
         assert data(last.JobResponse) == found

@@ -100,9 +100,11 @@ def test_an_item_with_two_continued_tasks_is_nonconforming_once(cell: Cell) -> N
         return e.TaskContinued(job='A', section=2, item='A/1', task=task, policy=policy)
 
     some = [continued('x', 'continue'), continued('y', 'continue'), continued('z', 'reject')]
+    out = e.ItemRemoved(job='A', section=2, item='A/1', how='packed')
 
-    assert of(cell, queued('A'), *some).jobs[0].nonconforming == 1
-    assert of(cell, queued('A'), continued('z', 'reject')).jobs[0].nonconforming == 0
+    assert of(cell, queued('A'), *some).jobs[0].nonconforming == 0
+    assert of(cell, queued('A'), *some, out).jobs[0].nonconforming == 1
+    assert of(cell, queued('A'), continued('z', 'reject'), out).jobs[0].nonconforming == 0
 
 
 def test_parallel_tasks_make_a_section_busy_once_and_each_component_for_itself(cell: Cell) -> None:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 from pathlib import Path
+
+import pytest
 
 from bt_orchestrator.ros.uptime import MachineUptime
 
@@ -31,6 +34,18 @@ def test_the_boot_has_an_id_and_time_goes_on(tmp_path: Path) -> None:
 
 def test_an_old_kernel_has_no_time_namespaces(tmp_path: Path) -> None:
     assert MachineUptime(proc(tmp_path, offsets=None)).now() is not None
+
+
+def test_nothing_is_known_of_a_clock_that_cannot_be_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    uptime = MachineUptime(proc(tmp_path))
+
+    def no_clock(number: int) -> float:
+        raise OSError(errno.EINVAL, 'Invalid argument')
+
+    monkeypatch.setattr('time.clock_gettime', no_clock)
+    assert uptime.now() is None
 
 
 def test_nothing_is_known_without_the_files(tmp_path: Path) -> None:

@@ -87,7 +87,6 @@ def test_3_2_a_plus_one_that_failed_and_continued_leaves_an_empty_position() -> 
         'processed': 1,
         'packed': 1,
         'missing': 1,
-        'nonconforming': 1,
     }
 
 

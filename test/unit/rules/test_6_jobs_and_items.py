@@ -103,6 +103,20 @@ def test_6_2_progress_counts_as_it_happens() -> None:
     assert run.counts() == {'started': 3, 'placed': 3, 'processed': 2, 'packed': 1}
 
 
+def test_6_2_a_nonconforming_item_that_is_rejected_counts_as_rejected() -> None:
+    text = """
+    sections:
+      1: [{id: place, @a1, qty_change: 1}]
+      2: [{id: work, @a2, on_failure: continue}]
+      3: [{id: test, @a3, on_failure: reject}]
+      4: [{id: pack, @a4, qty_change: -1, runs_for: all}]
+    """
+    run = Line(4, faults={'a2': '#1=abort #2=abort', 'a3': '#1=abort'}).run(text, 3)
+    counts = {'started': 3, 'placed': 3, 'processed': 2, 'packed': 2, 'rejected': 1}
+    assert run.counts() == {**counts, 'nonconforming': 1}
+    assert run.job().progress.good == 1
+
+
 def test_6_2_counts_of_a_line_where_everything_happens() -> None:
     text = """
     sections:
@@ -113,7 +127,8 @@ def test_6_2_counts_of_a_line_where_everything_happens() -> None:
     """
     line = Line(4, faults={'a1': '#2=abort', 'a2': '#2=abort', 'a3': '#3=abort'})
     run = line.begin(text, 6).go(until=16.0)
-    # Item 2 was never placed; `work` failed for item 3; `test` for item 4.
+    # Item 2 was never placed; `work` failed for item 3; `test` for item 4. Only item 3 is packed
+    # and nonconforming.
     assert run.remove('J/5').accepted
     run.go()
     assert run.counts() == {
@@ -122,7 +137,7 @@ def test_6_2_counts_of_a_line_where_everything_happens() -> None:
         'processed': 3,
         'packed': 3,
         'rejected': 1,
-        'nonconforming': 2,
+        'nonconforming': 1,
         'missing': 2,
         'removed': 1,
     }

@@ -33,6 +33,8 @@ def test_a_missing_file_is_told_with_its_neighbour(tmp_path: Path) -> None:
     assert refusal(tmp_path / 'proces.yaml') == (
         '1:1: the file does not exist; did you mean `process.yaml`?'
     )
+    (tmp_path / 'gear.svg').touch()
+    assert refusal(tmp_path / 'gear') == '1:1: the file does not exist; check the path'
     assert refusal(tmp_path / 'x.yml') == '1:1: the file does not exist; check the path'
 
 

@@ -48,6 +48,13 @@ def test_who_is_added_is_let_in_with_the_role(users: UsersFile, path: Path) -> N
     assert PASSWORD not in path.read_text()
 
 
+def test_a_deeply_nested_file_is_refused(users: UsersFile, path: Path) -> None:
+    users.add('ann', Role.OPERATE, PASSWORD)
+    path.write_text('[' * 100_000)
+    with pytest.raises(UsersUnusable, match='this is not a file of users'):
+        users.read()
+
+
 def test_it_is_for_its_owner_alone_whatever_the_umask(users: UsersFile, path: Path) -> None:
     before = os.umask(0)
     try:

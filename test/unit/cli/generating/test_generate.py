@@ -195,6 +195,12 @@ def test_as_little_as_possible_is_moved(capsys: pytest.CaptureFixture[str]) -> N
     assert '  without --keep: 1 operation elsewhere, 3.0 s for each item\n' in text
 
 
+def test_kept_as_it_is_generated_it_is_the_same_file(capsys: pytest.CaptureFixture[str]) -> None:
+    said(capsys, '-o', 'old.yaml')
+    said(capsys, '-o', 'new.yaml', '--keep', 'old.yaml')
+    assert Path('new.yaml').read_text() == Path('old.yaml').read_text()
+
+
 def test_what_comes_of_each_outage(capsys: pytest.CaptureFixture[str]) -> None:
     lines = said(capsys, '--without-each').splitlines()
     assert lines == [

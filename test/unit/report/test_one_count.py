@@ -1,0 +1,147 @@
+"""Every surface shows the same numbers of items under the same words (semantics 6.2)."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from fakes.drawn.lines import lines
+from fakes.drawn.plan import Plan
+from fakes.line import Line
+from fakes.naive_account import is_good
+from fakes.plan_operator import operate
+from fakes.plan_runs import ProductBench
+from fakes.profiles import examples
+from fakes.virtual_run import VirtualRun
+from hypothesis import given
+
+from bt_orchestrator.mes import counts as packml
+from bt_orchestrator.mes.job_book import JobBook
+from bt_orchestrator.mes.job_response import JobResponse, response_of, response_of_record
+from bt_orchestrator.model.codec import from_record, to_plain
+from bt_orchestrator.model.jobs.job_record import all_counts, record_of
+from bt_orchestrator.model.status import CellStatus, ListedJob
+from bt_orchestrator.report.account.figures import Paces, figures
+from bt_orchestrator.report.account.fold import FOLLOWED, AccountFold
+from bt_orchestrator.report.account.planned import Planned, us_of
+from bt_orchestrator.report.jobs import JobFold
+from bt_orchestrator.runtime.overview import Overview
+
+pytestmark = pytest.mark.timeout(24 * 3600)
+
+Numbers = Mapping[str, Any]
+
+WORDS = ('produced', 'good', 'nonconforming', 'rejected')
+QUANTITIES = {
+    'ProducedQuantity': 'produced',
+    'GoodQuantity': 'good',
+    'NonconformingQuantity': 'nonconforming',
+    'ScrapQuantity': 'rejected',
+}
+
+MARKED = """
+sections:
+  1: [{id: place, @a1, qty_change: 1, on_failure: continue}]
+  2: [{id: work, @a2, on_failure: continue}]
+  3: [{id: test, @a3, on_failure: reject}]
+  4:
+    - parallel:
+      - {id: pack, @a4, qty_change: -1, runs_for: all}
+      - {id: look, @b4, on_failure: continue}
+"""
+"""Items are marked, and then packed, rejected or taken off; some are marked when they are gone."""
+
+
+def told(run: VirtualRun) -> Iterator[tuple[str, str, Numbers]]:
+    """Yield what each surface says of each job: name of the surface, job, numbers by word."""
+    state, events = run.state, [from_record(one) for one in run.records]
+    status = Overview(run.sim.orchestrator).status(run.now)
+    fold, book, counter = JobFold(), JobBook(), packml.Counter()
+    account = AccountFold(Planned.of([(us_of(events[0].time), us_of(run.now) + 1)]), is_whole=True)
+    for event in events:
+        fold.follow(event)
+        book.follow(event)
+        if event.event in FOLLOWED:
+            account.follow(event)
+    shown = figures(account.until(us_of(run.now) + 1), Paces(run.sim.state.cell))
+    for made in shown.times.made:
+        yield 'report', made.job, {word: getattr(made, word) for word in WORDS}
+    for job in status.jobs:
+        yield 'status', job.id, {**to_plain(job, whole=True), 'produced': job.produced}
+        yield 'response', job.id, quantities(response_of(ListedJob(job)))
+        if (booked := book.get(job.id)) is not None:
+            yield 'response by events', job.id, quantities(response_of(booked))
+        counter.show(_only(status, job.id))
+        (count,) = counter.counts
+        yield (
+            'PackML',
+            job.id,
+            {
+                'produced': count.processed,
+                'good': count.processed - count.defective,
+            },
+        )
+    for record in fold.jobs.values():
+        yield 'history', record.job, all_counts(record.counts)
+        if (response := response_of_record(record)) is not None:
+            yield 'response by the journal', record.job, quantities(response)
+    for ended in state.ended.values():
+        yield 'summary', ended.job.id, all_counts(record_of(ended).counts)
+
+
+def _only(status: CellStatus, job: str) -> CellStatus:
+    jobs = tuple(replace(one, position=0) for one in status.jobs if one.id == job)
+    return replace(status, jobs=jobs)
+
+
+def quantities(response: JobResponse) -> Numbers:
+    data = {one.id: one.value for one in response.data}
+    assert all(type(data[name]) is int for name in QUANTITIES)
+    return {word: data[name] for name, word in QUANTITIES.items()}
+
+
+def agree(run: VirtualRun) -> Counter[str]:
+    """Assert that all surfaces say what the records say; returns it."""
+    records, truth = run.records, dict[str, Counter[str]]()
+    for one in records:
+        if one['event'] == 'item.removed':
+            kind = 'good' if is_good(one, records) else 'nonconforming'
+            word = kind if one['how'] == 'packed' else one['how']
+            truth.setdefault(one['job'], Counter()).update((word, 'produced'))
+    for surface, job, numbers in told(run):
+        expected = truth.get(job, Counter())
+        for word in WORDS:
+            if word in numbers:
+                assert numbers[word] == expected[word], (surface, job, word)
+    return sum(truth.values(), Counter[str]())
+
+
+@pytest.mark.parametrize('until', [9.0, 14.0, 1e6])
+def test_items_are_marked_before_and_after_they_leave(until: float) -> None:
+    faults = {
+        'a1': '#2=abort',
+        'a2': '#1=abort #2=abort #3=abort',
+        'a3': '#2=abort',
+        'b4': '#4=abort',
+    }
+    line = Line(4, faults=faults)
+    run = line.begin(MARKED, 7).go(until=8.0)
+    assert run.remove('J/3').accepted
+    run.go(until=until)
+    counted = agree(run)
+    if run.ended:
+        marked = {*run.order('item.nonconforming', 'item'), *run.order('task.continued', 'item')}
+        assert len(marked) > counted['nonconforming'] > 0
+        assert (counted['by_hand'], counted['rejected']) == (1, 1)
+
+
+@examples(6, 300)
+@given(lines())
+def test_drawn_lines(plan: Plan) -> None:
+    bench = ProductBench(plan)
+    operate(bench, plan.moments)
+    if bench.run.records:
+        agree(bench.run)
