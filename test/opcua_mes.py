@@ -28,12 +28,19 @@ class Mes(Reader):
         self, path: str, *given: ua.Variant, on: ua.NodeId | None = None
     ) -> tuple[ua.StatusCode, list[Any]]:
         """Call a method; returns status and outputs, which asyncua keeps back unless Good."""
+        result = await self.result(path, *given, on=on)
+        return result.StatusCode, [one.Value for one in result.OutputArguments or ()]
+
+    async def result(
+        self, path: str, *given: ua.Variant, on: ua.NodeId | None = None
+    ) -> ua.CallMethodResult:
+        """Call a method; returns all that is answered."""
         request = ua.CallMethodRequest()
         request.ObjectId = on or self.node(path.rpartition('/')[0]).nodeid
         request.MethodId = self.node(path).nodeid
         request.InputArguments = list(given)
         (result,) = await self.client.uaclient.call([request])
-        return result.StatusCode, [one.Value for one in result.OutputArguments or ()]
+        return result
 
     async def method(self, name: str, what: object, comment: Any = COMMENT) -> int:
         """Call a method of the receiver; a failure has to carry Uncertain."""

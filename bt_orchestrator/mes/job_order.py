@@ -49,6 +49,9 @@ USE = 'EquipmentUse'
 OTHER = 'Details'
 """A parameter with what else the details of an order have, as JSON."""
 
+_ONCE = (RUNS_PLANNED, RECIPE_VERSION, OTHER)
+"""Parameters that are none of the script, besides the names of OPC 40001-3."""
+
 _MALFORMED = ReturnStatus.MALFORMED
 
 
@@ -211,8 +214,10 @@ class _Reading:
 
     def _read_parameters(self) -> Iterator[Finding]:
         where = 'JobOrderParameters'
-        for one in self.order.parameters:
-            if one.id == RUNS_PLANNED:
+        for one, is_first in _with_first(self.order.parameters):
+            if not is_first and (one.id in _ONCE or one.id in KINDS):
+                yield Finding(f'{where}.{one.id}', 'is given twice; give it once')
+            elif one.id == RUNS_PLANNED:
                 yield from self._read_quantity(f'{where}.{one.id}', one.value)
             elif one.id == RECIPE_VERSION and self.of_recipe:
                 yield from self._read_version(f'{where}.{one.id}', one.value)
@@ -293,6 +298,14 @@ class _Reading:
             yield Finding(
                 EQUIPMENT, f'`{operation}` is to be done by two: {found}; leave it at one of them'
             )
+
+
+def _with_first(parameters: Iterable[Parameter]) -> Iterator[tuple[Parameter, bool]]:
+    """Yield parameters, and whether they are the first of their name."""
+    before: set[str] = set()
+    for one in parameters:
+        yield one, one.id not in before
+        before.add(one.id)
 
 
 def _scalar(value: object) -> str | int | float | bool | None:

@@ -96,6 +96,22 @@ COMMANDS: Mapping[str, Request] = {
 }
 """Methods of the nodeset, and what they ask of the cell."""
 
+_HELD = (PackmlState.HOLDING, PackmlState.HELD)
+
+
+def command_fault(name: str, state: PackmlState) -> str | None:
+    """Say why PackML has no such command in a state where the cell would take it; None: it has.
+
+    Pauses of the cell stack (semantics 7.3), PackML's Hold does not.
+    """
+    if name != 'Hold' or state not in _HELD:
+        return None
+    return (
+        f'the cell is {state.value} already; Simple/Command with `pause` adds a pause, which '
+        'keeps it from going on until it is released'
+    )
+
+
 CLEAR_AS_SHOWN = 'ClearAsShown'
 """Our method for `clear`: PackML's Clear cannot say what stands on the belt."""
 

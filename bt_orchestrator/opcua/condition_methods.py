@@ -15,6 +15,8 @@ from asyncua import ua
 
 from bt_orchestrator.model.limits import REASON
 from bt_orchestrator.model.requests import ACKNOWLEDGE, COMMENT, Request
+from bt_orchestrator.model.texts import text_fault
+from bt_orchestrator.opcua.arguments import Argument, with_status, wrong
 from bt_orchestrator.opcua.callers import CALLER
 from bt_orchestrator.opcua.calls import Calls
 from bt_orchestrator.opcua.conditions import Place, Remark, Standing
@@ -27,6 +29,12 @@ _REQUESTS: Mapping[ua.NodeId, Request] = {
     ua.NodeId(ua.ObjectIds.AcknowledgeableConditionType_Acknowledge): ACKNOWLEDGE,
     ua.NodeId(ua.ObjectIds.ConditionType_AddComment): COMMENT,
 }
+_ARGUMENTS = (
+    Argument('EventId', ua.VariantType.ByteString, ''),
+    Argument('Comment', ua.VariantType.LocalizedText, ''),
+)
+"""Of both methods."""
+
 REFRESH = ua.NodeId(ua.ObjectIds.ConditionType_ConditionRefresh)
 REFRESH_2 = ua.NodeId(ua.ObjectIds.ConditionType_ConditionRefresh2)
 
@@ -85,26 +93,26 @@ class ConditionMethods:
         codes = ua.StatusCodes
         request = _REQUESTS.get(method.MethodId)
         if request is None:
-            return _result(codes.BadMethodInvalid)
-        given = [one.Value for one in method.InputArguments or []]
-        if len(given) != 2:
-            few = len(given) < 2
-            return _result(codes.BadArgumentsMissing if few else codes.BadTooManyArguments)
-        event, words = given[0], _words(given[1])
-        if not isinstance(event, bytes) or words is None or len(words) > REASON:
-            return _result(codes.BadInvalidArgument)
+            return with_status(codes.BadMethodInvalid)
+        misfit = wrong(_ARGUMENTS, method.InputArguments or [])
+        if misfit is not None:
+            return misfit
+        event, comment = (one.Value for one in method.InputArguments)
+        words = '' if comment is None else (comment.Text or '').strip()
+        if len(words) > REASON or text_fault(words) is not None:
+            return with_status(codes.BadInvalidArgument)
         if request is COMMENT and not words:
-            return _result(codes.BadInvalidArgument)
+            return with_status(codes.BadInvalidArgument)
         caller = CALLER.get()
         if caller.role not in request.roles:
-            return _result(codes.BadUserAccessDenied)
+            return with_status(codes.BadUserAccessDenied)
         standing = self._conditions.standing(key)
         if standing is None:
-            return _result(codes.BadNodeIdUnknown)
+            return with_status(codes.BadNodeIdUnknown)
         if not self._conditions.is_of(standing, event):
-            return _result(codes.BadEventIdUnknown)
+            return with_status(codes.BadEventIdUnknown)
         if request is ACKNOWLEDGE and standing.is_acknowledged:
-            return _result(codes.BadConditionBranchAlreadyAcked)
+            return with_status(codes.BadConditionBranchAlreadyAcked)
         return await self._remark(request, standing, Remark(caller.name, words, time.time()))
 
     async def _remark(
@@ -114,13 +122,13 @@ class ConditionMethods:
         if not standing.alarm.hold:
             log.info('%s: %s %s: %s', remark.who, request.word, standing.alarm.key, remark.words)
             self._conditions.put(standing.with_remark(request.word, remark))
-            return _result(ua.StatusCodes.Good)
+            return with_status(ua.StatusCodes.Good)
         try:
             outcome = await self._calls.ask(request, {'hold': standing.alarm.hold}, remark.words)
         except ua.UaStatusCodeError as error:
-            return _result(error.code)
+            return with_status(error.code)
         codes = ua.StatusCodes
-        return _result(codes.Good if outcome.accepted else codes.BadInvalidState)
+        return with_status(codes.Good if outcome.accepted else codes.BadInvalidState)
 
     # --- of all -----------------------------------------------------------------------------
 
@@ -128,13 +136,13 @@ class ConditionMethods:
         """Tell one subscription, or one of its monitors, of every condition again."""
         numbers = [one.Value for one in given]
         if not 1 <= len(numbers) <= 2 or not all(type(one) is int for one in numbers):
-            return _result(ua.StatusCodes.BadInvalidArgument)
+            return with_status(ua.StatusCodes.BadInvalidArgument)
         subscription, item = numbers[0], numbers[1] if len(numbers) == 2 else None
         monitors = self._space.notices.monitors(subscription, CALLER.get().session)
         if monitors is None:
-            return _result(ua.StatusCodes.BadSubscriptionIdInvalid)
+            return with_status(ua.StatusCodes.BadSubscriptionIdInvalid)
         if item is not None and item not in monitors:
-            return _result(ua.StatusCodes.BadMonitoredItemIdInvalid)
+            return with_status(ua.StatusCodes.BadMonitoredItemIdInvalid)
         self._refreshes += 1
         now = time.time()
         begin, end = (
@@ -148,17 +156,4 @@ class ConditionMethods:
             )
         )  # fmt: skip
         self._space.notices.tell_one([begin, *self._conditions.events(), end], subscription, item)
-        return _result(ua.StatusCodes.Good)
-
-
-def _words(comment: object) -> str | None:
-    """Return the text of a comment, which may be missing; None: it is no text."""
-    if comment is None:
-        return ''
-    return (comment.Text or '').strip() if isinstance(comment, ua.LocalizedText) else None
-
-
-def _result(code: int) -> ua.CallMethodResult:
-    result = ua.CallMethodResult()
-    result.StatusCode = ua.StatusCode(code)
-    return result
+        return with_status(ua.StatusCodes.Good)

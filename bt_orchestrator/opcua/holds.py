@@ -15,11 +15,12 @@ from bt_orchestrator.model.events import Event, HoldReleased, OperatorDecided, S
 from bt_orchestrator.model.requests import REMARKS
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.model.stop_reason import StopReason
+from bt_orchestrator.opcua.arguments import Argument
 from bt_orchestrator.opcua.bridge import Bridge
 from bt_orchestrator.opcua.condition_methods import ConditionMethods
 from bt_orchestrator.opcua.conditions import Place, Remark, Standing, told
 from bt_orchestrator.opcua.notices import Told
-from bt_orchestrator.opcua.space import Argument, Space
+from bt_orchestrator.opcua.space import Space
 
 LOOK_BACK = 2_000
 """How many of the last events are searched for remarks about the holds that stand."""
@@ -64,7 +65,9 @@ class Holds:
         self._space = space
         self._notices = space.notices
         base = ua.NodeId(ua.ObjectIds.AlarmConditionType)
-        type_node = await space.event_type('CellConditionType', base, FIELDS)
+        type_node = await space.event_type(
+            'CellConditionType', base, FIELDS, 'something in the cell that waits for a person'
+        )
         cell = self._bridge.description.cell
         self._place = Place(type_node.nodeid, space.idx, space.cell.nodeid, cell)
         await _make_sources(space, self._bridge)

@@ -25,6 +25,21 @@ _COPIED = {
 """Attributes that an instance takes from its declaration, besides its names."""
 
 
+_MEANINGS = {
+    'InputArguments': 'what a call takes',
+    'OutputArguments': 'what a call returns',
+    'CurrentState': 'state of this machine; BadStateNotActive while it has none',
+    'LastTransition': 'last transition of this machine',
+    'Id': 'its node in the nodeset of the standard',
+    'Number': 'its number in the nodeset of the standard',
+    'TransitionTime': 'when it was',
+    'AvailableStates': 'the states that this machine can have here',
+    'AvailableTransitions': 'the transitions that this machine can make here',
+    'EURange': 'lowest and highest value; BadNotSupported if the cell knows none',
+}
+"""Members of whose meaning the nodesets say nothing, by browse name."""
+
+
 class Instances:
     """Makes instances in one namespace, with paths as their ids."""
 
@@ -134,6 +149,8 @@ class Instances:
             if found.StatusCode.is_good() and found.Value is not None:
                 value = found.Value if bit is _BITS.Value else found.Value.Value
                 setattr(attributes, bit.name, value)
+        if not attributes.Description.Text:
+            attributes.Description = ua.LocalizedText(_MEANINGS.get(name.Name))
         item = ua.AddNodesItem()
         item.RequestedNewNodeId = ua.NodeId(path, self._namespace)
         item.BrowseName = name

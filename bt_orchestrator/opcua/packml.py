@@ -14,19 +14,21 @@ from bt_orchestrator.mes.packml import (
     COMMANDS,
     PRODUCE,
     Machine,
+    command_fault,
     transitions_between,
 )
 from bt_orchestrator.model.events import CellStateChanged, Event
 from bt_orchestrator.model.packml import Cause, PackmlState
 from bt_orchestrator.model.requests import CELL, Request
 from bt_orchestrator.model.status import CellStatus
+from bt_orchestrator.opcua.arguments import Argument
 from bt_orchestrator.opcua.bridge import Bridge
 from bt_orchestrator.opcua.calls import reason_of
 from bt_orchestrator.opcua.nodesets import PACK_ML
 from bt_orchestrator.opcua.notices import Told, id_of
 from bt_orchestrator.opcua.packml_meanings import METHODS, meanings
 from bt_orchestrator.opcua.packml_values import Shown
-from bt_orchestrator.opcua.space import Argument, Space
+from bt_orchestrator.opcua.space import Space
 
 log = logging.getLogger(__name__)
 
@@ -76,11 +78,11 @@ class PackML:
         for machine, names in METHODS.items():
             for name in names:
                 call = partial(self._command, COMMANDS[name], name)
-                space.link(space.node(f'{TOP}/{machine.value}/{name}'), call)
+                await space.link(space.node(f'{TOP}/{machine.value}/{name}'), call)
                 # A client may also name the method of the type, as generic ones do.
-                space.link(space.server.get_node(self._names[machine][name]), call)
+                await space.link(space.server.get_node(self._names[machine][name]), call)
         for name in _NOT_OURS:
-            space.link(space.node(f'{TOP}/{name}'), partial(_not_supported, name))
+            await space.link(space.node(f'{TOP}/{name}'), partial(_not_supported, name))
         await self._make_clear()
         for path, meaning in meanings(TOP):
             await space.described(space.node(path), meaning)
@@ -147,6 +149,9 @@ class PackML:
         """Carry out a command of the nodeset; only Start has an argument, which must be empty."""
         if parameters:
             raise ua.UaStatusCodeError(ua.StatusCodes.BadNotSupported)
+        fault = command_fault(name, self._bridge.status.state)
+        if fault is not None:
+            raise await self._refusal(request, fault)
         return await self._ask(request, {}, reason_of('', name))
 
     async def _clear(self, belt: str, reason: str) -> Sequence[ua.Variant]:
@@ -161,10 +166,13 @@ class PackML:
     ) -> Sequence[ua.Variant]:
         outcome = await self._bridge.calls.ask(request, arguments, reason)
         if not outcome.accepted:
-            self._tell_refusal(request, outcome.message)
-            await self._space.values.write()  # for a client that reads why at once
-            raise ua.UaStatusCodeError(ua.StatusCodes.BadInvalidState)
+            raise await self._refusal(request, outcome.message)
         return []
+
+    async def _refusal(self, request: Request, message: str) -> ua.UaStatusCodeError:
+        self._tell_refusal(request, message)
+        await self._space.values.write()  # for a client that reads why at once
+        return ua.UaStatusCodeError(ua.StatusCodes.BadInvalidState)
 
     def _tell_refusal(self, request: Request, message: str) -> None:
         """Say why: PackML's methods have no output for it."""

@@ -41,6 +41,8 @@ _OBJECTS: Mapping[str, str] = {
     '': 'the cell in the words of PackML (OPC 30050)',
     '/Admin': 'times, counters, and why the line stands still',
     '/Status': 'state, speed, and whether source and sink are ready',
+    '/Status/UnitSupportedModes': 'the unit modes that the cell has',
+    '/PackMLVersion': 'edition of PackML that the states follow',
     f'/{Machine.BASE.value}': 'Cleared, Aborting or Aborted; the machine inside is for Cleared',
     f'/{Machine.MACHINE.value}': (
         'Running, Stopping, Stopped or Clearing; the machine inside is for Running'

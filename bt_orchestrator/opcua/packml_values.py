@@ -103,10 +103,12 @@ class Shown:
         made = await base.add_data_type(
             self._space.id(path), ua.QualifiedName(path, self._space.idx)
         )
+        await self._space.described(made, 'the unit modes that the cell has')
         value = _structures([mode], is_list=True)
-        await made.add_property(
+        values = await made.add_property(
             self._space.id(f'{path}/EnumValues'), ua.QualifiedName('EnumValues', 0), value
         )
+        await self._space.described(values, 'number and name of each unit mode')
         return made.nodeid
 
     async def _write(self, path: str, value: ua.Variant) -> None:

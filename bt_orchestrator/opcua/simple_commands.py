@@ -17,9 +17,10 @@ from bt_orchestrator.mes.plain_commands import (
     verbs,
 )
 from bt_orchestrator.model.requests import ADD, RELEASE_SCRIPT, About, Request
+from bt_orchestrator.opcua.arguments import Argument
 from bt_orchestrator.opcua.bridge import Bridge
 from bt_orchestrator.opcua.calls import reason_of
-from bt_orchestrator.opcua.space import Argument, Space
+from bt_orchestrator.opcua.space import Space
 
 TEXT, COUNT = ua.VariantType.String, ua.VariantType.UInt32
 

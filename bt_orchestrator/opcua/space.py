@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Awaitable, Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
 
 import asyncua
 from asyncua import ua
 
+from bt_orchestrator.opcua.arguments import Argument, declared_at, with_status, wrong
 from bt_orchestrator.opcua.instances import Instances
 from bt_orchestrator.opcua.notices import Notices
 from bt_orchestrator.opcua.values import Values
@@ -26,47 +25,6 @@ NAMESPACE = 'urn:bt_orchestrator:cell:'
 """Begin of the namespace's URI; the name of the cell follows."""
 
 _Handler = Callable[..., Awaitable['ua.CallMethodResult']]
-
-
-@dataclass(frozen=True)
-class Argument:
-    """An argument of a method of ours, or an output."""
-
-    name: str
-    type: ua.VariantType
-    meaning: str
-    is_list: bool = False
-    is_optional: bool = False
-    """Of a method that had fewer arguments before; clients that know it so leave it out."""
-
-    def accepts(self, given: ua.Variant) -> bool:
-        """Tell whether a value is of its type; null is an empty text, or no list."""
-        if given.VariantType is ua.VariantType.Null:
-            return self.is_list or self.type is ua.VariantType.String
-        if self.is_list and given.Value is None:
-            return True
-        return given.VariantType is self.type and given.is_array is self.is_list
-
-    def value_of(self, given: ua.Variant) -> Any:
-        """Return the value for the method; a text is never null."""
-        if self.is_list:
-            return [one or '' for one in given.Value or ()] if self._is_text else given.Value or []
-        return given.Value or '' if self._is_text else given.Value
-
-    @property
-    def _is_text(self) -> bool:
-        return self.type is ua.VariantType.String
-
-    @property
-    def declared(self) -> ua.Argument:
-        """As clients read it."""
-        declared = ua.Argument()
-        declared.Name = self.name
-        declared.DataType = ua.NodeId(self.type.value)
-        declared.ValueRank = 1 if self.is_list else -1
-        declared.ArrayDimensions = [0] if self.is_list else []
-        declared.Description = ua.LocalizedText(self.meaning)
-        return declared
 
 
 class Space:
@@ -160,7 +118,7 @@ class Space:
         return await self.described(node, meaning)
 
     async def event_type(
-        self, name: str, base: ua.NodeId, fields: Sequence[Argument]
+        self, name: str, base: ua.NodeId, fields: Sequence[Argument], meaning: str
     ) -> asyncua.Node:
         """Make a type of events with fields of its own."""
         made = await self.server.get_node(base).add_object_type(
@@ -175,7 +133,7 @@ class Space:
             )
             await node.set_modelling_rule(True)
             await self.described(node, one.meaning)
-        return made
+        return await self.described(made, meaning)
 
     async def instance(
         self,
@@ -193,9 +151,10 @@ class Space:
         browse_name = ua.QualifiedName(name, self.idx)
         return await self._instances.make(parent, type_id, browse_name, path, optionals)
 
-    def link(self, node: asyncua.Node, call: Call) -> None:
-        """Have a method of a nodeset carried out; `call` gets what the client sent."""
-        self.server.link_method(node, answering(call))
+    async def link(self, node: asyncua.Node, call: Call) -> None:
+        """Have a method of a nodeset carried out; its arguments are checked before `call`."""
+        inputs = await declared_at(self.server, node)
+        self.server.link_method(node, answering(call, inputs))
 
     async def described(self, node: asyncua.Node, meaning: str) -> asyncua.Node:
         """Have a node say what it is."""
@@ -204,51 +163,24 @@ class Space:
         return node
 
 
-def answering(call: Call, inputs: Sequence[Argument] | None = None) -> _Handler:
-    """Return what asyncua calls for a method: errors become statuses, and nothing else is lost.
-
-    :param inputs: what to check; None: `call` does it
-    """
+def answering(call: Call, inputs: Sequence[Argument]) -> _Handler:
+    """Return what asyncua calls for a method: errors become statuses, and nothing else is lost."""
 
     async def answer(parent: ua.NodeId, *given: ua.Variant) -> ua.CallMethodResult:
         del parent
-        if inputs is not None and (wrong := _wrong(inputs, given)) is not None:
-            return wrong
-        if inputs is None:
-            values = [one.Value for one in given]
-        else:
-            values = [one.value_of(value) for one, value in zip(inputs, given, strict=False)]
+        misfit = wrong(inputs, given)
+        if misfit is not None:
+            return misfit
         try:
-            outputs = await call(*values)
+            outputs = await call(
+                *(one.value_of(value) for one, value in zip(inputs, given, strict=False))
+            )
         except ua.UaStatusCodeError as error:
-            return _result(error.code)
+            return with_status(error.code)
         if isinstance(outputs, ua.CallMethodResult):
             return outputs
-        result = _result(ua.StatusCodes.Good)
+        result = with_status(ua.StatusCodes.Good)
         result.OutputArguments = list(outputs)
         return result
 
     return answer
-
-
-def _wrong(inputs: Sequence[Argument], given: Sequence[ua.Variant]) -> ua.CallMethodResult | None:
-    """Return what is wrong with arguments, argument by argument; None: nothing."""
-    if len(given) < sum(not one.is_optional for one in inputs):
-        return _result(ua.StatusCodes.BadArgumentsMissing)
-    if len(given) > len(inputs):
-        return _result(ua.StatusCodes.BadTooManyArguments)
-    codes = [
-        ua.StatusCodes.Good if one.accepts(value) else ua.StatusCodes.BadTypeMismatch
-        for one, value in zip(inputs, given, strict=False)
-    ]
-    if not any(codes):
-        return None
-    result = _result(ua.StatusCodes.BadInvalidArgument)
-    result.InputArgumentResults = [ua.StatusCode(code) for code in codes]
-    return result
-
-
-def _result(code: int) -> ua.CallMethodResult:
-    result = ua.CallMethodResult()
-    result.StatusCode = ua.StatusCode(code)
-    return result

@@ -7,7 +7,7 @@ import dataclasses
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model.allowance import Allowances
 from bt_orchestrator.model.by import By
-from bt_orchestrator.model.cell_commands import Clear, Reset, Resume, Start
+from bt_orchestrator.model.cell_commands import Abort, Clear, Pause, Reset, Resume, Start, Stop
 from bt_orchestrator.model.codec import to_text
 from bt_orchestrator.model.commands import (
     Answer,
@@ -32,6 +32,7 @@ from bt_orchestrator.model.jobs.job_commands import (
 )
 from bt_orchestrator.model.limits import COMMANDS, COMMANDS_OF_ONE, NAME, ORIGIN, REASON, WHO
 from bt_orchestrator.model.requests import REMARKS
+from bt_orchestrator.model.texts import readable, text_fault
 from bt_orchestrator.runtime.command_record import refused
 from bt_orchestrator.runtime.commands import answer_to
 from bt_orchestrator.runtime.ledger import Ledger
@@ -76,6 +77,7 @@ class Inbox:
 
     def _carry_out(self, command: OnRecord) -> str:
         if not isinstance(command, RefusedRequest):  # it says more than a limit would
+            command = _as_may_be_recorded(command)
             _check_texts(command)
         if command.by is None:
             return answer_to(command, self._ledger)
@@ -109,8 +111,21 @@ def _check_left(by: By, left: float) -> None:
         )
 
 
+def _as_may_be_recorded(command: OnRecord) -> OnRecord:
+    """Return a command of an emergency with readable words: it must not fail because of them."""
+    if not isinstance(command, (Abort, Pause, Stop)):
+        return command
+    by = dataclasses.replace(
+        command.by,
+        who=readable(command.by.who),
+        origin=readable(command.by.origin),
+        reason=readable(command.by.reason),
+    )
+    return dataclasses.replace(command, by=by)
+
+
 def _check_texts(command: OnRecord) -> None:
-    """Refuse a command with a text that is too long to record."""
+    """Refuse a command with a text that is too long to record, or shows other than it says."""
     said = {} if command.by is None else vars(command.by)
     names = {field.name: getattr(command, field.name) for field in dataclasses.fields(command)}
     for name, text in {**names, **said}.items():
@@ -118,4 +133,10 @@ def _check_texts(command: OnRecord) -> None:
         if isinstance(text, str) and len(text) > longest:
             raise CommandRefused(
                 f'{name} has {len(text)} characters; expected at most {longest}; nothing was done'
+            )
+    for name, text in said.items():
+        fault = text_fault(text) if isinstance(text, str) else None
+        if fault is not None:
+            raise CommandRefused(
+                f'{name} cannot be recorded: {fault}; write it without; nothing was done'
             )

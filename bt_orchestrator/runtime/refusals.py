@@ -21,6 +21,7 @@ from bt_orchestrator.model.limits import (
     WHO,
     cut,
 )
+from bt_orchestrator.model.texts import readable
 from bt_orchestrator.model.ticket import without_ticket
 from bt_orchestrator.runtime.ledger import Ledger
 
@@ -100,7 +101,8 @@ def sender_of(said: By | e.OperatorRefused) -> tuple[str, str]:
 def _shortened(refused: e.OperatorRefused) -> e.OperatorRefused:
     texts = {name: value for name, value in vars(refused).items() if isinstance(value, str)}
     return changed(
-        refused, **{name: cut(text, _LONGEST.get(name, NAME)) for name, text in texts.items()}
+        refused,
+        **{name: cut(readable(text), _LONGEST.get(name, NAME)) for name, text in texts.items()},
     )
 
 

@@ -5,8 +5,13 @@ from __future__ import annotations
 from collections.abc import Hashable
 from dataclasses import dataclass
 
-FREE_OF_NAME, FREE_OF_ADDRESS = 5, 20
-"""Failures that cost no wait: typing is hard, and several people share a computer."""
+FREE = 5
+"""Failures with a name from an address that cost no wait: typing is hard."""
+
+FREE_OF_MANY = 100
+"""The same of an address with all names, and of a name from all addresses: twenty people who type
+badly. Only free failures count here, so a program with a wrong password, however long it tries,
+keeps out neither its neighbours nor its namesakes elsewhere."""
 
 LONGEST_S = 60.0
 """Longest wait: somebody who guesses at a name must not keep its owner out for long."""
@@ -34,9 +39,9 @@ class _Failures:
 
 
 class Attempts:
-    """Failed logins, by name and by address. Times are of a steady clock.
+    """Failed logins: with a name from an address, from an address, with a name.
 
-    Each failure beyond the free ones doubles the wait.
+    Times are of a steady clock. Each failure beyond the free ones doubles the wait.
     """
 
     def __init__(self) -> None:
@@ -44,34 +49,40 @@ class Attempts:
 
     def wait_s(self, name: str, address: str, now: float) -> float:
         """Return for how long there may be no attempt, seconds; 0: it may be made."""
+        pair, *many = _keys(name, address)
+        limits = [(pair, FREE), *((key, FREE_OF_MANY) for key in many)]
         return max(
-            (
-                self._known[key].wait_s(free, now)
-                for key, free in _keys(name, address)
-                if key in self._known
-            ),
+            (self._known[key].wait_s(free, now) for key, free in limits if key in self._known),
             default=0.0,
         )
 
     def begin(self, name: str, address: str, now: float) -> None:
         """Count an attempt as failed before it is known: several may be under way at once."""
-        for key, _ in _keys(name, address):
-            failures = self._known.pop(key, None) or _Failures()
-            failures.count, failures.last = failures.count + 1, now
-            self._known[key] = failures
+        pair, *many = _keys(name, address)
+        if self._count(pair, now) <= FREE:
+            for key in many:
+                self._count(key, now)
         while len(self._known) > MOST_KNOWN:
             del self._known[next(iter(self._known))]
 
     def succeeded(self, name: str, address: str) -> None:
-        """Forget the failures of a name; of the address only this attempt.
+        """Forget the failures of a name from an address; of both otherwise only this attempt.
 
         Somebody with a password of their own could else guess at others for ever.
         """
-        (of_name, _), (of_address, _) = _keys(name, address)
-        self._known.pop(of_name, None)
-        if of_address in self._known:
-            self._known[of_address].count -= 1
+        pair, *many = _keys(name, address)
+        failures = self._known.pop(pair, None)
+        if failures is not None and failures.count <= FREE:
+            for key in many:
+                if key in self._known:
+                    self._known[key].count -= 1
+
+    def _count(self, key: Hashable, now: float) -> int:
+        failures = self._known.pop(key, None) or _Failures()
+        failures.count, failures.last = failures.count + 1, now
+        self._known[key] = failures
+        return failures.count
 
 
-def _keys(name: str, address: str) -> tuple[tuple[Hashable, int], tuple[Hashable, int]]:
-    return (('name', name), FREE_OF_NAME), (('address', address), FREE_OF_ADDRESS)
+def _keys(name: str, address: str) -> tuple[Hashable, ...]:
+    return (name, address), ('address', None, address), ('name', name, None)

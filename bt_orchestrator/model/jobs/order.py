@@ -111,7 +111,10 @@ LONGEST_ORDER_ID = 64
 
 
 def order_id_fault(text: str) -> str | None:
-    """Say why a text cannot be an order id, which begins the ids of its items; None: it can."""
+    """Say why a text cannot be a new order id, which begins the ids of its items; None: it can.
+
+    Journals may have ids that were taken when less was asked of them.
+    """
     if not text:
         return 'it is empty'
     if '/' in text:
@@ -120,6 +123,8 @@ def order_id_fault(text: str) -> str | None:
         return 'it begins or ends with a space'
     if not text.isprintable():
         return 'it has characters that cannot be printed'
+    if '<' in text or '>' in text:
+        return 'it has `<` or `>`, which pages and reports take for the begin of a command'
     if len(text) > LONGEST_ORDER_ID:
         return f'it has {len(text)} characters, at most {LONGEST_ORDER_ID} are allowed'
     return None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 from asyncua import ua
@@ -27,14 +26,3 @@ def answer(status: ReturnStatus, *outputs: ua.Variant) -> ua.CallMethodResult:
 def one(structure: Any) -> ua.Variant:
     """Return a structure as an output."""
     return ua.Variant(structure, ua.VariantType.ExtensionObject)
-
-
-def check_number(given: Sequence[object], wanted: int) -> None:
-    """Refuse a call with too few arguments, or too many.
-
-    :raises ua.UaStatusCodeError: as OPC UA says
-    """
-    if len(given) < wanted:
-        raise ua.UaStatusCodeError(ua.StatusCodes.BadArgumentsMissing)
-    if len(given) > wanted:
-        raise ua.UaStatusCodeError(ua.StatusCodes.BadTooManyArguments)

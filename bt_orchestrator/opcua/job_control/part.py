@@ -103,8 +103,8 @@ class JobControl:
         declared = self._space.server.get_node(ua.NodeId(type_, self._index))
         of_type = {one.BrowseName.Name: one for one in await declared.get_children_descriptions()}
         for name, call in calls.items():
-            self._space.link(self._space.node(f'{path}/{name}'), call)
-            self._space.link(self._space.server.get_node(of_type[name].NodeId), call)
+            await self._space.link(self._space.node(f'{path}/{name}'), call)
+            await self._space.link(self._space.server.get_node(of_type[name].NodeId), call)
 
     def _put_constants(self) -> None:
         description = self._bridge.description

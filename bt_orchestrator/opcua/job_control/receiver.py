@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 from asyncua import ua
 
@@ -17,11 +18,11 @@ from bt_orchestrator.model.jobs.order import order_id_fault
 from bt_orchestrator.model.status import ListedJob
 from bt_orchestrator.opcua.bridge import Bridge
 from bt_orchestrator.opcua.calls import reason_of
-from bt_orchestrator.opcua.job_control.answers import answer, check_number
+from bt_orchestrator.opcua.job_control.answers import answer
 from bt_orchestrator.opcua.job_control.jobs import Jobs
 from bt_orchestrator.opcua.job_control.shown import Shown
 from bt_orchestrator.opcua.job_control.status_events import StatusEvents
-from bt_orchestrator.opcua.job_control.structures import ORDER, comment_from, is_of, order_from
+from bt_orchestrator.opcua.job_control.structures import comment_from, order_from
 from bt_orchestrator.opcua.space import Call
 
 _WITH_ORDER = (*STORING, job_control.UPDATE)
@@ -41,9 +42,8 @@ class Receiver:
         return {method.name: self._call(method) for method in METHODS}
 
     def _call(self, method: Method) -> Call:
-        async def call(*given: object) -> ua.CallMethodResult:
-            check_number(given, 2)
-            what, comment = given[0], comment_from(given[1])
+        async def call(what: Any, comments: Sequence[ua.LocalizedText]) -> ua.CallMethodResult:
+            comment = comment_from(comments)
             if method in _WITH_ORDER:
                 return await self._with_order(method, what, comment)
             return await self._with_id(method, what, comment)
@@ -51,11 +51,8 @@ class Receiver:
         return call
 
     async def _with_order(
-        self, method: Method, structure: object, comment: str
+        self, method: Method, structure: Any, comment: str
     ) -> ua.CallMethodResult:
-        if not is_of(ORDER, structure):
-            what = f'expected {ORDER}, found {type(structure).__name__}'
-            return self._malformed(method, '', what)
         order = order_from(structure)
         reason = reason_of(comment or reason_in(order), method.name)
         try:
@@ -80,13 +77,13 @@ class Receiver:
         held = {'held': True} if method is job_control.STORE else {}
         return {'orders': (work_order(order, components, recipes),), **held}
 
-    async def _with_id(self, method: Method, job: object, comment: str) -> ua.CallMethodResult:
-        fault = order_id_fault(job) if isinstance(job, str) else 'it is none'
+    async def _with_id(self, method: Method, job: str, comment: str) -> ua.CallMethodResult:
+        fault = order_id_fault(job) if self._jobs.book.get(job) is None else None
         if fault is not None:
-            return self._malformed(method, str(job or ''), f'{job!r} is no job order id: {fault}')
+            return self._malformed(method, job, f'{job!r} is no job order id: {fault}')
         reason = reason_of(comment, method.name)
         outcome = await self._bridge.calls.ask(REQUESTS[method], {'job': job}, reason)
-        return await self._answer(method, str(job), outcome)
+        return await self._answer(method, job, outcome)
 
     # --- answers ----------------------------------------------------------------------------
 

@@ -14,8 +14,9 @@ from bt_orchestrator.model import events as e
 from bt_orchestrator.model.codec import json_of, to_plain, to_text
 from bt_orchestrator.model.jobs.job_record import ItemRecord, JobRecord
 from bt_orchestrator.model.limits import EVENTS_BYTES, fitting
+from bt_orchestrator.opcua.arguments import Argument
 from bt_orchestrator.opcua.bridge import Bridge
-from bt_orchestrator.opcua.space import Argument, Space
+from bt_orchestrator.opcua.space import Space
 from bt_orchestrator.report.jobs import JobFold
 from bt_orchestrator.report.reading import Reading
 

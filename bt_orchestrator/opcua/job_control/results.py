@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from asyncua import ua
 
@@ -11,13 +11,11 @@ from bt_orchestrator.mes.job_response import response_of
 from bt_orchestrator.mes.job_states import are_known, has_all
 from bt_orchestrator.mes.return_status import ReturnStatus
 from bt_orchestrator.model.status import ListedJob
-from bt_orchestrator.opcua.job_control.answers import answer, check_number, one
+from bt_orchestrator.opcua.job_control.answers import answer, one
 from bt_orchestrator.opcua.job_control.jobs import Jobs
 from bt_orchestrator.opcua.job_control.structures import (
     RESPONSE,
-    STATE,
     Structures,
-    is_of,
     listed,
     none_of,
     states_from,
@@ -46,23 +44,20 @@ class Results:
             'RequestJobResponseByJobOrderState': self._by_state,
         }
 
-    async def _by_id(self, *given: object) -> ua.CallMethodResult:
-        check_number(given, 1)
+    async def _by_id(self, name: str) -> ua.CallMethodResult:
         nothing = one(none_of(RESPONSE))
-        if not isinstance(given[0], str) or not given[0]:
+        if not name:
             return answer(ReturnStatus.MALFORMED, nothing)
         try:
-            job = await self._jobs.ask(given[0])
+            job = await self._jobs.ask(name)
         except NodeUnreachable as error:
             raise ua.UaStatusCodeError(ua.StatusCodes.BadNoCommunication) from error
         if job is None:
             return answer(ReturnStatus.UNKNOWN_ID, nothing)
         return answer(ReturnStatus.DONE, one(self._response(job)))
 
-    async def _by_state(self, *given: object) -> ua.CallMethodResult:
-        check_number(given, 1)
-        wanted = given[0] if isinstance(given[0], (list, tuple)) else ()
-        if not wanted or not all(is_of(STATE, state) for state in wanted):
+    async def _by_state(self, wanted: Sequence[object]) -> ua.CallMethodResult:
+        if not wanted:
             return answer(ReturnStatus.MALFORMED, listed([]))
         states = states_from(wanted)
         if not are_known(states):

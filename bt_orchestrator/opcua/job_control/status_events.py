@@ -13,9 +13,10 @@ from bt_orchestrator.mes.job_order import job_order
 from bt_orchestrator.mes.job_response import response_of
 from bt_orchestrator.mes.return_status import ReturnStatus
 from bt_orchestrator.model.jobs.isa95 import JobWord
+from bt_orchestrator.opcua.arguments import Argument
 from bt_orchestrator.opcua.job_control.structures import Structures
 from bt_orchestrator.opcua.notices import Told, id_of
-from bt_orchestrator.opcua.space import Argument, Space
+from bt_orchestrator.opcua.space import Space
 
 CHANGED, REFUSED = 'JobOrderChangedEventType', 'RequestRefusedEventType'
 
@@ -46,7 +47,9 @@ class StatusEvents:
         """
         space, text = self._space, ua.VariantType.String
         base = ua.NodeId(_STATUS_EVENT, namespace)
-        self._changed = (await space.event_type(CHANGED, base, ())).nodeid
+        self._changed = (
+            await space.event_type(CHANGED, base, (), 'a job order has another state')
+        ).nodeid
         refused = (
             Argument('Method', text, 'that was called'),
             Argument('JobOrderID', text, 'that it was about'),
@@ -54,7 +57,9 @@ class StatusEvents:
             Argument('Findings', text, 'every mistake found', is_list=True),
         )
         base = ua.NodeId(ua.ObjectIds.BaseEventType)
-        self._refused = (await space.event_type(REFUSED, base, refused)).nodeid
+        self._refused = (
+            await space.event_type(REFUSED, base, refused, 'a call was refused, and why')
+        ).nodeid
 
     def tell(self, news: News, history: str) -> None:
         """Tell that a job has another state, with the job as it was at this record."""

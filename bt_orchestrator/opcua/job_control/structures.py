@@ -42,10 +42,8 @@ _ENUMERATIONS = ('JobResult', 'JobExecutionMode')
 NO_TIME = datetime(1970, 1, 1, tzinfo=timezone.utc)
 """Earlier moments stand for none, the 1st of January 1601 first of all."""
 
-
-def is_of(name: str, value: object) -> bool:
-    """Tell whether a client sent a structure of a type."""
-    return type(value).__name__ == name and isinstance(value, getattr(ua, name))
+END_OF_TIME = datetime(9999, 12, 31, tzinfo=timezone.utc)
+"""So do later ones: OPC UA has the last second of this day for a time without an end."""
 
 
 # --- from clients -------------------------------------------------------------------------------
@@ -76,11 +74,9 @@ def states_from(structures: Iterable[Any]) -> list[State]:
     ]
 
 
-def comment_from(value: object) -> str:
+def comment_from(comments: Iterable[ua.LocalizedText]) -> str:
     """Return a comment, a list of localized texts: the first one, in whatever language."""
-    several = value if isinstance(value, (list, tuple)) else [value]
-    texts = (one.Text for one in several if isinstance(one, ua.LocalizedText))
-    return next((text for text in texts if text), '')
+    return next((one.Text for one in comments if one.Text), '')
 
 
 def plain_of(value: Any) -> Any:
@@ -147,7 +143,7 @@ def _time_from(time: datetime | None) -> float | None:
     if time is None:
         return None
     aware = time if time.tzinfo is not None else time.replace(tzinfo=timezone.utc)
-    return aware.timestamp() if aware > NO_TIME else None
+    return aware.timestamp() if NO_TIME < aware < END_OF_TIME else None
 
 
 def _machine_in(path: Any) -> str:

@@ -9,6 +9,7 @@ from bt_orchestrator.diagnosis.domain import is_local
 from bt_orchestrator.model.by import By, Known
 from bt_orchestrator.model.limits import NAME, cut
 from bt_orchestrator.model.roles import Role
+from bt_orchestrator.model.texts import readable
 from bt_orchestrator.node_parameters import AUTO, NodeParameters
 
 _ROLES = {role.value: role for role in Role}
@@ -59,4 +60,4 @@ def _claims(request: Any) -> str:
     if not request.role:
         return ''
     how = f' ({request.known})' if request.known else ''
-    return cut(f'{request.role}{how}', NAME)
+    return cut(readable(f'{request.role}{how}'), NAME)

@@ -142,7 +142,7 @@ def test_other_parameters_are_of_the_script() -> None:
     assert made.quantity is None
 
 
-@pytest.mark.parametrize('id_', ['', 'a/b', ' a', 'x' * 65, 'a\nb'])
+@pytest.mark.parametrize('id_', ['', 'a/b', ' a', 'x' * 65, 'a\nb', 'a\u202eb', '<b>'])
 def test_an_id_that_cannot_be_one_is_malformed(id_: str) -> None:
     order = dataclasses.replace(WHOLE, id=id_)
     assert statuses(order) == {('JobOrderID', MALFORMED)}
@@ -185,6 +185,13 @@ def test_a_parameter_that_cannot_be_taken_is_named(
     parameter: Parameter, where: str, status: ReturnStatus
 ) -> None:
     assert statuses(with_parameters(parameter)) == {(where, status)}
+
+
+@pytest.mark.parametrize('second', [12, 13])
+@pytest.mark.parametrize('name', ['RunsPlanned', 'JobExecutionMode'])
+def test_what_counts_once_is_given_once(name: str, second: int) -> None:
+    order = with_parameters(Parameter(name, 12), Parameter(name, second))
+    assert statuses(order) == {(f'JobOrderParameters.{name}', NOT_ACCEPTED)}
 
 
 def test_equipment_has_to_be_in_the_cell() -> None:

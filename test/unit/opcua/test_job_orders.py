@@ -5,6 +5,7 @@ from __future__ import annotations
 from asyncua import ua
 from opcua_mes import (
     ABORTED,
+    COMMENT,
     DONE,
     MALFORMED,
     NOT_ACCEPTED,
@@ -73,6 +74,7 @@ def test_what_is_wrong_with_an_order_is_a_status_and_an_event(script: str, url: 
     async def look(mes: Mes) -> None:
         await mes.listen(mes.node('JobOrderControl'))
         unknown = parameter('nonsense', 1, ua.VariantType.Int64)
+        twice = parameter('RunsPlanned', 1, ua.VariantType.UInt32)
         for wrong, status, said in (
             (order('', script), MALFORMED, 'JobOrderID'),
             (order('a/b', script), MALFORMED, 'slash'),
@@ -81,7 +83,8 @@ def test_what_is_wrong_with_an_order_is_a_status_and_an_event(script: str, url: 
             (order('X-1', 'WM-100'), NOT_ACCEPTED, 'recipe'),
             (order('X-1', script, 0), NOT_ACCEPTED, 'RunsPlanned'),
             (ua.ISA95JobOrderDataType(JobOrderID='X-1'), NOT_ACCEPTED, 'exactly one'),
-            (ua.EUInformation(), MALFORMED, 'ISA95JobOrderDataType'),
+            (order('X<1>', script), MALFORMED, '`<` or `>`'),
+            (order('X-1', script, parameters=[twice]), NOT_ACCEPTED, 'given twice'),
         ):
             assert await mes.method('StoreAndStart', wrong) == status
             await mes.heard_of(lambda one: said in f'{one.Message.Text} {one.Findings}')  # noqa: B023
@@ -101,6 +104,35 @@ def test_what_is_wrong_with_an_order_is_a_status_and_an_event(script: str, url: 
         assert await mes.method('Update', order('NO-1', script)) == UNKNOWN
         refused = await mes.heard_of(lambda one: one.Method == 'Update')
         assert (refused[0].JobOrderID, refused[0].ReturnStatus) == ('NO-1', UNKNOWN)
+
+    with_mes(url, look)
+
+
+def test_arguments_of_other_types_are_named_one_by_one(script: str, url: str) -> None:
+    good, mismatch = ua.StatusCodes.Good, ua.StatusCodes.BadTypeMismatch
+    id_, comment = ua.Variant('NO-1'), ua.Variant(COMMENT, is_array=True)
+    whole = ua.Variant(order('X-2', script), ua.VariantType.ExtensionObject)
+    unit = ua.Variant(ua.EUInformation(), ua.VariantType.ExtensionObject)
+
+    async def look(mes: Mes) -> None:
+        for path, given, results in (
+            ('JobOrderControl/Start', (ua.Variant(1), comment), [mismatch, good]),
+            ('JobOrderControl/Start', (id_, ua.Variant('why')), [good, mismatch]),
+            ('JobOrderControl/Store', (id_, ua.Variant(1)), [mismatch, mismatch]),
+            ('JobOrderControl/Store', (unit, comment), [mismatch, good]),
+            ('JobOrderControl/Store', (whole, COMMENT[0]), [good, mismatch]),
+            ('JobOrderResults/RequestJobResponseByJobOrderID', (ua.Variant(7),), [mismatch]),
+            ('JobOrderResults/RequestJobResponseByJobOrderState', (id_,), [mismatch]),
+            ('PackML/SetUnitMode', (id_,), [mismatch]),
+        ):
+            sent = [one if isinstance(one, ua.Variant) else ua.Variant(one) for one in given]
+            result = await mes.result(path, *sent)
+            assert result.StatusCode.value == ua.StatusCodes.BadInvalidArgument, path
+            assert [one.value for one in result.InputArgumentResults] == results, path
+        hold = 'PackML/BaseStateMachine/MachineState/ExecuteState/Hold'
+        too_many = await mes.result(hold, id_)
+        assert too_many.StatusCode.value == ua.StatusCodes.BadTooManyArguments
+        assert 'X-2' not in await mes.listed()
 
     with_mes(url, look)
 

@@ -45,6 +45,18 @@ def test_a_job_on_the_line_is_paused_resumed_and_stopped(script: str, url: str) 
     with_mes(url, look)
 
 
+def test_the_last_day_of_the_calendar_is_no_start(script: str, url: str) -> None:
+    async def look(mes: Mes) -> None:
+        never = datetime(9999, 12, 31, 23, 59, 59, tzinfo=timezone.utc)
+        given = order('NE-1', script, StartTime=never, EndTime=never)
+        assert await mes.method('StoreAndStart', given) == DONE
+        told = await mes.wait_for('NE-1', 'Ended')
+        assert told.JobOrder.StartTime is None
+        assert told.JobOrder.EndTime is None
+
+    with_mes(url, look)
+
+
 def test_a_job_waits_for_its_start(script: str, url: str) -> None:
     async def look(mes: Mes) -> None:
         later = datetime.now(timezone.utc) + timedelta(days=365)

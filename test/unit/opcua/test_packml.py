@@ -122,6 +122,10 @@ def test_commands_reach_the_node_with_who_and_why(scene: Scene) -> None:
         assert (stop.Category, stop.Trigger) == (1, True)
         assert stop.Message.startswith('hold ')
         await reader.wait('PackML/Status/StateCurrent', state(11))
+        assert await refused(reader, f'{EXECUTE}/Hold') == 'BadInvalidState'
+        assert 'is Held already' in await reader.value('PackML/LastRefusal')
+        accepted, _ = await reader.call('Simple/Command', 'pause', '', 'one more')
+        assert accepted, 'pauses of the cell stack (7.3)'
         await reader.call(f'{EXECUTE}/Unhold')
         await reader.wait('PackML/Status/StateCurrent', state(17))
 
@@ -130,7 +134,7 @@ def test_commands_reach_the_node_with_who_and_why(scene: Scene) -> None:
         said = [
             event.answer for event in scene.cell.store.read() if isinstance(event, OperatorDecided)
         ]
-    assert said[-2:] == ['pause', 'resume']
+    assert said[-3:] == ['pause', 'pause', 'resume']
 
 
 def test_a_refused_command_says_why_in_an_event_and_a_variable(scene: Scene) -> None:
@@ -160,7 +164,7 @@ def test_an_aborted_cell_is_cleared_as_its_belt_was_shown(scene: Scene) -> None:
         assert await states(reader) == ['Cleared', 'Stopped', 'BadStateNotActive']
         await reader.call(f'{MACHINE}/Reset')
         await reader.wait('PackML/Status/StateCurrent', state(4))
-        some = ua.Variant([ua.Argument()], ua.VariantType.ExtensionObject)
+        some = ua.Variant([ua.PackMLDescriptorDataType()], ua.VariantType.ExtensionObject)
         assert await refused(reader, f'{EXECUTE}/Start', some) == 'BadNotSupported'
         await reader.call(f'{EXECUTE}/Start', NO_PARAMETERS)
 

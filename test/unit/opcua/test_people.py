@@ -17,7 +17,7 @@ from bt_orchestrator.model.ticket import ticket_in, without_ticket
 from bt_orchestrator.opcua import callers
 from bt_orchestrator.opcua.callers import CALLER, Caller, calling, client_of
 from bt_orchestrator.opcua.people import People
-from bt_orchestrator.users.attempts import FREE_OF_NAME
+from bt_orchestrator.users.attempts import FREE
 from bt_orchestrator.users.file import UsersUnusable
 from bt_orchestrator.users.logins import LoginRefused, MustWait
 
@@ -46,11 +46,25 @@ def test_a_wrong_password_and_an_unknown_name_are_refused_alike(people: People, 
 
 
 def test_guesses_have_to_wait(people: People) -> None:
-    for _ in range(FREE_OF_NAME):
+    for _ in range(FREE):
         with pytest.raises(LoginRefused):
             asyncio.run(people.log_in('mes', 'a guess', '10.0.0.1'))
     with pytest.raises(MustWait):
-        asyncio.run(people.log_in('mes', PASSWORD, '10.0.0.2'))
+        asyncio.run(people.log_in('mes', PASSWORD, '10.0.0.1'))
+    asyncio.run(people.log_in('mes', PASSWORD, '10.0.0.2'))
+
+
+def test_a_program_with_a_wrong_password_keeps_out_no_other_user_of_its_address(
+    users: Path,
+) -> None:
+    now = 0.0
+    people = People(users, lambda: now)
+    for _ in range(30):
+        now += 60.0  # after the longest wait
+        with pytest.raises(LoginRefused):
+            asyncio.run(people.log_in('mes', 'the one of last year', '10.0.0.1'))
+    assert asyncio.run(people.log_in('vic', PASSWORD, '10.0.0.1')).name == 'vic'
+    people.close()
 
 
 def test_a_removed_user_and_another_role_count_at_once(people: People, users: Path) -> None:

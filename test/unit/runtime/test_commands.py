@@ -5,7 +5,7 @@ from __future__ import annotations
 from fakes.line import THREE, Line, with_section
 from fakes.operator import ann
 
-from bt_orchestrator.model.cell_commands import Resume
+from bt_orchestrator.model.cell_commands import Abort, Resume
 from bt_orchestrator.model.commands import Shutdown
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.sim.clock import VirtualClock
@@ -33,6 +33,23 @@ def test_jobs_of_one_script_share_its_definition() -> None:
     assert len(run.all('script.loaded')) == 1
     run.submit('L', line.script(with_section(2, '- {id: other, @a2}')))
     assert len(run.all('script.loaded')) == 2
+
+
+def test_a_reason_that_turns_what_is_read_is_refused_and_recorded_with_a_mark() -> None:
+    run = Line().begin()
+    answer = run.ask(Resume(ann(reason='all \u202eorre is')))
+    assert not answer.accepted
+    assert answer.message == (
+        'reason cannot be recorded: it has U+202E (RIGHT-TO-LEFT OVERRIDE), which hides or turns '
+        'what is read; write it without; nothing was done'
+    )
+    assert run.order('operator.refused', 'reason') == ['all \ufffdorre is']
+
+
+def test_an_emergency_is_not_refused_because_of_its_words() -> None:
+    run = Line().begin()
+    assert run.ask(Abort(ann(reason='\x1b[31mfire'))).accepted
+    assert run.order('operator.decided', 'reason') == ['\ufffd[31mfire']
 
 
 def test_an_order_starts_the_cell_by_itself() -> None:

@@ -14,7 +14,7 @@ from fakes.quick_users import PASSWORD, write_users
 
 from bt_orchestrator.model.requests import TABLE
 from bt_orchestrator.model.roles import Role
-from bt_orchestrator.users.attempts import FREE_OF_NAME
+from bt_orchestrator.users.attempts import FREE
 from bt_orchestrator.users.logins import MOST_WAITING
 from bt_orchestrator.web import replies
 from bt_orchestrator.web.access import IDLE_S, SESSION_S
@@ -85,7 +85,7 @@ def test_a_login_without_texts(bench: PeopleBench, body: object) -> None:
 
 def test_guesses_must_wait(bench: PeopleBench) -> None:
     browser = bench.browser()
-    for _ in range(FREE_OF_NAME):
+    for _ in range(FREE):
         assert log_in(browser, 'ann', 'another one').status == 401
     answer = log_in(browser, 'ann')
     assert answer.status == 429, 'the right password as well: or a guess could be told from it'
@@ -107,7 +107,7 @@ def test_guesses_at_one_time_are_counted_as_they_begin(bench: PeopleBench) -> No
         return [answer.status for answer in await asyncio.gather(*guesses)]
 
     statuses = bench.loop.run_until_complete(at_once())
-    assert statuses.count(401) == FREE_OF_NAME
+    assert statuses.count(401) == FREE
     assert set(statuses) == {401, 429}
 
 
