@@ -6,7 +6,7 @@ import json
 import signal
 import tempfile
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Sequence, Sized
 from pathlib import Path
 from typing import Any
 
@@ -80,6 +80,9 @@ class RosBench:
     def run_until(self, condition: Callable[[], Any], what: str, within_s: float = 60.0) -> None:
         if not self._spin(within_s, condition):
             raise AssertionError(f'waited {within_s:.0f} s for {what}')
+
+    def run_to_settle(self, woken: Sized, within_s: float) -> None:
+        self.run_until(lambda: woken, 'a wake', within_s)
 
     def run_for(self, seconds: float) -> None:
         self._spin(seconds, lambda: False)

@@ -256,16 +256,33 @@ def _stop_after(command: StopAfter, state: CellState, _: float) -> tuple[str, li
     return message, [e.QueueStopRequested(after=command.after)]
 
 
+_STANDS = (
+    PackmlState.STOPPED,
+    PackmlState.ABORTED,
+    PackmlState.IDLE,
+    PackmlState.COMPLETE,
+)
+"""States in which the cell has stopped already when its line is empty."""
+
+
 def stop_when_empty(state: CellState) -> list[e.Event]:
-    """Stop a cell that is still, once its line has run empty on request."""
-    if state.stop_after is None or state.packml is not PackmlState.EXECUTE or not _is_empty(state):
+    """Stop a cell that is still, once its line has run empty on request.
+
+    A cell that stands makes no transition, but the request ends: else it would stop the cell
+    after the next start.
+    """
+    if state.stop_after is None or not _is_empty(state):
         return []
-    reason = f'stop after the current {state.stop_after}'
     reached = e.QueueStopReached(after=state.stop_after)
-    return [reached, transition(state.packml, Cause.STOP, reason)]
+    if state.packml is PackmlState.EXECUTE:
+        reason = f'stop after the current {state.stop_after}'
+        return [reached, transition(state.packml, Cause.STOP, reason)]
+    return [reached] if state.packml in _STANDS else []
 
 
 def _is_empty(state: CellState) -> bool:
+    if any(hold.job is not None for hold in state.holds.values()):
+        return False
     return not (state.on_the_line if state.stop_after == 'job' else state.items)
 
 

@@ -191,8 +191,10 @@ def _why_done(state: CellState, outlook: Outlook) -> str | None:
     if Cause.DONE not in TRANSITIONS[mode]:
         return None
     if mode is PackmlState.EXECUTE:
-        # The cell was started before an order came, and waits for one.
-        return 'every job ended' if state.had_work and not state.has_work else None
+        # A cell that was started before an order came waits for one. One that is to stop when its
+        # line is empty stops instead.
+        is_done = state.had_work and not state.has_work and state.stop_after is None
+        return 'every job ended' if is_done else None
     if mode is PackmlState.ABORTING:
         return 'every goal ended' if outlook.still else None
     if mode is PackmlState.STOPPING:

@@ -95,8 +95,7 @@ class VirtualClient:
         if goal.end is not None:
             return
         if goal in self._waiting:
-            del self._waiting[goal]
-            self.end(goal, GoalEnd(GoalStatus.CANCELED, message='withdrawn before it was sent'))
+            self._withdraw(goal)
         elif goal.accepted:
             self._clock.call_at(self._clock.steady(), lambda: self._pass_cancel(goal))
         goal.cancel_requested = True
@@ -216,6 +215,13 @@ class VirtualClient:
         for goal in tuple(self._in_flight):
             self.end(goal, GoalEnd(GoalStatus.LOST, message='the server is gone'))
         self._tell_state(None)
+
+    def _withdraw(self, goal: VirtualGoal) -> None:
+        """End a goal that was not sent now, by a deadline: a settle follows the clock."""
+        del self._waiting[goal]
+        goal.stop_timer()
+        end = GoalEnd(GoalStatus.CANCELED, message='withdrawn before it was sent')
+        goal.timer = self._clock.call_at(self._clock.steady(), lambda: self.end(goal, end))
 
     def _give_up(self, goal: VirtualGoal) -> None:
         del self._waiting[goal]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import uuid
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Sequence, Sized
 from typing import Any, Protocol
 
 from bt_orchestrator.model.cell import Cell, Component, Conveyor, StateTopic
@@ -37,6 +37,13 @@ class Bench(Protocol):
 
     def run_for(self, seconds: float) -> None:
         """Let things happen for some time."""
+
+    def run_to_settle(self, woken: Sized, within_s: float) -> None:
+        """Let things happen until an engine would settle; fails if that is too late.
+
+        :param woken: an engine in real time settles when this has entries, one in virtual time
+            whenever the clock has moved
+        """
 
     def close(self) -> None:
         """Put everything away."""

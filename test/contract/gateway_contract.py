@@ -165,6 +165,15 @@ class GatewayContract(ABC):
         assert _end_of(bench, goal, within_s=SLACK_S).status is GoalStatus.CANCELED
         assert not goal.accepted
 
+    def test_engine_settles_when_a_goal_was_withdrawn(self, bench: Bench) -> None:
+        woken: list[bool] = []
+        bench.gateway.listen(lambda: woken.append(True))
+        goal = _send(bench, 'absent')
+        goal.cancel()
+        bench.run_to_settle(woken, within_s=1.0)
+        assert not _is_open(goal)
+        assert goal in _goals(bench)
+
     def test_cancel_after_the_end_changes_nothing(self, bench: Bench) -> None:
         goal = _send(bench, 'good')
         _run_to_end(bench, goal)

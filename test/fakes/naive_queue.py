@@ -29,9 +29,11 @@ class NaiveQueue(NaiveTasks):
         priority: int = 0,
         start: float | None = None,
         by_recipe: bool = False,
+        setup: float = 0.0,
     ) -> None:
         """Take an order."""
         job = self.taken(id_, script, quantity)
+        job.values['params.setup'] = setup
         job.by_recipe = by_recipe
         self.jobs.append(job)
         job.terms, job.rank = (priority, start), rank_of(priority, start)
@@ -192,6 +194,7 @@ class NaiveQueue(NaiveTasks):
         """Stop a job, and queue what it has not begun in front of all others (7.6)."""
         rest = self.taken(f'{job.id}-rest', job.plan.name, job.left)
         rest.by_recipe, rest.terms, rest.rank = True, job.terms, None
+        rest.values = {**job.values, 'order.id': rest.id}
         self._stop(job, 0)
         self.put(rest, 1)
         told = {**self.told(rest), 'position': 1, 'rest_of': job}
@@ -231,7 +234,9 @@ class NaiveQueue(NaiveTasks):
         return self.has_begun(job) or not self.stop_after
 
     def ends_empty(self) -> bool:
-        """Tell whether the line was to run empty, and has."""
+        """Tell whether the line was to run empty, and has, and no task of a job is held."""
+        if any(hold.where.get('job') for hold in self.holds):
+            return False
         left: list[Item] | list[Job] = [
             item for job in self.jobs for item in job.items if item.place
         ]

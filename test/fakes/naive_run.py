@@ -19,8 +19,24 @@ FIRST, LAST = (-inf, False), (inf, False)
 """Starts of jobs, and limits of time."""
 
 
+class Named:
+    """What references name values of."""
+
+    values: Row
+
+    def value(self, text: Any) -> Any:
+        """Return what a reference stands for; any other value is itself.
+
+        KeyError: it stands for nothing, or for no finite number (6.3).
+        """
+        found = self.values[text[2:-1]] if str(text).startswith('${') else text
+        if isinstance(found, float) and not isfinite(found):
+            raise KeyError(text)
+        return found
+
+
 @dataclass(eq=False)
-class Job:
+class Job(Named):
     """A work order; `left`: source cycles that have not begun; `first`: its initialization."""
 
     id: str
@@ -38,6 +54,8 @@ class Job:
     waits: int = 0
     """How often it was told to."""
     by_recipe: bool = False
+    values: Row = field(default_factory=dict)
+    """What references of its initialization stand for."""
     held: bool = False
     paused: bool = False
     stopping: bool = False
@@ -46,7 +64,7 @@ class Job:
 
 
 @dataclass(eq=False)
-class Item:
+class Item(Named):
     """What a source cycle makes, or an empty position."""
 
     job: Job
@@ -59,16 +77,6 @@ class Item:
     empty: bool = False
     rejected: bool = False
     serial: str = ''
-
-    def value(self, text: Any) -> Any:
-        """Return what a reference stands for; any other value is itself.
-
-        KeyError: it stands for nothing, or for no finite number (6.3).
-        """
-        found = self.values[text[2:-1]] if str(text).startswith('${') else text
-        if isinstance(found, float) and not isfinite(found):
-            raise KeyError(text)
-        return found
 
     def remember(self, task: Task, results: Row) -> None:
         self.values |= {f'results.{task.id}.{name}': value for name, value in results.items()}
@@ -130,8 +138,8 @@ class Task:
 
     @property
     def args(self) -> Row:
-        given = self.given.get('args', {})
-        return {key: self.item.value(v) if self.item else v for key, v in given.items()}
+        given, of = self.given.get('args', {}), self.item or self.job
+        return {key: of.value(v) if of else v for key, v in given.items()}
 
     @property
     def where(self) -> Row:
@@ -203,7 +211,7 @@ class NaiveRun(ABC):
         return {item.place: item for item in sorted(items, key=lambda item: item.place)}
 
     def new_job(self, id_: str, script: str, quantity: int) -> Job:
-        job = Job(id_, self.plans[script], quantity)
+        job = Job(id_, self.plans[script], quantity, values={'order.id': id_})
         job.first = {given['id']: self.new_task(given, job) for given in job.plan.first}
         tasks = [t for steps in job.plan.lists.values() for step in steps for m in step for t in m]
         given = [one['action'] for one in [*tasks, *job.plan.first]]
@@ -214,7 +222,7 @@ class NaiveRun(ABC):
 
     def new_item(self, job: Job) -> Item:
         number = len(job.items) + 1
-        values = {'item.number': number, 'order.id': job.id}
+        values = {'item.number': number, **job.values}
         item = Item(job, f'{job.id}/{number}', values, job.plan.source)
         job.items.append(item)
         job.left -= 1

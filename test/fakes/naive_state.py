@@ -45,8 +45,6 @@ class NaiveState(NaiveRun):
         """Let an operator command the cell; no order undoes what stopped it (7.2)."""
         self.say('operator.decided', {}, answer=what)
         self.stopped_by_hand = what != 'start' and (what != 'reset' or self.stopped_by_hand)
-        if what == 'start':
-            self.stop_after = ''
         self.enter(LEADS_TO[what])
         if what == 'abort':
             for task in [one for one in self.started if one.state == 'running']:
@@ -91,7 +89,7 @@ class NaiveState(NaiveRun):
         due |= {'Resetting': 'Idle', 'Completing': 'Complete', 'Clearing': 'Stopped'}
         if self.able() and not (self.stopped_by_hand or self.stop_after):
             due |= {'Stopped': 'Resetting', 'Complete': 'Resetting', 'Idle': 'Starting'}
-        if self.had_work and not self.able():
+        if self.had_work and not self.able() and not self.stop_after:
             due['Execute'] = 'Completing'
         running = any(task.state == 'running' for task in self.started)
         later = any(t.state == 'waiting' and t.not_before > self.now for t in self.started)
@@ -101,7 +99,8 @@ class NaiveState(NaiveRun):
             due['Execute'] = 'Holding'
         else:
             due |= {'Holding': 'Held', 'Held': 'Unholding'}
-        if self.state == 'Execute' and still and not (running or later) and self.ends_empty():
+        stands = self.state in ('Execute', *GOES_ON)
+        if stands and still and not (running or later) and self.ends_empty():
             self.say('queue.stop_reached', {}, after=self.stop_after)
             self.stopped_by_hand, self.stop_after = True, ''
             due['Execute'] = 'Stopping'

@@ -148,6 +148,8 @@ class ProductBench:
         self._orders = iter((*plan.orders, *plan.later))
         self.accepted: dict[str, str] = {}
         """Scripts of the orders."""
+        self.exchanged: set[str] = set()
+        """Scripts that orders were given later."""
         self.refused: set[str] = set()
         """Orders, and changes of them, whose flags cannot be shared with the ones before (4.1)."""
         self._asked = 0
@@ -224,7 +226,8 @@ class ProductBench:
         if order:
             script, terms = self.scripts[order.script], Terms(order.priority, order.start)
             recipe = BY_RECIPE if order.by_recipe else None
-            job = Job(order.id, script, order.quantity, terms=terms, recipe=recipe)
+            params = {'setup': order.setup}
+            job = Job(order.id, script, order.quantity, params, terms=terms, recipe=recipe)
             answer = self.run.ask(AddJobs((job,)))
             if answer.accepted:
                 self.accepted[order.id] = order.script
@@ -263,7 +266,10 @@ class ProductBench:
 
     def ask(self, what: str, job: str, number: int) -> None:
         self._asked += 1
-        answer = self.run.ask(self._asking(what, job, number))
+        command = self._asking(what, job, number)
+        answer = self.run.ask(command)
+        if answer.accepted and isinstance(command, UpdateJob):
+            self.exchanged.add(command.job.script.name)
         if not answer.accepted:
             assert what in ('update', 'requeue'), answer
             assert 'the line can get stuck' in answer.message, answer
@@ -287,7 +293,7 @@ class ProductBench:
         scripts = list(self.scripts.values())
         script = scripts[number % len(scripts)] if change.script else now.script
         terms = Terms(change.priority, change.start or now.terms.start)
-        return Job(name, script, change.quantity, terms=terms)
+        return Job(name, script, change.quantity, now.params, terms=terms)
 
 
 def text_of(data: Row) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from fakes.action_types import FakeActionTypes
+from fakes.virtual_run import defaults
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
@@ -53,7 +54,7 @@ def steady(cell: Cell, script: Script, items: int = 60, *, at_most: int = 480) -
     """
     packed = _Packed()
     simulation = Simulation(cell, TYPES, MemoryStore(), [packed])
-    simulation.submit([Job('J', script, items, {})])
+    simulation.submit([Job('J', script, items, defaults(script))])
     outcome = simulation.run()
     simulation.close()
     if outcome is not Outcome.FINISHED or not packed.all_good:

@@ -75,8 +75,7 @@ class VirtualRun:
 
     def submit(self, job: str, script: Script, quantity: int = 1, **params: object) -> Answer:
         """Queue a job now."""
-        values = {name: p.default for name, p in script.params.items()} | params
-        return self.ask(AddJobs((Job(job, script, quantity, values),)))
+        return self.ask(AddJobs((Job(job, script, quantity, defaults(script) | params),)))
 
     def go(self, until: float = 1e6) -> VirtualRun:
         """Let time pass until nothing more can happen, at most to a time."""
@@ -239,6 +238,11 @@ class VirtualRun:
             self._invariants.follow(event)
             apply(self._replay, read)
         assert snapshot(self._replay) == snapshot(self.state)
+
+
+def defaults(script: Script) -> dict[str, Any]:
+    """Return the parameters of an order that names none."""
+    return {name: parameter.default for name, parameter in script.params.items()}
 
 
 def snapshot(state: CellState) -> dict[str, Any]:

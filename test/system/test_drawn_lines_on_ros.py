@@ -81,7 +81,9 @@ def sample(count: int) -> list[Plan]:
     @given(lines(SPACED))
     def draw(plan: Plan) -> None:
         # A start is a time of the calendar, and the time of the virtual run begins with 0.
-        orders = tuple(one._replace(priority=0, start=None) for one in (*plan.orders, *plan.later))
+        orders = tuple(
+            one._replace(priority=0, start=None, setup=0.0) for one in (*plan.orders, *plan.later)
+        )
         cell = {**plan.cell, 'release': 'automatic'}  # nobody is there to release a script
         alone = replace(plan, cell=cell, orders=orders, later=(), moments=(), rebuilds=frozenset())
         size = sum(order.quantity for order in orders) * plan.cell['conveyor']['sections']

@@ -121,7 +121,8 @@ def queue_stop_cancelled(_: e.QueueStopCancelled, state: CellState) -> None:
 
 def queue_stop_reached(event: e.QueueStopReached, state: CellState) -> None:
     """Let the line go on when an operator starts the cell again."""
-    state.stopped_by = state.stop_after_by or Wish(STOP_AFTER + event.after)
+    wish = state.stop_after_by or Wish(STOP_AFTER + event.after)
+    state.stopped_by = state.stopped_by or wish
     state.stop_after = state.stop_after_by = None
 
 

@@ -52,16 +52,20 @@ def remains_done(state: CellState, job: str, task: Task) -> bool:
     before = list(state.jobs.before(job))
     return (
         all(is_done_with(state, source, earlier) for earlier in before)
-        and not _prepares(state, live, task)
+        and not _prepares(state, live, task, besides=task.id)
         and not any(_prepares(state, one, task) or _does(state, one, task) for one in before)
     )
 
 
-def _prepares(state: CellState, job: JobState, task: Task) -> bool:
-    """Tell whether other initialization of a job is still to do the same task."""
+def _prepares(state: CellState, job: JobState, task: Task, *, besides: str = '') -> bool:
+    """Tell whether initialization of a job is still to do the same task.
+
+    :param besides: id of a task of this job that does not count. Jobs of one script share its
+        `Task` objects, so identity would leave out the tasks of earlier jobs too.
+    """
     name = job.job.id
     return any(
-        one is not task and same_task(one) == same_task(task)
+        one.id != besides and same_task(one) == same_task(task)
         for one in job.job.script.initialization
         if not _is_prepared(state, name, one.id)
     )

@@ -7,8 +7,10 @@ that `check` may refuse is a deadlock.
 from __future__ import annotations
 
 import copy
+from collections.abc import Sequence
 
 from fakes.drawn.cells import SECONDS, draw_cell, lasting
+from fakes.drawn.links import add_setup
 from fakes.drawn.plan import (
     MOST_SECTIONS,
     Draw,
@@ -25,6 +27,7 @@ from hypothesis import strategies as st
 
 ANY = Traits()
 MOMENTS = (0.13, 3.71, 17.93, 61.57)
+SETUPS = st.sampled_from((0.0, 1.0))
 PRIORITIES = (0, 0, 3, 5, -1)
 STARTS = st.sampled_from((None, None, 0.0371, 9.0373, 45.0379))
 """At no moment at which anything else happens: what comes first then is open."""
@@ -35,15 +38,16 @@ def lines(draw: Draw, traits: Traits = ANY) -> Plan:
     """Draw a line."""
     size = min(draw(st.integers(1, traits.most_sections)), draw(st.integers(2, MOST_SECTIONS)))
     cell = draw_cell(draw, size, traits)
+    are_short = chance(draw, 20)
     scripts = [DrawnScript(draw, 'script_0', size, cell, traits).whole()]
+    if are_short:
+        add_setup(draw, scripts[0])
     if draw(st.booleans()):
         scripts.append(DrawnScript(draw, 'script_1', size, cell, traits).whole())
     if draw(st.integers(0, 3)) == 0:
         scripts.append(_variant(draw, scripts[0]))
-    count = draw(st.integers(1, 4))
-    chosen = [scripts[draw(st.integers(0, len(scripts) - 1))]['script'] for _ in range(count)]
-    orders = tuple(_order(draw, f'J{n}', name) for n, name in enumerate(chosen))
-    first = count if draw(st.booleans()) else 1
+    orders = _short_orders(draw) if are_short else _orders(draw, scripts)
+    first = len(orders) if draw(st.booleans()) else 1
     moment = st.builds(Moment, st.sampled_from(MOMENTS), st.integers(0, 26))
     moments = draw(st.lists(moment, max_size=10))
     drawn = draw(st.lists(st.sampled_from((*SECONDS, 40.0)), max_size=5)) if traits.tied else []
@@ -59,12 +63,25 @@ def lines(draw: Draw, traits: Traits = ANY) -> Plan:
     )
 
 
+def _orders(draw: Draw, scripts: Sequence[Row]) -> tuple[Order, ...]:
+    count = draw(st.integers(1, 4))
+    chosen = [scripts[draw(st.integers(0, len(scripts) - 1))]['script'] for _ in range(count)]
+    return tuple(_order(draw, f'J{n}', name) for n, name in enumerate(chosen))
+
+
 def _order(draw: Draw, name: str, script: str) -> Order:
     quantity, by_recipe = draw(st.integers(1, 4)), chance(draw, 60)
+    setup = draw(SETUPS)
     if not chance(draw, 70):
-        return Order(name, script, quantity, by_recipe=by_recipe)
+        return Order(name, script, quantity, by_recipe=by_recipe, setup=setup)
     priority = draw(st.sampled_from(PRIORITIES))
-    return Order(name, script, quantity, priority, draw(STARTS), by_recipe)
+    return Order(name, script, quantity, priority, draw(STARTS), by_recipe, setup)
+
+
+def _short_orders(draw: Draw) -> tuple[Order, ...]:
+    """Draw several orders of one item, so that sections prepare for one after the other."""
+    setups = draw(st.sampled_from(((0.0, 1.0, 0.0), (1.0, 1.0, 0.0, 1.0), (0.0, 1.0, 0.0, 1.0))))
+    return tuple(Order(f'J{n}', 'script_0', 1, setup=setup) for n, setup in enumerate(setups))
 
 
 def _variant(draw: Draw, script: Row) -> Row:

@@ -10,6 +10,9 @@ from hypothesis import strategies as st
 OFTEN_PREPARED = ('a1', 'a2', 'arm', 'lamp')
 """Components that several scripts prepare, so that they meet there."""
 
+SETUP = '${params.setup}'
+"""An argument that differs from order to order."""
+
 Placed = tuple[int, Row]
 """A task with its section."""
 
@@ -32,13 +35,25 @@ def draw_initialization(draw: Draw, cell: Row) -> Row:
             task['retries'] = 1
         if chance(draw, 50):
             task['once'] = True
-        if chance(draw, 40):
-            task['args'] = {'special_argument_2': draw(st.sampled_from((0.0, 1.0)))}
+        if chance(draw, 60):
+            task['args'] = {'special_argument_2': draw(st.sampled_from((0.0, 1.0, SETUP)))}
         tasks.append(task)
     ids = [task['id'] for task in tasks]
     pairs = [(ids[n - 1], ids[n]) for n in range(1, len(ids)) if chance(draw, 40)]
     order = [{'upstream': up, 'downstream': down} for up, down in pairs]
-    return {'initialization': tasks, 'initialization_dependencies': order}
+    script: Row = {'initialization': tasks, 'initialization_dependencies': order}
+    if any(SETUP in task.get('args', {}).values() for task in tasks):
+        script['params'] = {'setup': {'type': 'float', 'default': 0.0}}
+    return script
+
+
+def add_setup(draw: Draw, script: Row) -> None:
+    """Let the last section prepare for each order what the order says, unless it did so before."""
+    action = f'/{draw(st.sampled_from("ab"))}{max(script["sections"])}/do'
+    task: Row = {'id': 'load', 'task': 'PREPARE', 'action': action, 'once': True}
+    task['args'] = {'special_argument_2': SETUP}
+    script['params'] = {'setup': {'type': 'float', 'default': 0.0}}
+    script.setdefault('initialization', []).append(task)
 
 
 def draw_flags(draw: Draw, name: str, tasks: Sequence[Placed]) -> list[Row]:

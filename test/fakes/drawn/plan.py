@@ -35,6 +35,8 @@ class Order(NamedTuple):
     """Seconds from the begin of the run."""
     by_recipe: bool = False
     """It names a recipe, so what has not begun can be queued anew (7.6)."""
+    setup: float = 0.0
+    """Its parameter, which initialization may have as an argument."""
 
 
 class Change(NamedTuple):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from random import Random
 
-from fakes.virtual_run import BY, VirtualRun
+from fakes.virtual_run import BY, VirtualRun, defaults
 
 from bt_orchestrator.model.belt_statement import believed, parse_slots
 from bt_orchestrator.model.cell_commands import Abort, Clear, Reset, Resume, Start, Stop
@@ -144,4 +144,5 @@ class QueueOperator:
         terms = Terms(chance.choice((0, 0, 0, 2, -1)), start)
         recipe = chance.choice((BY_RECIPE, BY_RECIPE, None))
         quantity = chance.choice((1, 2, 2, 6))
-        return Job(name, chance.choice(self._scripts), quantity, {}, terms, recipe)
+        script = chance.choice(self._scripts)
+        return Job(name, script, quantity, defaults(script), terms, recipe)

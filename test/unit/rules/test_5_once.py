@@ -200,6 +200,15 @@ def test_5_1_what_earlier_jobs_will_still_do_is_waited_for() -> None:
     assert jobs_of(run, 'load') == ['J', 'K']
 
 
+def test_5_1_a_pending_task_of_an_earlier_job_comes_first() -> None:
+    """K's `load` waits for section 2, which still works for J; L's `load` is not skipped."""
+    run = recipes('121', Line(seconds={'a2': 5.0}))
+    assert [record['args'] for record in run.all('task.started', task='load')] == [
+        {'special_argument_2': value} for value in (1.0, 2.0, 1.0)
+    ]
+    assert jobs_of(run, 'load') == ['J', 'K', 'L']
+
+
 def test_5_1_two_recipes_of_one_job_are_both_loaded() -> None:
     text = with_initialization(
         """

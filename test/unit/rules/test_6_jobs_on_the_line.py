@@ -205,10 +205,58 @@ def test_6_6_the_cell_stops_after_the_current_job() -> None:
     assert reasons == ['stop after the current job']
 
 
+@pytest.mark.parametrize('after', ['item', 'job'])
+def test_6_6_the_cell_stops_after_the_last_job_of_the_queue(after: str) -> None:
+    run = LINE.begin()
+    run.go(until=1.5)
+    run.ask(StopAfter(after, BY))
+    run.go()
+    assert run.ended
+    assert run.state.packml is PackmlState.STOPPED
+    assert run.order('queue.stop_reached', 'after') == [after]
+    assert_works_again(run)
+
+
+def assert_works_again(run: VirtualRun) -> None:
+    """Start the cell and see that the next order is made, and that the cell is Complete then."""
+    assert run.state.stop_after is None
+    run.add(('L', SCRIPT))
+    for command in (Reset, Start):
+        assert run.command(command).accepted
+    run.go()
+    assert run.ended
+    assert run.go().state.packml is PackmlState.COMPLETE
+
+
+def test_6_6_a_start_does_not_take_back_a_stop_to_come() -> None:
+    run = queued('K')
+    run.go(until=1.5)
+    run.ask(StopAfter('job', BY))
+    for command in (Stop, Reset, Start):
+        run.command(command)
+        run.go(until=run.now + 10.0)
+    run.go(until=run.now + 60.0)
+    assert run.state.packml is PackmlState.STOPPED
+    assert begun(run) == list(run.state.ended) == ['J']
+
+
 TWO_STEPS = """
 initialization: [{id: second, @a2}, {id: first, @b1}]
 initialization_dependencies: [{upstream: first, downstream: second}]
 """ + THREE.lstrip()
+
+
+@pytest.mark.parametrize('after', ['item', 'job'])
+def test_6_6_a_stop_is_reached_where_an_operator_stopped_the_cell_first(after: str) -> None:
+    """The job ends while the cell is Stopped."""
+    run = Line().begin(TWO_STEPS).go(until=0.5)
+    run.ask(StopAfter(after, BY))
+    run.command(Stop)
+    run.go(until=5.0)
+    run.control('abort', 'J')
+    assert (run.ended, run.state.packml) == (True, PackmlState.STOPPED)
+    assert run.order('queue.stop_reached', 'after') == [after]
+    assert_works_again(run)
 
 
 @pytest.mark.parametrize(('task', 'component'), [('first', 'b1'), ('second', 'a2')])

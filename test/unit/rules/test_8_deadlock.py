@@ -16,6 +16,7 @@ from fakes.flagged_line import FlaggedLine, SharingScripts, line_of
 from fakes.line import Line
 from fakes.profiles import examples
 from fakes.shipped import REFERENCE_CELL, STUCK
+from fakes.virtual_run import defaults
 from hypothesis import example, given
 from hypothesis import strategies as st
 
@@ -54,7 +55,7 @@ def run(cell: Cell, script: Script, quantity: int, seed: int | None = None) -> R
         return 1.0 if seed is None else drawn.choice([0.0, 0.5, 1.0, 7.0, 40.0])
 
     simulation = Simulation(cell, TYPES, MemoryStore(), duration=duration)
-    simulation.submit([Job('J', script, quantity)])
+    simulation.submit([Job('J', script, quantity, defaults(script))])
     outcome = simulation.run()
     assert outcome is not Outcome.HELD
     state, waits = simulation.state, simulation.waits()
@@ -407,7 +408,9 @@ def test_8_2_scripts_that_share_flags_get_stuck_together_as_the_graph_says(
 def gets_stuck(cell: Cell, mix: Sequence[Script]) -> bool:
     """Tell whether a run of jobs of one item each comes to a standstill."""
     simulation = Simulation(cell, TYPES, MemoryStore())
-    answers = simulation.submit(Job(f'J{n}', script, 1) for n, script in enumerate(mix))
+    answers = simulation.submit(
+        Job(f'J{n}', script, 1, defaults(script)) for n, script in enumerate(mix)
+    )
     assert all(answer.accepted for answer in answers)
     outcome = simulation.run()
     simulation.close()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Sequence, Sized
 from typing import Any
 
 from contract.gateway_bench import SERVER_TIMEOUT_S, Bench, cell_of
@@ -39,6 +39,11 @@ class VirtualBench:
         self.clock.call_at(until, lambda: None)
         while not has_come(until, self.now):
             assert self.clock.advance()
+
+    def run_to_settle(self, woken: Sized, within_s: float) -> None:
+        until = self.now + within_s
+        assert self.clock.advance(), 'no clock moves, so no engine settles'
+        assert self.now <= until, f'an engine would settle only at {self.now:g} s'
 
     def close(self) -> None:
         pass
