@@ -70,7 +70,16 @@ class LargeLine:
         begun = time.monotonic()
         cell = ['--cell', str(self._cell)]
         self._controllers = [
-            self._run(f'controllers_{number}', ['sim-cell', *cell, *self._share(number)])
+            self._run(
+                f'controllers_{number}',
+                [
+                    'sim-cell',
+                    *cell,
+                    '--result-timeout',
+                    f'{RESULT_TIMEOUT_S}',
+                    *self._share(number),
+                ],
+            )
             for number in range(self._args.processes)
         ]
         for process in self._controllers:

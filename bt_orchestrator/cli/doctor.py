@@ -137,7 +137,19 @@ def _cell(path: Path | None) -> tuple[Cell | None, list[Check]]:
             for one in mistakes
         ]
     types = {component.type for component in cell.components.values()}
-    return cell, [ok('cell file', f'{path}: cell {cell.name}, {len(types)} types installed')]
+    installed = ok('cell file', f'{path}: cell {cell.name}, {len(types)} types installed')
+    return cell, [installed, _memory(cell)]
+
+
+def _memory(cell: Cell) -> Check:
+    """Say within which time a restart needs no answers of a person (semantics 9.2)."""
+    shortest = min(cell.components.values(), key=lambda one: one.result_timeout_s)
+    return ok(
+        'result_timeout',
+        f'{shortest.result_timeout_s:g} s ({shortest.name}): a node that is started again later '
+        'than that asks a person about each goal that was in flight; let controllers remember '
+        'results longer, and say so with `result_timeout` in the cell file',
+    )
 
 
 def _with_ros(args: argparse.Namespace, cell: Cell | None) -> Iterator[Check]:

@@ -110,7 +110,8 @@ def _add_ros_options(parser: argparse.ArgumentParser) -> None:
         '--result-timeout',
         type=seconds,
         metavar='SECONDS',
-        help='real seconds for which a server remembers an ended goal (default: the cell file)',
+        help='real seconds for which a server remembers an ended goal '
+        '(default: as the cell file says, else 60)',
     )
 
 

@@ -74,9 +74,8 @@ def held_mark(hold: Hold, wording: Wording = ENGLISH) -> TaskMark:
     """Return the mark of a held task, with the answers that are possible."""
     say = wording.say
     answers = ' | '.join(map(wording.answer, hold.answers))
-    why = ', '.join(
-        filter(None, (wording.failure(hold.reason, hold.message), _attempt(hold, say)))
-    )
+    said = wording.failure(hold.reason, hold.message, hold.controller_said, hold.topic_says)
+    why = ', '.join(filter(None, (said, _attempt(hold, say))))
     return TaskMark(
         Mark.HELD,
         say('(hold {hold})', hold=hold.id),

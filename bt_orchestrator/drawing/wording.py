@@ -37,13 +37,11 @@ class Wording:
         """Say what something waits for."""
         return wait.reason
 
-    def failure(self, reason: str, message: str) -> str:
-        """Say why something failed.
-
-        :param reason: in one word
-        :param message: of the server
-        """
-        return why_words(reason, message)
+    def failure(
+        self, reason: str, message: str, controller_said: str = '', topic_says: str = ''
+    ) -> str:
+        """Say why something failed; see `why_words`."""
+        return why_words(reason, message, controller_said, topic_says)
 
     def hold(self, hold: NumberedHold) -> str:
         """Name a hold: its number, and why."""

@@ -24,6 +24,9 @@ ABORT_JOB = 'abort_job'
 RETRY, AGAIN, MARK_DONE, SKIP, REJECT = 'retry', 'again', 'mark_done', 'skip', 'reject'
 """Answers to holds about tasks; the sixth is ABORT_JOB (semantics 7.1)."""
 
+SUCCEEDED = 'succeeded'
+"""The status topic says so of a goal without a result."""
+
 _NEVER_BEGUN = (Reason.GOAL_REJECTED, Reason.SERVER_UNAVAILABLE, Reason.MISSING_RESULT)
 """Ends of attempts that never reached a robot."""
 
@@ -120,12 +123,20 @@ def raise_hold(state: CellState, key: e.TaskKey, task: Task) -> e.HoldRaised:
         reason=failed.reason.value if failed.reason else 'failed',
         message='; '.join(filter(None, said)),
         answers=offered,
+        round=state.round(key),
+        controller_said=failed.controller_said,
+        last_feedback=failed.last_feedback,
+        topic_says=failed.topic_says,
     )
 
 
 def answers(state: CellState, key: e.TaskKey, task: Task) -> tuple[str, ...]:
     """Return what an operator may answer about a held task now (semantics 3.5, 4.3, 7.1)."""
-    return tuple(answer for answer, obstacle in _obstacles(state, key, task) if obstacle is None)
+    found = [answer for answer, obstacle in _obstacles(state, key, task) if obstacle is None]
+    # The topic decides nothing, but what it says is the likelier truth (decision 0018).
+    if state.tasks[key].topic_says == SUCCEEDED:
+        found.sort(key=lambda answer: answer != MARK_DONE)
+    return tuple(found)
 
 
 def why_not_offered(state: CellState, key: e.TaskKey, task: Task) -> str:

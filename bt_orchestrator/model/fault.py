@@ -14,14 +14,15 @@ class FaultKind(Enum):
     """The kinds of faults, as the orchestrator sees them."""
 
     FALSE = 'false'
-    """The goal ends SUCCEEDED with `task_result: false`."""
+    """The goal ends SUCCEEDED with `task_result: false`; with words, as in `abort`."""
     REJECT = 'reject'
     """The server refuses the goal."""
     ABORT = 'abort'
-    """The goal ends ABORTED after its nominal duration."""
+    """The goal ends ABORTED after its nominal duration. What stands behind `abort:` are words of
+    the controller: `message` of the Result, else its first text."""
     CANCEL = 'cancel'
     """The goal ends CANCELED after its nominal duration, and the orchestrator did not ask for it:
-    the task is held as `in_doubt`."""
+    the task is held as `in_doubt`. Words as in `abort`."""
     HANG = 'hang'
     """The goal does not end by itself; a cancel request is obeyed."""
     IGNORE_CANCEL = 'ignore_cancel'
@@ -45,6 +46,9 @@ class FaultKind(Enum):
     """Nothing is ever published on the state topic. Only `#0`."""
 
 
+WITH_WORDS = (FaultKind.FALSE, FaultKind.ABORT, FaultKind.CANCEL)
+"""Kinds with which the controller may say something of its own."""
+
 AT_START = (FaultKind.ABSENT, FaultKind.SILENT)
 """Kinds that only make sense from the start."""
 
@@ -60,6 +64,8 @@ class Fault:
     """Strikes at the nth goal counted from 1 (of `task`, if given); 0: from the start; EVERY."""
     seconds: float | None = None
     """Of READS it is the number that is read."""
+    words: str = ''
+    """Words of the controller in its result."""
 
     def strikes(self, task: str, count: int, count_of_task: int) -> bool:
         """Tell whether it strikes at a goal.
@@ -73,18 +79,19 @@ class Fault:
 
 
 _SPEC = re.compile(
-    r'(?P<task>[A-Za-z]\w*)?(?:#(?P<nth>\d+|\*))?=(?P<kind>[a-z_]+)(?::(?P<seconds>-?\d+(\.\d+)?))?'
+    r'(?P<task>[A-Za-z]\w*)?(?:#(?P<nth>\d+|\*))?=(?P<kind>[a-z_]+)(?::(?P<more>.+))?'
 )
+_NUMBER = re.compile(r'-?\d+(\.\d+)?')
 
 
 def parse_fault(text: str) -> Fault:
-    """Read `[TASK][#NTH]=KIND[:SECONDS]`, for instance `TASK_A#2=late:3.5`; NTH may be `*`.
+    """Read `[TASK][#NTH]=KIND[:SECONDS|:WORDS]`, for instance `TASK_A#2=late:3.5`; NTH may be `*`.
 
     :raises ValueError: says what was expected
     """
     match = _SPEC.fullmatch(text.strip())
     if match is None:
-        raise ValueError(f'a fault is written [TASK][#NTH]=KIND[:SECONDS], found {text!r}')
+        raise ValueError(_written(text))
     try:
         kind = FaultKind(match['kind'])
     except ValueError:
@@ -96,9 +103,18 @@ def parse_fault(text: str) -> Fault:
     if (kind in AT_START) != (nth == 0) and kind is not FaultKind.NOT_READY:
         first = '#0' if kind in AT_START else '#1'
         raise ValueError(f'{kind.value} counts from {first}; found #{match["nth"]}')
-    seconds = None if match['seconds'] is None else float(match['seconds'])
+    if kind in WITH_WORDS:
+        return Fault(kind, match['task'], nth, words=match['more'] or '')
+    if match['more'] is not None and not _NUMBER.fullmatch(match['more']):
+        raise ValueError(_written(text))
+    seconds = None if match['more'] is None else float(match['more'])
     if kind is FaultKind.LATE and seconds is None:
         raise ValueError('late needs seconds, as in =late:3.5')
     if kind is not FaultKind.READS and seconds is not None and seconds < 0:
         raise ValueError(f'{kind.value} cannot take {seconds:g} seconds; write 0 or more')
     return Fault(kind, match['task'], nth, seconds)
+
+
+def _written(text: str) -> str:
+    words = '; WORDS behind false, abort and cancel'
+    return f'a fault is written [TASK][#NTH]=KIND[:SECONDS]{words}, found {text!r}'

@@ -59,6 +59,14 @@ class HoldFacts(Protocol):
     def message(self) -> str:
         """Words of the server, or of the orchestrator."""
 
+    @property
+    def controller_said(self) -> str:
+        """Text of the controller's own result."""
+
+    @property
+    def topic_says(self) -> str:
+        """End of a goal without a result, by the status topic of its action."""
+
 
 class NumberedHold(HoldFacts, Protocol):
     """A hold that knows its own number."""
@@ -72,7 +80,7 @@ def hold_words(hold: HoldFacts) -> str:
     """Say where something is held, what, and why."""
     attempt = attempt_words(hold.attempt, hold.attempts)
     named = ', '.join(filter(None, (_section(hold), _subject(hold), attempt)))
-    return f'{f"{named}: " if named else ""}{why_words(hold.reason, hold.message)}'
+    return f'{f"{named}: " if named else ""}{held_words(hold)}'
 
 
 def hold_name(hold: NumberedHold) -> str:
@@ -102,10 +110,23 @@ def several_holds(words: str) -> tuple[str, ...]:
     return tuple(words.removeprefix(_SEVERAL).replace(' and ', ', ').split(', '))
 
 
-def why_words(reason: str, message: str) -> str:
-    """Say why something failed or is held, in one word and those of the server or the program."""
-    said = one_line(message)
-    return f'{reason} ({said})' if said else reason
+def held_words(hold: HoldFacts) -> str:
+    """Say why something is held, without saying what and where."""
+    return why_words(hold.reason, hold.message, hold.controller_said, hold.topic_says)
+
+
+def why_words(reason: str, message: str, controller_said: str = '', topic_says: str = '') -> str:
+    """Say why something failed or is held.
+
+    :param reason: in one word
+    :param message: of the server or the program
+    :param controller_said: text of the controller's own result
+    :param topic_says: end of a goal without a result, by the status topic
+    """
+    said = [f'the controller says: {controller_said}'] if controller_said else []
+    listed = [f'the status topic says: {topic_says}'] if topic_says else []
+    words = '; '.join(filter(None, map(one_line, (*said, message, *listed))))
+    return f'{reason} ({words})' if words else reason
 
 
 def _section(hold: HoldFacts) -> str:

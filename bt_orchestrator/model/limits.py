@@ -59,6 +59,12 @@ NAME = 200
 MESSAGE = 2_000
 """Longest words about a failure that are kept, in characters."""
 
+SAID = 500
+"""Longest text of a controller's own result about a failure that is kept, in characters."""
+
+LAST_FEEDBACK_BYTES = 2_000
+"""Longest last feedback of a failed attempt that is kept."""
+
 STATE_VALUE_BYTES = 64_000
 """Longest value of a state topic that is kept."""
 

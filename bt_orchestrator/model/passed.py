@@ -40,4 +40,6 @@ def passed_task(task: str, progress: TaskState, *, is_nonconforming: bool = Fals
 def _reason(progress: TaskState) -> str:
     if progress.reason is None:
         return progress.message
-    return why_words(progress.reason.value, progress.message)
+    return why_words(
+        progress.reason.value, progress.message, progress.controller_said, progress.topic_says
+    )

@@ -57,7 +57,7 @@ def _items(job: JobRecord) -> Iterator[str]:
             yield f'    {task}: {number} more round{"s" if number > 1 else ""}'
         for failure in job.failures:
             if failure.item == item.item:
-                why = why_words(failure.reason, failure.message)
+                why = why_words(failure.reason, failure.message, failure.controller_said)
                 yield f'    {failure.task} failed: {why}'
         if item.nonconforming:
             yield f'    nonconforming: {", ".join(item.nonconforming)}'

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from collections.abc import Callable, Iterator
 
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.action_type import TASK_RESULT
-from bt_orchestrator.model.failures import ABORT
 from bt_orchestrator.model.goal import (
     GoalEnd,
     GoalRequest,
@@ -17,32 +14,16 @@ from bt_orchestrator.model.goal import (
     SeenContest,
     StateReading,
 )
-from bt_orchestrator.model.judging.serials import serial_in, too_long, why_duplicate
-from bt_orchestrator.model.judging.verdict import why_refused
-from bt_orchestrator.model.limits import MESSAGE, RESULT_BYTES, cut, without_longest
 from bt_orchestrator.model.script import Task, index_task
 from bt_orchestrator.model.state import CellState, TaskState
 from bt_orchestrator.model.uptime import seconds_between
 from bt_orchestrator.ports import ActionGateway, Clock, Goal, Timer
 from bt_orchestrator.runtime import contests
+from bt_orchestrator.runtime.goal_ends import TIMEOUT, failed, of_end
 from bt_orchestrator.runtime.ledger import Ledger
 
 GRACE_S = 5.0
 """Seconds that a cancelled goal has to reach its terminal status (semantics 2.4)."""
-
-TIMEOUT = 'timeout'
-
-_REASONS = {
-    GoalStatus.ABORTED: Reason.ABORTED,
-    GoalStatus.CANCELED: Reason.CANCELED,
-    GoalStatus.REJECTED: Reason.GOAL_REJECTED,
-    GoalStatus.UNAVAILABLE: Reason.SERVER_UNAVAILABLE,
-    GoalStatus.LOST: Reason.SERVER_LOST,
-    GoalStatus.SILENT: Reason.IN_DOUBT,
-}
-
-_OF_CANCEL = {TIMEOUT: Reason.TIMEOUT, ABORT: Reason.IN_DOUBT}
-"""The reason recorded for a cancelled goal, by the cause of the cancel."""
 
 
 class Flights:
@@ -122,7 +103,7 @@ class Flights:
         del self._goals[goal.request.id]
         state = self._ledger.state
         was_unknown = self._forget_adopted(goal) and end.status is GoalStatus.LOST
-        event = self._of_unknown(key, end) if was_unknown else _of_end(state, key, end)
+        event = self._of_unknown(key, goal, end) if was_unknown else of_end(state, key, goal, end)
         self._ledger.record([event])
         if isinstance(event, e.TaskSucceeded):
             self._ledger.record(effects.of_success(state, key))
@@ -157,16 +138,9 @@ class Flights:
             return
         self._given_up[uuid] = self._goals.pop(uuid)
         message = f'no end came within {GRACE_S:g} s of the cancel request ({task.cancel_cause})'
-        doubt = e.TaskFailed(
-            **key._asdict(),
-            attempt=task.attempt,
-            goal=goal.request.id,
-            reason=Reason.IN_DOUBT.value,
-            message=message,
-        )
-        self._ledger.record([doubt])
+        self._ledger.record([failed(self._ledger.state, key, goal, Reason.IN_DOUBT, message)])
 
-    def _of_unknown(self, key: e.TaskKey, end: GoalEnd) -> e.TaskEvent:
+    def _of_unknown(self, key: e.TaskKey, goal: Goal, end: GoalEnd) -> e.TaskEvent:
         """Return the event for an adopted goal that its server does not know (9.2)."""
         running, task = self._ledger.state.running[key], self._task(key)
         assert running.goal is not None
@@ -178,13 +152,8 @@ class Flights:
                 server=self._ledger.server(task.component),
                 uptime=self._ledger.uptime,
             )
-        return e.TaskFailed(
-            **key._asdict(),
-            attempt=running.attempt,
-            goal=running.goal,
-            reason=Reason.IN_DOUBT.value,
-            message=f'after a restart of the orchestrator: {end.message}',
-        )
+        message = f'after a restart of the orchestrator: {end.message}'
+        return failed(self._ledger.state, key, goal, Reason.IN_DOUBT, message)
 
     def _may_go_again(self, key: e.TaskKey, end: GoalEnd) -> bool:
         running, task = self._ledger.state.running[key], self._task(key)
@@ -277,74 +246,3 @@ def _of_reading(state: CellState, reading: StateReading) -> Iterator[e.Event]:
     topic = state.cell.components[reading.component].state
     ready = topic is not None and reading.value in topic.ready
     yield e.ComponentStateChanged(component=reading.component, ready=ready, value=reading.value)
-
-
-def _of_end(state: CellState, key: e.TaskKey, end: GoalEnd) -> e.TaskEvent:
-    """Return the event for the end of a goal (semantics 2.2, 2.3)."""
-    task = state.running[key]
-    assert task.goal is not None
-    words = _foreign(end.message) if _is_foreign_cancel(task, end) else end.message
-    said = {name: value for name, value in end.result.items() if name != TASK_RESULT}
-    results = without_longest(said, RESULT_BYTES)
-    left_out = tuple(name for name in said if name not in results)
-    if end.status is GoalStatus.SUCCEEDED and end.result.get(TASK_RESULT, True) is not False:
-        reason, refused = _refusal(state, key, results)
-        if reason is None:
-            return e.TaskSucceeded(
-                **key._asdict(),
-                attempt=task.attempt,
-                goal=task.goal,
-                results=results,
-                left_out=left_out,
-            )
-        return e.TaskFailed(
-            **key._asdict(),
-            attempt=task.attempt,
-            goal=task.goal,
-            reason=reason.value,
-            message=cut(refused, MESSAGE),
-            results=results,
-            left_out=left_out,
-        )
-    return e.TaskFailed(
-        **key._asdict(),
-        attempt=task.attempt,
-        goal=task.goal,
-        reason=_reason(task, end).value,
-        message=cut(words, MESSAGE),
-    )
-
-
-def _refusal(
-    state: CellState, key: e.TaskKey, results: Mapping[str, Any]
-) -> tuple[Reason | None, str]:
-    """Say why the results of a task are refused (semantics 2.8, 6.8); None: they are not."""
-    task = state.task(key)
-    if task is None or key.item is None:
-        return None, ''
-    serial = serial_in(task, results)
-    bad = why_refused(task, results, state.scope(key)) or too_long(serial)
-    if bad:
-        return Reason.RESULT_REFUSED, bad
-    known = why_duplicate(state, key.item, task, serial)
-    return (Reason.DUPLICATE_SERIAL, known) if known else (None, '')
-
-
-def _is_foreign_cancel(task: TaskState, end: GoalEnd) -> bool:
-    """Tell whether a goal was cancelled although no orchestrator asked for it (semantics 2.6)."""
-    return end.status is GoalStatus.CANCELED and task.cancel_cause is None
-
-
-def _foreign(message: str) -> str:
-    who = 'cancelled by somebody else: another client, an HMI, or the controller itself'
-    return f'{who} ({message})' if message else who
-
-
-def _reason(task: TaskState, end: GoalEnd) -> Reason:
-    if end.status is GoalStatus.SUCCEEDED:
-        return Reason.TASK_RESULT_FALSE
-    if _is_foreign_cancel(task, end):
-        return Reason.IN_DOUBT
-    if end.status in (GoalStatus.CANCELED, GoalStatus.ABORTED):
-        return _OF_CANCEL.get(task.cancel_cause or '', _REASONS[end.status])
-    return _REASONS[end.status]

@@ -6,12 +6,12 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 
-from bt_orchestrator.model.codec import json_of
 from bt_orchestrator.model.events import INDEX_KEY, TaskKey
-from bt_orchestrator.model.limits import FEEDBACK_BYTES, rough_size, shortened
+from bt_orchestrator.model.limits import FEEDBACK_BYTES
 from bt_orchestrator.model.state import JobState, TaskState
 from bt_orchestrator.model.status import TaskStatus
 from bt_orchestrator.runtime.engine import Engine, Goals
+from bt_orchestrator.runtime.feedback import feedback_text
 from bt_orchestrator.runtime.observed_durations import ObservedDurations
 
 
@@ -75,10 +75,4 @@ class TasksInFlight:
 def feedback_of(flights: Goals, goal: str | None) -> str:
     """Return the last feedback of a goal as a JSON object, shortened if it is long."""
     flight = flights.goal(goal) if goal else None
-    feedback = flight.feedback if flight else None
-    if feedback is None:
-        return ''
-    if rough_size(feedback) > FEEDBACK_BYTES:
-        most = FEEDBACK_BYTES // max(1, len(feedback))
-        feedback = {name: shortened(value, most) for name, value in feedback.items()}
-    return json_of(feedback)
+    return feedback_text(flight.feedback, FEEDBACK_BYTES) if flight else ''

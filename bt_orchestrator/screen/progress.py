@@ -64,7 +64,8 @@ def _job(event: e.JobQueued | e.JobCompleted | e.JobAborted) -> str:
 
 
 def _failed(event: e.TaskFailed) -> str:
-    return f'{_place(event)}{event.task} failed: {why_words(event.reason, event.message)}'
+    why = why_words(event.reason, event.message, event.controller_said, event.topic_says)
+    return f'{_place(event)}{event.task} failed: {why}'
 
 
 _LINES: Mapping[type[e.Event], Callable[..., str]] = {

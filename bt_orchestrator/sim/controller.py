@@ -18,7 +18,14 @@ from bt_orchestrator.ports import Clock, Timer
 from bt_orchestrator.sim.carrier import Answer, CarriedGoal, Carrier, Verdict
 from bt_orchestrator.sim.fault_schedule import FaultSchedule, GoalFaults
 from bt_orchestrator.sim.readiness import Readiness
-from bt_orchestrator.sim.results import NUMBER, as_failed, as_read, numbered, simulated_result
+from bt_orchestrator.sim.results import (
+    NUMBER,
+    as_failed,
+    as_read,
+    numbered,
+    saying,
+    simulated_result,
+)
 
 GoalT = TypeVar('GoalT', bound=CarriedGoal)
 
@@ -152,9 +159,10 @@ class Controller(Generic[GoalT]):
 
     # --- how an accepted goal goes on -------------------------------------------------------
 
-    def _false(self, work: _Work[GoalT], _: Fault) -> None:
+    def _false(self, work: _Work[GoalT], fault: Fault) -> None:
         good = self._success(work.goal.request.task, work.faults.goal)
-        self._end_in_time(work, replace(good, result=as_failed(good.result)))
+        result = {**as_failed(good.result), **saying(self._type, fault.words)}
+        self._end_in_time(work, replace(good, result=result))
 
     def _read(self, work: _Work[GoalT], fault: Fault) -> None:
         number = math.nan if fault.seconds is None else fault.seconds
@@ -162,11 +170,11 @@ class Controller(Generic[GoalT]):
         good = self._success(work.goal.request.task, goal)
         self._end_in_time(work, replace(good, result=as_read(good.result, number)))
 
-    def _abort(self, work: _Work[GoalT], _: Fault) -> None:
-        self._end_in_time(work, _ABORTED)
+    def _abort(self, work: _Work[GoalT], fault: Fault) -> None:
+        self._end_in_time(work, replace(_ABORTED, result=saying(self._type, fault.words)))
 
-    def _cancel_unasked(self, work: _Work[GoalT], _: Fault) -> None:
-        self._end_in_time(work, _SELF_CANCELED)
+    def _cancel_unasked(self, work: _Work[GoalT], fault: Fault) -> None:
+        self._end_in_time(work, replace(_SELF_CANCELED, result=saying(self._type, fault.words)))
 
     def _hang(self, work: _Work[GoalT], _: Fault) -> None:
         """Arm nothing."""

@@ -7,6 +7,7 @@ from typing import Any
 
 from bt_orchestrator.model.action_type import TASK_RESULT, ActionType, FieldType, Kind, MessageType
 from bt_orchestrator.model.cell import Component, StateTopic
+from bt_orchestrator.model.controller_words import words_field
 
 _DEFAULTS: Mapping[Kind, Any] = {'bool': True, 'int': 0, 'float': 0.0, 'str': '', 'bytes': 0}
 
@@ -33,6 +34,12 @@ def as_failed(result: Mapping[str, Any]) -> dict[str, Any]:
     """
     failed = {TASK_RESULT: False} if TASK_RESULT in result else {}
     return {**result, **failed}
+
+
+def saying(action_type: ActionType, words: str) -> dict[str, Any]:
+    """Return the fields of a result in which a controller says something of its own."""
+    field = words_field(action_type.result)
+    return {field: words} if field and words else {}
 
 
 def numbered(result: Mapping[str, Any], number: int) -> dict[str, Any]:

@@ -56,6 +56,8 @@ class VirtualClient:
         self._waiting: dict[VirtualGoal, None] = {}
         self._in_flight: dict[VirtualGoal, None] = {}
         self._remembered: dict[str, tuple[VirtualGoal, float | None]] = {}
+        self._listed: dict[str, str] = {}
+        """What the last status message says of the goal that ended; it outlives its result."""
         self._lease: Timer | None = None
         self._value: Any = None
         self._lives = 0
@@ -81,13 +83,14 @@ class VirtualClient:
 
     def adopt(self, request: GoalRequest) -> VirtualGoal:
         """Return the goal that the server knows by this UUID, else one that ends LOST."""
+        self._forget_old()
         known, _ = self._remembered.get(request.id, (None, None))
         if known is not None:
             self._clock.call_at(self._clock.steady(), lambda: self._news.add(known))
             return known
         goal = VirtualGoal(request, self.cancel)
         wait_s = RESULT_CHECK_S if self.available else self._server_timeout_s
-        goal.timer = self._after(wait_s, lambda: self.end(goal, self._denial()))
+        goal.timer = self._after(wait_s, lambda: self.end(goal, self._denial(request.id)))
         return goal
 
     def cancel(self, goal: VirtualGoal) -> None:
@@ -124,6 +127,7 @@ class VirtualClient:
         """Notice nothing until the lease is over."""
         self._present = False
         self._remembered.clear()
+        self._listed.clear()
         self._lease = self._after(SERVER_LEASE_S, self._lease_over)
 
     def announce(self, ready: bool) -> None:
@@ -142,6 +146,8 @@ class VirtualClient:
         goal.stop_timer()
         self._in_flight.pop(goal, None)
         goal.end = end
+        if goal.accepted and end.status is not GoalStatus.LOST:
+            self._listed = {goal.request.id: end.status.value}
         if goal.request.id in self._remembered:
             del self._remembered[goal.request.id]
             if end.status is not GoalStatus.LOST:
@@ -187,9 +193,10 @@ class VirtualClient:
             self._value = value
             self._news.add(StateReading(self._component.name, value))
 
-    def _denial(self) -> GoalEnd:
+    def _denial(self, goal_id: str) -> GoalEnd:
         who = self.server if self._present else None
-        return GoalEnd(GoalStatus.LOST, message=_UNKNOWN, denied_by=who)
+        says = self._listed.get(goal_id, '') if self._present else ''
+        return GoalEnd(GoalStatus.LOST, message=_UNKNOWN, denied_by=who, topic_says=says)
 
     def _send_waiting(self) -> None:
         waiting, self._waiting = self._waiting, {}

@@ -118,6 +118,7 @@ class ActionLeaf(TaskWaiter, Ticked):
                 attempt=attempt,
                 reason=Reason.MISSING_RESULT.value,
                 message=str(missing),
+                round=self.subject.state.round(key),
             )
             recorder.record([failed])
             self.feedback_message = f'failed: {missing}'

@@ -127,6 +127,10 @@ class Task:
     (2.5, 4.4)."""
 
     @property
+    def round(self) -> int:
+        return self.repeat.begun if self.repeat else 0
+
+    @property
     def waits_for(self) -> set[int]:
         """The sections that it waits for, itself or through dependencies (5.2)."""
         return set(self.device.places).union(*(one.waits_for for one in self.after))
@@ -254,6 +258,7 @@ class NaiveRun(ABC):
             action, name = task.does
             facts = {'name': name, 'action': action, 'component': task.device.name}
             facts |= {'attempt': task.attempt, 'attempts': task.given.get('retries', 0) + 1}
+            facts['round'] = task.round or None
         self.say('hold.raised', where, hold=hold, **facts, reason=reason, answers=answers)
 
     def lacks(self, job: Job) -> list[str]:

@@ -64,8 +64,7 @@ class NaiveTasks(NaiveState):
         action, name = task.does
         self.done.pop(task.does, None)
         fields: Row = {'name': name, 'action': action, 'component': task.device.name}
-        if task.repeat and task.repeat.begun:
-            fields['round'] = task.repeat.begun
+        fields['round'] = task.round or None
         self.say('task.started', task.where, attempt=task.attempt, **fields)
         deaf_after_s, ends = task.device.take(name)
         task.deaf_from = round(self.now + deaf_after_s, 6)
@@ -106,7 +105,7 @@ class NaiveTasks(NaiveState):
             task.state, task.reason = 'failed', means.get(task.cancelled, end)
             asks = ('hold', 'abort_job') if task is self.move else ('hold',)
             task.busy &= verdict(task) in asks
-            fields = {'attempt': task.attempt, 'reason': task.reason}
+            fields = {'attempt': task.attempt, 'reason': task.reason, 'round': task.round or None}
             self.say('task.failed', task.where, **fields, results=task.refused or None)
         else:
             self.say('task.succeeded', task.where, attempt=task.attempt, results=results or None)

@@ -345,6 +345,7 @@ WORDS = (
         'cell_digest',
         'definition',
         'message',
+        *('controller_said', 'last_feedback', 'topic_says'),
         'args',
         'params',
         'who',

@@ -114,6 +114,9 @@ class TaskFailed(TaskEvent):
     """Text of the controller's own result, cut."""
     last_feedback: str = ''
     """Last feedback of the attempt, as one JSON object."""
+    topic_says: str = ''
+    """Where no result came: succeeded, canceled or aborted, by the action's status topic; it
+    decides nothing."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -74,6 +74,10 @@ class TaskState:
     """Message of the failure, or why it was skipped."""
     refused: Mapping[str, Any] = field(default_factory=dict)
     """Results of the last attempt, if they were refused (semantics 2.8, 6.8)."""
+    controller_said: str = ''
+    """As in `task.failed`, of the last attempt; the next two too."""
+    last_feedback: str = ''
+    topic_says: str = ''
     end: End | None = None
     """How it ended, in phase DONE; None: from a journal older than this field."""
     not_before: float = 0.0

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.hold_words import why_words
+from bt_orchestrator.model.hold_words import held_words
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.report.item.history import (
     CONTINUED,
@@ -132,7 +132,7 @@ class ItemFold:
     def _hold(self, event: e.HoldRaised) -> None:
         of_cell = event.task is None and event.item is None
         if self._is_mine(event) or (of_cell and self._is_there):
-            words = why_words(event.reason, event.message)
+            words = held_words(event)
             held = Held(event.hold, event.seq, event.time, event.task or '', words, of_cell)
             self.history.holds.append(held)
 
@@ -259,6 +259,8 @@ def _end(attempt: Attempt, event: e.TaskSucceeded | e.TaskFailed) -> None:
         attempt.outcome = SUCCEEDED
     else:
         attempt.outcome, attempt.reason, attempt.message = FAILED, event.reason, event.message
+        attempt.controller_said, attempt.last_feedback = event.controller_said, event.last_feedback
+        attempt.topic_says = event.topic_says
 
 
 def _passed(event: e.TaskSkipped | e.TaskMarkedDone | e.TaskContinued) -> Attempt:

@@ -60,6 +60,12 @@ class Attempt:
     seconds: float | None = None
     reason: str = ''
     message: str = ''
+    controller_said: str = ''
+    """Text of the controller's own result."""
+    last_feedback: str = ''
+    """Before it failed, as one JSON object."""
+    topic_says: str = ''
+    """Where no result came: the end of its goal by the status topic."""
     args: Mapping[str, Any] = field(default_factory=dict)
     results: Mapping[str, Any] = field(default_factory=dict)
     waited: list[Waited] = field(default_factory=list)

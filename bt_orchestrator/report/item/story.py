@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 from bt_orchestrator.model.by import named
 from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.hold_words import again_words, why_words
+from bt_orchestrator.model.one_line import one_line
 from bt_orchestrator.report.exports import shown
 from bt_orchestrator.report.intervals import Span, covered_s
 from bt_orchestrator.report.item.history import (
@@ -218,12 +219,18 @@ def _outcome(attempt: Attempt) -> str:
         return 'marked done by an operator'
     if attempt.outcome == CONTINUED:
         return _POLICIES.get(attempt.reason, attempt.reason)
-    return f'failed: {why_words(attempt.reason, attempt.message)}'
+    return f'failed: {why_words(attempt.reason, attempt.message)}'  # the rest in details
 
 
 def _details(attempt: Attempt) -> Iterator[Detail]:
     if attempt.args:
         yield Detail('arguments', _values(attempt.args))
+    if attempt.controller_said:
+        yield Detail('the controller says', one_line(attempt.controller_said))
+    if attempt.last_feedback:
+        yield Detail('last feedback', attempt.last_feedback)
+    if attempt.topic_says:
+        yield Detail('the status topic says', attempt.topic_says)
     if attempt.results:
         name = 'refused' if attempt.outcome == FAILED else 'results'
         yield Detail(name, _values(attempt.results))

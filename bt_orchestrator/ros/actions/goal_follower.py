@@ -29,8 +29,8 @@ _ENDS = {
 
 _SAID = {
     WireStatus.STATUS_SUCCEEDED: 'succeeded',
-    WireStatus.STATUS_CANCELED: 'was canceled',
-    WireStatus.STATUS_ABORTED: 'was aborted',
+    WireStatus.STATUS_CANCELED: 'canceled',
+    WireStatus.STATUS_ABORTED: 'aborted',
 }
 
 
@@ -71,9 +71,8 @@ class GoalFollower:
             self._client.request_cancel(goal.id)
 
     def listed_end(self, goal: RosGoal) -> str:
-        """Return what else is known of a goal without a result, as the end of a message."""
-        status = self._client.status.of(goal.id)
-        return f'; its status topic says that the goal {_SAID[status]}' if status in _SAID else ''
+        """Return the end of a goal without a result by the status topic; empty: it has none."""
+        return _SAID.get(self._client.status.of(goal.id), '')
 
     def look_at_status(self, goal: RosGoal) -> None:
         """Learn from the server's status topic that it has the goal; the answer may be lost."""
@@ -132,9 +131,13 @@ class GoalFollower:
             message = f'refused by the server{self._busy_with()}'
             self._goals.end(goal, GoalStatus.REJECTED, message=message)
         elif goal.unknown_count >= believed:
-            message = f'the server does not know the goal (any more){self.listed_end(goal)}'
-            denier = self._denier(goal)
-            self._goals.end(goal, GoalStatus.LOST, message=message, denied_by=denier)
+            self._goals.end(
+                goal,
+                GoalStatus.LOST,
+                message='the server does not know the goal (any more)',
+                denied_by=self._denier(goal),
+                topic_says=self.listed_end(goal),
+            )
         else:
             goal.denied_by = self._client.status.publisher_id()
 

@@ -68,6 +68,7 @@ class OpenGoals:
         result: Any = None,
         message: str = '',
         denied_by: str | None = None,
+        topic_says: str = '',
     ) -> None:
         """End a goal and free what its client keeps; arguments as in `GoalEnd`."""
         self.waiting.pop(goal, None)
@@ -78,7 +79,7 @@ class OpenGoals:
                 self._remember_unanswered(goal.question)
             else:  # an answer that was lost on its way
                 goal.question.drop()
-        goal.end = GoalEnd(status, result or {}, message, denied_by)
+        goal.end = GoalEnd(status, result or {}, message, denied_by, topic_says)
         self._news.add(goal)
 
     def answered_late(self, goal: RosGoal) -> None:

@@ -103,9 +103,9 @@ class ServerWatch:
             goal.heard_s = now
 
     def _give_up(self, goal: RosGoal) -> None:
-        said = self._follower.listed_end(goal)
-        message = f'the server of {self._action} is there and does not answer{said}'
-        self._goals.end(goal, GoalStatus.SILENT, message=message)
+        message = f'the server of {self._action} is there and does not answer'
+        says = self._follower.listed_end(goal)
+        self._goals.end(goal, GoalStatus.SILENT, message=message, topic_says=says)
 
     def _lose_server(self) -> None:
         message = f'the server of {self._action} is gone'

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from bt_orchestrator.model.action_type import TASK_RESULT, ActionType
+from bt_orchestrator.model.controller_words import words_field
 from bt_orchestrator.model.fault import Fault, FaultKind
 from bt_orchestrator.script.report import did_you_mean, listing
 
@@ -32,6 +33,9 @@ def unseen(
     if fault.kind is FaultKind.FALSE and TASK_RESULT not in action_type.result.fields:
         what = f'the Result of {action_type.name} has no field `{TASK_RESULT}`'
         yield Unseen(what, 'let it `abort` instead')
+    if fault.words and not words_field(action_type.result):
+        what = f'the Result of {action_type.name} has no text field for {fault.words!r}'
+        yield Unseen(what, 'leave the words out')
 
 
 def _wrong_task(task: str, component: str, action_type: ActionType) -> Unseen | None:

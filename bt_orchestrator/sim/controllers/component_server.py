@@ -9,7 +9,7 @@ from rclpy.node import Node
 
 from bt_orchestrator.model.action_type import TASK, ActionType
 from bt_orchestrator.model.cell import Component
-from bt_orchestrator.model.goal import GoalEnd, GoalRequest
+from bt_orchestrator.model.goal import RESULT_TIMEOUT_S, GoalEnd, GoalRequest
 from bt_orchestrator.ports import Clock
 from bt_orchestrator.sim.carrier import Verdict
 from bt_orchestrator.sim.controller import Controller
@@ -19,6 +19,10 @@ from bt_orchestrator.sim.controllers.pace import Pace, PacedClock
 from bt_orchestrator.sim.controllers.state_publisher import StatePublisher
 from bt_orchestrator.sim.controllers.task_names import TaskNames
 from bt_orchestrator.sim.controllers.task_server import TaskServer
+
+SIMULATED_RESULT_TIMEOUT_S = 60.0
+"""Seconds for which a simulated server remembers an ended goal where the cell file says nothing:
+long enough for a node that is started again by hand."""
 
 
 @dataclass(frozen=True)
@@ -74,17 +78,23 @@ class ComponentServer:
     def appear(self) -> None:
         """Create the action server and, if the component has one, the state topic."""
         node, interfaces = self._with.node, self._with.interfaces
-        given_s = self._with.result_timeout_s
         self._server = TaskServer(
             node,
             self._component.action,
             self._component.type,
             self,
             interfaces,
-            self._component.result_timeout_s if given_s is None else given_s,
+            self._remembers_s(),
         )
         if self._component.state:
             self._state = StatePublisher(node, self._component.state, interfaces)
+
+    def _remembers_s(self) -> float:
+        """Return for how long an ended goal is remembered: as asked, else by the cell file."""
+        if self._with.result_timeout_s is not None:
+            return self._with.result_timeout_s
+        said_s = self._component.result_timeout_s
+        return said_s if said_s != RESULT_TIMEOUT_S else SIMULATED_RESULT_TIMEOUT_S
 
     def vanish(self) -> None:
         """Destroy both."""

@@ -11,7 +11,7 @@ from bt_orchestrator.drawing.task_marks import (
     cycle_marks,
     initialization_marks,
 )
-from bt_orchestrator.model.hold_words import why_words
+from bt_orchestrator.model.hold_words import held_words
 from bt_orchestrator.model.script import Script, SectionList, Task
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import CellDescription, JobStatus, SectionStatus, TaskStatus
@@ -102,7 +102,7 @@ class TaskParts:
             'step': place[0],
             'track': place[1],
             'mark': mark.mark.name.lower(),
-            'reason': why_words(hold.reason, hold.message) if hold else mark.reason,
+            'reason': held_words(hold) if hold else mark.reason,
             'hold': hold.id if hold else '',
             'waits': wait_parts(waits) if mark.mark in _WAITS else [],
             'round': running.round if running else 0,

@@ -76,9 +76,17 @@ class PageWording(Wording):
         values = {'name': wait.name, 'task': wait.task, 'sections': sections, 'holder': holder}
         return self._word('wait', key).format(**values)
 
-    def failure(self, reason: str, message: str) -> str:
+    def failure(
+        self, reason: str, message: str, controller_said: str = '', topic_says: str = ''
+    ) -> str:
         """Say why something failed."""
-        return why_words(self._word('reason', reason), message)
+        given = {'controller_says': controller_said, 'topic_says': topic_says}
+        said, topic = (
+            self._word('reason', key).format(words=words) if words else ''
+            for key, words in given.items()
+        )
+        words = '; '.join(filter(None, (said, message, topic)))
+        return why_words(self._word('reason', reason), words)
 
     def passed(self, reason: str) -> str:
         """Say why a task was skipped or failed, of which the cycle goes on."""
@@ -91,7 +99,8 @@ class PageWording(Wording):
     def hold(self, hold: NumberedHold) -> str:
         """Name a hold."""
         name = self._word('chain', 'hold').format(name=hold.id)
-        return f'{name} ({self.failure(hold.reason, hold.message)})'
+        why = self.failure(hold.reason, hold.message, hold.controller_said, hold.topic_says)
+        return f'{name} ({why})'
 
     def answer(self, word: str) -> str:
         """Name an answer to a hold."""

@@ -21,6 +21,7 @@ from bt_orchestrator.model.cell_commands import Pause, Resume
 from bt_orchestrator.model.commands import AnswerHold
 from bt_orchestrator.model.fault import parse_fault
 from bt_orchestrator.model.goal import RESULT_TIMEOUT_S
+from bt_orchestrator.model.hold_words import hold_words
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.runtime.orchestrator import Orchestrator
@@ -281,6 +282,20 @@ def test_9_2_a_server_may_have_forgotten_what_it_did_long_ago() -> None:
     world, second = killed_before_sending(Line(), wait_s=RESULT_TIMEOUT_S)
     assert [hold.reason for hold in second.state.holds.values()] == ['in_doubt']
     assert not world.events(e.TaskResent)
+
+
+def test_9_2_a_status_topic_decides_nothing_but_is_told() -> None:
+    """The goal succeeded while nobody was there, and its result is forgotten."""
+    world = World(Line().cell)
+    killed_at_work(world, Line().script(with_section(2, '- {id: work, @a2.TASK_B}')))
+    world.clock.sleep(RESULT_TIMEOUT_S + 5.0)
+    second = world.orchestrator()
+    world.go(second)
+    (hold,) = second.state.holds.values()
+    assert (hold.reason, hold.topic_says) == ('in_doubt', 'succeeded')
+    assert hold.answers[0] == 'mark_done'
+    assert hold.message.startswith('after a restart of the orchestrator: ')
+    assert 'the status topic says: succeeded' in hold_words(hold)
 
 
 def test_9_2_how_long_it_remembers_stands_in_the_cell_file() -> None:

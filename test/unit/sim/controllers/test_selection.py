@@ -89,7 +89,10 @@ def test_faults_add_to_each_other() -> None:
         ('arm.TASKA=abort', 'p/action/Arm has no task `TASKA`; did you mean `TASK_A`?'),
         ('arm.XYZ=abort', 'p/action/Arm has no task `XYZ`; its tasks are `TASK_A`, `GRIND`'),
         ('arm=explode', "unknown fault 'explode'; one of false, "),
-        ('arm', "a fault is written [TASK][#NTH]=KIND[:SECONDS], found ''"),
+        (
+            'arm',
+            'a fault is written [TASK][#NTH]=KIND[:SECONDS]',
+        ),
         ('=abort', 'expected COMPONENT.FAULT, as in arm.TASK_A#2=abort'),
         ('counter=silent', 'component `counter` has no state topic in the cell file'),
         ('counter=false', 'the Result of p/action/Count has no field `task_result`'),
