@@ -264,6 +264,7 @@ class _ScriptShelf:
         self._maker = maker
         self._scripts: dict[Path, Script] = {}
         self.types_by_component = action_types(cell, types)
+        self.most_items = cell.most_items
 
     def script_of(self, file: OrderFile) -> Script:
         """Return the script that an order names, or that is generated for it.
@@ -303,7 +304,8 @@ def _bind(files: Sequence[OrderFile], shelf: _ScriptShelf, findings: Findings) -
 
 def _job(file: OrderFile, job_id: str, shelf: _ScriptShelf) -> Job:
     script = shelf.script_of(file)
-    return bind_order(file.order, script, job_id, file.places, shelf.types_by_component)
+    types, most = shelf.types_by_component, shelf.most_items
+    return bind_order(file.order, script, job_id, file.places, types, most)
 
 
 def _free_ids(taken: set[str | None]) -> Iterator[str]:

@@ -112,7 +112,7 @@ def changes(
     :raises Unfit: with every finding
     """
     was = now.choice if now is not None else None
-    read = _read(order, components, recipes, is_whole=False, was=was)
+    read = _read(order, components, recipes, is_whole=False, was=was, is_known=now is not None)
     asked: dict[str, object] = {'job': order.id}
     if now is not None:
         asked |= _other_source(order, now, read)
@@ -157,6 +157,7 @@ def _read(
     *,
     is_whole: bool = True,
     was: RecipeChoice | None = None,
+    is_known: bool = False,
 ) -> _Reading:
     """Read an order.
 
@@ -167,7 +168,7 @@ def _read(
     of_recipe = name in recipes
     if was is not None:
         of_recipe = of_recipe or not name or name in was.recipes
-    read = _Reading(order, components, is_whole, of_recipe)
+    read = _Reading(order, components, is_whole, of_recipe, is_known)
     findings = tuple(read.findings())
     if findings:
         raise Unfit(findings)
@@ -181,6 +182,8 @@ class _Reading:
     is_whole: bool
     """False: it changes a job, and may leave everything out."""
     of_recipe: bool
+    is_known: bool = False
+    """Its id is that of a job, perhaps of an older journal."""
     version: int | None = None
     """Of the recipe; None: the newest, or as it was."""
     bind: dict[str, str] = field(default_factory=dict)
@@ -192,7 +195,7 @@ class _Reading:
     def findings(self) -> Iterator[Finding]:
         """Read the order; yield everything that is wrong with it."""
         order = self.order
-        fault = order_id_fault(order.id)
+        fault = None if self.is_known else order_id_fault(order.id)
         if fault is not None:
             yield Finding('JobOrderID', f'{order.id!r} cannot be one: {fault}', _MALFORMED)
         if order.description:

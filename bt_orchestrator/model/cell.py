@@ -17,6 +17,9 @@ DEFAULT_TIMEOUT_S = 300.0
 DEFAULT_DURATION_S = 1.0
 """Seconds that a simulated task takes without a nominal duration (formats: cell file)."""
 
+MOST_ITEMS = 10_000
+"""Most items of one order unless the cell file says otherwise (semantics 6.6)."""
+
 CONVEYOR = 'conveyor'
 """Name under which the conveyor appears among the components."""
 
@@ -120,6 +123,8 @@ class Cell:
     """What the `start` of a work order means here."""
     release: Release = Release.ENGINEER
     """Who releases generated scripts."""
+    most_items: int = MOST_ITEMS
+    """Most items of one order. It changes no goal, so it is no part of the digest."""
 
     def by_action(self, action: str) -> Component | None:
         """Return the component that serves an action name."""

@@ -26,6 +26,9 @@ from bt_orchestrator.model.script import Script, Task
 _T = TypeVar('_T')
 _TEMPLATE = '$'
 _NOT_FINITE = '$float'
+_APART = ('made_from', 'most_items')
+"""What is no part of a digest: no goal depends on it."""
+
 _DIGEST = '$digest'
 _TEXT = '$text'
 _SCALARS = (str, int, bool, type(None))
@@ -139,7 +142,8 @@ def digest(definition: Script | Cell) -> str:
     known = vars(definition)
     if _DIGEST not in known:  # as a cached property: its cost grows with the size
         plain = to_plain(definition)
-        plain.pop('made_from', None)
+        for name in _APART:
+            plain.pop(name, None)
         known[_DIGEST] = digest_of(plain)
     return str(known[_DIGEST])
 

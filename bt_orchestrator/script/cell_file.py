@@ -74,7 +74,7 @@ class _CellReader:
         start = Start(self._fields.choice('start'))
         release = Release(self._fields.choice('release'))
         components = {CONVEYOR: conveyor.component, **components}
-        return Cell(name, conveyor, components, start, release)
+        return Cell(name, conveyor, components, start, release, self._fields.whole('most_items'))
 
     def _conveyor(self, fields: Fields) -> Conveyor:
         reader = ComponentReader(fields, CONVEYOR, self._report, self._types)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from bt_orchestrator.model.cell import (
     DEFAULT_DURATION_S,
     DEFAULT_TIMEOUT_S,
+    MOST_ITEMS,
     OnFailure,
     Release,
     Start,
@@ -275,6 +276,14 @@ CELL = Table(
             default=Release.ENGINEER.value,
             choices=words(Release),
             rule='6.10',
+        ),
+        whole(
+            'most_items',
+            'most items of one order: a larger one is refused as a slip',
+            '50000',
+            minimum=1,
+            default=MOST_ITEMS,
+            rule='6.6',
         ),
     ),
 )

@@ -103,7 +103,8 @@ class EngineWhatIf:
             script = self._script(run, given)
             if isinstance(script, CheckedOrder):
                 return script
-            job = bound(order, script, action_types(run.state.cell, self._types))
+            cell = run.state.cell
+            job = bound(order, script, action_types(cell, self._types), cell.most_items)
             if not isinstance(job, Job):
                 return _with_mistakes(job)
             if order.get('order') in run.state.jobs:

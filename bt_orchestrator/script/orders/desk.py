@@ -221,7 +221,8 @@ class OrderDesk:
         params = params_from_text(order.params, script)
         quantity = order.quantity or None
         wanted = WorkOrder(order.script, order.order or None, quantity, params, recipe=recipe)
-        return self._bound(wanted, script, name, order.terms.over(NO_TERMS))
+        terms = order.terms.over(NO_TERMS)
+        return self._bound(wanted, script, name, terms, self._cell.most_items)
 
     def _written(self, text: str, made: MadeScripts, ids: Iterator[str]) -> Job | Refused:
         try:
@@ -236,7 +237,8 @@ class OrderDesk:
             return Refused([*places.findings, *script.findings]) if places.findings else script
         try:
             name = order.order or next(ids)
-            return bind_order(order, script, name, places, types=self._types_by_component)
+            types, most = self._types_by_component, self._cell.most_items
+            return bind_order(order, script, name, places, types, most)
         except Refused as refused:
             return refused
 
@@ -253,8 +255,10 @@ class OrderDesk:
         quantity = wish.quantity or wanted.quantity
         recipe = wanted.recipe if wish.keeps_script else wish.recipe
         params = {**kept, **given}
-        order = WorkOrder(script.name, wanted.job, quantity, params, recipe=recipe)
-        return self._bound(order, script, wanted.job, wish.terms.over(wanted.terms))
+        # Its id and its quantity may be of before they were limited.
+        order = WorkOrder(script.name, None, quantity, params, recipe=recipe)
+        most = max(wanted.quantity, self._cell.most_items)
+        return self._bound(order, script, wanted.job, wish.terms.over(wanted.terms), most)
 
     def _script_of(
         self,
@@ -277,7 +281,7 @@ class OrderDesk:
         return self.made(made)
 
     def _bound(
-        self, order: WorkOrder, script: Script, name: str, terms: Terms | Wrong
+        self, order: WorkOrder, script: Script, name: str, terms: Terms | Wrong, most_items: int
     ) -> Job | Refused:
         places = named_places(name)
         if isinstance(terms, Wrong):
@@ -285,7 +289,8 @@ class OrderDesk:
         else:
             order = replace(order, terms=terms)
         try:
-            return bind_order(order, script, name, places, self._types_by_component)
+            types = self._types_by_component
+            return bind_order(order, script, name, places, types, most_items)
         except Refused as refused:
             return refused
 

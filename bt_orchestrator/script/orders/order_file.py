@@ -9,6 +9,7 @@ from typing import Any
 
 from bt_orchestrator.errors import Finding, Refused
 from bt_orchestrator.model.action_type import ActionType
+from bt_orchestrator.model.cell import MOST_ITEMS
 from bt_orchestrator.model.jobs.order import Job, WorkOrder
 from bt_orchestrator.model.script import Parameter, Script
 from bt_orchestrator.script.composing import compose
@@ -139,10 +140,12 @@ def bind_order(
     job_id: str,
     places: OrderPlaces | None = None,
     types: Mapping[str, ActionType] | None = None,
+    most_items: int = MOST_ITEMS,
 ) -> Job:
     """Make a job of an order: check it against its script and fill in what it leaves open.
 
     Without places (an order that came over a service) findings name the order instead of a file.
+    Of the cell, `most_items` limits the quantity.
     With the types of the cell's components (`action_types`), values are checked against every goal
     field that they go into; without, a value that does not fit fails when its goal is sent.
 
@@ -153,7 +156,7 @@ def bind_order(
     report.take(places.findings)
     if order.order is not None:
         check_order_id(order.order, places.place('order'), report)
-    quantity = _quantity(order, script, places, report)
+    quantity = _quantity(order, script, places, most_items, report)
     misspelt = _check_names(order, script, places, report)
     params = {
         name: _bound(parameter, order, places, report)
@@ -228,7 +231,9 @@ def _params(
     return params
 
 
-def _quantity(order: WorkOrder, script: Script, places: OrderPlaces, report: Report) -> int:
+def _quantity(
+    order: WorkOrder, script: Script, places: OrderPlaces, most: int, report: Report
+) -> int:
     quantity = script.quantity if order.quantity is None else order.quantity
     if not places.is_sure('quantity'):
         return 1
@@ -239,6 +244,11 @@ def _quantity(order: WorkOrder, script: Script, places: OrderPlaces, report: Rep
     if type(quantity) is not int or not 1 <= quantity <= LARGEST_WHOLE:
         what = f'`quantity` must be from 1 to {LARGEST_WHOLE}, not {found_value(quantity)}'
         report.add(places.place('quantity'), what, 'order at least one item')
+        return 1
+    if quantity > most:
+        what = f'`quantity` is {quantity}, and an order of this cell has at most {most} items'
+        hint = 'order less at a time, or raise `most_items` in the cell file'
+        report.add(places.place('quantity'), what, hint)
         return 1
     return quantity
 

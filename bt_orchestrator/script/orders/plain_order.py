@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from bt_orchestrator.errors import Refused
 from bt_orchestrator.model.action_type import ActionType
+from bt_orchestrator.model.cell import MOST_ITEMS
 from bt_orchestrator.model.jobs.order import Job, WorkOrder
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.ports import WrongField
@@ -44,7 +45,10 @@ def mistakes(plain: Plain) -> tuple[WrongField, ...]:
 
 
 def bound(
-    plain: Plain, script: Script, types: Mapping[str, ActionType]
+    plain: Plain,
+    script: Script,
+    types: Mapping[str, ActionType],
+    most_items: int = MOST_ITEMS,
 ) -> Job | tuple[WrongField, ...]:
     """Make a job of an order, or return every mistake in it.
 
@@ -58,7 +62,7 @@ def bound(
         order = replace(draft.order, params={**given, **params_from_text(texts, script)})
         known = {tuple(field.path.split('.')): Place(field.line, 1) for field in fields}
         places = replace(draft.places, places={**known, **draft.places.places})
-        return bind_order(order, script, order.order or script.name, places, types)
+        return bind_order(order, script, order.order or script.name, places, types, most_items)
     except Refused as refused:
         return _by_field(refused, fields)
 

@@ -10,7 +10,8 @@ from fakes.mistake_tables import table
 from fakes.script_texts import CELL, cell, mistakes
 
 from bt_orchestrator.errors import Refused
-from bt_orchestrator.model.cell import CONVEYOR, Cell, OnFailure, Start, StateTopic
+from bt_orchestrator.model.cell import CONVEYOR, MOST_ITEMS, Cell, OnFailure, Start, StateTopic
+from bt_orchestrator.model.codec import digest
 from bt_orchestrator.script.cell_file import parse_cell, read_cell
 
 ROOT = Path(__file__).parents[3]
@@ -69,3 +70,10 @@ def test_a_start_is_binding_unless_the_cell_says_that_it_is_advice() -> None:
     said = mistakes(lambda: parsed(f'{CELL}\nstart: maybe\n'))
     assert len(said) == 1
     assert 'binding' in said[0]
+
+
+def test_the_most_items_of_an_order_are_no_part_of_the_digest() -> None:
+    more = parsed(f'{CELL}\nmost_items: 50000\n')
+    assert (cell().most_items, more.most_items) == (MOST_ITEMS, 50_000)
+    assert digest(more) == digest(cell()), 'releases are for a digest, and no goal changes'
+    assert len(mistakes(lambda: parsed(f'{CELL}\nmost_items: 0\n'))) == 1

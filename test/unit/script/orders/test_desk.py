@@ -103,6 +103,22 @@ def test_a_job_is_changed_as_it_was_read(desk: OrderDesk, tmp_path: Path) -> Non
     assert (changed.id, changed.quantity, changed.params) == ('WO-1', 6, {'lot': 'A'})
 
 
+def test_a_slip_in_the_quantity_is_refused_and_older_jobs_can_be_changed(desk: OrderDesk) -> None:
+    for one in (order(quantity=10**9), WrittenOrder('script: test\nquantity: 10001\n')):
+        (refused,) = jobs(desk, one)
+        assert isinstance(refused, Refused)
+        assert 'at most 10000 items' in str(refused)
+    queued = job(desk, order(quantity=5, params={'lot': 'A'}))
+    name = digest(queued.script)
+    scripts = {name: pickle.dumps(queued.script)}
+    wish = AskedOrder('', terms=AskedTerms(priority=2))
+    changed = job(desk, ChangedJob('<old>', name, 20_000, {'lot': 'A'}, wish), scripts=scripts)
+    assert (changed.id, changed.quantity) == ('<old>', 20_000)
+    wish = AskedOrder('', quantity=20_001)
+    (refused,) = jobs(desk, ChangedJob('WO-1', name, 20_000, {'lot': 'A'}, wish), scripts=scripts)
+    assert isinstance(refused, Refused)
+
+
 TERMS = Terms(5, 1779084000.0, 1779090000.5, {'customer': {'$': ['ACME']}})
 
 

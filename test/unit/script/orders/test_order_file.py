@@ -94,6 +94,17 @@ def test_findings_of_an_order_without_an_id_name_the_job() -> None:
         bind_order(WorkOrder('test', params={'lot': 'A'}), SCRIPT, 'J7')
 
 
+def test_an_order_of_more_items_than_the_cell_takes_is_refused() -> None:
+    order = WorkOrder('test', quantity=13, params={'lot': 'A'})
+    expected = (
+        r'`quantity` is 13, and an order of this cell has at most 12 items; order less at a time, '
+        r'or raise `most_items` in the cell file'
+    )
+    with pytest.raises(Refused, match=expected):
+        bind_order(order, SCRIPT, 'J1', most_items=12)
+    assert bind_order(order, SCRIPT, 'J1', most_items=13).quantity == 13
+
+
 @pytest.mark.parametrize('quantity', [-1, 2**31, True, 1.5, '3'])
 def test_quantities_that_a_program_may_send(quantity: int) -> None:
     with pytest.raises(Refused, match='`quantity` must be from 1'):
