@@ -8,15 +8,15 @@ from hypothesis import HealthCheck, Phase, settings
 
 PROFILE = os.environ.get('HYPOTHESIS_PROFILE', 'gate')
 """`gate`: the same few examples in every run; `nightly`: many, and new ones (scripts/nightly);
-`shard`: a quarter of these, by the seed of a commit (.ci/shard)."""
+`shard`: a round of these, by the seed of a commit (.ci/shard)."""
 
-SHARE = {'nightly': 1, 'shard': 4}
+SHARE = {'nightly': 1, 'shard': 40}
 
 
 def examples(gate: int, nightly: int) -> settings:
     """Return settings for a property over whole lines, which may take its time."""
     return settings(
-        max_examples=nightly // SHARE[PROFILE] if PROFILE in SHARE else gate,
+        max_examples=max(1, nightly // SHARE[PROFILE]) if PROFILE in SHARE else gate,
         suppress_health_check=list(HealthCheck),
         phases=(Phase.explicit, Phase.reuse, Phase.generate, Phase.shrink),
     )

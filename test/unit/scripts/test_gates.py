@@ -117,3 +117,25 @@ def test_a_skip_in_ci_is_a_failure_unless_it_is_listed(
     done = run(command, tmp_path, CI=ci, PYTHONPATH=str(ROOT / 'test'))
     assert done.returncode == status, done.stdout + done.stderr
     assert ('test_a.py::test_a: ' in done.stdout) == bool(status)
+
+
+@pytest.mark.parametrize(('begun_s', 'rounds'), [(115, ['3']), (121, [])])
+def test_drawn_lines_of_the_shard_end_with_its_time(
+    tmp_path: Path, begun_s: int, rounds: list[str]
+) -> None:
+    program(tmp_path / 'bin' / 'git', 'echo 000003')
+    asked = f'echo "$*" | sed "s/.*seed=\\([0-9]*\\).*/\\1/" >>{tmp_path}/asked'
+    program(tmp_path / '.venv' / 'jazzy' / 'bin' / 'pytest', asked, 'sleep 5.1')
+    path = f'{tmp_path / "bin"}:{os.environ["PATH"]}'
+    shard = ['bash', str(ROOT / '.ci' / 'shard'), '120']
+    done = run(shard, tmp_path, PATH=path, SECONDS=str(begun_s))
+    assert done.returncode == 0, done.stdout + done.stderr
+    there = tmp_path / 'asked'
+    assert (there.read_text().split() if there.exists() else []) == rounds
+
+
+def test_a_failure_in_the_shard_is_one_of_ci(tmp_path: Path) -> None:
+    program(tmp_path / 'bin' / 'git', 'echo 000000')
+    program(tmp_path / '.venv' / 'jazzy' / 'bin' / 'pytest', 'exit 1')
+    path = f'{tmp_path / "bin"}:{os.environ["PATH"]}'
+    assert run(['bash', str(ROOT / '.ci' / 'shard'), '120'], tmp_path, PATH=path).returncode == 1
