@@ -38,6 +38,7 @@ RECIPE = 'RecipeID'
 REST_OF = 'RestOf'
 
 EXTRAS: Mapping[str, str] = {
+    'PackedQuantity': 'items that were packed, good or nonconforming',
     'ScrapQuantity': 'items that left the line rejected',
     'NonconformingQuantity': 'packed items of which a task failed and was passed',
     'MissingQuantity': 'items that were never placed, or taken off the belt by hand',
@@ -130,6 +131,7 @@ def _data(status: JobStatus, reason: str) -> Iterator[Parameter]:
     yield Parameter('RunsStarted', status.started)
     yield Parameter('RunsCompleted', status.left)
     yield Parameter('ProducedQuantity', status.produced)
+    yield Parameter('PackedQuantity', status.packed)
     yield Parameter('GoodQuantity', status.good)
     yield Parameter('ScrapQuantity', status.rejected)
     yield Parameter('NonconformingQuantity', status.nonconforming)

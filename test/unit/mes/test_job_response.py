@@ -54,6 +54,7 @@ def test_times_counts_and_result() -> None:
         'RunsStarted': 4,
         'RunsCompleted': 4,
         'ProducedQuantity': 4,
+        'PackedQuantity': 2,
         'GoodQuantity': 1,
         'ScrapQuantity': 1,
         'NonconformingQuantity': 1,

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import pytest
 from asyncua import ua
+from fakes.statuses import NOW_S, job, status
 from opcua_reader import Reader, reading
 from opcua_stand import opcua_stand
 from web.stand_cell import FAIL, StandCell
@@ -204,3 +205,10 @@ def test_the_server_says_what_it_is(scene: Scene) -> None:
         assert (await cell.read_browse_name()).Name == 'reference_cell'
 
     reading(scene.url, look)
+
+
+def test_good_items_are_the_packed_ones_that_conform() -> None:
+    counts = {'packed': 6, 'nonconforming': 1, 'good': 5, 'started': 6, 'started_at': NOW_S}
+    told = dict(simple._values(status(jobs=(job(**counts),))))
+    names = ('Packed', 'Good', 'Nonconforming')
+    assert [told[f'CurrentJob/{name}'] for name in names] == [6, 5, 1]

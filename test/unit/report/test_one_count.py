@@ -37,6 +37,7 @@ Numbers = Mapping[str, Any]
 WORDS = ('produced', 'good', 'nonconforming', 'rejected')
 QUANTITIES = {
     'ProducedQuantity': 'produced',
+    'PackedQuantity': 'packed',
     'GoodQuantity': 'good',
     'NonconformingQuantity': 'nonconforming',
     'ScrapQuantity': 'rejected',
@@ -110,10 +111,11 @@ def agree(run: VirtualRun) -> Counter[str]:
         if one['event'] == 'item.removed':
             kind = 'good' if is_good(one, records) else 'nonconforming'
             word = kind if one['how'] == 'packed' else one['how']
-            truth.setdefault(one['job'], Counter()).update((word, 'produced'))
+            words = (word, 'produced', *(['packed'] if one['how'] == 'packed' else []))
+            truth.setdefault(one['job'], Counter()).update(words)
     for surface, job, numbers in told(run):
         expected = truth.get(job, Counter())
-        for word in WORDS:
+        for word in (*WORDS, 'packed'):
             if word in numbers:
                 assert numbers[word] == expected[word], (surface, job, word)
     return sum(truth.values(), Counter[str]())
