@@ -313,7 +313,8 @@ _ENDS = (e.JobCompleted, e.JobAborted)
 
 _COUNTED = {
     **{name: name for name in ('started', 'placed', 'packed', 'rejected', 'missing')},
-    'nonconforming': 'nonconforming', 'removed': 'by_hand',
+    'nonconforming': 'nonconforming',
+    'removed': 'by_hand',
 }
 
 _FOLDS: Mapping[type[e.Event], Callable[[_Entry, Any], None]] = {

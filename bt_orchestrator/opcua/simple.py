@@ -10,6 +10,7 @@ from asyncua import ua
 from bt_orchestrator.model.events import Event
 from bt_orchestrator.model.hold_words import hold_words
 from bt_orchestrator.model.jobs.isa95 import OVER
+from bt_orchestrator.model.stands import StandCause
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import CellStatus, JobStatus
 from bt_orchestrator.opcua.bridge import Bridge
@@ -42,6 +43,13 @@ CELL: Mapping[str, Shown] = {
         'does not',
     ),
     'StopMessage': Shown(TEXT, 'the stop reason in words'),
+    'StandsSince': Shown(TIME, 'since when nothing moves; null: something does'),
+    'StandsCause': Shown(
+        TEXT,
+        f'root cause for which nothing moves: {", ".join(one.value for one in StandCause)}; '
+        'empty: something moves',
+    ),
+    'StandsReason': Shown(TEXT, 'that cause in words'),
     'WaitsFor': Shown(TEXT, 'what lets the cell work again, in words; empty: nothing is needed'),
     'Queued': Shown(COUNT, 'jobs in the queue'),
     'Running': Shown(COUNT, 'jobs that have started and not ended'),
@@ -146,6 +154,10 @@ def _values(status: CellStatus) -> Iterator[tuple[str, object]]:
     yield 'StateSince', moment(status.state_since)
     yield 'StopReason', '' if status.stop_reason is None else status.stop_reason.value
     yield 'StopMessage', status.stop_message
+    stands = status.stands
+    yield 'StandsSince', None if stands is None else moment(stands.since)
+    yield 'StandsCause', '' if stands is None else stands.cause.value
+    yield 'StandsReason', '' if stands is None else stands.reason
     yield 'WaitsFor', status.waits_for
     yield 'Queued', status.queued
     yield 'Running', len(running)

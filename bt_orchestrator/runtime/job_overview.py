@@ -10,16 +10,23 @@ from bt_orchestrator.model.jobs.needs import awaited_by
 from bt_orchestrator.model.passed import passed_task
 from bt_orchestrator.model.state import CellState, JobState, PassedTask, Phase
 from bt_orchestrator.model.status import JobStatus
+from bt_orchestrator.runtime.ends_unknown import Unknown
 from bt_orchestrator.runtime.tasks_in_flight import TasksInFlight
 
 
 def job_status(
-    state: CellState, job: JobState, in_flight: TasksInFlight, ends_s: Mapping[str, float]
+    state: CellState,
+    job: JobState,
+    in_flight: TasksInFlight,
+    ends_s: Mapping[str, float],
+    unknown: Unknown,
 ) -> JobStatus:
     """Return the status of a job, live or ended.
 
     :param ends_s: in how many seconds jobs are expected to end
+    :param unknown: says of which jobs nobody can know it
     """
+    why_unknown = unknown.why(job)
     progress, terms = job.progress, job.job.terms
     id_, is_live = job.job.id, job.ended_at is None
     return JobStatus(
@@ -34,7 +41,9 @@ def job_status(
         state=job_word(state, job),
         position=state.jobs.place(id_),
         ending=job.ending if is_live else '',
-        expected_end_s=ends_s.get(id_) if is_live else None,  # a forecast may outlive its job
+        # A forecast may outlive its job.
+        expected_end_s=ends_s.get(id_) if is_live and not why_unknown else None,
+        end_unknown=why_unknown,
         quantity=job.job.quantity,
         priority=terms.priority,
         start=terms.start,

@@ -10,7 +10,7 @@ from bt_orchestrator.model.limits import ENDED_SHOWN, QUEUE_SHOWN
 from bt_orchestrator.model.packml import Cause
 from bt_orchestrator.model.requests import CELL, Request, of_cell
 from bt_orchestrator.model.roles import Role
-from bt_orchestrator.model.state import JobState
+from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.model.status import (
     BeltStatus,
     CellDescription,
@@ -20,12 +20,16 @@ from bt_orchestrator.model.status import (
     FlagStatus,
     JobStatus,
 )
+from bt_orchestrator.model.stop_reason import StopReason
 from bt_orchestrator.model.wait import BELT, INITIALIZATION, PartWait
 from bt_orchestrator.model.wish import way_to_work
+from bt_orchestrator.model.words import Words
+from bt_orchestrator.runtime.ends_unknown import Unknown
 from bt_orchestrator.runtime.engine import Engine
 from bt_orchestrator.runtime.job_overview import job_status
 from bt_orchestrator.runtime.observed_durations import ObservedDurations
 from bt_orchestrator.runtime.section_overview import section_status
+from bt_orchestrator.runtime.stands import Standstill
 from bt_orchestrator.runtime.tasks_in_flight import TasksInFlight, feedback_of
 from bt_orchestrator.tree.reasons import waits_of
 
@@ -50,6 +54,7 @@ class Overview:
         self._engine = engine
         self._unauthenticated_role = unauthenticated_role
         self._durations = durations or ObservedDurations()
+        self._standstill = Standstill(engine)
 
     def status(self, now_s: float, ends_s: Mapping[str, float] = _NO_ENDS) -> CellStatus:
         """Return the status of the cell.
@@ -59,6 +64,8 @@ class Overview:
         engine = self._engine
         state, tree = engine.state, engine.tree
         in_flight = self._in_flight()
+        stands = self._standstill.look(now_s, self.waits)
+        unknown = Unknown(state, stands)
         jobs = (*state.jobs.first(QUEUE_SHOWN), *list(state.ended.values())[-ENDED_SHOWN:])
         return CellStatus(
             cell=state.cell.name,
@@ -70,6 +77,8 @@ class Overview:
             state_times=state.times(now_s),
             stop_reason=state.stop_reason,
             stop_message=state.stop_message,
+            stop_words=_stop_words(state),
+            stands=stands,
             stop_after=state.stop_after or '',
             wish=state.wish,
             waits_for=way_to_work(state.packml) if state.stopped_by is not None else '',
@@ -84,7 +93,7 @@ class Overview:
                 for number, section in state.sections.items()
             ),
             components=tuple(self.components()),
-            jobs=tuple(job_status(state, job, in_flight, ends_s) for job in jobs),
+            jobs=tuple(job_status(state, job, in_flight, ends_s, unknown) for job in jobs),
             queued=state.jobs.waiting,
             flags=tuple(
                 FlagStatus(name, flag.count, flag.capacity) for name, flag in state.flags.items()
@@ -97,7 +106,8 @@ class Overview:
 
         :param ends_s: in how many seconds jobs are expected to end
         """
-        return job_status(self._engine.state, job, self._in_flight(), ends_s)
+        unknown = Unknown(self._engine.state, self._standstill.told)
+        return job_status(self._engine.state, job, self._in_flight(), ends_s, unknown)
 
     def components(self) -> Iterator[ComponentStatus]:
         """Yield the status of the components; also after the journal has failed."""
@@ -149,6 +159,12 @@ class Overview:
         rivals = self._engine.gateway.rivals(component.name)
         contests = self._engine.state.contests
         return Contest(tuple(rivals)) if rivals else contests.get(component.name)
+
+
+def _stop_words(state: CellState) -> Words | None:
+    """Return the stop reason as facts, where it is about a hold."""
+    by_hold = state.stop_reason in (StopReason.OPERATOR, StopReason.OWN_FAULT)
+    return Words('hold', {'hold': next(iter(state.holds))}) if state.holds and by_hold else None
 
 
 def description_of(cell: Cell) -> CellDescription:

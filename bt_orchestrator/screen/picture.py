@@ -75,6 +75,8 @@ class Picture:
             yield self.view.failure
         if self.view.stopped:
             yield self.view.stopped
+        if self.view.stands:
+            yield self.view.stands
 
     def _blocks(self, width: int, glyphs: Glyphs) -> dict[str, Block]:
         view = self.view

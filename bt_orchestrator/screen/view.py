@@ -80,6 +80,8 @@ class CellView:
     """Why the node does nothing any more; empty: all is well."""
     stopped: str
     """Who stopped the cell; empty: nobody."""
+    stands: str
+    """Why nothing moves; empty: something does, or it is told elsewhere."""
     belt: str
     belt_waiting: tuple[str, ...]
     made_at: float
@@ -113,6 +115,7 @@ def cell_view(status: CellStatus, shell: Shell) -> CellView:
         state=status.state.value,
         failure=words.failure(status),
         stopped=words.stopped(status),
+        stands=words.stands(status),
         belt=words.belt(status),
         belt_waiting=tuple(words.reasons(status.belt.waits)),
         made_at=status.stamp,

@@ -14,6 +14,7 @@ from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.jobs.needs import on_the_line_words
 from bt_orchestrator.model.jobs.script_words import script_words
 from bt_orchestrator.model.one_line import one_line
+from bt_orchestrator.model.stands import StandCause
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import (
     CellStatus,
@@ -65,6 +66,8 @@ def _cell_lines(status: CellStatus) -> Iterator[str]:
         yield f'  {stopped(status)}'
     if status.stop_reason:
         yield f'  stands still: {status.stop_reason.value}, {one_line(status.stop_message)}'
+    if stands(status):
+        yield f'  {stands(status)}'
 
 
 def _job_lines(status: CellStatus, shell: Shell | None) -> Iterator[str]:
@@ -98,6 +101,20 @@ def stopped(status: CellStatus) -> str:
     at = f'{datetime.fromtimestamp(wish.time):%H:%M:%S}' if wish.time else ''
     said = one_line(wish.words(at))
     return f'{said}; orders wait for {status.waits_for or "a start after that"}'
+
+
+def stands(status: CellStatus) -> str:
+    """Say why nothing moves, where no hold, wish or failure of the same status says it."""
+    found = status.stands
+    if found is None or found.cause in _SAID or (status.wish and found.cause is _COMMAND):
+        return ''
+    since = f'{datetime.fromtimestamp(found.since):%H:%M:%S}'
+    return f'nothing moves since {since}: {one_line(found.reason)}'
+
+
+_COMMAND = StandCause.COMMAND
+_SAID = (StandCause.HOLD, StandCause.JOURNAL, StandCause.ORDER)
+"""Causes that other lines tell, and the one that is no trouble."""
 
 
 def failure(status: CellStatus) -> str:
@@ -167,11 +184,20 @@ def _moment(seconds: float) -> str:
 
 
 def expected_finish(job: JobStatus, status: CellStatus) -> str:
-    """Say when a job is expected to end, in the reader's time zone; nothing if it is not known."""
+    """Say when a job is expected to end, in the reader's time zone, or why that is unknown."""
     if job.expected_end_s is None:
-        return ''
+        return _unknown_end(job, status)
     end = datetime.fromtimestamp(status.stamp + job.expected_end_s)
     return f', expected finish {end:%H:%M:%S} ({_from_now(job.expected_end_s)})'
+
+
+def _unknown_end(job: JobStatus, status: CellStatus) -> str:
+    """Say that nobody can know when a job on the line ends; the reason where no line tells it."""
+    is_told = status.holds or status.wish or job.position
+    if is_told or not job.end_unknown:
+        return ''
+    is_same = status.stands is not None and status.stands.reason == job.end_unknown
+    return ', end unknown' if is_same else f', end unknown: {one_line(job.end_unknown)}'
 
 
 def _from_now(seconds: float) -> str:

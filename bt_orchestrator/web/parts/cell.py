@@ -6,6 +6,7 @@ from bt_orchestrator.model.by import named
 from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.hold_words import hold_words
 from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.stands import StandCause
 from bt_orchestrator.model.state import Hold
 from bt_orchestrator.model.status import CellDescription, CellStatus
 from bt_orchestrator.model.status_words import task_label
@@ -83,7 +84,7 @@ def _kind(status: CellStatus) -> str:
         return TROUBLE
     if reason in (StopReason.OWN_FAULT, StopReason.EMERGENCY):
         return TROUBLE
-    if state in _STOPPED:
+    if state in _STOPPED or (status.stands and status.stands.cause is not StandCause.ORDER):
         return STOPPED
     return QUIET if state in _QUIET else WORKING
 

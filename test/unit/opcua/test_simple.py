@@ -66,6 +66,9 @@ def test_a_held_job_is_seen_answered_and_ends(scene: Scene) -> None:
         assert 'aborted' in said
         await reader.wait('Simple/StopReason', lambda one: one == 'own_fault')
         assert await reader.value('Simple/StopMessage')
+        await reader.wait('Simple/StandsCause', lambda one: one == 'hold')
+        assert f'hold {hold}' in await reader.value('Simple/StandsReason')
+        assert await reader.value('Simple/StandsSince') is not None
         wrong = await reader.call('Simple/AnswerHold', hold, 'wait', '')
         assert wrong[0] is False
         assert 'expected one that is possible now (retry, ' in wrong[1]

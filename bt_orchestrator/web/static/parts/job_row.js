@@ -38,7 +38,8 @@ export function jobRow() {
       text(link, job.id);
       text(script, scriptWords(job));
       text(state, jobStateWords(job));
-      text(ends, job.ends ? t('overview.ends', { time: about(job.ends) }) : '');
+      text(ends, endWords(job));
+      attribute(ends, 'title', job.end_unknown || null);
       const waits = job.position > 0;
       text(count, waits ? t('overview.items', { count: job.quantity }) : '');
       show(bar.element, !waits);
@@ -51,6 +52,12 @@ export function jobRow() {
       text(preparing, said);
     },
   };
+}
+
+/** Say when a job will have ended, or that it cannot be known. */
+function endWords({ ends, end_unknown: unknown, position }) {
+  if (ends) return t('overview.ends', { time: about(ends) });
+  return unknown && !position ? t('overview.end_unknown') : '';
 }
 
 /** Name the script of a job, and the recipe that it was generated from. */

@@ -12,8 +12,36 @@ export function whyItStands(cell) {
   const way = cell.waits_for
     ? t('stands.waits_for', { commands: commandWords(cell.waits_for) })
     : '';
-  const said = [reason, wishWords(cell.wish), after, way].filter(Boolean).join(' ');
+  const cause = causeWords(cell);
+  const said = [reason, cause, wishWords(cell.wish), after, way].filter(Boolean).join(' ');
   return said || tOr(`meaning.${cell.state}`, '');
+}
+
+/** Causes that the stop reason, the wish or the meaning of the state tells. */
+const TOLD = ['journal', 'hold', 'pause', 'starved', 'blocked', 'order'];
+
+/** Tell whether nothing moves for a cause that the state of the cell does not name. */
+export function standsSilently({ stands, wish }) {
+  return Boolean(stands) && !TOLD.includes(stands.cause) && !(wish && stands.cause === 'command');
+}
+
+/** Say why nothing moves; empty: something does, or it is told already. */
+function causeWords(cell) {
+  const { stands } = cell;
+  if (!stands) return '';
+  if (stands.cause === 'order' && cell.state === 'Execute') return t('standing.order');
+  // A paused job is no stop reason of the cell.
+  if (!standsSilently(cell) && !(stands.cause === 'pause' && !cell.stop_reason)) return '';
+  return t('standing.why', { why: rootWords(cell) });
+}
+
+function rootWords({ stands, state }) {
+  const components = stands.components.join(', ');
+  const sections = stands.sections.map((number) => t('part.section', { number })).join(', ');
+  const values = { ...stands, components, state: tOr(`state.${state}`, state) };
+  if (stands.cause === 'other') return stands.reason;
+  const why = t(`standing.${stands.cause}`, values);
+  return sections ? `${sections}: ${why}` : why;
 }
 
 /** The commands of a sentence as their buttons are called. */

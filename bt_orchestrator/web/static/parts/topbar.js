@@ -9,7 +9,7 @@ import { newsLine, newsTrouble } from './news_line.js';
 import { offers } from './offers.js';
 import { personMenu } from './person_menu.js';
 import { reshape, shape } from '../core/shape.js';
-import { whyItStands } from './stands.js';
+import { standsSilently, whyItStands } from './stands.js';
 
 const SHAPES = { working: 'play', quiet: 'ring', stopped: 'square', trouble: 'triangle' };
 const LATER = /^cell\.stop_after_/;
@@ -71,8 +71,8 @@ function stateBlock() {
       since,
       cell
         ? t('topbar.since', {
-            time: at(cell.since),
-            duration: duration(shownMoment() - cell.since),
+            time: at(sinceWhen(cell)),
+            duration: duration(shownMoment() - sinceWhen(cell)),
           })
         : '',
     );
@@ -89,8 +89,15 @@ function stateBlock() {
   return { element, end: () => ends.forEach((end) => end()) };
 }
 
+/** Since when the word of the state is true. */
+function sinceWhen(cell) {
+  return standsSilently(cell) ? cell.stands.since : cell.since;
+}
+
 function stateWords(cell) {
-  const state = tOr(`state.${cell.state}`, cell.state);
+  const state = standsSilently(cell)
+    ? t('standing.state')
+    : tOr(`state.${cell.state}`, cell.state);
   return news().kind === 'fresh' ? state : t('news.last_known', { state });
 }
 

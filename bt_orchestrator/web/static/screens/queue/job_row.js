@@ -120,7 +120,7 @@ export function jobRow(id, context) {
     bar.update(job);
     cells.priority.say(job.priority ? String(job.priority) : '');
     cells.start.say(job.start ? about(job.start) : '');
-    cells.ends.say(job.ends ? about(job.ends) : '');
+    cells.ends.say(job.ends ? about(job.ends) : job.end_unknown ? t('overview.end_unknown') : '');
     sayTimes();
     show(steps, canMove);
     const isMine = !who().name || may(BY_HANDLE);

@@ -1,0 +1,202 @@
+"""Why nothing moves is told with its root cause, one second after everything came to rest."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+from fakes.line import THREE, Line, with_section
+from fakes.virtual_run import VirtualRun
+
+from bt_orchestrator.model.cell_commands import Abort, Pause, Stop
+from bt_orchestrator.model.codec import to_plain
+from bt_orchestrator.model.contest import Contest
+from bt_orchestrator.model.packml import PackmlState
+from bt_orchestrator.model.stands import StandCause, Stands
+from bt_orchestrator.model.status import CellStatus
+from bt_orchestrator.runtime.overview import Overview, description_of
+from bt_orchestrator.screen import words
+from bt_orchestrator.web.parts.cell import cell_part
+
+GENERATED = f'made_from: {{recipe: WM-100, version: 3}}\n{THREE}'
+
+
+def settled(run: VirtualRun, after_s: float = 30.0) -> CellStatus:
+    """Return the status a while after nothing more happens."""
+    run.go()
+    return Overview(run.sim.orchestrator).status(run.now + after_s)
+
+
+def stands(run: VirtualRun) -> Stands:
+    """Return why the cell stands then."""
+    told = settled(run).stands
+    assert told is not None
+    return told
+
+
+def of_a2() -> VirtualRun:
+    """Return a line whose second section cannot start its task for a service stop."""
+    run = Line().begin(THREE, 3).go(until=0.5)
+    run.service('a2', out=True)
+    return run
+
+
+def held() -> VirtualRun:
+    return Line(faults={'a2': '#1=abort'}).begin(THREE, 3)
+
+
+def paused() -> VirtualRun:
+    run = Line().begin(THREE, 3).go(until=3.5)
+    run.command(Pause)
+    return run
+
+
+def stopped() -> VirtualRun:
+    run = Line().begin(THREE, 3).go(until=3.5)
+    run.command(Stop)
+    return run
+
+
+def aborted() -> VirtualRun:
+    run = Line().begin(THREE, 3).go(until=3.5)
+    run.command(Abort)
+    return run
+
+
+def not_ready(component: str) -> VirtualRun:
+    text = with_section(2, '- {id: work, @a2}')
+    return Line(topics=(component,), faults={component: '#1=not_ready'}).begin(text, 3)
+
+
+def job_paused() -> VirtualRun:
+    run = Line().begin(THREE, 3).go(until=3.5)
+    run.control('pause', 'J')
+    return run
+
+
+def unreleased() -> VirtualRun:
+    line = Line()
+    run = VirtualRun(line.cell, line.types)
+    run.submit('K', line.script(GENERATED, 'made'), 2)
+    return run
+
+
+def held_in_queue() -> VirtualRun:
+    line = Line()
+    run = VirtualRun(line.cell, line.types, auto_start=False)
+    run.submit('K', line.script(THREE), 2)
+    run.control('hold', 'K')
+    return run
+
+
+def without_orders() -> VirtualRun:
+    return Line().begin(THREE, 1)
+
+
+def unavailable() -> VirtualRun:
+    line = Line()
+    run = VirtualRun(line.cell, line.types)
+    run.service('a2', out=True)
+    run.submit('K', line.script(THREE), 2)
+    return run
+
+
+STANDING: dict[str, tuple[Callable[[], VirtualRun], StandCause, str, str]] = {
+    'component out of service': (of_a2, StandCause.OUT_OF_SERVICE, 'a2', 'section 2: waiting'),
+    'hold': (held, StandCause.HOLD, '1', 'waiting for an answer to hold 1'),
+    'pause': (paused, StandCause.PAUSE, '1', 'waiting for an answer to hold 1'),
+    'stop': (stopped, StandCause.COMMAND, 'Stopped', 'the cell is Stopped (Ann'),
+    'abort': (aborted, StandCause.COMMAND, 'Aborted', 'the cell is Aborted (Ann'),
+    'source': (lambda: not_ready('a1'), StandCause.STARVED, 'a1', 'section 1: waiting for'),
+    'sink': (lambda: not_ready('a3'), StandCause.BLOCKED, 'a3', 'section 3: waiting for'),
+    'station': (lambda: not_ready('a2'), StandCause.NOT_READY, 'a2', 'section 2: waiting for'),
+    'paused job': (job_paused, StandCause.PAUSE, 'J', 'section 1: waiting for J to be resumed'),
+    'release': (unreleased, StandCause.RELEASE, 'K', 'K waits for the release of its script'),
+    'held job': (held_in_queue, StandCause.JOB_HELD, 'K', 'K is held in the queue'),
+    'order that needs a component': (unavailable, StandCause.OUT_OF_SERVICE, 'K', 'K needs a2'),
+    'no order': (without_orders, StandCause.ORDER, '', 'there is no job'),
+}
+
+
+@pytest.mark.parametrize('name', STANDING)
+def test_7_4_a_cell_in_which_nothing_moves_tells_the_root_cause(name: str) -> None:
+    begun, cause, about, reason = STANDING[name]
+    told = stands(begun())
+    assert (told.cause, told.name) == (cause, about)
+    assert told.reason.startswith(reason)
+
+
+@pytest.mark.parametrize('name', [name for name in STANDING if name != 'no order'])
+def test_7_4_the_end_of_a_job_is_unknown_while_the_cell_stands(name: str) -> None:
+    job = settled(STANDING[name][0]()).jobs[0]
+    assert job.expected_end_s is None
+    assert job.end_unknown
+
+
+def test_7_4_two_servers_of_an_action_are_the_root_cause() -> None:
+    run = Line().begin(THREE, 3).go(until=2.5)
+    run.sim.gateway._clients['a2'].contest = Contest(('/one', '/two'))
+    told = stands(run)
+    assert (told.cause, told.name) == (StandCause.CONTESTED, 'a2')
+    assert 'there are 2 servers of /a2/do' in told.reason
+
+
+def test_7_4_nothing_is_told_before_a_second_of_rest() -> None:
+    run = of_a2().go()
+    overview = Overview(run.sim.orchestrator)
+    rest = run.state.time
+    told = [overview.status(rest + after_s).stands for after_s in (0.0, 0.5, 0.99, 1.0, 9.0)]
+    assert [one is not None for one in told] == [False, False, False, True, True]
+    assert told[-1] == told[-2]
+    assert told[-1] is not None
+    assert told[-1].since == rest
+
+
+def test_7_4_nothing_is_told_while_a_goal_runs() -> None:
+    run = Line(seconds={'a2': 60.0}).begin(THREE, 3).go(until=20.0)
+    assert run.state.running
+    assert settled_now(run).stands is None
+
+
+def settled_now(run: VirtualRun) -> CellStatus:
+    return Overview(run.sim.orchestrator).status(run.now + 30.0)
+
+
+def test_7_4_a_clock_that_is_set_back_delays_it_by_a_second() -> None:
+    run = of_a2().go()
+    overview = Overview(run.sim.orchestrator)
+    overview.status(run.now + 5.0)
+    assert overview.status(run.now - 3600.0).stands is None
+    assert overview.status(run.now - 3599.0).stands is not None
+
+
+def test_7_4_a_cell_that_works_again_stands_no_more() -> None:
+    run = of_a2().go()
+    overview = Overview(run.sim.orchestrator)
+    assert overview.status(run.now + 5.0).stands is not None
+    run.service('a2', out=False)
+    assert overview.status(run.now + 10.0).stands is None
+    assert stands(run).cause is StandCause.ORDER
+
+
+def test_page_and_terminal_name_the_cause() -> None:
+    status = settled(of_a2())
+    assert (status.state, status.stop_reason) == (PackmlState.EXECUTE, None)
+    told = status.stands
+    assert told is not None
+    part = cell_part(status, description_of(Line().cell), '/node')
+    assert part['stands'] == {**to_plain(told, whole=True), 'cause': 'out_of_service'}
+    assert part['state_kind'] == 'stopped'
+    lines = list(words.status_lines(status, None))
+    assert any('nothing moves since' in line and told.reason in line for line in lines)
+    assert any(line.endswith('end unknown') for line in lines)
+
+
+def test_a_job_of_the_queue_that_waits_for_a_person_has_no_expected_end() -> None:
+    line = Line()
+    run = line.begin(THREE, 3)
+    run.submit('K', line.script(THREE), 2)
+    run.control('hold', 'K')
+    run.go(until=3.5)
+    first, second = run.sim.status().jobs
+    assert (first.end_unknown, second.end_unknown) == ('', 'K is held in the queue')
