@@ -56,7 +56,8 @@ def test_dialogs_and_focus_while_a_line_is_held_aborted_and_lost(line: Stand, si
 def slots_name_their_jobs(tab: Tab) -> None:
     tab.until(lambda: tab.count('.slots[data-jobs]'), 'two jobs on the belt')
     assert tab.page.locator('[data-slot="3"] .item-id').inner_text().split() == [LONG, '/1']
-    assert not tab.page.evaluate(_CUT, '.slot .item-id, .slot .item-job')
+    ids = ':is(.slot, .section-card) :is(.item-id, .item-job)'
+    assert not tab.page.evaluate(_CUT, ids)
     assert tab.too_wide() == 0
 
 
@@ -89,6 +90,8 @@ def clear_shows_each_item_whole(tab: Tab, line: Stand) -> None:
     told = dialog.locator('.choice-words').all_inner_texts()
     assert told[2:4] == [f'{LONG}/1', ITEM]
     assert not tab.page.evaluate(_CUT, '.belt-row, .choice-words')
+    bar, title = (tab.page.locator(one).bounding_box() for one in ('#top', 'dialog h2'))
+    assert bar and title and title['y'] >= bar['y'] + bar['height']
     dialog.locator('[data-do="leave"]').click()
     assert tab.page.evaluate(_FOCUS) == 'BUTTON'
 

@@ -8,6 +8,9 @@ import { focusNear, h } from '../core/dom.js';
 import { t } from '../core/text.js';
 import { clearSettled } from './notes.js';
 
+/** Pixels between the bar, which is higher on a telephone, and a dialog. */
+const BELOW_BAR = 12;
+
 const open = [];
 let count = 0;
 
@@ -28,10 +31,11 @@ export function openDialog(title, body, { name = '', closed = () => {} } = {}) {
   const element = h(
     'dialog',
     { 'aria-labelledby': id, 'data-dialog': name, tabindex: -1 },
-    h('h2', { id }, title),
+    h('h2', { id }, title.split(' ').flatMap((word) => [h('span', {}, word), ' '])),
     ...body,
   );
   const cover = h('div', { class: 'cover' }, element);
+  cover.style.paddingTop = `${document.getElementById('top').offsetHeight + BELOW_BAR}px`;
   const close = () => element.close();
   element.addEventListener('close', () => {
     cover.remove();
