@@ -72,7 +72,7 @@ def a_hold_that_somebody_else_answers_closes_its_dialog(tab: Tab, line: Stand) -
     assert 'Ann has answered “Retry”. “turned it”' in note.inner_text()
     assert 'Nothing was sent from here.' in note.inner_text()
     tab.until(lambda: tab.count('[data-hold="2"]'), 'the next hold')
-    wait = tab.page.locator('[data-section="4"] .section-wait').inner_text()
+    wait = tab.page.locator('[data-section="4"] .section-wait').last.inner_text()
     assert 'done, but without success' in wait
 
 
@@ -91,7 +91,9 @@ def clear_shows_each_item_whole(tab: Tab, line: Stand) -> None:
     assert told[2:4] == [f'{LONG}/1', ITEM]
     assert not tab.page.evaluate(_CUT, '.belt-row, .choice-words')
     bar, title = (tab.page.locator(one).bounding_box() for one in ('#top', 'dialog h2'))
-    assert bar and title and title['y'] >= bar['y'] + bar['height']
+    assert bar is not None
+    assert title is not None
+    assert title['y'] >= bar['y'] + bar['height']
     dialog.locator('[data-do="leave"]').click()
     assert tab.page.evaluate(_FOCUS) == 'BUTTON'
 
