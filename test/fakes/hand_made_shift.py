@@ -50,6 +50,13 @@ def out(number: int, how: str = 'packed') -> e.Event:
     return e.ItemRemoved(job='J', item=f'J/{number}', section=3, how=how)
 
 
+def held_raised() -> e.Event:
+    return e.HoldRaised(
+        hold='1', job='J', section=2, item='J/1', task='work', name='TASK_A', component='a2',
+        action='/a2/do', attempt=1, attempts=1, reason='aborted', message='jam',
+    )  # fmt: skip
+
+
 def the_day() -> Day:
     day = Day()
     day.note('05:50', e.OrchestratorStarted(cell='test_line', digest=digest(LINE.cell)))
@@ -63,10 +70,7 @@ def the_day() -> Day:
     for number in range(1, 401):
         day.note(at('06:20') + 6 * number, out(number))
     failed = task(e.TaskFailed, 'work', attempt=1, goal='g', reason='aborted', message='jam')
-    held = e.HoldRaised(
-        hold='1', job='J', section=2, item='J/1', task='work', name='TASK_A', component='a2',
-        action='/a2/do', attempt=1, attempts=1, reason='aborted', message='jam',
-    )  # fmt: skip
+    held = held_raised()
     day.note('07:00', failed, held, stopped('own_fault'), to('Holding'), to('Held'))
     day.note('07:10', decided('comment', '1', 'called the fitter'))
     day.note('07:20', decided('retry', '1', 'cleared the jam'), e.HoldReleased(hold='1'))

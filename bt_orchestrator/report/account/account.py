@@ -13,8 +13,8 @@ from bt_orchestrator.model.codec import digest
 from bt_orchestrator.model.records import Extent, Wanted
 from bt_orchestrator.report.account.beginning import fold_with_books
 from bt_orchestrator.report.account.booked import booked, first_booked, last_booked
-from bt_orchestrator.report.account.figures import Figures, Paces, figures
-from bt_orchestrator.report.account.fold import AccountFold, FromBooks
+from bt_orchestrator.report.account.figures import LACKS, Figures, Paces, figures
+from bt_orchestrator.report.account.fold import FOLLOWED, AccountFold, FromBooks
 from bt_orchestrator.report.account.period import Period
 from bt_orchestrator.report.account.planned import us_of
 from bt_orchestrator.report.reading import Reading
@@ -39,6 +39,10 @@ class Source:
     """Of the events in the period, those that an account needs; 0: there is none."""
     unreadable: int
     """Damaged records: what they said is not in it."""
+    state_seq: int = 0
+    """The last event before the period; 0: there is none."""
+    ended_us: int | None = None
+    """When the journal ended, if that was before the period."""
 
     def beside(self, seqs: Sequence[int]) -> Source:
         """Return it with events that were read beside books."""
@@ -52,13 +56,18 @@ class Source:
         """
         history, first = self.extent.history, self.extent.first_seq
         events = f'events {self.first_seq} to {self.last_seq}' if self.first_seq else ''
-        of = ' and '.join(filter(None, (books, events))) or 'no event'
+        of = ' and '.join(filter(None, (books, events))) or self._state()
         said = [f'made from {of} of history {history}']
         if first > 1:
             said.append(f'events 1 to {first - 1} were removed from the journal')
         if self.unreadable:
             said.append(f'{self.unreadable} damaged records are missing in it')
         return tuple(said)
+
+    def _state(self) -> str:
+        if not self.state_seq:
+            return 'no event'
+        return f'the state that event {self.state_seq} left, as no event is in this time,'
 
 
 @dataclass(frozen=True)
@@ -86,7 +95,13 @@ class Account:
                 'planned time is rounded to whole slots of the books, as the events of these are '
                 f'removed: {moments}{more}'
             )
-        shown = self.figures
+        shown, ended = self.figures, self.source.ended_us
+        if ended is not None:
+            said.append(
+                f'the journal has no event since {when(ended)}: its last state is taken to go on'
+            )
+        if shown.lack is not None:
+            said.append(LACKS[shown.lack])
         if shown.unpaced:
             named = ', '.join(shown.unpaced)
             why = 'does not fit' if self.has_cell else 'is needed: --cell CELL'
@@ -106,7 +121,7 @@ def account(reading: Reading, period: Period, cell: Cell | None) -> Account:
     """Make the account of a period.
 
     :param cell: for the pace; None: there is none
-    :raises NothingToReport: no planned time is in the period, or no event
+    :raises NothingToReport: no planned time is in the period, or the journal begins after it
     """
     period = period.cut()
     if period.begin_us >= period.end_us:
@@ -118,14 +133,32 @@ def account(reading: Reading, period: Period, cell: Cell | None) -> Account:
         )
     extent = reading.records.extent()
     fold, wanted = fold_with_books(reading, period)
-    first, last = 0, 0
+    first, last, newest = 0, 0, wanted.after_seq
     for event in reading.events(wanted):
+        newest = event.seq
         if us_of(event.time) >= period.begin_us:
             first, last = first or event.seq, event.seq
         fold.follow(event)
-    if not first and not fold.books.span:
+    ended = None if first or fold.books.span else _ended_before(reading, period)
+    after = next(reading.events(Wanted(events=FOLLOWED, after_seq=newest)), None)
+    if after is not None:
+        fold.comes_after(after, period.end_us)
+    source = Source(extent, first, last, reading.lost, newest, ended)
+    return account_of(fold, period, Paces(cell), source)
+
+
+def _ended_before(reading: Reading, period: Period) -> int | None:
+    """Return when the journal ended, if that was before a period in which no event is.
+
+    :raises NothingToReport: it begins after the period
+    """
+    try:
+        known = whole(reading, '')
+    except NothingToReport:
+        known = None
+    if known is None or period.end_us <= known.begin_us:
         raise NothingToReport(f'the journal has no event of {_span(period)}{_reach(reading)}')
-    return account_of(fold, period, Paces(cell), Source(extent, first, last, reading.lost))
+    return known.end_us if known.end_us < period.begin_us else None
 
 
 def account_of(fold: AccountFold, period: Period, paces: Paces, source: Source) -> Account:

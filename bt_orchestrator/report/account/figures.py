@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from enum import Enum
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -23,6 +24,21 @@ PLANNED, BUSY, PRODUCTION, NET, VALUE = (
     'value adding time',
 )
 """What is left at each step of the waterfall; the first three with the names of ISO 22400."""
+
+
+class Lack(Enum):
+    """Why factors of the OEE are not known, although the paces are."""
+
+    BUSY = 'busy'
+    PRODUCTION = 'production'
+    PRODUCED = 'produced'
+
+
+LACKS: Mapping[Lack, str] = {
+    Lack.BUSY: 'no factors and no OEE: the planned busy time is 0',
+    Lack.PRODUCTION: 'no performance and no quality: nothing was produced, in no production time',
+    Lack.PRODUCED: 'no quality: nothing was produced',
+}
 
 
 class Bar(NamedTuple):
@@ -110,6 +126,15 @@ class Figures:
     def oee(self) -> Fraction | None:
         """Overall equipment effectiveness."""
         return _ratio(self.value_us, self.times.busy_us) if self.has_paces else None
+
+    @property
+    def lack(self) -> Lack | None:
+        """Why a factor has nothing to divide by; None: each has."""
+        if not self.times.busy_us:
+            return Lack.BUSY
+        if self.produced:
+            return None
+        return Lack.PRODUCED if self.times.production_us else Lack.PRODUCTION
 
     @property
     def per_item_us(self) -> Fraction | None:

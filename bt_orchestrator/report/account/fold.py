@@ -88,6 +88,11 @@ class AccountFold:
         if isinstance(event, e.ScriptLoaded):
             self._scripts[event.digest] = event.definition
 
+    def comes_after(self, event: e.Event, end: int) -> None:
+        """Let the time pass up to a moment, after which an event comes that says what it was."""
+        if self._course.now is not None:
+            self._course.pass_until(event, self._slots, end)
+
     def until(self, end: int) -> Times:
         """Return the account as far as a moment, from which no event has come yet.
 

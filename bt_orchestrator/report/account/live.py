@@ -96,6 +96,7 @@ class _Going:
         self._reading = reading
         self._history = extent.history
         self._fold, self._wanted = fold_with_books(reading, period)
+        self._state_seq = self._wanted.after_seq
         self._first = self._last = 0
         """Numbers of the events in the period."""
         self._heard_us = max(period.begin_us, self._fold.begun_us)
@@ -134,7 +135,7 @@ class _Going:
     def told(self, now: Now, time_us: int, paces: Paces, extent: Extent) -> Live:
         end = min(max(time_us, self._heard_us), self.period.end_us)
         period = replace(self.period, end_us=end).cut()
-        source = Source(extent, self._first, self._last, self._reading.lost)
+        source = Source(extent, self._first, self._last, self._reading.lost, self._state_seq)
         account = account_of(self._fold, period, paces, source)
         is_over = end >= self.period.end_us
         cause = None if is_over else self._cause

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from bt_orchestrator.report.account.calendar import Turn
+from bt_orchestrator.report.account.figures import LACKS
 from bt_orchestrator.report.account.live import Live
 from bt_orchestrator.report.account.losses import WORDS
 from bt_orchestrator.report.account.period import Period
@@ -41,6 +42,8 @@ def live_line(live: Live) -> str:
         f'{period.clock(period.end_us)}  {period.name}: OEE {percent(shown.oee)} = {factors}',
         f'made {shown.produced}, {shown.good} of them good',
     ]
+    if shown.lack is not None:
+        said.append(LACKS[shown.lack])
     if stopped is not None:
         said.append(f'{cause_words(stopped.cause)} since {period.clock(stopped.since_us)}')
     if not live.runs:

@@ -23,6 +23,7 @@ def account_plain(account: Account) -> dict[str, Any]:
         'made_from': _source(account),
         'notes': list(account.notes()),
         'oee': _oee(shown),
+        'lack': None if shown.lack is None else shown.lack.value,
         'quantities': {'produced': shown.produced, 'good': shown.good},
         'rate': {'per_item_s': seconds_of(shown.per_item_us), 'pace_s': seconds_of(shown.pace_us)},
         'waterfall': [_bar(bar) for bar in shown.waterfall()],

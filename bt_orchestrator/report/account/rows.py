@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import IO, Any, NamedTuple
 
 from bt_orchestrator.report.account.account import Account
+from bt_orchestrator.report.account.figures import LACKS, Lack
 from bt_orchestrator.report.account.plain import account_plain
 from bt_orchestrator.report.csv_export import csv_cell
 
@@ -37,6 +38,8 @@ def _rows(plain: dict[str, Any]) -> Iterator[Row]:
     yield from (Row('oee', name, ratio=ratio) for name, ratio in plain['oee'].items())
     yield from (Row('quantity', name, number=n) for name, n in plain['quantities'].items())
     yield from (Row('rate', name, seconds=seconds) for name, seconds in plain['rate'].items())
+    if plain['lack'] is not None:
+        yield Row('note', plain['lack'], detail=LACKS[Lack(plain['lack'])])
     for bar in plain['waterfall']:
         part = 'loss' if bar['loss'] else 'time'
         name = bar['loss'] or bar['title']

@@ -32,6 +32,7 @@ def shift_part(live: Live | None, why_not: str) -> dict[str, Any]:
         'performance': _ratio(shown.performance),
         'quality': _ratio(shown.quality),
         'has_pace': shown.has_paces,
+        'lack': None if shown.lack is None else shown.lack.value,
         'produced': shown.produced,
         'good': shown.good,
         'per_item_s': _s(shown.per_item_us),

@@ -151,6 +151,7 @@ function noneWords(shift) {
 function lackWords(shift) {
   const said = [];
   if (!shift.has_pace) said.push(t('shift.no_pace'));
+  if (shift.lack) said.push(t(`shift.lack_${shift.lack}`));
   if (shift.damaged) said.push(t('shift.damaged', { count: shift.damaged }));
   if (shift.why_not) said.push(t('jobs.not_whole', { why: shift.why_not }));
   return said.join(' ');

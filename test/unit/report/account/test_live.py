@@ -159,7 +159,7 @@ def test_a_shift_without_events_goes_on_as_the_line_stood_before_it() -> None:
     found = live(TWO).look(journal(day.events, at('15:00')), at('15:00'))
     assert found is not None
     assert found.account.figures.times.lost_us == {Loss.OPERATOR: 3600 * US}
-    assert 'made from no event of history day' in found.account.notes()
+    assert found.account.notes()[0].startswith('made from the state that event 11 left, ')
 
 
 def test_a_reader_whose_clock_is_behind_goes_by_the_events() -> None:
