@@ -82,7 +82,9 @@ def _to_cell(word: str, by: By, given: Arguments) -> Command:
         return StopAfter(word.removeprefix(STOP_AFTER), by)
     make = _TO_CELL.get(word)
     if make is None:
-        raise CommandRefused(f'unknown command {word!r}; one of {", ".join(_TO_CELL)}')
+        others = (*words_about(About.COMPONENT), *words_about(About.SCRIPT))
+        known = ', '.join((*_TO_CELL, *others))
+        raise CommandRefused(f'unknown command {word!r}; one of {known}')
     return make(by, given)
 
 

@@ -12,8 +12,8 @@ from bt_orchestrator.cli.asked_verbs import in_one_line
 from bt_orchestrator.cli.door import answer_within_s, ask_and_print, asked, open_door
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options
 from bt_orchestrator.cli.numbers import whole_32
-from bt_orchestrator.cli.order_request import orders_in, script_name, show_orders
-from bt_orchestrator.cli.order_terms import (
+from bt_orchestrator.cli.ordering.order_request import orders_in, script_name, show_orders
+from bt_orchestrator.cli.ordering.order_terms import (
     add_recipe_options,
     add_term_options,
     changed_recipe,
@@ -28,6 +28,7 @@ from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.jobs.script_words import script_words
 from bt_orchestrator.model.requests import (
     ADD,
+    COMMANDED,
     MOVE,
     REQUEUE,
     STOP_AFTERS,
@@ -35,14 +36,10 @@ from bt_orchestrator.model.requests import (
     About,
     Request,
     of_word,
-    words_about,
 )
 from bt_orchestrator.model.status import CellStatus, JobStatus
 from bt_orchestrator.ports import QueuePage
 from bt_orchestrator.screen.words import job_terms
-
-CONTROLS = tuple(word for word in words_about(About.JOB) if word not in (MOVE.word, UPDATE.word))
-"""What is asked of one job, by a word alone."""
 
 STOP_AFTER = 'stop-after'
 
@@ -58,7 +55,7 @@ def description() -> str:
         ('add ORDER...', f'{in_one_line(ADD)}; --at N, --held'),
         ('move JOB N', in_one_line(MOVE)),
         ('update JOB', f'{in_one_line(UPDATE)}; --quantity, --param NAME=VALUE, --script, ...'),
-        *((f'{word} JOB', in_one_line(_control_of(word))) for word in CONTROLS),
+        *((f'{word} JOB', in_one_line(_control_of(word))) for word in COMMANDED),
         *((f'{STOP_AFTER} {after}', in_one_line(one)) for after, one in STOP_AFTERS.items()),
     ]
     return '\n'.join([DESCRIPTION, *(f'  queue {what:<17} {does}' for what, does in rows)])
@@ -74,7 +71,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options of the verb."""
     parser.description = description()
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    actions = ('list', ADD.word, MOVE.word, UPDATE.word, *CONTROLS, STOP_AFTER)
+    actions = ('list', ADD.word, MOVE.word, UPDATE.word, *COMMANDED, STOP_AFTER)
     parser.add_argument(
         'action', nargs='?', default='list', choices=actions, help='what to do (default: list)'
     )

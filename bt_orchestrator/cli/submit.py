@@ -7,7 +7,7 @@ from pathlib import Path
 
 from bt_orchestrator.cli.door import answer_within_s, asked, open_door
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options
-from bt_orchestrator.cli.order_request import orders_in, show_orders
+from bt_orchestrator.cli.ordering.order_request import orders_in, show_orders
 
 DESCRIPTION = """\
 Give a running tree node work orders, in the order named: all are queued, or none. The node looks

@@ -26,7 +26,7 @@ from bt_orchestrator.model.jobs.job_folds import terms_of
 from bt_orchestrator.model.jobs.needs import awaited_when_stopped, items_wait_words
 from bt_orchestrator.model.limits import listed
 from bt_orchestrator.model.packml import Cause, PackmlState
-from bt_orchestrator.model.requests import About, of_word
+from bt_orchestrator.model.requests import COMMANDED, About, of_word
 from bt_orchestrator.model.state import CellState, JobState
 from bt_orchestrator.model.wish import AFTER, NEVER, way_to_work
 from bt_orchestrator.runtime import listed_jobs, orders
@@ -170,7 +170,7 @@ def _control(command: ControlJob, state: CellState, _: float) -> tuple[str, list
 def _method(verb: str) -> _Control:
     request = of_word(About.JOB, verb)
     if request is None or request.word not in CONTROLS:
-        raise CommandRefused(f'unknown command {verb!r}; one of {", ".join(CONTROLS)}')
+        raise CommandRefused(f'unknown command {verb!r}; one of {", ".join(COMMANDED)}')
     return CONTROLS[request.word]
 
 

@@ -17,18 +17,20 @@ def find_script(
     folders: Sequence[Path],
     asked_in: str | None = None,
     place: Place = START,
+    unlike_any: str = 'check the name, or give a path',
 ) -> Path:
     """Return the path of a script.
 
     A name is looked up as NAME.yaml in each folder in turn. A path, which has a separator or a
-    YAML ending, is taken as it is. `asked_in` and `place` name the order that asks for it.
+    YAML ending, is taken as it is. `asked_in` and `place` name the order that asks for it;
+    `unlike_any` is the hint where no name is near.
 
     :raises Refused: there is no such file
     """
     path = Path(name_or_path) if is_path(name_or_path) else _found(name_or_path, folders)
     if path is not None and _is_file(path):
         return path
-    what, hint = _missing_path(path) if path else _missing_name(name_or_path, folders)
+    what, hint = _missing_path(path) if path else _missing_name(name_or_path, folders, unlike_any)
     raise Refused([Finding(asked_in or name_or_path, place.line, place.column, what, hint)])
 
 
@@ -46,7 +48,7 @@ def find_below(name_or_path: str, folders: Sequence[Path], option: str) -> Path:
         what = f'the path {quoted(name_or_path)} is in none of the folders of this node ({where})'
         hint = f'put the script there, or start the node with {option}'
         raise Refused([Finding(name_or_path, START.line, START.column, what, hint)])
-    return find_script(name_or_path, folders)
+    return find_script(name_or_path, folders, unlike_any='check the name')
 
 
 def _is_below(path: Path, folders: Sequence[Path]) -> bool:
@@ -81,11 +83,11 @@ def _missing_path(path: Path) -> tuple[str, str]:
     return f'there is no script file {quoted(str(path))}', near
 
 
-def _missing_name(name: str, folders: Sequence[Path]) -> tuple[str, str]:
+def _missing_name(name: str, folders: Sequence[Path], unlike_any: str) -> tuple[str, str]:
     known = [one.stem for folder in folders for one in scripts_in(folder)]
     looked = ', '.join(str(folder) for folder in folders) or 'no folder'
     what = f'there is no script {quoted(name)}: looked in {looked}'
-    return what, did_you_mean(name, known, 'check the name, or give a path')
+    return what, did_you_mean(name, known, unlike_any)
 
 
 def scripts_in(folder: Path) -> list[Path]:

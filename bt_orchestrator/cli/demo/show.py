@@ -11,7 +11,7 @@ from bt_orchestrator.cli.demo.dialogue import Dialogue
 from bt_orchestrator.cli.demo.programs import READY_S, DemoPrograms
 from bt_orchestrator.cli.door import STEP_S, Ignoring
 from bt_orchestrator.cli.node_options import origin
-from bt_orchestrator.cli.order_request import for_node
+from bt_orchestrator.cli.ordering.order_request import for_node
 from bt_orchestrator.cli.programs import ProgramFailed
 from bt_orchestrator.errors import NodeUnreachable
 from bt_orchestrator.model.by import By

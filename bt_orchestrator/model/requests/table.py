@@ -273,3 +273,7 @@ def of_word(about: About, word: str) -> Request | None:
 def words_about(about: About) -> tuple[str, ...]:
     """Return every word that stands for a request."""
     return tuple(word for one, word in _WORDS if one is about)
+
+
+COMMANDED = tuple(word for word in words_about(About.JOB) if word not in (MOVE.word, UPDATE.word))
+"""What is asked of one job, by a word alone."""

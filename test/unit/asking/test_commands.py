@@ -68,12 +68,19 @@ def test_clear_says_what_is_on_the_belt_in_one_way(given: dict[str, Any]) -> Non
         asked('cell.clear', **given)
 
 
+OF_JOBS = 'next, release, hold, pause, resume, stop, requeue, abort, cancel, remove, clear'
+
+
 def test_words_that_nobody_knows() -> None:
-    with pytest.raises(CommandRefused, match="unknown command 'fly'; one of reset, start, pause"):
+    all_words = (
+        "unknown command 'fly'; one of reset, start, pause, resume, stop, abort, clear, "
+        'out_of_service, in_service, release_script$'
+    )
+    with pytest.raises(CommandRefused, match=all_words):
         command(About.CELL, 'fly', ANN, {}, STATE, TYPES)
     run = Line().begin()
     for about, word, given, said in (
-        (About.JOB, 'fly', {'job': 'J'}, "unknown command 'fly'; one of hold, release"),
+        (About.JOB, 'fly', {'job': 'J'}, f"unknown command 'fly'; one of {OF_JOBS}"),
         (About.CELL, 'stop_after_lunch', {}, "one of item, job, never; found 'lunch'"),
         (About.HOLD, 'fly', {'hold': '9'}, 'there is no hold 9; holds now: none'),
     ):

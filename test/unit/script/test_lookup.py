@@ -57,6 +57,11 @@ def test_of_a_file_elsewhere_nothing_is_told(folders: list[Path], path: str) -> 
     assert finding.hint == 'put the script there, or start the node with --any'
 
 
+def test_who_may_give_no_path_is_offered_none(folders: list[Path]) -> None:
+    with pytest.raises(Refused, match=r'; check the name$'):
+        find_below('x', folders, '--any')
+
+
 def test_a_link_that_leads_elsewhere_is_elsewhere(folders: list[Path], tmp_path: Path) -> None:
     (tmp_path / 'secret.yaml').touch()
     (folders[0] / 'link.yaml').symlink_to(tmp_path / 'secret.yaml')
