@@ -50,7 +50,16 @@ def may_repeat(state: CellState, key: e.TaskKey, task: Task) -> bool:
         return False
     if failed.cancel_cause is not None or effects.why_skipped(state, key, task) is not None:
         return False
-    return state.round(key) < repeat.times and not state.jobs[key.job or ''].aborting
+    return state.round(key) < repeat.times and _why_no_round(state, key) is None
+
+
+def _why_no_round(state: CellState, key: e.TaskKey) -> str | None:
+    """Say why no round begins for an item, neither by a verdict nor by `again` (semantics 3.9)."""
+    assert key.job is not None
+    assert key.item is not None
+    if state.jobs[key.job].aborting:
+        return 'the job is being aborted'
+    return 'rounds are for good items' if state.items[key.item].rejected else None
 
 
 def begin_round(state: CellState, key: e.TaskKey) -> e.RoundBegun:
@@ -165,7 +174,7 @@ def _obstacles(state: CellState, key: e.TaskKey, task: Task) -> Iterator[tuple[s
     # A missing result would be missing again.
     is_missing = failed.reason is Reason.MISSING_RESULT
     yield RETRY, again or ('the result would be missing again' if is_missing else None)
-    yield AGAIN, _NEVER if _repeat(state, key) is None else again
+    yield AGAIN, _NEVER if _repeat(state, key) is None else again or _why_no_round(state, key)
     yield MARK_DONE, None
     would_stay = task.qty_change == -1 and again is None
     yield SKIP, 'the item would not leave the belt' if would_stay else None

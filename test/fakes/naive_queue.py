@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
 from math import inf
 
 from fakes.drawn.plan import UPDATES
@@ -249,27 +248,9 @@ class NaiveQueue(NaiveTasks):
     def is_needless(self, task: Task) -> bool:
         """Tell whether a job that ends early needs an initialization task no more (6.6)."""
         job = task.job
-        if job.aborting or not job.stopping:
-            return bool(job.aborting)
-        return not any(task is one or self.needs(one, task) for one in self.awaited(job))
-
-    def awaited(self, job: Job) -> list[Task]:
-        """Return the initialization that the items of a job on the line still wait for (5.2)."""
-        here = [item for item in job.items if item.place]
-        to_come = {
-            number
-            for item in here
-            for number in self.sections
-            if number >= item.place and self.is_due(number, item)
-        }
-        return [one for one in job.first.values() if to_come.intersection(one.device.places)]
-
-    def needs(self, task: Task, other: Task) -> bool:
-        """Tell whether an initialization task comes after another one."""
-        return any(one is other or self.needs(one, other) for one in task.after)
-
-    @abstractmethod
-    def is_due(self, number: int, item: Item) -> bool: ...
+        items = any(item.place for item in job.items)
+        cycles = any(cycle.item.job is job for cycle in self.cycles.values())
+        return bool(job.aborting or (job.stopping and not (items or cycles)))
 
 
 def rank_of(priority: int, start: float | None) -> tuple[int, float]:

@@ -80,7 +80,12 @@ def may_repeat(task: Task) -> bool:
     """Tell whether a refused result begins another round (3.9)."""
     if not task.repeat or task.reason != 'result_refused' or task.cancelled or task.job.aborting:
         return False
-    return task.repeat.begun < task.repeat.times and is_for(task.given, task.item)
+    return task.repeat.begun < task.repeat.times and has_rounds(task)
+
+
+def has_rounds(task: Task) -> bool:
+    """Tell whether rounds may begin: for good items, of a job that is not being aborted (3.9)."""
+    return is_for(task.given, task.item) and not (task.item.rejected or task.job.aborting)
 
 
 def verdict(task: Task) -> str:
@@ -125,7 +130,7 @@ def answers(task: Task, on_the_belt: Iterable[Job], *, needless: bool) -> list[s
     jobs = [job] if job else on_the_belt
     sensible = {
         'retry': again and task.reason != 'missing_result',
-        'again': again and task.repeat,
+        'again': again and task.repeat and has_rounds(task),
         'mark_done': True,
         'skip': job and not (again and task.given.get('qty_change') == -1),
         'reject': good and not slot_in_doubt and task.id not in job.plan.trailing,

@@ -476,3 +476,25 @@ def test_2_7_abort_job_rejects_the_items_and_places_no_more() -> None:
     assert run.times('job.aborting') == [4.0]
     assert run.counts() == {'started': 2, 'placed': 2, 'rejected': 2}
     assert run.times('job.aborted') == [10.0]
+
+
+def test_2_6_attempts_go_on_for_a_rejected_item_if_the_task_runs_for_it() -> None:
+    text = """
+    - parallel:
+      - {id: look, @a2, on_failure: reject}
+      - {id: clean, @b2, OPTIONS, retries: 1}
+    """
+    line = Line(seconds={'b2': 2.0}, faults={'a2': '#1=abort', 'b2': '#1=abort'})
+    tries = {}
+    for options in ('runs_for: all', 'runs_for: good'):
+        whole = with_section(2, text.replace('OPTIONS', options))
+        run = line.run(whole.replace('qty_change: -1', 'qty_change: -1, runs_for: all'))
+        assert run.ended
+        tries[options] = len(run.starts('clean'))
+    assert tries == {'runs_for: all': 2, 'runs_for: good': 1}
+
+
+def test_2_4_the_wait_for_a_server_counts_for_the_timeout() -> None:
+    run = faulty('=absent', 'timeout: 2.0')
+    assert run.reasons() == ['timeout']
+    assert run.times('task.failed') == [WORK_AT + 2.0]

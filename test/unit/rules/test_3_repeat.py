@@ -112,6 +112,89 @@ def test_3_9_again_begins_one_round_more() -> None:
     assert run.ended
 
 
+FOR_ALL = REWORK.replace('{id: glue, @b2}', '{id: glue, @b2, runs_for: all}').replace(
+    '    - repeat:', '    - {id: look, @arm, on_failure: reject}\n    - repeat:'
+)
+WEIGHED = 'runs_for: all, retries: 3'
+
+
+def held_rejected() -> VirtualRun:
+    """Run until a rejected item is held in a repeat that runs for it."""
+    text = FOR_ALL.replace('OPTIONS', WEIGHED.replace(', ', '\n          '))
+    return Line(faults={'arm': '#1=abort', 'a2': '#1=reads:0.0 #2=reads:0.0'}).run(text)
+
+
+def test_3_9_no_round_begins_for_a_rejected_item_whatever_runs_for_it() -> None:
+    """The policy decides at once, without retries."""
+    run = held_rejected()
+    (hold,) = run.state.holds.values()
+    assert not rounds(run)
+    assert not run.all('task.retrying')
+    assert hold.answers == ('retry', 'mark_done', 'skip', 'abort_job')
+    assert hold.answers_why.startswith('no again: rounds are for good items; ')
+    run.answer('retry')
+    run.go()
+    assert (run.starts('glue'), len(run.starts('weigh'))) == ([4.0], 2)
+    assert [one.reason for one in run.state.holds.values()] == ['result_refused']
+
+
+BEHIND = """
+sections:
+  1: [{id: place, @a1, qty_change: 1}]
+  2: [{id: work, @a2}]
+  3:
+    - {id: pack, @a3, qty_change: -1, runs_for: all}
+    - repeat:
+        - id: weigh
+          task: TASK_A
+          action: /b3/do
+          fails_unless: {value: "${results.weigh.measurement}", at_least: 1.0}
+"""
+
+
+def test_3_9_rounds_of_a_packed_item_begin_and_end_with_its_job() -> None:
+    run = Line(faults={'b3': '#1=reads:0.0 #2=reads:0.0'}).run(BEHIND)
+    assert [n for _, n in rounds(run)] == [1]
+    (hold,) = run.state.holds.values()
+    assert 'again' in hold.answers
+    run.control('abort', 'J')
+    (hold,) = run.state.holds.values()
+    assert hold.answers == ('retry', 'mark_done', 'skip')
+    assert 'no again or abort_job: the job is being aborted' in hold.answers_why
+
+
+def test_2_8_a_packed_item_is_marked_nonconforming_without_a_count() -> None:
+    run = Line(faults={'b3': '#1=reads:0.0 #2=reads:0.0'}).run(BEHIND)
+    run.answer('mark_done')
+    run.go()
+    assert [one['item'] for one in run.all('item.nonconforming')] == ['J/1']
+    assert run.counts() == {'started': 1, 'placed': 1, 'processed': 1, 'packed': 1}
+
+
+def test_3_9_again_is_recorded_at_once_under_a_pause() -> None:
+    run = reworked(0.0, 0.0, 0.0, 1.0, until=10.0)
+    run.pause()
+    (hold,) = (one.id for one in run.state.holds.values() if one.task)
+    assert run.answer('again', hold).accepted
+    now = run.now
+    run.go(until=20.0)
+    assert rounds(run)[-1] == (now, 3)
+    assert len(run.starts('glue')) == 3
+    run.sim.clock.call_at(30.0, lambda: None)
+    run.go(until=30.0)
+    run.resume()
+    assert run.starts('glue')[-1] == run.now > now
+
+
+def test_3_3_a_repeat_requires_the_conveyor_if_one_of_its_tasks_does() -> None:
+    text = REWORK.replace('{id: glue, @b2}', '{id: glue, @b2, requires_conveyor: false}')
+    run = Line(faults={'a2': '#1=reads:1.0'}).run(text.replace('OPTIONS', ''))
+    assert run.starts('glue') == [BEGINS]
+    free = text.replace('OPTIONS', 'requires_conveyor: false')
+    run = Line(faults={'a2': '#1=reads:1.0'}).run(free)
+    assert run.starts('glue') == [1.0]  # while the belt moves
+
+
 def test_3_9_retry_repeats_the_task_and_skip_goes_on_behind_it() -> None:
     run = reworked(0.0, 0.0, 0.0, 0.0)
     assert run.answer('retry').accepted

@@ -209,6 +209,24 @@ def test_5_1_a_pending_task_of_an_earlier_job_comes_first() -> None:
     assert jobs_of(run, 'load') == ['J', 'K', 'L']
 
 
+def test_5_1_another_task_of_the_job_counts_although_it_depends_on_it() -> None:
+    """K's `first` is skipped when it could start, not when the source has finished J."""
+    one = RECIPE.replace('"${params.x}"', '1.0')
+    two = with_initialization(
+        """
+      - {id: first, @a2.PREPARE, once: true, args: {special_argument_2: 1.0}}
+      - {id: second, @a2.PREPARE, once: true, args: {special_argument_2: 2.0}}
+initialization_dependencies: [{upstream: first, downstream: second}]"""
+    )
+    line = Line(seconds={'a2': 5.0})
+    run = line.begin(one, x=1.0)
+    run.submit('K', line.script(two, 'two'), 1)
+    run.go()
+    assert run.times('task.skipped', task='first') == run.times(
+        'cycle.completed', job='J', section=2
+    )
+
+
 def test_5_1_two_recipes_of_one_job_are_both_loaded() -> None:
     text = with_initialization(
         """

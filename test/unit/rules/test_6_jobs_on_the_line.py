@@ -68,6 +68,20 @@ def test_6_6_a_stopped_job_prepares_what_its_items_need() -> None:
     assert run.ended
 
 
+def test_6_6_a_stopped_job_skips_the_rest_when_its_last_item_has_left() -> None:
+    """No list needs section 4's device; its task waits for `slow`."""
+    text = 'initialization: [{id: slow, @b3}, {id: idle, @b4}]\n'
+    text += 'initialization_dependencies: [{upstream: slow, downstream: idle}]\n'
+    line = Line(4, seconds={'b4': 20.0})
+    run = line.begin(text + THREE, 3)
+    run.go(until=1.5)
+    run.control('stop', 'J')
+    run.go()
+    assert run.all('task.skipped') == []
+    assert run.starts('idle') == [1.0]
+    assert run.ended
+
+
 def test_6_6_a_queued_job_is_aborted_at_once() -> None:
     run = queued('KL')
     assert run.control('abort', 'K').accepted

@@ -462,3 +462,14 @@ def test_7_2_every_command_is_recorded_with_who_why_and_where_from() -> None:
         'reason': 'it is so',
         'origin': 'a test',
     }
+
+
+def test_7_2_nothing_begins_before_the_cell_says_execute() -> None:
+    """One instant: the answer completes the last turn, so the belt may move."""
+    run = Line(faults={'a1': '#1=abort'}).run(THREE)
+    seq = run.state.seq
+    run.answer('mark_done')
+    events = [r['event'] for r in run.records if r['seq'] > seq and r['time'] == run.now]
+    states = [n for n, event in enumerate(events) if event == 'cell.state_changed']
+    assert run.states[-1] == 'Execute'
+    assert max(states) < events.index('belt.index_started')
