@@ -245,6 +245,15 @@ def test_sections_stand_in_the_order_of_the_belt() -> None:
     assert [f'slot.{n} -> slot.{n + 1}' in long().edges for n in range(1, 20)] == [True] * 19
 
 
+def test_six_sections_with_two_groups_stand_in_one_row() -> None:
+    line = Line(6)
+    groups = (f'{n}: [{{parallel: [{{id: l{n}, @a{n}}}, {{id: r{n}, @b{n}}}]}}]' for n in (2, 4))
+    ends = ('1: [{id: place, @a1, qty_change: 1}]', '6: [{id: pack, @a6, qty_change: -1}]')
+    text = '\n  '.join(('sections:', *ends, *groups))
+    dot = DotText(draw_line(line.script(text), line.cell).dot)
+    assert len({dot.area(f'section.{number}').top for number in range(1, 7)}) == 1
+
+
 def test_titles_of_source_and_sink() -> None:
     assert words(long().clusters['section.1']['label']) == ['Section 1 \u00b7 source']
     assert words(long().clusters['section.20']['label']) == ['Section 20 \u00b7 sink']
