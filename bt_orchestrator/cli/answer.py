@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import argparse
+import sys
+from collections.abc import Sequence
 
 from bt_orchestrator.cli.asked_verbs import in_one_line
-from bt_orchestrator.cli.door import ask_and_print
+from bt_orchestrator.cli.door import ask_and_print, asked, open_door
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options
 from bt_orchestrator.cli.wrong_use import WrongUse
+from bt_orchestrator.model.alike import why_singly
 from bt_orchestrator.model.requests import ACKNOWLEDGE, ANSWERS, COMMENT
+from bt_orchestrator.model.state import Hold
+from bt_orchestrator.ports import CellLink
 from bt_orchestrator.script.given_results import results_of
 
 DESCRIPTION = """\
@@ -24,7 +29,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     each = [f'  {word:<11} {in_one_line(request)}' for word, request in WORDS.items()]
     parser.description = '\n'.join([DESCRIPTION, *each])
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    parser.add_argument('hold', metavar='HOLD', help='id of the hold')
+    parser.add_argument(
+        'hold',
+        metavar='HOLD',
+        help='id of the hold; several that are alike as a list, 3,4,7: each answer is sent and '
+        'recorded by itself',
+    )
     parser.add_argument('answer', choices=tuple(WORDS), help='the decision, or a remark')
     parser.add_argument(
         '--result',
@@ -44,4 +54,30 @@ def run(args: argparse.Namespace) -> int:
         results = results_of(args.result) or None
     except ValueError as error:
         raise WrongUse(f'answer: {error}') from error
-    return ask_and_print(args, f'hold.{args.answer}', hold=args.hold, results=results)
+    holds = list(dict.fromkeys(filter(None, args.hold.split(','))))
+    if len(holds) < 2:
+        return ask_and_print(args, f'hold.{args.answer}', hold=args.hold, results=results)
+    if results:
+        raise WrongUse('answer: results belong to one task; answer its hold singly')
+    return _answer_each(args, holds)
+
+
+def _answer_each(args: argparse.Namespace, holds: Sequence[str]) -> int:
+    """Send the same answer to several holds, if a list may carry it to each of them."""
+    with open_door(args.node, args.timeout) as door:
+        there = {hold.id: hold for hold in door.status().holds}
+        wrong = [_why_not(there.get(name), name, args.answer) for name in holds]
+        if any(wrong):
+            print('\n'.join([*filter(None, wrong), 'nothing was answered']), file=sys.stderr)
+            return 1
+        return max(_send(args, door, name) for name in holds)
+
+
+def _why_not(hold: Hold | None, name: str, answer: str) -> str:
+    return f'there is no hold {name}' if hold is None else why_singly(hold, answer)
+
+
+def _send(args: argparse.Namespace, door: CellLink, hold: str) -> int:
+    answer = door.ask(asked(args, f'hold.{args.answer}', hold=hold))
+    print(f'hold {hold}: {answer.message}', file=sys.stdout if answer.accepted else sys.stderr)
+    return 0 if answer.accepted else 1

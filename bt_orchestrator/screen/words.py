@@ -31,7 +31,7 @@ from bt_orchestrator.model.status_words import (
     wait_words,
 )
 from bt_orchestrator.model.wait import Wait
-from bt_orchestrator.screen.advice import WHY, Shell, hold_advice, next_lines
+from bt_orchestrator.screen.advice import WHY, Shell, alike_lines, hold_advice, next_lines
 
 
 def status_lines(status: CellStatus, shell: Shell | None) -> Iterator[str]:
@@ -51,6 +51,7 @@ def status_lines(status: CellStatus, shell: Shell | None) -> Iterator[str]:
     for hold in status.holds:
         yield f'  {hold_text(hold)}'
         yield from (f'    {text}' for text in (hold_advice(hold, shell) if shell else ()))
+    yield from (f'  alike: {text}' for text in (alike_lines(status, shell) if shell else ()))
     yield from (f'  next: {text}' for text in (next_lines(status, shell) if shell else ()))
 
 

@@ -9,7 +9,7 @@ from cell_processes import STATELESS_CELL, StartCell
 from fakes.quick_users import PASSWORD
 from page.browsing import Tab
 from page.conftest import Sit, StartPage
-from page.stands import stand
+from page.stands import Stand, stand
 from stream_readers import StreamReader, StuckReader
 
 MOST_STEPS = 100
@@ -48,6 +48,34 @@ def test_a_hold_is_answered_by_keyboard_alone(tmp_path: Path, sit: Sit) -> None:
         [*_, decided] = one.happened('operator.decided')
         assert (decided['who'], decided['answer']) == ('ann', 'retry')
         assert decided['reason'] == 'turned it'
+
+
+IN_DOUBT = ['component_3a.TASK_A#2=cancel', 'component_3b.TASK_A#2=cancel']
+
+
+def answers_at(one: Stand) -> list[tuple[str, str]]:
+    made = [event for event in one.happened('operator.decided') if 'hold' in event]
+    return [(event['hold'], event['answer']) for event in made]
+
+
+def test_holds_alike_are_answered_in_one_list(tmp_path: Path, sit: Sit) -> None:
+    with stand(tmp_path, jobs=1, quantity=4, fail=IN_DOUBT, speed=8.0) as one:
+        tab = sit(one.port).open()
+        tab.until(lambda: tab.count('article[data-hold]') == len(IN_DOUBT), 'both holds')
+        tab.page.locator('[data-do="several"]').click()
+        dialog = tab.page.locator('dialog[data-dialog="several"]')
+        boxes = dialog.locator('[name="hold"]')
+        assert [boxes.nth(n).is_checked() for n in range(boxes.count())] == [False, False]
+        dialog.locator('[data-do="send"]').click()
+        dialog.locator('.field-warning:visible').first.wait_for()
+        assert answers_at(one) == []
+        for n in range(boxes.count()):
+            boxes.nth(n).check()
+        dialog.locator('[value="mark_done"]').check()
+        dialog.locator('[name="reason"]').fill('looked at both')
+        dialog.locator('[data-do="send"]').click()
+        dialog.wait_for(state='detached')
+        assert answers_at(one) == [('1', 'mark_done'), ('2', 'mark_done')]
 
 
 def test_ctrl_c_ends_a_page_that_people_look_at(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bt_orchestrator.model.alike import together
 from bt_orchestrator.model.by import named
 from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.hold_words import hold_words
@@ -125,6 +126,7 @@ def hold_part(hold: Hold) -> dict[str, object]:
         'last_feedback': hold.last_feedback,
         'topic_says': hold.topic_says,
         'answers_why': hold.answers_why,
+        'together': list(together(hold)),
         'since': hold.since,
         'owner': hold.owner,
         'words': hold_words(hold),

@@ -11,10 +11,15 @@ export function failureTable() {
     { head: t('failure.task'), cell: (one) => one.task },
     { head: t('failure.attempt'), cell: (one) => one.attempt, isNumber: true },
     { head: t('failure.reason'), cell: (one) => tOr(`reason.${one.reason}`, one.reason) },
-    { head: t('failure.message'), cell: (one) => one.message },
+    { head: t('failure.message'), cell: wordsOf },
   ];
   const key = (one) => `${timeOf(one)} ${one.item} ${one.task} ${one.attempt}`;
   return table({ caption: t('failure.title'), columns, key, empty: t('failure.nothing') });
+}
+
+/** What the controller said, and what the node says of it. */
+function wordsOf({ controller_said: said, message }) {
+  return [said && t('reason.controller_says', { words: said }), message].filter(Boolean).join('; ');
 }
 
 /** When it failed: records of jobs and of sections name it differently. */

@@ -1,20 +1,23 @@
 /** One hold: where, what and why, and each answer with its consequence. */
 
-import { attribute, h, show, text } from '../core/dom.js';
+import { attribute, children, h, show, text } from '../core/dom.js';
 import { withButtons } from '../core/requests.js';
 import { shownMoment } from '../core/store.js';
 import { at, duration, t, tOr } from '../core/text.js';
 import { offers } from './offers.js';
 import { reshape, shape } from '../core/shape.js';
 import { holdPlace } from './stands.js';
+import { jsonValues } from './values.js';
 
 /** Make a card: an element, `update(hold)`, `tick()`, `end()`. */
 export function holdCard() {
   let hold = null;
+  let fed = '';
   const drawn = shape('triangle');
   const place = h('h2', { class: 'hold-place' });
   const why = h('p', { class: 'hold-why' });
   const message = h('p', { class: 'hold-message' });
+  const last = h('div', { class: 'hold-feedback' });
   const facts = h('p', { class: 'hold-facts' });
   const item = h('a', { class: 'hold-item' });
   const answers = offers({
@@ -31,6 +34,7 @@ export function holdCard() {
       h('div', { class: 'hold-head' }, drawn, place),
       why,
       message,
+      h('details', { class: 'hold-last' }, h('summary', {}, t('overview.last_feedback')), last),
       h('p', { class: 'hold-foot' }, item, facts),
     ),
     answers.element,
@@ -51,8 +55,11 @@ export function holdCard() {
       reshape(drawn, hold.is_pause ? 'pause' : 'triangle');
       text(place, holdTitle(hold));
       text(why, tOr(`reason.${hold.reason}`, hold.reason));
-      text(message, withButtons(hold.message));
-      attribute(message, 'title', hold.message);
+      text(message, saidOf(hold));
+      attribute(message, 'title', saidOf(hold));
+      show(last.parentElement, hold.last_feedback);
+      if (hold.last_feedback !== fed) children(last, jsonValues(hold.last_feedback || '{}'));
+      fed = hold.last_feedback;
       show(item, hold.item);
       if (hold.item)
         attribute(item, 'href', `#/item/${hold.item.split('/').map(encodeURIComponent).join('/')}`);
@@ -63,11 +70,20 @@ export function holdCard() {
   };
 }
 
-function holdTitle(hold) {
+/** Where it is, and of what. */
+export function holdTitle(hold) {
   if (hold.is_pause) return t('part.cell');
   if (hold.section) return holdPlace(hold);
   const place = hold.job ? t('part.initialization') : t('part.belt');
   return [place, holdPlace(hold)].filter(Boolean).join(', ');
+}
+
+/** The words of the controller first, then those of the node, and what the status topic says. */
+function saidOf(hold) {
+  const controller =
+    hold.controller_said && t('reason.controller_says', { words: hold.controller_said });
+  const topic = hold.topic_says && t('reason.topic_says', { words: hold.topic_says });
+  return [controller, withButtons(hold.message), topic].filter(Boolean).join('; ');
 }
 
 /** For dialogs: the card is under them. */

@@ -1,11 +1,12 @@
 /** The cell at a glance: what waits for a person comes first, then the line, then the jobs. */
 
+import { severalButtons } from '../asking/several.js';
 import { attribute, h, keyed, show, text } from '../core/dom.js';
 import { news, part, subscribe } from '../core/store.js';
 import { t } from '../core/text.js';
 import { everySecond } from '../core/tick.js';
 import { beltStrip } from '../parts/belt_strip.js';
-import { holdCard } from '../parts/hold_card.js';
+import { holdCard, holdTitle } from '../parts/hold_card.js';
 import { jobRow } from '../parts/job_row.js';
 import { journalKnown } from '../parts/journal_known.js';
 import { sectionCard } from '../parts/section_card.js';
@@ -80,6 +81,7 @@ function holdList() {
   const nothing = h('p', { class: 'no-holds quiet' }, t('overview.no_holds'));
   const list = h('div', { class: 'holds' });
   const cards = live(list, (hold) => hold.id, holdCard);
+  const several = severalButtons(holdTitle);
   return {
     element: h(
       'section',
@@ -90,6 +92,7 @@ function holdList() {
         tabindex: -1,
       },
       nothing,
+      several.element,
       list,
     ),
     tick: cards.tick,
@@ -97,6 +100,7 @@ function holdList() {
     update() {
       const holds = partsNamed('hold', part('cell')?.holds);
       cards.update(holds);
+      several.update(holds);
       show(nothing, !holds.length);
       show(list, holds.length);
     },

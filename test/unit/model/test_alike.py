@@ -1,0 +1,47 @@
+"""Which holds one list may answer."""
+
+from __future__ import annotations
+
+import pytest
+
+from bt_orchestrator.model.alike import alike, why_singly
+from bt_orchestrator.model.state import Hold
+
+TASK = ('retry', 'mark_done', 'skip', 'reject', 'abort_job')
+PLACING = ('retry', 'mark_done', 'skip')
+
+
+def hold(
+    id_: str, answers: tuple[str, ...] = TASK, reason: str = 'in_doubt', job: str | None = 'J'
+) -> Hold:
+    return Hold(id_, job, 2, 'J/1', 'work', reason, '', answers, 0.0)
+
+
+def groups(*holds: Hold) -> list[list[str]]:
+    return [[one.id for one in group] for group in alike(holds)]
+
+
+def test_tasks_in_doubt_are_alike_whatever_is_offered_first() -> None:
+    topic = ('mark_done', 'retry', 'skip', 'reject', 'abort_job')
+    assert groups(hold('1'), hold('2', topic), hold('3')) == [['1', '2', '3']]
+    assert groups(hold('1')) == []
+
+
+@pytest.mark.parametrize(
+    'other',
+    [
+        hold('2', PLACING),
+        hold('2', reason='aborted'),
+        hold('2', ('retry', 'mark_done', 'abort_job'), job=None),
+        Hold('2', None, None, None, None, 'paused', '', ('resume',), 0.0),
+    ],
+)
+def test_placing_the_belt_and_everything_certain_is_answered_singly(other: Hold) -> None:
+    assert groups(hold('1'), other) == []
+    assert 'answer it singly' in why_singly(other, 'mark_done')
+
+
+@pytest.mark.parametrize('answer', ['retry', 'abort_job', 'again'])
+def test_what_moves_something_is_answered_singly(answer: str) -> None:
+    assert 'a list can answer it with mark_done, skip, reject' in why_singly(hold('1'), answer)
+    assert why_singly(hold('1'), 'mark_done') == ''
