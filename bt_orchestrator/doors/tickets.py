@@ -23,8 +23,15 @@ LOOK_BACK = 2_000
 SETTLED_S = 10.0
 """A command without an answer that the journal does not have after so long, never arrived."""
 
+AT_ONCE = 8
+"""Commands that are under way at a time; the others wait. The door asks one after the other, so an
+emergency, which does not wait here, would come behind all that were sent; and each is looked up in
+what has happened since it was sent, which the others are a part of."""
+
 MOST_KEPT = 1_000
 """Commands that are remembered here; of older ones only the journal knows."""
+
+_SILENT = 'the node of the cell is silent; nothing was sent to it'
 
 Recorded = OperatorDecided | OperatorRefused
 
@@ -102,6 +109,8 @@ class _Kept:
     task: asyncio.Task[Outcome] = field(init=False)
     lost_at: float | None = None
     """When its answer was lost, on the clock; None: it was not."""
+    is_again: bool = False
+    """It was sent before: its record may be older than this."""
 
     def is_of(self, asked: Asked) -> bool:
         mine = self.asked
@@ -130,6 +139,7 @@ class Tickets:
         self._doors = doors
         self._newest = newest
         self._kept: dict[str, _Kept] = {}
+        self._room = asyncio.Semaphore(AT_ONCE)
         self._earlier: Mapping[str, list[Recorded]] | None = None
         """On record before this program first asked something; None: not looked yet."""
 
@@ -183,11 +193,11 @@ class Tickets:
                 f'again in {math.ceil(SETTLED_S - lost_for_s)} s'
             )
         if self._kept.get(ticket) is kept:  # else somebody was quicker
-            self._begin(ticket, kept.asked, kept.before)
+            self._begin(ticket, kept.asked, kept.before, is_again=True)
         return await asyncio.shield(self._kept[ticket].task)
 
-    def _begin(self, ticket: str, asked: Asked, before: int) -> _Kept:
-        kept = self._kept[ticket] = _Kept(asked, before)
+    def _begin(self, ticket: str, asked: Asked, before: int, *, is_again: bool = False) -> _Kept:
+        kept = self._kept[ticket] = _Kept(asked, before, is_again=is_again)
         # The command goes on when its sender has gone.
         kept.task = asyncio.create_task(self._carried_out(ticket, kept))
         kept.task.add_done_callback(_heard)
@@ -197,6 +207,22 @@ class Tickets:
         return kept
 
     async def _carried_out(self, ticket: str, kept: _Kept) -> Outcome:
+        if kept.asked.request.why is Why.AFTERWARDS:
+            return await self._sent(ticket, kept)
+        async with self._room:
+            if not kept.is_again:
+                self._refuse_if_silent(ticket, kept)
+                kept.before = self._newest()
+            return await self._sent(ticket, kept)
+
+    def _refuse_if_silent(self, ticket: str, kept: _Kept) -> None:
+        """Send nothing to a node that went away while the command waited for room."""
+        if self._doors.is_silent:
+            if self._kept.get(ticket) is kept:
+                del self._kept[ticket]
+            raise NotSent(_SILENT)
+
+    async def _sent(self, ticket: str, kept: _Kept) -> Outcome:
         try:
             answer = await self._doors.ask(kept.asked)
         except NodeUnreachable as error:
@@ -222,7 +248,7 @@ class Tickets:
         if asked.request.why is Why.AFTERWARDS:
             return
         if self._doors.is_silent:
-            raise NotSent('the node of the cell is silent; nothing was sent to it')
+            raise NotSent(_SILENT)
         if self._earlier is not None:
             return
         by_ticket: dict[str, list[Recorded]] = {}

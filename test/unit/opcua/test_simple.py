@@ -211,7 +211,7 @@ def test_the_server_says_what_it_is(scene: Scene) -> None:
 
 
 def test_good_items_are_the_packed_ones_that_conform() -> None:
-    counts = {'packed': 6, 'nonconforming': 1, 'good': 5, 'started': 6, 'started_at': NOW_S}
-    told = dict(simple._values(status(jobs=(job(**counts),))))
+    shown = job(packed=6, nonconforming=1, good=5, started=6, started_at=NOW_S)
+    told = dict(simple._values(status(jobs=(shown,))))
     names = ('Packed', 'Good', 'Nonconforming')
     assert [told[f'CurrentJob/{name}'] for name in names] == [6, 5, 1]
