@@ -19,6 +19,7 @@ from rclpy.parameter import Parameter
 
 from bt_orchestrator.model.limits import NAME, cut
 from bt_orchestrator.node_parameters import NodeParameters, Words, described
+from bt_orchestrator.script.report import did_you_mean
 
 CLOCK = 'use_sim_time'
 
@@ -37,46 +38,52 @@ def declare(node: Node, defaults: NodeParameters) -> NodeParameters:
         value = node.declare_parameter(name, _to_ros(default), descriptor).value
         values[name] = _from_ros(name, value)
     node.add_on_set_parameters_callback(_refuse_another_clock)
-    _refuse_unknown_types(node)
+    _refuse_in_words(node)
     return NodeParameters(**values)
 
 
-def _refuse_unknown_types(node: Node) -> None:
-    """Have a value of a type that ROS does not know refused; rclpy raises, and answers nobody."""
+def _refuse_in_words(node: Node) -> None:
+    """Refuse what rclpy answers nobody, or without the name: other types, unknown parameters."""
     answers = {SetParameters: _set_each, SetParametersAtomically: _set_together}
     for service in node.services:
         answer = answers.get(service.srv_type)
         if answer is not None:
-            service.callback = partial(answer, service.callback)
+            service.callback = partial(answer, node, service.callback)
 
 
-def _set_each(inner: Callable[[Any, Any], Any], request: Any, response: Any) -> Any:
+def _set_each(node: Node, inner: Callable[[Any, Any], Any], request: Any, response: Any) -> Any:
     for parameter in request.parameters:
-        if _has_known_type(parameter):
+        reason = _why_not(node, parameter)
+        if reason is None:
             inner(SetParameters.Request(parameters=[parameter]), response)
         else:
-            response.results.append(_unknown_type(parameter))
+            response.results.append(SetParametersResult(successful=False, reason=reason))
     return response
 
 
-def _set_together(inner: Callable[[Any, Any], Any], request: Any, response: Any) -> Any:
+def _set_together(
+    node: Node, inner: Callable[[Any, Any], Any], request: Any, response: Any
+) -> Any:
     for parameter in request.parameters:
-        if not _has_known_type(parameter):
-            response.result = _unknown_type(parameter)
+        reason = _why_not(node, parameter)
+        if reason is not None:
+            response.result = SetParametersResult(successful=False, reason=reason)
             return response
     return inner(request, response)
 
 
-def _has_known_type(parameter: Any) -> bool:
-    return parameter.value.type in _TYPES
-
-
-def _unknown_type(parameter: Any) -> SetParametersResult:
-    reason = (
-        f'{cut(parameter.name, NAME)} has a value of type {parameter.value.type}; expected one of '
-        f'rcl_interfaces/msg/ParameterType, {min(_TYPES)} to {max(_TYPES)}'
-    )
-    return SetParametersResult(successful=False, reason=reason)
+def _why_not(node: Node, parameter: Any) -> str | None:
+    name = cut(parameter.name, NAME)
+    if not node.has_parameter(parameter.name):
+        known = sorted(node.list_parameters([], 0).names)
+        hint = did_you_mean(name, known, f'the parameters are {", ".join(known)}')
+        return f'there is no parameter {name!r}; {hint}'
+    if parameter.value.type not in _TYPES:
+        return (
+            f'{name} has a value of type {parameter.value.type}; expected one of '
+            f'rcl_interfaces/msg/ParameterType, {min(_TYPES)} to {max(_TYPES)}'
+        )
+    return None
 
 
 def _refuse_another_clock(parameters: Sequence[Parameter[Any]]) -> SetParametersResult:

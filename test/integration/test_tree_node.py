@@ -160,6 +160,19 @@ def test_a_parameter_of_a_type_that_nobody_knows_is_refused(tree_node: TreeNode)
     assert together.result.reason == why
 
 
+def test_an_unknown_parameter_is_refused_with_the_nearest(tree_node: TreeNode) -> None:
+    wrong = [Parameter(name, value=5.0).to_parameter_msg() for name in ('tick_rate', 'zzz')]
+    each = answer(
+        tree_node, SetParameters, 'set_parameters', SetParameters.Request(parameters=wrong)
+    )
+    near, unlike = (one.reason for one in each.results)
+    assert near == "there is no parameter 'tick_rate'; did you mean `tick_rate_hz`?"
+    assert unlike.startswith("there is no parameter 'zzz'; the parameters are auto_resume, ")
+    kind = SetParametersAtomically
+    together = answer(tree_node, kind, 'set_parameters_atomically', kind.Request(parameters=wrong))
+    assert together.result.reason == near
+
+
 def test_a_callback_that_raises_does_not_stop_the_node(tree_node: TreeNode) -> None:
     failing = Failing()
     tree_node.node.create_timer(0.02, failing)
