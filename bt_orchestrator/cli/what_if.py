@@ -125,6 +125,7 @@ def _asked(text: str) -> Sequence[Asked]:
 
 def _lines(found: Consequence) -> Iterator[str]:
     yield from table(('job', 'ends in', 'would end in', 'change'), list(_rows(found)))
+    yield from (f'{job}: the end is unknown, {why}' for job, why in found.unknown.items())
     yield from (f'would be refused: {refusal}' for refusal in found.refusals)
 
 
@@ -152,4 +153,5 @@ def _plain(found: Consequence) -> dict[str, object]:
         'before': [one._asdict() for one in found.before],
         'after': [one._asdict() for one in found.after],
         'refusals': list(found.refusals),
+        'unknown': dict(found.unknown),
     }

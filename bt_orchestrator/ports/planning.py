@@ -35,6 +35,8 @@ class Consequence(NamedTuple):
     after: Sequence[ExpectedJob]
     refusals: Sequence[str]
     """Messages of the requests that would be refused, in order; empty: none."""
+    unknown: Mapping[str, str] = {}
+    """Why a job has no end after them, by its id."""
 
 
 class WrongField(NamedTuple):

@@ -22,6 +22,7 @@ from bt_orchestrator.model.judging.sealed_ids import text_of
 from bt_orchestrator.model.pauses import RESTARTED
 from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import ActionTypes, EventSink, Snapshot
+from bt_orchestrator.runtime.ends_unknown import Unknown
 from bt_orchestrator.runtime.observed_durations import as_observed
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.sim.clock import VirtualClock
@@ -56,6 +57,7 @@ class RunOn:
         """
         self._log = _Log()
         self._left_out: Mapping[str, int] = {}
+        self._stuck = 'the virtual run takes too long; it was given up'
         self._clock = VirtualClock(now_s)
         cell = as_observed(_without_faults(cell), observed_s)
         state = _of_cell(plain_state['state'], digest(cell))
@@ -89,6 +91,7 @@ class RunOn:
         self.orchestrator.settle()
         while self.state.jobs and time.monotonic() < until:
             if not self._step():
+                self._stuck = 'nothing on the line can go on by itself'
                 return math.inf
         return self._clock.now() if self.state.jobs else math.inf
 
@@ -105,6 +108,13 @@ class RunOn:
     def ends_s(self, by_s: float = math.inf) -> dict[str, float]:
         """Return when each job ended, up to a moment of the run; those unknown are left out."""
         return _stretched(self._log, self._left_out, by_s)
+
+    def unknown(self, job: str) -> str:
+        """Say why a job has not ended where the run came to; empty: it has."""
+        live = self.state.jobs.get(job)
+        if live is None:
+            return ''
+        return Unknown(self.state, None).why(live) or self._stuck
 
     def close(self) -> None:
         """Give the engine up."""

@@ -112,7 +112,7 @@ class VirtualLink:
     def moment(self) -> Moment:
         """Return the state of now."""
         state = self._node.running.engine.state
-        plain = json.loads(state_to_text(nearest(state)))
+        plain = json.loads(state_to_text(nearest(state, with_ids=True)))
         return Moment(state.cell, plain, self._node.clock.now())
 
     def ask(self, asked: Asked) -> Answer:

@@ -83,10 +83,17 @@ class EngineWhatIf:
             refusals = tuple(self._refusals(then, requests))
             names_then = list(then.state.jobs)
             known_then_s = then.go_on(time.monotonic() + LONGEST_S)
+            why_then = {name: then.unknown(name) for name in names_then}
         # Of a long queue one run may come farther: only what both know can be compared.
         by_s = min(known_now_s, known_then_s)
         before = self._ends(names_now, now.ends_s(by_s))
-        return Consequence(before, self._ends(names_then, then.ends_s(by_s)), refusals)
+        after = self._ends(names_then, then.ends_s(by_s))
+        unknown = {
+            one.job: why_then[one.job] or 'the run without the requests was given up before'
+            for one in after
+            if one.ends_s is None
+        }
+        return Consequence(before, after, refusals, unknown)
 
     def check(self, order: Mapping[str, object]) -> CheckedOrder:
         """Tell whether an order would be queued: it is read, and then the engine is asked."""

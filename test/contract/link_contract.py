@@ -24,6 +24,7 @@ from contract.link_following import FollowingContract
 from bt_orchestrator.errors import CommandRefused
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.jobs.order import Terms, WorkOrder
+from bt_orchestrator.model.keeping.snapshot import state_from_plain
 from bt_orchestrator.model.limits import EVENTS_PAGE, QUEUE_PAGE
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.status import ComponentStatus
@@ -66,6 +67,9 @@ class LinkContract(FollowingContract):
         assert moment.cell == bench.cell()
         assert name in moment.plain_state['state']['jobs']
         assert moment.now_s == pytest.approx(link.status().stamp, abs=PATIENCE_S)
+        assert asked_of(link, 'job.cancel', job=name).accepted
+        moment = link.moment()
+        assert name in state_from_plain(moment.cell, moment.plain_state).order_ids
 
     # --- pages ------------------------------------------------------------------------------
 

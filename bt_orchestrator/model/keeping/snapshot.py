@@ -75,15 +75,21 @@ def text_of_objects(objects: Iterable[Any]) -> str:
     )
 
 
-def nearest(state: CellState) -> CellState:
-    """Return what a virtual run has to know: of a long queue the first jobs, no past."""
+def nearest(state: CellState, *, with_ids: bool = False) -> CellState:
+    """Return what a virtual run has to know: of a long queue the first jobs, no past.
+
+    :param with_ids: and which order ids were used, as far as no sealed part has them
+    """
     near = copy.copy(state)
     near.jobs = LiveJobs(state.jobs.first(QUEUE_SHOWN))
     used = {job.digest for job in near.jobs.values()}
     near.scripts = {name: script for name, script in state.scripts.items() if name in used}
     near.ended, near.order_ids, near.serials = {}, UsedIds(), UsedIds()
-    for name in near.jobs:
-        near.order_ids.add(name)
+    if with_ids:
+        near.order_ids = UsedIds(state.order_ids.others, state.order_ids.runs)
+    else:
+        for name in near.jobs:
+            near.order_ids.add(name)
     return near
 
 

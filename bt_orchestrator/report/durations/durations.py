@@ -132,6 +132,8 @@ def sentence(one: TaskTimes, found: Durations) -> str:
 
 def lines(found: Durations) -> Iterator[str]:
     """Yield the durations as text."""
+    if not found.tasks:
+        yield 'no task succeeded in this time: there are no durations'
     for one in found.tasks:
         yield f'{sentence(one, found)}; done {counted(one.count, "time")}'
 

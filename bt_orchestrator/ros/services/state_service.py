@@ -32,7 +32,7 @@ class StateService:
             return
         state = self._orchestrator.state
         response.cell = json.dumps(to_plain(state.cell))
-        response.state = state_to_text(nearest(state))
+        response.state = state_to_text(nearest(state, with_ids=True))
         response.observed = json.dumps(self._durations.seconds())
         response.now = self._node.get_clock().now().nanoseconds / 1e9
         response.history, response.seq = state.history, state.seq

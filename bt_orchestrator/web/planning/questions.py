@@ -59,6 +59,7 @@ class Questions:
                 'before': _ends(found.before, moment),
                 'after': _ends(found.after, moment),
                 'refusals': list(found.refusals),
+                'unknown': dict(found.unknown),
                 'left_out': max(0, queued - QUEUE_SHOWN),
                 'computed_s': round(time.monotonic() - began, 1),
             }

@@ -81,6 +81,14 @@ def test_an_attempt_that_ends_a_period_is_in_it_whatever_its_time_is_rounded_to(
     assert said.endswith('; done 1 time')
 
 
+def test_a_period_without_tasks_says_so() -> None:
+    day = Day()
+    day.note('06:00', e.OrchestratorStarted(cell='c', digest='d'))
+    period = Period.all_planned('p', us_of(at('06:00')), us_of(at('07:00')))
+    (said,) = lines(durations(Reading(day.records()), period, None))
+    assert said == 'no task succeeded in this time: there are no durations'
+
+
 def test_the_day_since_which_a_task_is_slower_is_found() -> None:
     found = drift_of(buckets(of_days({MONDAY: 1.5, TUESDAY: 1.9}, noise=0.1)))
     assert found is not None

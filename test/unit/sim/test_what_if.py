@@ -56,6 +56,34 @@ def asked_of(
     return EngineWhatIf(moment, TYPES, trees).ask(requests)
 
 
+def test_an_id_that_was_used_before_is_refused_as_by_the_node() -> None:
+    with running(1e6) as simulation:
+        assert not simulation.state.jobs
+        text = state_to_text(nearest(simulation.state, with_ids=True))
+        now_s = simulation.clock.now()
+    moment = Moment(LINE.cell, json.loads(text), now_s)
+    order = Job('B', LINE.script(THREE), 1)
+    run = RunOn(moment.cell, TYPES, moment.plain_state, {}, now_s)
+    answer = run.orchestrator.ask(AddJobs((order,)))
+    run.close()
+    assert (answer.accepted, answer.message) == (
+        False,
+        'order B was given before; choose another id',
+    )
+
+
+def test_an_unknown_end_says_why() -> None:
+    with running(9.0, fails='#1=abort') as simulation:
+        held = asked_of(simulation)
+        assert simulation.state.holds
+    assert {one.ends_s for one in held.after} == {None}
+    assert all('hold 1' in why for why in held.unknown.values())
+    with running(4.0) as simulation:
+        kept = asked_of(simulation, ask('job.hold', ann('lunch'), job='C'))
+    assert list(kept.unknown) == ['C']
+    assert kept.unknown['C'].startswith('C ')
+
+
 def test_a_job_that_comes_first_ends_earlier_and_the_others_later() -> None:
     with running(4.0) as simulation:
         found = asked_of(simulation, ask('job.next', ann(), job='C'))
