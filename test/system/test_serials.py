@@ -28,6 +28,8 @@ def test_6_8_a_serial_is_known_to_every_node_that_comes_after(
     cell.kill_and_restart_node()
     hold = cell.watch.until_held()
     assert (hold.reason, hold.item) == ('duplicate_serial', 'WO-1/3')
+    assert hold.controller_said == 'serial: SN-2'
+    assert 'READ' in hold.last_feedback
     cell.kill_and_restart_node()
     assert cell.watch.until_held().reason == 'duplicate_serial'
     words = ('answer', hold.id, 'mark_done', '--result', 'serial=SN-3', '--reason', 'it says so')
