@@ -13,10 +13,13 @@ import json
 import math
 import types
 import typing
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from enum import Enum
 from functools import lru_cache
-from typing import Any, TypeVar, cast
+from itertools import compress
+from json.encoder import c_make_encoder, encode_basestring  # type: ignore[attr-defined]
+from operator import itemgetter, ne
+from typing import Any, NamedTuple, TypeVar, cast
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.cell import Cell
@@ -33,7 +36,7 @@ _DIGEST = '$digest'
 _TEXT = '$text'
 _SCALARS = (str, int, bool, type(None))
 """Written unchanged; a float may have no JSON form."""
-_encode = json.JSONEncoder(ensure_ascii=False, allow_nan=False).encode
+_ENCODER = json.JSONEncoder(ensure_ascii=False, allow_nan=False)
 _encode_ascii = json.JSONEncoder(allow_nan=False).encode
 _FIRST = ('seq', 'time', 'event', 'job', 'section', 'item', 'task')
 
@@ -48,15 +51,19 @@ def to_text(event: e.Event) -> str:
     if isinstance(event, e.ScriptLoaded):
         before = _json(_record(event, e.ScriptLoaded, without='definition'))
         return f'{before[:-1]}, "definition": {text_of(event.definition)}}}'
-    return _json(to_record(event))
+    return _json(_record(event, type(event)))
 
 
 def _record(event: e.Event, kind: type, without: str = '') -> dict[str, Any]:
+    layout = _layout(kind)
+    values = layout.values_of(vars(event))
+    differ = compress(zip(layout.names, values, strict=True), map(ne, values, layout.defaults))
     record: dict[str, Any] = {'seq': event.seq, 'time': event.time, 'event': event.event}
-    for name, default in _layout(kind):
-        value = getattr(event, name)
-        if value != default and name != without:
-            record[name] = value if type(value) in _SCALARS else to_plain(value)
+    record.update(differ)
+    if without:
+        del record[without]
+    for name in layout.no_scalars & record.keys():
+        record[name] = to_plain(record[name])
     return record
 
 
@@ -66,9 +73,30 @@ def json_of(value: Any) -> str:
 
 
 def _json(plain: Any) -> str:
-    text = _encode(plain)
+    text = ''.join(_parts(plain, 0))
     # Half of a surrogate pair has no UTF-8; only then is all that is not ASCII escaped.
     return text if text.isascii() or _has_utf8(text) else _encode_ascii(plain)
+
+
+def _parts_of(encoder: json.JSONEncoder) -> Callable[[Any, int], Iterable[str]]:
+    """Return what makes the parts of a text; the encoder itself makes this anew for each text."""
+    if c_make_encoder is None:  # an interpreter without the extension
+        return lambda plain, _: encoder.iterencode(plain)
+    made: Callable[[Any, int], Iterable[str]] = c_make_encoder(
+        None,
+        encoder.default,
+        encode_basestring,
+        None,
+        encoder.key_separator,
+        encoder.item_separator,
+        encoder.sort_keys,
+        encoder.skipkeys,
+        encoder.allow_nan,
+    )
+    return made
+
+
+_parts = _parts_of(_ENCODER)
 
 
 def _has_utf8(text: str) -> bool:
@@ -79,15 +107,36 @@ def _has_utf8(text: str) -> bool:
     return True
 
 
+class _Layout(NamedTuple):
+    """The fields of an event in the order of its record, without number and time."""
+
+    names: Sequence[str]
+    defaults: Sequence[Any]
+    values_of: Callable[[Mapping[str, Any]], Sequence[Any]]
+    """Returns the values of an event by its names."""
+    no_scalars: Set[str]
+    """Fields that may have other values than text, integer, truth value or nothing."""
+
+
 @lru_cache(maxsize=256)
-def _layout(kind: type) -> Sequence[tuple[str, Any]]:
-    """Return the fields of an event in the order of its record, with their defaults.
+def _layout(kind: type) -> _Layout:
+    """Return the layout of the record of an event.
 
     Cached: every event is written, and inspecting its class each time took 30 us of 35.
     """
     fields = {field.name: _default(field) for field in dataclasses.fields(kind)}
-    names = (*(name for name in _FIRST if name in fields), *fields)
-    return [(name, fields[name]) for name in dict.fromkeys(names) if name not in ('seq', 'time')]
+    ordered = dict.fromkeys((*(name for name in _FIRST if name in fields), *fields))
+    names = [name for name in ordered if name not in ('seq', 'time')]
+    scalars = (name for name in _as_it_is(kind) if float not in _kinds(hints_of(kind)[name]))
+    return _Layout(
+        names, [fields[name] for name in names], _getter(names), set(names).difference(scalars)
+    )
+
+
+def _getter(names: Sequence[str]) -> Callable[[Mapping[str, Any]], Sequence[Any]]:
+    if len(names) > 1:
+        return itemgetter(*names)
+    return lambda values: [values[name] for name in names]
 
 
 def from_record(record: Mapping[str, Any]) -> e.Event:
@@ -249,9 +298,13 @@ def _as_it_is(kind: type) -> frozenset[str]:
     return frozenset(
         name
         for name, hint in hints_of(kind).items()
-        if {*(typing.get_args(hint) or (hint,))} <= plain
+        if _kinds(hint) <= plain
         and typing.get_origin(hint) in (None, types.UnionType, typing.Union)
     )
+
+
+def _kinds(hint: Any) -> Set[Any]:
+    return {*(typing.get_args(hint) or (hint,))}
 
 
 def _read_free(value: Any) -> Any:

@@ -41,3 +41,6 @@ class Contest:
             several = 's' if len(self.goals) > 1 else ''
             return f'it runs goal{several} {", ".join(self.goals)}, which no task here waits for'
         return ''
+
+
+NO_CONTEST = Contest()

@@ -37,13 +37,14 @@ def apply(state: CellState, event: e.Event) -> None:
     :raises AssertionError: the event cannot have happened in this state
     """
     assert event.seq == state.seq + 1, f'event {event.seq} after {state.seq}'
-    fold = _FOLDS.get(type(event))
-    assert fold is not None, f'no fold for {type(event).__name__} at event {state.seq}'
+    kind = type(event)
+    fold = _FOLDS.get(kind)
+    assert fold is not None, f'no fold for {kind.__name__} at event {state.seq}'
     fold(event, state)
     state.seq, state.time = event.seq, event.time
-    if type(event) in ON_THE_BELT:
+    if kind in ON_THE_BELT:
         state.belt_seq = event.seq
-    if state.holds and type(event) in CHANGE_ANSWERS:
+    if state.holds and kind in CHANGE_ANSWERS:
         holds.offer_anew(state)
 
 

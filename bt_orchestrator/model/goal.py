@@ -8,6 +8,7 @@ from enum import Enum
 from typing import Any
 
 from bt_orchestrator.model.contest import Contest
+from bt_orchestrator.model.frozen import made_at_once
 
 SERVER_TIMEOUT_S = 5.0
 """Seconds that a request waits for a server that is not there."""
@@ -69,6 +70,7 @@ class GoalStatus(Enum):
     """The server is there but does not answer: whether the goal still runs is unknown (9.3)."""
 
 
+@made_at_once
 @dataclass(frozen=True)
 class GoalRequest:
     """One attempt at a task, ready to be sent."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from bt_orchestrator.errors import MissingResult
+from bt_orchestrator.model.frozen import made_at_once
 
 Source = Literal['params', 'order', 'item', 'results']
 
@@ -40,6 +41,7 @@ class Template:
         return ''.join(p if isinstance(p, str) else f'${{{p}}}' for p in self.parts)
 
 
+@made_at_once
 @dataclass(frozen=True)
 class Scope:
     """The values that references can name, for one task of one item."""

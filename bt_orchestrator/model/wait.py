@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
+from bt_orchestrator.model.frozen import made_at_once
+
 
 class WaitKind(Enum):
     """What is waited for."""
@@ -39,6 +41,7 @@ class WaitKind(Enum):
     """The cell is in a state in which nothing starts."""
 
 
+@made_at_once
 @dataclass(frozen=True)
 class Wait:
     """Why something does not begin, naming what it waits for."""

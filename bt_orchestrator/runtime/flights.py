@@ -26,6 +26,10 @@ GRACE_S = 5.0
 """Seconds that a cancelled goal has to reach its terminal status (semantics 2.4)."""
 
 
+_CARRIED_OUT = {e.TaskStarted, e.TaskAdopted, e.TaskResent, e.TaskCancelRequested}
+"""Events that send a goal, take one over or cancel one."""
+
+
 class Flights:
     """All goals of the cell that have not ended."""
 
@@ -90,17 +94,18 @@ class Flights:
             self._expire(uuid)
 
     def _end(self, goal: Goal, end: GoalEnd) -> None:
-        self._given_up.pop(goal.request.id, None)
-        key, held = self._goals.get(goal.request.id, (None, None))
+        uuid = goal.request.id
+        self._given_up.pop(uuid, None)
+        key, held = self._goals.get(uuid, (None, None))
         if key is None or held is not goal:
             return  # given up before (its operator decides), or sent again since
-        timer = self._timers.pop(goal.request.id, None)
+        timer = self._timers.pop(uuid, None)
         if timer is not None:
             timer.cancel()
         if self._must_wait(key, goal, end):
             self._put_off.append((goal, end))
             return
-        del self._goals[goal.request.id]
+        del self._goals[uuid]
         state = self._ledger.state
         was_unknown = self._forget_adopted(goal) and end.status is GoalStatus.LOST
         event = self._of_unknown(key, goal, end) if was_unknown else of_end(state, key, goal, end)
@@ -181,6 +186,8 @@ class Flights:
 
     def follow(self, event: e.Event) -> None:
         """Carry out a durable event: send a goal, or cancel one."""
+        if type(event) not in _CARRIED_OUT:
+            return
         if isinstance(event, e.TaskStarted):
             request = GoalRequest(event.goal, event.component, event.name, event.args)
             self._goals[event.goal] = (event.key, self._gateway.send(request))

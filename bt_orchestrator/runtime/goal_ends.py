@@ -96,7 +96,8 @@ def _refusal(
     if task is None or key.item is None:
         return None, ''
     serial = serial_in(task, results)
-    bad = why_refused(task, results, state.scope(key)) or too_long(serial)
+    judges = task.fails_unless is not None  # only then the scope is made
+    bad = (why_refused(task, results, state.scope(key)) if judges else None) or too_long(serial)
     if bad:
         return Reason.RESULT_REFUSED, bad
     known = why_duplicate(state, key.item, task, serial)

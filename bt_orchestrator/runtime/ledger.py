@@ -63,21 +63,18 @@ class Ledger:
     def record(self, events: Iterable[Event]) -> None:
         """Stamp and apply events, in order, each before the next one is taken."""
         self.look_at_clock()
-        now = self._wall.now
+        now, state = self._wall.now, self.state
         for event in events:
-            self._add(event, now)
+            stamped = event.stamped(state.seq + 1, now)
+            apply(state, stamped)
+            self._pending.append(stamped)
+            self._follow(stamped)
 
     def look_at_clock(self) -> None:
         """Record it if the wall clock was set, before the events stamped by it."""
         step_s = self._wall.step_s()
         if step_s:
-            self._add(ClockStepped(seconds=step_s), self._wall.now)
-
-    def _add(self, event: Event, now: float) -> None:
-        stamped = event.stamped(self.state.seq + 1, now)
-        apply(self.state, stamped)
-        self._pending.append(stamped)
-        self._follow(stamped)
+            self.record([ClockStepped(seconds=step_s)])
 
     @property
     def has_pending(self) -> bool:

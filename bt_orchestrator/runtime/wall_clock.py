@@ -15,20 +15,23 @@ class WallClock:
     """
 
     def __init__(self, clock: Clock) -> None:
-        self._clock = clock
+        self._now, self._steady = clock.now, clock.steady
         self.now = 0.0
         """As it was at the last look."""
         self._ahead_s = self._look()
 
     def step_s(self) -> float:
         """Return by how many seconds it was set since the last look; 0.0: it was not set."""
+        self.now = now = self._now()
+        ahead_s = now - self._steady()
+        if -STEP_S < ahead_s - self._ahead_s < STEP_S:
+            self._ahead_s = ahead_s
+            return 0.0
+        # Read again: the process may have been suspended between the two readings.
         ahead_s = self._look()
-        if abs(ahead_s - self._ahead_s) >= STEP_S:
-            # Read again: the process may have been suspended between the two readings.
-            ahead_s = self._look()
         step_s, self._ahead_s = ahead_s - self._ahead_s, ahead_s
         return step_s if abs(step_s) >= STEP_S else 0.0
 
     def _look(self) -> float:
-        self.now = self._clock.now()
-        return self.now - self._clock.steady()
+        self.now = now = self._now()
+        return now - self._steady()

@@ -61,8 +61,9 @@ class Attention:
         while self._ahead:
             self._at = place = heappop(self._ahead)
             self._due.remove(place)
-            stale = place in self._stale
-            self._stale.discard(place)
+            stale = bool(self._stale) and place in self._stale
+            if stale:
+                self._stale.remove(place)
             yield place, stale
         self._at = math.inf
 
@@ -99,9 +100,10 @@ class Attention:
             self.again()
 
     def _mark(self, places: Iterable[int]) -> None:
-        for place in places:
-            if place not in self._due:
-                self._due.add(place)
+        fresh = set(places).difference(self._due)
+        self._due.update(fresh)
+        if fresh and self._at is not math.inf:  # within a tick
+            for place in fresh:
                 if place > self._at:
                     heappush(self._ahead, place)
 

@@ -102,7 +102,8 @@ class CellTree:
     def notice(self, event: e.Event) -> None:
         """Take note of an event that was applied to the state."""
         self._attention.notice(event)
-        self._to_follow = self._to_follow or isinstance(event, _AT_WORK)
+        if type(event) in _AT_WORK:
+            self._to_follow = True
 
     def notice_time(self) -> None:
         """Note that a wake-up time requested by a part has come."""
@@ -266,11 +267,11 @@ class CellTree:
         return behaviour if topic is None else ReadyGuard(subject, topic, behaviour, self._space)
 
 
-_AT_WORK = (
+_AT_WORK = {
     *(e.JobQueued, e.JobMoved, e.JobUpdated, e.JobHeld, e.JobReleased, e.JobRemoved),
     *(e.ComponentOutOfService, e.ComponentInService, e.ScriptReleased),
     *(e.JobMayStart, e.JobStarted, e.JobAborting, e.JobCompleted, e.JobAborted),
-)
+}
 """Events after which other jobs may be at work."""
 
 

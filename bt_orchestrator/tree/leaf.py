@@ -6,7 +6,7 @@ from py_trees.common import Status
 
 from bt_orchestrator.model import effects
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.contest import Contest
+from bt_orchestrator.model.contest import NO_CONTEST, Contest
 from bt_orchestrator.model.failures import RETRY
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.hold_words import again_words, hold_wait_words
@@ -101,9 +101,10 @@ class ActionLeaf(TaskWaiter, Ticked):
             what = f'waiting for {task.component}, busy with {holder(state, busy)}'
             return Wait(what, WaitKind.COMPONENT, task.component, section_of(busy), busy.task)
         # Checked here too: the event for what is seen now comes only later.
-        contest = state.contests.get(task.component) or Contest(
-            tuple(self.subject.recorder.rivals(task.component))
-        )
+        contest = state.contests.get(task.component)
+        if not contest:
+            rivals = self.subject.recorder.rivals(task.component)
+            contest = Contest(tuple(rivals)) if rivals else NO_CONTEST
         if not contest:
             return None
         what = contest.wait(task.component, task.action)
@@ -152,7 +153,8 @@ class ActionLeaf(TaskWaiter, Ticked):
 
     def _running(self, attempt: int) -> str:
         words = again_words(self.subject.state.round(self.subject.key), attempt)
-        return ', '.join(filter(None, (f'running at {self.subject.task.action}', words)))
+        where = f'running at {self.subject.task.action}'
+        return f'{where}, {words}' if words else where
 
     def _args(self) -> dict[str, object]:
         if not self.subject.task.refers:

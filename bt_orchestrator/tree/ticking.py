@@ -45,7 +45,7 @@ class Ticked(Behaviour):
 
     def stop(self, new_status: Status) -> None:
         """Set the status; INVALID: abandon the branch. This never cancels goals in flight."""
-        if new_status is Status.INVALID:
+        if new_status is Status.INVALID and self.children:
             invalidate(self.children)
         self.status = new_status
 
@@ -82,15 +82,17 @@ class InOrder(_Composite, composites.Sequence):
         """Tick the children without a lasting success, until one has to wait."""
         if self.status is not Status.RUNNING:
             invalidate(self.children)
-        status = Status.SUCCESS
-        for number, child in enumerate(self.children):
-            self.current_child = child
-            if child.status is Status.SUCCESS and child.lasting:
+        children = self.children
+        child = children[-1]
+        status = success = Status.SUCCESS
+        for number, child in enumerate(children):
+            if child.status is success and child.lasting:
                 continue
             status = child.run()
-            if status is not Status.SUCCESS:
-                invalidate(self.children[number + 1 :])
+            if status is not success:
+                invalidate(children[number + 1 :])
                 break
+        self.current_child = child
         self.status = status
         return status
 
@@ -141,6 +143,7 @@ class FirstOf(_Composite, composites.Selector):
 
 def invalidate(behaviours: Iterable[Ticked]) -> None:
     """Stop branches that are not ticked now."""
+    invalid = Status.INVALID
     for one in behaviours:
-        if one.status is not Status.INVALID:
-            one.stop(Status.INVALID)
+        if one.status is not invalid:
+            one.stop(invalid)

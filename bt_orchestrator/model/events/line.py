@@ -8,6 +8,7 @@ from typing import ClassVar
 
 from bt_orchestrator.model.events.base import Event
 from bt_orchestrator.model.events.tasks import TaskEvent
+from bt_orchestrator.model.frozen import made_at_once
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,6 +20,7 @@ class CycleEvent(Event):
     item: str
 
 
+@made_at_once
 @dataclass(frozen=True, kw_only=True)
 class CycleStarted(CycleEvent):
     """A section begins its list for an item; at the source the item exists from here on."""
@@ -28,6 +30,7 @@ class CycleStarted(CycleEvent):
     """The beat this cycle's turn belongs to; the one to come for a cycle begun ahead."""
 
 
+@made_at_once
 @dataclass(frozen=True, kw_only=True)
 class TurnCompleted(CycleEvent):
     """The section releases the conveyor (semantics 3.4, 3.8)."""
@@ -35,6 +38,7 @@ class TurnCompleted(CycleEvent):
     event: ClassVar[str] = 'turn.completed'
 
 
+@made_at_once
 @dataclass(frozen=True, kw_only=True)
 class CycleCompleted(CycleEvent):
     """All steps of the list have ended."""
@@ -140,6 +144,7 @@ class ItemIdentified(ItemEvent):
     """What was read, without white space around it."""
 
 
+@made_at_once
 @dataclass(frozen=True, kw_only=True)
 class ItemMoved(ItemEvent):
     """The item, or empty position, moved into the slot of a section."""

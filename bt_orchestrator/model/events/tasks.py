@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any, ClassVar
 
 from bt_orchestrator.model.cell import OnFailure
 from bt_orchestrator.model.events.base import Event, TaskKey
+from bt_orchestrator.model.frozen import made_at_once, worked_out
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,12 +20,13 @@ class TaskEvent(Event):
     item: str | None = None
     task: str
 
-    @cached_property
+    @worked_out
     def key(self) -> TaskKey:
         """Which task of which item."""
         return TaskKey(self.job, self.section, self.item, self.task)
 
 
+@made_at_once
 @dataclass(frozen=True, kw_only=True)
 class TaskStarted(TaskEvent):
     """An attempt begins: its goal is sent once this event is durable (semantics 9.1)."""
@@ -82,6 +83,7 @@ class TaskCancelRequested(TaskEvent):
     """timeout, abort_job, abort or shutdown."""
 
 
+@made_at_once
 @dataclass(frozen=True, kw_only=True)
 class TaskSucceeded(TaskEvent):
     """The task was done (semantics 2.2)."""

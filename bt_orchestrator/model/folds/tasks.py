@@ -54,7 +54,7 @@ def task_cancel_requested(event: e.TaskCancelRequested, state: CellState) -> Non
 
 def task_failed(event: e.TaskFailed, state: CellState) -> None:
     reason = Reason(event.reason)
-    before = state.tasks.get(event.key, TaskState(Phase.FAILED))
+    before = state.tasks.get(event.key) or TaskState(Phase.FAILED)
     state.running.pop(event.key, None)
     state.tasks[event.key] = changed(
         before,
@@ -164,7 +164,7 @@ def _forget_done(state: CellState, key: e.TaskKey) -> None:
 def _end(state: CellState, key: e.TaskKey, end: End) -> None:
     _release(state, key)
     state.running.pop(key, None)
-    before = state.tasks.get(key, TaskState(Phase.DONE))
+    before = state.tasks.get(key) or TaskState(Phase.DONE)
     state.tasks[key] = changed(before, phase=Phase.DONE, hold=None, end=end)
 
 

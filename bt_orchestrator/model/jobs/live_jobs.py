@@ -9,7 +9,15 @@ from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import (
+    ItemsView,
+    Iterable,
+    Iterator,
+    KeysView,
+    Mapping,
+    Sequence,
+    ValuesView,
+)
 from contextlib import contextmanager
 from itertools import chain
 from typing import TYPE_CHECKING
@@ -20,17 +28,18 @@ if TYPE_CHECKING:
     from bt_orchestrator.model.state import JobState
 
 
-class LiveJobs(Mapping[str, 'JobState']):
+class LiveJobs(dict[str, 'JobState']):
     """Jobs by id: those that have started, in the order they did, then the queue in its order.
 
-    Only folds change it. A job in the queue is never changed in place but replaced by a copy, so
-    an earlier list of the queue stays valid.
+    Only folds change it, by the methods below. A job in the queue is never changed in place but
+    replaced by a copy, so an earlier list of the queue stays valid. A dict, since a task looks a
+    job up twenty times; only its order is another one.
     """
 
     def __init__(self, jobs: Iterable[JobState] = ()) -> None:
+        super().__init__()
         self.line: dict[str, JobState] = {}
         """Those that have started, in the order they did; read only."""
-        self._queued: dict[str, JobState] = {}
         self._keys: dict[str, float] = {}
         """Sort keys of the queue; a job put between two others gets a number between."""
         self._order: list[str] = []
@@ -51,23 +60,25 @@ class LiveJobs(Mapping[str, 'JobState']):
         for job in jobs:
             self.add(job)
 
-    def __getitem__(self, name: str) -> JobState:
-        found = self.line.get(name)
-        return self._queued[name] if found is None else found
-
-    def __contains__(self, name: object) -> bool:
-        return name in self.line or name in self._queued
-
     def __iter__(self) -> Iterator[str]:
         return chain(self.line, self._order)
 
-    def __len__(self) -> int:
-        return len(self.line) + len(self._order)
+    def keys(self) -> KeysView[str]:  # type: ignore[override]  # in their order
+        """Return the ids."""
+        return KeysView(self)
+
+    def values(self) -> ValuesView[JobState]:  # type: ignore[override]
+        """Return the jobs."""
+        return ValuesView(self)
+
+    def items(self) -> ItemsView[str, JobState]:  # type: ignore[override]
+        """Return ids and jobs."""
+        return ItemsView(self)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Mapping) and list(self.items()) == list(other.items())
 
-    __hash__ = None  # type: ignore[assignment]  # it changes
+    __hash__ = None  # it changes
 
     # --- the queue --------------------------------------------------------------------------
 
@@ -88,20 +99,18 @@ class LiveJobs(Mapping[str, 'JobState']):
         :param most: so many; None: all
         """
         names = self._order[first - 1 : None if most is None else first - 1 + most]
-        return [self._queued[name] for name in names]
+        return [self[name] for name in names]
 
     def place(self, name: str) -> int:
         """Return the place of a job in the queue, from 1; 0: it is not there."""
-        return self._at(self._order, name) + 1 if name in self._queued else 0
+        return self._at(self._order, name) + 1 if name in self._keys else 0
 
     def place_for(self, urgency: tuple[int, float], but: str = '') -> int:
         """Return the place of a new job, from 1: before the first ranked one that is less urgent.
 
         :param but: a job in the queue that is treated as if it were not there
         """
-        at = bisect_right(
-            self._ranked, urgency, key=lambda name: self._queued[name].job.terms.urgency
-        )
+        at = bisect_right(self._ranked, urgency, key=lambda name: self[name].job.terms.urgency)
         behind = next((name for name in self._ranked[at : at + 2] if name != but), None)
         place = self.place(behind) if behind is not None else len(self._order) + 1
         return place - 1 if 0 < self.place(but) < place else place
@@ -109,12 +118,12 @@ class LiveJobs(Mapping[str, 'JobState']):
     @property
     def first_awaiting(self) -> JobState | None:
         """The job in the queue whose start comes first, of those that wait for it."""
-        return self._queued[self._awaiting[0][1]] if self._awaiting else None
+        return self[self._awaiting[0][1]] if self._awaiting else None
 
     @property
     def next(self) -> JobState | None:
         """The first job in the queue that may start."""
-        return self._queued[self._allowed[0]] if self._allowed else None
+        return self[self._allowed[0]] if self._allowed else None
 
     def first(self, most: int) -> list[JobState]:
         """Return the jobs on the line, and the first ones of the queue."""
@@ -134,7 +143,7 @@ class LiveJobs(Mapping[str, 'JobState']):
         others wait until the next one has begun all of its items (semantics 5.2, 6.1).
         """
         queued = sorted((*self._ending, *self._allowed[:1]), key=self._keys.__getitem__)
-        return [*self.line.values(), *map(self._queued.__getitem__, queued)]
+        return [*self.line.values(), *map(self.__getitem__, queued)]
 
     def before(self, name: str) -> Iterator[JobState]:
         """Yield the jobs in front of one; those that may not start are passed (semantics 6.6)."""
@@ -146,7 +155,7 @@ class LiveJobs(Mapping[str, 'JobState']):
         allowed = self._allowed[: self._at(self._allowed, name)]
         ending = (one for one in self._ending if self._keys[one] < key)
         for queued in sorted((*ending, *allowed), key=self._keys.__getitem__):
-            yield self._queued[queued]
+            yield self[queued]
 
     def users(self, digest: str) -> int:
         """Return how many jobs use a script."""
@@ -165,10 +174,10 @@ class LiveJobs(Mapping[str, 'JobState']):
         """
         name = job.job.id
         self._count(job, 1)
+        self[name] = job
         if job.started:
             self.line[name] = job
             return
-        self._queued[name] = job
         self._put(name, place)
 
     def move(self, name: str, place: int, *, ranked: bool = False) -> None:
@@ -177,13 +186,13 @@ class LiveJobs(Mapping[str, 'JobState']):
         :param ranked: it is the one that follows from its urgency
         """
         job = self._take(name)
-        self._queued[name] = changed(job, ranked=ranked)
+        self[name] = changed(job, ranked=ranked)
         self._put(name, place)
 
     def start(self, name: str, time: float) -> None:
         """Take a job out of the queue, behind those on the line; held ones in front stay."""
         job = self._take(name)
-        self.line[name] = changed(
+        self[name] = self.line[name] = changed(
             job, started_at=time, progress=changed(job.progress), items=dict(job.items)
         )
 
@@ -192,39 +201,39 @@ class LiveJobs(Mapping[str, 'JobState']):
         """Replace a job in the queue; meanwhile it uses no script and no flag."""
         self._count(self.queued(name), -1)
         self._await(name, waits=False)
-        job = self._queued[name] = changed(self.queued(name))
+        job = self[name] = changed(self.queued(name))
         yield job
         self._judge(name)
         self._count(job, 1)
 
     def hold(self, name: str, *, held: bool) -> None:
         """Let later jobs pass a job in the queue, or let it start in its turn again."""
-        self._queued[name] = changed(self.queued(name), held=held)
+        self[name] = changed(self.queued(name), held=held)
         self._judge(name)
 
     def lack(self, name: str, unavailable: tuple[str, ...]) -> None:
         """Note which components out of service a job in the queue needs."""
-        self._queued[name] = changed(self.queued(name), unavailable=unavailable)
+        self[name] = changed(self.queued(name), unavailable=unavailable)
         self._judge(name)
 
     def release_script(self, name: str) -> None:
         """Let a job in the queue wait for the release of its script no more."""
-        self._queued[name] = changed(self.queued(name), awaits_release=False)
+        self[name] = changed(self.queued(name), awaits_release=False)
         self._judge(name)
 
     def allow_start(self, name: str) -> None:
         """Let a job in the queue wait for its start no more."""
         self._await(name, waits=False)
-        self._queued[name] = changed(self.queued(name), awaits_start=False)
+        self[name] = changed(self.queued(name), awaits_start=False)
         self._judge(name)
 
     def abort(self, name: str, reason: str) -> None:
         """Let a job end."""
-        queued = self._queued.get(name)
+        queued = self[name] if name in self._keys else None
         if queued is not None:
             self._await(name, waits=False)
             nothing = {'awaits_start': False, 'awaits_release': False, 'unavailable': ()}
-            self._queued[name] = changed(queued, **nothing)
+            self[name] = changed(queued, **nothing)
         job = self[name]
         job.aborting, job.paused, job.held, job.end_reason = True, False, False, reason
         if queued is not None:
@@ -232,14 +241,14 @@ class LiveJobs(Mapping[str, 'JobState']):
 
     def remove(self, name: str) -> JobState:
         """Take a job out and return it."""
-        job = self.line.pop(name, None) or self._take(name)
+        job = self.pop(name) if self.line.pop(name, None) else self._take(name)
         self._count(job, -1)
         return job
 
     def queued(self, name: str) -> JobState:
         """Return a job in the queue."""
-        assert name in self._queued, f'{name} is not in the queue'
-        return self._queued[name]
+        assert name in self._keys, f'{name} is not in the queue'
+        return self[name]
 
     def _put(self, name: str, place: int | None) -> None:
         last = len(self._order) + 1
@@ -270,12 +279,12 @@ class LiveJobs(Mapping[str, 'JobState']):
             self._list(names, name, is_one=False)
         self._await(name, waits=False)
         self._ending.discard(name)
-        del self._order[self._at(self._order, name)], self._queued[name], self._keys[name]
+        del self._order[self._at(self._order, name)], self[name], self._keys[name]
         return job
 
     def _judge(self, name: str) -> None:
         """Update the lists that a job in the queue is in."""
-        job = self._queued[name]
+        job = self[name]
         if job.aborting:
             self._ending.add(name)
         self._list(self._allowed, name, is_one=job.may_start)
@@ -292,7 +301,7 @@ class LiveJobs(Mapping[str, 'JobState']):
 
     def _await(self, name: str, *, waits: bool) -> None:
         """Note whether a job in the queue waits for its start, which does not change meanwhile."""
-        start = self._queued[name].job.terms.start
+        start = self[name].job.terms.start
         if start is None:
             return
         at = bisect_left(self._awaiting, (start, name))

@@ -132,7 +132,8 @@ class CellState:
 
     def task(self, key: TaskKey) -> Task | None:
         """Return the task that a key names; None for the belt's own move."""
-        return None if key.job is None else self.script(key.job).tasks[key.task]
+        job = key.job  # without `script`: a task is looked up eight times an attempt
+        return None if job is None else self.jobs[job].job.script.tasks[key.task]
 
     def round(self, key: TaskKey) -> int:
         """Return which further round of its repeat a task is in; 0: the first pass, or none."""

@@ -6,9 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from bt_orchestrator.model.frozen import made_at_once
 from bt_orchestrator.model.state.tasks import PassedTask
 
 
+@made_at_once
 @dataclass(frozen=True)
 class Cycle:
     """A section's pass through its list for one item."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any
 
+from bt_orchestrator.model.frozen import made_at_once
 from bt_orchestrator.model.goal import Reason
 from bt_orchestrator.model.script import Task
 from bt_orchestrator.model.uptime import Uptime
@@ -47,6 +48,7 @@ class End(Enum):
         return self in (End.CONTINUED, End.REJECTED, End.ABORTED)
 
 
+@made_at_once
 @dataclass(frozen=True)
 class TaskState:
     """Progress of one task of one item."""
