@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from bt_orchestrator.errors import OrchestratorError
@@ -43,6 +43,8 @@ class Source:
     """The last event before the period; 0: there is none."""
     ended_us: int | None = None
     """When the journal ended, if that was before the period."""
+    steps: tuple[e.ClockStepped, ...] = ()
+    """Steps of the clock within the period."""
 
     def beside(self, seqs: Sequence[int]) -> Source:
         """Return it with events that were read beside books."""
@@ -83,6 +85,11 @@ class Account:
     cell_differs: bool
     """The node ran with another cell file than the one that the pace is of."""
 
+    @property
+    def _lacks_time(self) -> bool:
+        """Tell whether the clock was set back: the time that came twice counts once."""
+        return any(step.seconds < 0 for step in self.source.steps)
+
     def notes(self) -> tuple[str, ...]:
         """Say what it was made from, and what limits it."""
         when, books = self.period.when, self.books
@@ -108,7 +115,8 @@ class Account:
             said.append(f'no performance and no OEE: for the pace of {named} the cell file {why}')
         if self.cell_differs:
             said.append('the pace is by a cell file that is not the one that the node ran with')
-        if shown.performance is not None and shown.performance > 1:
+        said += [_step_words(step, self.period) for step in self.source.steps]
+        if shown.performance is not None and shown.performance > 1 and not self._lacks_time:
             said.append('quicker than the pace: the durations in the cell file are too long')
         scripts = shown.times.scripts
         for made, pace in shown.paces.items():
@@ -134,16 +142,18 @@ def account(reading: Reading, period: Period, cell: Cell | None) -> Account:
     extent = reading.records.extent()
     fold, wanted = fold_with_books(reading, period)
     first, last, newest = 0, 0, wanted.after_seq
+    steps: list[e.ClockStepped] = []
     for event in reading.events(wanted):
         newest = event.seq
         if us_of(event.time) >= period.begin_us:
             first, last = first or event.seq, event.seq
+            steps += [event] if isinstance(event, e.ClockStepped) else []
         fold.follow(event)
     ended = None if first or fold.books.span else _ended_before(reading, period)
     after = next(reading.events(Wanted(events=FOLLOWED, after_seq=newest)), None)
     if after is not None:
         fold.comes_after(after, period.end_us)
-    source = Source(extent, first, last, reading.lost, newest, ended)
+    source = Source(extent, first, last, reading.lost, newest, ended, tuple(steps))
     return account_of(fold, period, Paces(cell), source)
 
 
@@ -183,12 +193,17 @@ def of_job(reading: Reading, job: str, journal: str) -> Period:
     begin = end = None
     for event in reading.events(Wanted(job=job, events=_OF_A_JOB)):
         if isinstance(event, e.JobStarted):
-            begin = us_of(event.time)
+            begin = event
         else:
-            end = us_of(event.time)
+            end = event
     if begin is None:
         return _by_summary(reading, job, journal)
-    return Period.all_planned(f'job {job}', begin, end or whole(reading, journal).end_us)
+    until = whole(reading, journal).end_us if end is None else us_of(end.time)
+    moments = [us_of(begin.time), until]
+    for step in _steps(reading):
+        if begin.seq < step.seq and (end is None or step.seq < end.seq):
+            moments += _around(step)
+    return Period.all_planned(f'job {job}', min(moments), max(moments))
 
 
 def _by_summary(reading: Reading, job: str, journal: str) -> Period:
@@ -213,12 +228,37 @@ def whole(reading: Reading, journal: str) -> Period:
     events = (list(reading.each(Wanted(newest_first=newest), 1)) for newest in (False, True))
     known = [us_of(json.loads(record.text)['time']) for records in events for record in records]
     first, last = first_booked(reading), last_booked(reading)
-    begins = [*known[:1], *([] if first is None else [first.begin_us])]
-    ends = [*known[1:], *([] if last is None else [last.until_us])]
-    if not ends:
+    begins = [] if first is None else [first.begin_us]
+    ends = [] if last is None else [last.until_us]
+    moments = [*known, *begins, *ends]
+    if not moments:
         raise NothingToReport(f'{journal} has no event; name the journal of a node that ran')
-    begin, end = min(begins), max(ends)
-    return Period.all_planned('all that the journal has', begin, end)
+    for step in _steps(reading):
+        moments += _around(step)
+    return Period.all_planned('all that the journal has', min(moments), max(moments))
+
+
+def _steps(reading: Reading) -> Iterator[e.ClockStepped]:
+    for event in reading.events(Wanted(events=(e.ClockStepped.event,))):
+        if isinstance(event, e.ClockStepped):
+            yield event
+
+
+def _around(step: e.ClockStepped) -> tuple[int, int]:
+    """Return the time that the clock showed before a step, and after it."""
+    after = us_of(step.time)
+    return after - us_of(step.seconds), after
+
+
+def _step_words(step: e.ClockStepped, period: Period) -> str:
+    """Say how a step of the clock changes what a period tells."""
+    before, after = _around(step)
+    way = 'back' if step.seconds < 0 else 'forward'
+    count = 'counts once, so the figures lack it' if step.seconds < 0 else 'counts as not recorded'
+    return (
+        f'the clock was set {way} by {abs(step.seconds):.0f} s, from {period.when(before)} to '
+        f'{period.when(after)}: that time {count}'
+    )
 
 
 def _span(period: Period) -> str:
