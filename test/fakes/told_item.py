@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 from fakes.line import Line
@@ -48,6 +49,9 @@ class ToldItem:
             faults={'a2': 'TASK_A#2=abort TASK_A#3=abort', 'arm': 'TASK_B#2=reads:7.5'},
             seconds={'b2': 3.0},
         )
+        parts = self.line.cell.components
+        remembering = {name: replace(one, result_timeout_s=60.0) for name, one in parts.items()}
+        self.line.cell = replace(self.line.cell, components=remembering)
         self.world = World(self.line.cell)
         self.world.clock.sleep(1.0)
         self.world.clock.ahead_s = BEGIN
