@@ -53,7 +53,7 @@ GOES_ON = ('clear', 'reset', 'start')
 COMMANDS_OF = {10: ('stop',), 11: GOES_ON, 12: ('abort',)}
 """Choices of an operator who does more than answer."""
 RELEASES = 15
-RUNS_EMPTY = range(26, 28)
+RUNS_EMPTY = 26
 OF_JOBS = range(16, 26)
 """Choices of one who asks something of a job."""
 SERVICE = (13, 14)
@@ -83,7 +83,7 @@ def operate(bench: Bench, moments: Sequence[Moment]) -> bool:
             number = choice - OF_JOBS.start + (int(moment.delay_s) if moment else 0)
             which = (number * 7 + len(possible) // 2) % len(possible)
             bench.ask(*possible[which], number)
-        elif choice in RUNS_EMPTY and (ways := bench.ways_to_empty()):
+        elif choice == RUNS_EMPTY and (ways := bench.ways_to_empty()):
             bench.run_empty(ways[int(moment.delay_s if moment else 0) % len(ways)])
         elif moment is None and (kept := _kept(bench.possible())):
             bench.ask(*kept[0], 0)

@@ -147,9 +147,7 @@ class ProductBench:
         self.scripts = product_scripts(plan, self.cell)
         self._orders = iter((*plan.orders, *plan.later))
         self.accepted: dict[str, str] = {}
-        """Scripts of the orders."""
-        self.exchanged: set[str] = set()
-        """Scripts that orders were given later."""
+        """Scripts of the orders, as last changed."""
         self.refused: set[str] = set()
         """Orders, and changes of them, whose flags cannot be shared with the ones before (4.1)."""
         self._asked = 0
@@ -269,7 +267,7 @@ class ProductBench:
         command = self._asking(what, job, number)
         answer = self.run.ask(command)
         if answer.accepted and isinstance(command, UpdateJob):
-            self.exchanged.add(command.job.script.name)
+            self.accepted[job] = command.job.script.name
         if not answer.accepted:
             assert what in ('update', 'requeue'), answer
             assert 'the line can get stuck' in answer.message, answer

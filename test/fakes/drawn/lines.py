@@ -27,7 +27,6 @@ from hypothesis import strategies as st
 
 ANY = Traits()
 MOMENTS = (0.13, 3.71, 17.93, 61.57)
-SETUPS = st.sampled_from((0.0, 1.0))
 PRIORITIES = (0, 0, 3, 5, -1)
 STARTS = st.sampled_from((None, None, 0.0371, 9.0373, 45.0379))
 """At no moment at which anything else happens: what comes first then is open."""
@@ -38,17 +37,16 @@ def lines(draw: Draw, traits: Traits = ANY) -> Plan:
     """Draw a line."""
     size = min(draw(st.integers(1, traits.most_sections)), draw(st.integers(2, MOST_SECTIONS)))
     cell = draw_cell(draw, size, traits)
-    are_short = chance(draw, 20)
     scripts = [DrawnScript(draw, 'script_0', size, cell, traits).whole()]
-    if are_short:
+    if traits.short:
         add_setup(draw, scripts[0])
     if draw(st.booleans()):
         scripts.append(DrawnScript(draw, 'script_1', size, cell, traits).whole())
     if draw(st.integers(0, 3)) == 0:
         scripts.append(_variant(draw, scripts[0]))
-    orders = _short_orders(draw) if are_short else _orders(draw, scripts)
+    orders = _short_orders(draw) if traits.short else _orders(draw, scripts)
     first = len(orders) if draw(st.booleans()) else 1
-    moment = st.builds(Moment, st.sampled_from(MOMENTS), st.integers(0, 27))
+    moment = st.builds(Moment, st.sampled_from(MOMENTS), st.integers(0, 26))
     moments = draw(st.lists(moment, max_size=10))
     drawn = draw(st.lists(st.sampled_from((*SECONDS, 40.0)), max_size=5)) if traits.tied else []
     rebuilds = draw(st.frozensets(st.integers(1, 80), max_size=6))
@@ -71,11 +69,10 @@ def _orders(draw: Draw, scripts: Sequence[Row]) -> tuple[Order, ...]:
 
 def _order(draw: Draw, name: str, script: str) -> Order:
     quantity, by_recipe = draw(st.integers(1, 4)), chance(draw, 60)
-    setup = draw(SETUPS)
     if not chance(draw, 70):
-        return Order(name, script, quantity, by_recipe=by_recipe, setup=setup)
+        return Order(name, script, quantity, by_recipe=by_recipe)
     priority = draw(st.sampled_from(PRIORITIES))
-    return Order(name, script, quantity, priority, draw(STARTS), by_recipe, setup)
+    return Order(name, script, quantity, priority, draw(STARTS), by_recipe)
 
 
 def _short_orders(draw: Draw) -> tuple[Order, ...]:

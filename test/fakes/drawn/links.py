@@ -35,16 +35,13 @@ def draw_initialization(draw: Draw, cell: Row) -> Row:
             task['retries'] = 1
         if chance(draw, 50):
             task['once'] = True
-        if chance(draw, 60):
-            task['args'] = {'special_argument_2': draw(st.sampled_from((0.0, 1.0, SETUP)))}
+        if chance(draw, 40):
+            task['args'] = {'special_argument_2': draw(st.sampled_from((0.0, 1.0)))}
         tasks.append(task)
     ids = [task['id'] for task in tasks]
     pairs = [(ids[n - 1], ids[n]) for n in range(1, len(ids)) if chance(draw, 40)]
     order = [{'upstream': up, 'downstream': down} for up, down in pairs]
-    script: Row = {'initialization': tasks, 'initialization_dependencies': order}
-    if any(SETUP in task.get('args', {}).values() for task in tasks):
-        script['params'] = {'setup': {'type': 'float', 'default': 0.0}}
-    return script
+    return {'initialization': tasks, 'initialization_dependencies': order}
 
 
 def add_setup(draw: Draw, script: Row) -> None:

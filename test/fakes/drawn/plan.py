@@ -119,6 +119,8 @@ class Traits:
     tied: bool = True
     """Durations may be equal, so that several things happen at one moment."""
     most_sections: int = MOST_SECTIONS
+    short: bool = False
+    """Several orders of one item, each with a setup of its own."""
 
 
 def devices(cell: Row) -> list[Row]:
