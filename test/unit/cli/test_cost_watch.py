@@ -48,6 +48,8 @@ def test_simulate_of_two_thousand_million_items_ends_with_a_sentence(
     monkeypatch.setattr('bt_orchestrator.cli.bootstrap.installed_types', FakeActionTypes)
     order = tmp_path / 'order.yaml'
     order.write_text(json.dumps({'script': 'inspect_and_assemble', 'quantity': 2**31 - 1}))
-    words = ['simulate', str(order), '--cell', str(REFERENCE_CELL), '--trees', str(TREES)]
+    cell = tmp_path / 'cell.yaml'
+    cell.write_text(f'{REFERENCE_CELL.read_text()}\nmost_items: 2147483647\n')
+    words = ['simulate', str(order), '--cell', str(cell), '--trees', str(TREES)]
     assert main(words) == 1
     assert '2147483647 items would take about' in capsys.readouterr().err
