@@ -31,3 +31,14 @@ def common(some: Iterable[Span], others: Iterable[Span]) -> Iterator[Span]:
             start, end = max(span.start, other.start), min(span.end, other.end)
             if start < end:
                 yield Span(start, end)
+
+
+def gaps(whole: Span, spans: Iterable[Span]) -> Iterator[Span]:
+    """Yield the parts of a span in which none of the others runs."""
+    until = whole.start
+    for start, end in sorted(spans):
+        if until < min(start, whole.end):
+            yield Span(until, min(start, whole.end))
+        until = max(until, end)
+    if until < whole.end:
+        yield Span(until, whole.end)

@@ -8,6 +8,7 @@ from typing import Any
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.hold_words import held_words
 from bt_orchestrator.model.script import Script
+from bt_orchestrator.report.intervals import Span, gaps
 from bt_orchestrator.report.item.history import (
     CONTINUED,
     FAILED,
@@ -23,6 +24,7 @@ from bt_orchestrator.report.item.history import (
     Neighbour,
     Restart,
     Stay,
+    Waited,
 )
 from bt_orchestrator.report.item.scene import Film
 from bt_orchestrator.report.item.why import Next, Scripts, waits
@@ -103,7 +105,21 @@ class ItemFold:
         if self._is_mine(event):
             self._end_stay(event.time)
             self.history.ended = event.time
+            self.history.idle = self._idle(event.time)
             self.history.how = event.how if isinstance(event, e.ItemRemoved) else 'missing'
+
+    def _idle(self, ended: float) -> list[Waited]:
+        """Return what the item waited for while it had no task to wait for, as once rejected."""
+        history = self.history
+        if history.started is None:
+            return []
+        told = [Span(w.start, w.end) for one in history.tasks for w in one.waited]
+        task = Next.none(history.job, history.item)
+        return [
+            waited
+            for gap in gaps(Span(history.started, ended), [*told, *history.work])
+            for waited in waits(self._film, gap.start, gap.end, task, self._scripts)
+        ]
 
     def _identified(self, event: e.ItemIdentified) -> None:
         if self._is_mine(event):

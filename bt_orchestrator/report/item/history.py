@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from bt_orchestrator.model.codec import to_plain
+from bt_orchestrator.report.intervals import Span
 
 RUNNING, SUCCEEDED, FAILED = 'running', 'succeeded', 'failed'
 SKIPPED, MARKED_DONE, CONTINUED = 'skipped', 'marked_done', 'continued'
@@ -173,6 +174,17 @@ class ItemHistory:
     decisions: list[Decision] = field(default_factory=list)
     stays: list[Stay] = field(default_factory=list)
     restarts: list[Restart] = field(default_factory=list)
+    idle: list[Waited] = field(default_factory=list)
+    """What it waited for while it had no task to wait for; known once it has ended."""
+
+    @property
+    def work(self) -> list[Span]:
+        """The times in which its tasks ran."""
+        return [
+            Span(one.started, one.ended)
+            for one in self.tasks
+            if one.started is not None and one.ended is not None
+        ]
 
 
 def plain_item(history: ItemHistory) -> dict[str, Any]:

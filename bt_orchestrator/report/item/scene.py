@@ -36,8 +36,8 @@ class Scene:
     running: Mapping[e.TaskKey, e.TaskStarted] = field(default_factory=dict)
     kept: Mapping[e.TaskKey, str] = field(default_factory=dict)
     """Components of tasks that run, or are held."""
-    delayed: frozenset[e.TaskKey] = frozenset()
-    """Tasks that are to be tried again."""
+    delayed: Mapping[e.TaskKey, float] = field(default_factory=dict)
+    """Until when tasks that are to be tried again are delayed."""
     flags: Mapping[str, int] = field(default_factory=dict)
     unready: frozenset[str] = frozenset()
     out_of_service: frozenset[str] = frozenset()
@@ -134,7 +134,7 @@ def _task_started(scene: Scene, event: e.TaskStarted) -> Scene:
         scene,
         running={**scene.running, event.key: event},
         kept={**scene.kept, event.key: event.component},
-        delayed=scene.delayed - {event.key},
+        delayed=_without(scene.delayed, event.key),
     )
 
 
@@ -143,12 +143,12 @@ def _task_ended(scene: Scene, event: e.TaskEvent) -> Scene:
         scene,
         running=_without(scene.running, event.key),
         kept=_without(scene.kept, event.key),
-        delayed=scene.delayed - {event.key},
+        delayed=_without(scene.delayed, event.key),
     )
 
 
 def _task_retrying(scene: Scene, event: e.TaskRetrying) -> Scene:
-    return changed(scene, delayed=scene.delayed | {event.key})
+    return changed(scene, delayed={**scene.delayed, event.key: event.not_before})
 
 
 def _round_begun(scene: Scene, event: e.RoundBegun) -> Scene:

@@ -135,10 +135,11 @@ def time_uses(history: ItemHistory) -> list[TimeUse]:
 
     Each moment counts once: while one of two parallel tasks runs, the item does not wait.
     """
-    taken = _work(history)
+    taken = history.work
     worked_s = covered_s(taken)
     waited: dict[tuple[str, str], float] = {}
-    for one in sorted({w for a in history.tasks for w in a.waited}, key=lambda w: w.start):
+    told = {*history.idle, *(waited for one in history.tasks for waited in one.waited)}
+    for one in sorted(told, key=lambda w: w.start):
         span = Span(one.start, one.end)
         more_s = covered_s([*taken, span]) - covered_s(taken)
         key = (f'waited {wait_words(one)}', one.kind)
@@ -151,15 +152,7 @@ def time_uses(history: ItemHistory) -> list[TimeUse]:
 
 def worked_s(history: ItemHistory) -> float:
     """Return for how long at least one task of an item ran."""
-    return covered_s(_work(history))
-
-
-def _work(history: ItemHistory) -> list[Span]:
-    return [
-        Span(one.started, one.ended)
-        for one in history.tasks
-        if one.started is not None and one.ended is not None
-    ]
+    return covered_s(history.work)
 
 
 def _rest(history: ItemHistory, told_s: float) -> Iterator[TimeUse]:

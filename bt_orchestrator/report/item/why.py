@@ -27,12 +27,17 @@ class Next(NamedTuple):
     key: e.TaskKey
     component: str
 
+    @classmethod
+    def none(cls, job: str, item: str) -> Next:
+        """Return what stands for no task: the item waits for the line to go on."""
+        return cls(e.TaskKey(job, None, item, ''), '')
+
 
 def waits(film: Film, start: float, end: float, task: Next, scripts: Scripts) -> list[Waited]:
     """Return what a task waited for, one thing after the other."""
     found: list[Waited] = []
-    for since, until, scene in film.between(start, end):
-        cause = next(_obstacles(scene, task, scripts), None)
+    for since, until, scene in _stretches(film, start, end, task.key):
+        cause = next(_obstacles(scene, task, scripts, since), None)
         kind, words = (cause.kind.value, cause.text) if cause else ('', '')
         last = found[-1] if found else None
         if last is not None and (last.kind, last.words) == (kind, words):
@@ -42,8 +47,20 @@ def waits(film: Film, start: float, end: float, task: Next, scripts: Scripts) ->
     return [one for one in found if one.seconds >= LEAST_S]
 
 
-def _obstacles(scene: Scene, task: Next, scripts: Scripts) -> Iterator[Cause]:
-    """Yield what is in the way of a task, in the order in which the line looks."""
+def _stretches(
+    film: Film, start: float, end: float, key: e.TaskKey
+) -> Iterator[tuple[float, float, Scene]]:
+    """Yield the scenes of a stretch of time, parted where the delay of a retry is over."""
+    for since, until, scene in film.between(start, end):
+        over = min(max(scene.delayed.get(key, since), since), until)
+        yield from ((a, b, scene) for a, b in ((since, over), (over, until)) if a < b)
+
+
+def _obstacles(scene: Scene, task: Next, scripts: Scripts, since: float) -> Iterator[Cause]:
+    """Yield what is in the way of a task, in the order in which the line looks.
+
+    :param since: when this stretch of the scene begins
+    """
     is_there = _is_in_hand(scene, task.key)
     yield from _of_cell(scene, task.key, is_there=is_there)
     if not is_there:
@@ -56,7 +73,7 @@ def _obstacles(scene: Scene, task: Next, scripts: Scripts) -> Iterator[Cause]:
         yield from _of_zones(scene, task.key, script, scripts)
     if task.component in scene.unready:
         yield cause_of(Wait('', WaitKind.READINESS, task.component), ())
-    if task.key in scene.delayed:
+    if scene.delayed.get(task.key, since) > since:
         yield Cause(WaitKind.RETRY_DELAY, 'the delay before a retry')
     yield from _of_component(scene, task)
 

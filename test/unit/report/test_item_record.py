@@ -16,7 +16,7 @@ from fakes.virtual_run import VirtualRun
 
 from bt_orchestrator.cli.main import main
 from bt_orchestrator.drawing.documents.item_page import Source, item_page
-from bt_orchestrator.model.events import CycleStarted
+from bt_orchestrator.model.events import CycleStarted, ScriptLoaded
 from bt_orchestrator.model.records import Wanted
 from bt_orchestrator.model.wait import WaitKind
 from bt_orchestrator.report.causes import cause_of
@@ -155,6 +155,60 @@ def test_what_an_item_waited_for_is_what_the_line_said_at_the_time() -> None:
                     then = [k for at, k in said[attempt.section] if one.start <= at < one.end]
                     assert all(one.kind in kind for kind in then), (attempt, one, then)
     assert kinds_told >= {'belt', 'turn', 'component', 'flag', 'zone'}
+
+
+DELAYED = """
+sections:
+  1: [{id: place, @a1, qty_change: 1}]
+  2: [{id: weigh, @arm, retries: 1, retry_delay: 1.0}]
+  3: [{id: join, @a3}, {id: stamp, @arm.TASK_B}, {id: pack, @b3, qty_change: -1}]
+"""
+
+
+def history_of(run: VirtualRun, item: str = 'J/1') -> ItemHistory:
+    events = run.store.read()
+    (script,) = (one.definition for one in events if isinstance(one, ScriptLoaded))
+    fold = ItemFold(item, 'J', lambda _: script)
+    for event in events:
+        fold.follow(event)
+    return fold.history
+
+
+def test_a_retry_waits_for_its_delay_and_then_for_the_arm() -> None:
+    """The arm is taken while the delay lasts, and for much longer."""
+    seconds = {'a3': 0.5, 'arm': 20.0}
+    line = Line(3, seconds=seconds, faults={'arm': 'TASK_A#2=reject'})
+    run = VirtualRun(line.cell, line.types)
+    run.submit('J', line.script(DELAYED), 2)
+    run.go()
+    tasks = history_of(run, 'J/2').tasks
+    (again,) = (one for one in tasks if (one.task, one.attempt) == ('weigh', 2))
+    assert [(w.kind, round(w.seconds, 3)) for w in again.waited] == [
+        ('retry_delay', 1.0),
+        ('component', 19.5),
+    ]
+
+
+def test_a_rejected_item_waits_for_the_holds_that_stop_the_line() -> None:
+    text = """
+    sections:
+      1: [{id: place, @a1, qty_change: 1}]
+      2: [{id: work, @a2, on_failure: reject}]
+      3: [{id: skipped, @b3}, {id: pack, @a3, qty_change: -1, runs_for: all}]
+    """
+    line = Line(3, faults={'a2': '#1=abort', 'a1': '#2=abort'})
+    run = VirtualRun(line.cell, line.types)
+    run.submit('J', line.script(text), 2)
+    run.go()
+    run.sim.clock.call_at(run.now + 100.0, lambda: None)
+    run.go(until=run.now + 100.0)
+    run.answer('mark_done')
+    run.go()
+    history = history_of(run)
+    assert history.rejected
+    uses = {use.words: use.seconds for use in time_uses(history)}
+    assert 'neither worked on nor waiting for a task' not in uses
+    assert uses['waited for an answer to hold 1'] >= 100.0
 
 
 # --- the verb -----------------------------------------------------------------------------------

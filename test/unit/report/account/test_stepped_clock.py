@@ -39,6 +39,8 @@ def test_a_period_reaches_over_the_times_before_and_after_a_step(of: object) -> 
 def test_a_report_names_the_step_and_does_not_blame_the_cell_file() -> None:
     reading = set_back()
     notes = account(reading, whole(reading, 'j'), LINE.cell).notes()
-    (named,) = (note for note in notes if note.startswith('the clock was set back by 3600 s, from'))
+    (named,) = (
+        note for note in notes if note.startswith('the clock was set back by 3600 s, from')
+    )
     assert named.endswith('that time counts once, so the figures lack it')
     assert not any('cell file are too long' in note for note in notes)
