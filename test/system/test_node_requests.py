@@ -9,7 +9,7 @@ from pathlib import Path
 from bt_orchestrator_interfaces.action import RunJob
 from bt_orchestrator_interfaces.msg import WorkOrder
 from bt_orchestrator_interfaces.srv import AnswerHold, GetEvents, RemoveItem, SubmitOrder
-from cell_processes import CellProcesses, StartCell, small_script
+from cell_processes import SMALL_CELL, CellProcesses, StartCell, small_script
 from diagnostic_msgs.msg import KeyValue
 from node_watcher import NodeWatcher
 
@@ -169,16 +169,18 @@ def test_holds_and_items_are_answered_with_what_there_is(start_cell: StartCell) 
     cell.stop()
 
 
-def test_a_very_large_order_delays_nobody(small_cell: CellProcesses) -> None:
-    path = small_cell.script(small_script())
-    (finding,) = refusal(small_cell.watch, path, quantity=LARGEST_WHOLE + 1)
+def test_a_very_large_order_delays_nobody(start_cell: StartCell) -> None:
+    cell = start_cell(f'{SMALL_CELL}most_items: {LARGEST_WHOLE}\n')
+    cell.connect()
+    path = cell.script(small_script())
+    (finding,) = refusal(cell.watch, path, quantity=LARGEST_WHOLE + 1)
     assert str(LARGEST_WHOLE) in finding
 
-    small_cell.watch.submit(path, quantity=LARGEST_WHOLE)
-    small_cell.watch.until('item.removed', count=2)
-    (job,) = small_cell.watch.status.jobs
+    cell.watch.submit(path, quantity=LARGEST_WHOLE)
+    cell.watch.until('item.removed', count=2)
+    (job,) = cell.watch.status.jobs
     assert (job.quantity, job.state) == (LARGEST_WHOLE, 'Running')
-    small_cell.stop()
+    cell.stop()
 
 
 def test_8_2_a_script_that_would_get_stuck_is_refused(small_cell: CellProcesses) -> None:

@@ -1,4 +1,4 @@
-"""A controller whose result is no number: kept, handed on, taken over, and read by others."""
+"""A controller whose result is no number: kept, read by others, and sent to no controller."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def worker(got: list[float]) -> Iterator[ThreadServers]:
     servers.close()
 
 
-def test_a_result_that_is_no_number_stops_nothing(
+def test_a_result_that_is_no_number_reaches_no_other_controller(
     worker: ThreadServers, got: list[float], start_cell: StartCell, tmp_path: Path
 ) -> None:
     path = tmp_path / 'journal.sqlite3'
@@ -55,17 +55,21 @@ def test_a_result_that_is_no_number_stops_nothing(
         STATELESS_CELL, shares=['feeder,packer,conveyor'], run_options=options
     )
     cell.connect()
-    cell.watch.submit(cell.script(SCRIPT), quantity=3)
-    cell.watch.until('task.started', item='WO-1/1', task='pack')
+    cell.watch.submit(cell.script(SCRIPT), quantity=1)
+    held = cell.watch.until('hold.raised', item='WO-1/1', task='use')
+    assert held['reason'] == 'missing_result'
+    assert held['message'] == '${results.measure.measurement} is nan, which is no finite number'
     cell.kill_and_restart_node()
+    hold = cell.watch.until_held()
+    assert (hold.task, hold.reason) == ('use', 'missing_result')
+    assert cell.watch.answer(hold.id, 'mark_done').accepted
     job = cell.watch.until_ended('WO-1')
-    assert (job.packed, job.nonconforming) == (3, 0)
-    assert len(got) == 3
-    assert all(map(math.isnan, got))
+    assert (job.packed, job.nonconforming) == (1, 0)
+    assert got == [], 'the goal was sent'
     status, output, _ = run_verb(cell.folder, 'events', '--journal', str(path))
     assert status == 0
     records = [json.loads(line, parse_constant=pytest.fail) for line in output.splitlines()]
-    (first, *_) = (r for r in records if r['event'] == 'task.succeeded' and r['task'] == 'measure')
+    (first,) = (r for r in records if r['event'] == 'task.succeeded' and r['task'] == 'measure')
     assert first['results']['measurement'] == {'$float': 'nan'}
     words = ['history', '--journal', str(path), '--job', 'WO-1', '--items']
     assert '"measurement": NaN' in run_verb(cell.folder, *words)[1]

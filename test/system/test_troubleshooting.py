@@ -43,7 +43,9 @@ def test_every_command_does_what_it_is_for(start_cell: StartCell, tmp_path: Path
 
     path = f'{program_in(tmp_path / "bin")}:{os.environ["PATH"]}'
     (tmp_path / 'cell' / 'trees').mkdir()
-    (tmp_path / 'cell' / 'small.yaml').rename(tmp_path / 'cell' / 'trees' / 'small.yaml')
+    script = (tmp_path / 'cell' / 'small.yaml').read_text()
+    drains = script.replace('qty_change: -1', 'qty_change: -1, runs_for: all')
+    (tmp_path / 'cell' / 'trees' / 'small.yaml').write_text(drains)
     printed = ''
     for command in commands():
         done = subprocess.run(
