@@ -206,15 +206,18 @@ def _why_not_rejected(state: CellState, key: e.TaskKey) -> str | None:
 
 
 def _what_is_unknown(key: e.TaskKey, task: Task) -> str:
-    done = 'placed in' if task.qty_change == 1 else 'taken out of'
-    return f'it is not known whether {key.item} was {done} section {key.section}'
+    return f'it is not known whether {key.item} was {_moved(key, task)}'
+
+
+def _moved(key: e.TaskKey, task: Task) -> str:
+    """Say what a task with `qty_change` does to its item."""
+    return f'{"placed in" if task.qty_change == 1 else "taken out of"} section {key.section}'
 
 
 def _question(key: e.TaskKey, task: Task, offered: tuple[str, ...]) -> str:
     """Ask what only a person can see: whether the slot holds the item."""
-    done = 'placed in' if task.qty_change == 1 else 'taken out of'
     otherwise = ' or '.join(answer for answer in offered if answer != MARK_DONE)
-    return f'was {key.item} {done} section {key.section}? mark_done if it was, else {otherwise}'
+    return f'was {key.item} {_moved(key, task)}? mark_done if it was, else {otherwise}'
 
 
 def _wanted(state: CellState, key: e.TaskKey) -> str:

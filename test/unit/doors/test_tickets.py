@@ -52,18 +52,25 @@ def ticket(number: int) -> str:
     return f'{number:016x}'
 
 
+async def begun(doors: SerialDoors) -> tuple[Tickets, list[asyncio.Task[Outcome]]]:
+    """Begin a burst of commands, until the first one has reached the node."""
+    tickets = Tickets(doors, lambda: len(doors.events))
+    waiting = [
+        asyncio.ensure_future(
+            tickets.carry_out(ticket(one), asked('job.hold', ticket(one), job=f'J{one}'))
+        )
+        for one in range(MANY)
+    ]
+    while not (doors.events or any(one.done() for one in waiting)):
+        await asyncio.sleep(0)
+    return tickets, waiting
+
+
 def test_a_burst_is_read_once_and_an_emergency_overtakes_it() -> None:
     doors = SerialDoors()
 
     async def burst() -> list[Outcome]:
-        tickets = Tickets(doors, lambda: len(doors.events))
-        jobs = [
-            tickets.carry_out(ticket(one), asked('job.hold', ticket(one), job=f'J{one}'))
-            for one in range(MANY)
-        ]
-        waiting = [asyncio.ensure_future(one) for one in jobs]
-        while not (doors.events or any(one.done() for one in waiting)):
-            await asyncio.sleep(0)
+        tickets, waiting = await begun(doors)
         await tickets.carry_out(ticket(MANY), asked('cell.abort', ticket(MANY)))
         return await asyncio.gather(*waiting)
 
@@ -78,14 +85,7 @@ def test_what_waited_for_room_is_not_sent_to_a_node_that_went_away() -> None:
     doors = SerialDoors()
 
     async def burst() -> list[object]:
-        tickets = Tickets(doors, lambda: len(doors.events))
-        jobs = [
-            tickets.carry_out(ticket(one), asked('job.hold', ticket(one), job=f'J{one}'))
-            for one in range(MANY)
-        ]
-        waiting = [asyncio.ensure_future(one) for one in jobs]
-        while not (doors.events or any(one.done() for one in waiting)):
-            await asyncio.sleep(0)
+        tickets, waiting = await begun(doors)
         doors.is_silent = True
         found = await asyncio.gather(*waiting, return_exceptions=True)
         doors.is_silent = False
