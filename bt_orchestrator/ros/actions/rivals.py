@@ -41,6 +41,7 @@ class Rivals:
         self._fresh_node = fresh_node
         self._names: tuple[str, ...] = ()
         self._ids: Sequence[str] = ()
+        self._are_named = False
         self._trial: Node | None = None
         self._tried_s = -math.inf
         self._tried_ids: Sequence[str] | None = None
@@ -71,8 +72,8 @@ class Rivals:
         publishers = client.status.publishers_info()
         ids = sorted(map(endpoint_id, publishers))
         # The names of nodes come a moment after what they serve.
-        if not self._names or ids != self._ids or not all(map(is_named, publishers)):
-            self._ids = ids
+        if not self._names or ids != self._ids or not self._are_named:
+            self._ids, self._are_named = ids, all(map(is_named, publishers))
             names = (*owners(publishers), *_without_status(client, len(publishers)))
             self._names = names[:MOST_TOLD]
 

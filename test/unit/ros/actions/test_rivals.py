@@ -1,0 +1,34 @@
+"""Names of several servers, which the ROS graph learns a moment after what they serve (2.5)."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+
+from bt_orchestrator.ros.actions import rivals
+from bt_orchestrator.ros.actions.endpoints import UNNAMED
+from bt_orchestrator.ros.actions.rivals import Rivals
+
+
+@pytest.mark.parametrize('looks', [1, 2])
+def test_2_5_a_server_that_was_seen_without_a_name_gets_it(
+    monkeypatch: pytest.MonkeyPatch, looks: int
+) -> None:
+    monkeypatch.setattr(rivals, 'LOOK_S', 0.0)
+    first, second = endpoint('press', 1), endpoint(UNNAMED, 2)
+    status = SimpleNamespace(publishers=2, publishers_info=lambda: [first, second])
+    client = SimpleNamespace(status=status, count_servers=lambda: 2)
+    clients = cast('Any', SimpleNamespace(current=client))
+    several = Rivals(clients, fresh_node=lambda: cast('Any', None))
+    for _ in range(looks):
+        assert several.look() == ('/press', 'a node without name')
+    second.node_name = 'copy_of_press'
+    assert several.look() == ('/copy_of_press', '/press')
+    first.node_name = UNNAMED
+    assert several.look() == ('/copy_of_press', '/press'), 'a name that was known stays'
+
+
+def endpoint(node: str, number: int) -> SimpleNamespace:
+    return SimpleNamespace(node_name=node, node_namespace='/', endpoint_gid=bytes([number] * 16))
