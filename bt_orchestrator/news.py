@@ -24,7 +24,7 @@ class News:
         self._wake = wake
 
     def add(self, entry: Told) -> None:
-        """Add news; an acceptance does not wake the tick, as nothing follows from it."""
+        """Add news; an acceptance does not wake the tick: its record can wait for the next one."""
         # By identity: two equal state readings are two readings, and values may be unhashable.
         self._entries.pop(id(entry), None)
         self._entries[id(entry)] = entry

@@ -94,7 +94,7 @@ class GoalEnd:
     message: str = ''
     """Message of the server or the gateway, for a person."""
     denied_by: str | None = None
-    """Instance of the server that does not know an adopted goal; None: not known."""
+    """Instance of the server that does not know a goal of an earlier process; None: not known."""
     topic_says: str = ''
     """Without a result: the end of the goal by the status topic, which decides nothing (decision
     0018): succeeded, canceled or aborted; empty: it does not say."""

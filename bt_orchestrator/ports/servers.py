@@ -72,7 +72,7 @@ class ActionGateway(Servers, Protocol):
     def listen(self, wake: Callable[[], None]) -> None:
         """Set the function that is called whenever `drain` has an end or a state reading.
 
-        An acceptance alone does not call it: nothing follows from it.
+        An acceptance alone does not call it: what it changes (`task.adopted`) can wait.
         """
 
     def send(self, request: GoalRequest) -> Goal:

@@ -26,8 +26,8 @@ GRACE_S = 5.0
 """Seconds that a cancelled goal has to reach its terminal status (semantics 2.4)."""
 
 
-_CARRIED_OUT = {e.TaskStarted, e.TaskAdopted, e.TaskResent, e.TaskCancelRequested}
-"""Events that send a goal, take one over or cancel one."""
+_CARRIED_OUT = {e.OrchestratorStarted, e.TaskStarted, e.TaskResent, e.TaskCancelRequested}
+"""Events that ask for goals of an earlier orchestrator, send a goal or cancel one."""
 
 
 class Flights:
@@ -41,8 +41,10 @@ class Flights:
         self._clock = clock
         self._wake = wake
         self._goals: dict[str, tuple[e.TaskKey, Goal]] = {}
-        self._adopted: set[str] = set()
-        """Goals of an earlier orchestrator whose servers have not answered yet."""
+        self._taken_over = tuple(key for key, task in ledger.state.running.items() if task.goal)
+        """Tasks whose goals an earlier orchestrator sent."""
+        self._unconfirmed: set[str] = set()
+        """Those goals, until their servers have said that they know them (semantics 9.2)."""
         self._given_up: dict[str, tuple[e.TaskKey, Goal]] = {}
         """In doubt: no end came in time, and an operator decides about the task."""
         self._put_off: list[tuple[Goal, GoalEnd]] = []
@@ -87,11 +89,23 @@ class Flights:
                 self._ledger.record(_of_reading(self._ledger.state, news))
             elif isinstance(news, SeenContest):
                 self._ledger.record(contests.seen(self._ledger.state, news))
-            elif news.end is not None:
-                self._end(news, news.end)
+            else:
+                self._confirm(news)
+                if news.end is not None:
+                    self._end(news, news.end)
         expired, self._expired = self._expired, []
         for uuid in expired:
             self._expire(uuid)
+
+    def _confirm(self, goal: Goal) -> None:
+        """Record that a goal of an earlier orchestrator was found at its server."""
+        uuid = goal.request.id
+        key, held = self._goals.get(uuid, (None, None))
+        if uuid not in self._unconfirmed or not goal.accepted or key is None or held is not goal:
+            return
+        self._unconfirmed.remove(uuid)
+        attempt = self._ledger.state.running[key].attempt
+        self._ledger.record([e.TaskAdopted(**key._asdict(), attempt=attempt, goal=uuid)])
 
     def _end(self, goal: Goal, end: GoalEnd) -> None:
         uuid = goal.request.id
@@ -107,7 +121,8 @@ class Flights:
             return
         del self._goals[uuid]
         state = self._ledger.state
-        was_unknown = self._forget_adopted(goal) and end.status is GoalStatus.LOST
+        was_unknown = uuid in self._unconfirmed and end.status is GoalStatus.LOST
+        self._unconfirmed.discard(uuid)
         event = self._of_unknown(key, goal, end) if was_unknown else of_end(state, key, goal, end)
         self._ledger.record([event])
         if isinstance(event, e.TaskSucceeded):
@@ -118,19 +133,11 @@ class Flights:
 
         The line has to be checked, or the component is out of service.
         """
-        is_unknown = goal.request.id in self._adopted and not goal.accepted
-        if not is_unknown or end.status is not GoalStatus.LOST:
+        if goal.request.id not in self._unconfirmed or end.status is not GoalStatus.LOST:
             return False
         state = self._ledger.state
         is_blocked = bool(state.pauses) or self._task(key).component in state.out_of_service
         return self._may_go_again(key, end) and is_blocked
-
-    def _forget_adopted(self, goal: Goal) -> bool:
-        """Remove a goal from the adopted ones; tell whether its server had never confirmed it."""
-        if goal.request.id not in self._adopted:
-            return False
-        self._adopted.remove(goal.request.id)
-        return not goal.accepted
 
     def _expire(self, uuid: str) -> None:
         if uuid not in self._goals:
@@ -146,7 +153,7 @@ class Flights:
         self._ledger.record([failed(self._ledger.state, key, goal, Reason.IN_DOUBT, message)])
 
     def _of_unknown(self, key: e.TaskKey, goal: Goal, end: GoalEnd) -> e.TaskEvent:
-        """Return the event for an adopted goal that its server does not know (9.2)."""
+        """Return the event for a goal of an earlier orchestrator that its server denies (9.2)."""
         running, task = self._ledger.state.running[key], self._task(key)
         assert running.goal is not None
         if self._may_go_again(key, end):
@@ -174,9 +181,12 @@ class Flights:
 
         The same server instance that it was sent to does not know it, at a time when it would
         still remember even a goal that had ended at once. The steady clock proves that time. The
-        wall clock has to agree, because servers forget by theirs.
+        wall clock has to agree, because servers forget by theirs. A status topic that lists the
+        goal disproves it: the server forgets sooner than the cell file says.
         """
         remembered_s = self._ledger.state.cell.components[component].result_timeout_s
+        if end.topic_says:
+            return False
         is_same = end.denied_by is not None and end.denied_by == running.server
         ago_s = seconds_between(running.sent_up, self._clock.uptime())
         passed = (ago_s, self._ledger.now - running.sent)
@@ -192,8 +202,9 @@ class Flights:
             request = GoalRequest(event.goal, event.component, event.name, event.args)
             self._goals[event.goal] = (event.key, self._gateway.send(request))
             self._watch(event.key)
-        elif isinstance(event, e.TaskAdopted):
-            self._adopt(event)
+        elif isinstance(event, e.OrchestratorStarted):
+            for key in self._taken_over:
+                self._adopt(key)
         elif isinstance(event, e.TaskResent):
             request = self._request(event.key)
             self._goals[event.goal] = (event.key, self._gateway.send(request))
@@ -202,13 +213,15 @@ class Flights:
             self._goals[event.goal][1].cancel()
             self._arm(event.goal, GRACE_S)
 
-    def _adopt(self, event: e.TaskAdopted) -> None:
-        goal = self._gateway.adopt(self._request(event.key))
-        self._goals[event.goal] = (event.key, goal)
-        self._adopted.add(event.goal)
-        if self._ledger.state.running[event.key].cancel_cause is not None:
+    def _adopt(self, key: e.TaskKey) -> None:
+        """Ask for the goal of an earlier orchestrator; nothing is sent."""
+        request = self._request(key)
+        goal = self._gateway.adopt(request)
+        self._goals[request.id] = (key, goal)
+        self._unconfirmed.add(request.id)
+        if self._ledger.state.running[key].cancel_cause is not None:
             goal.cancel()
-        self._watch(event.key)
+        self._watch(key)
 
     def _request(self, key: e.TaskKey) -> GoalRequest:
         """Return the request of a task that runs, as it was sent."""

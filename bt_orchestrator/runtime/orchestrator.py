@@ -302,8 +302,8 @@ class Orchestrator:
         self.state.packml, self.state.packml_since = PackmlState.HELD, self._ledger.now
         self.state.stop_reason, self.state.stop_message = StopReason.OWN_FAULT, str(failed)
         for event in lost:
-            if isinstance(event, e.TaskAdopted):
-                self.flights.follow(event)  # sends nothing, and lets `abort` cancel the goal
+            if isinstance(event, e.OrchestratorStarted):
+                self.flights.follow(event)  # sends nothing, and lets `abort` cancel its goals
         self.flights.close()
         self.breakdown = Breakdown(str(failed), self.flights.without_end, self.gateway)
         log.error('%s', self.broken)

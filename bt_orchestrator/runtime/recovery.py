@@ -207,14 +207,11 @@ def take_over(
     for name, component in state.cell.components.items():
         if component.state is not None and state.readings[name].ready:
             yield e.ComponentStateChanged(component=name, ready=False)  # no message yet
-    adopted = {key: task for key, task in state.running.items() if task.goal is not None}
-    for key, task in adopted.items():
-        assert task.goal is not None
-        yield e.TaskAdopted(**key._asdict(), attempt=task.attempt, goal=task.goal)
+    goals = sum(task.goal is not None for task in state.running.values())
     waits = [hold for hold in state.pauses if hold.reason == RESTARTED]
     if auto_resume:
         yield from (e.HoldReleased(hold=hold.id) for hold in waits)
-    unfinished = _unfinished(len(state.jobs), len(adopted))
+    unfinished = _unfinished(len(state.jobs), goals)
     if is_copy or missing:
         yield _to_be_looked_at(state, f'{end}: {unfinished}', missing, is_copy=is_copy)
     elif state.jobs and not auto_resume and not waits and _would_go_on(state):

@@ -54,6 +54,7 @@ class VirtualClient:
         self._has_feedback = action_type.has_task_field
         self._controller = Controller[VirtualGoal](component, action_type, self, clock, duration)
         self._waiting: dict[VirtualGoal, None] = {}
+        self._on_the_way: dict[str, VirtualGoal] = {}
         self._in_flight: dict[VirtualGoal, None] = {}
         self._remembered: dict[str, tuple[VirtualGoal, float | None]] = {}
         self._listed: dict[str, str] = {}
@@ -76,13 +77,19 @@ class VirtualClient:
     def send(self, goal: VirtualGoal) -> None:
         """Request the goal, or wait for the server."""
         if self.available and not self.contest.servers:
+            self._on_the_way[goal.request.id] = goal
             goal.timer = self._clock.call_at(self._clock.steady(), lambda: self._deliver(goal))
             return
         self._waiting[goal] = None
         goal.timer = self._after(self._server_timeout_s, lambda: self._give_up(goal))
 
     def adopt(self, request: GoalRequest) -> VirtualGoal:
-        """Return the goal that the server knows by this UUID, else one that ends LOST."""
+        """Return the goal that the server knows, or will know, by this UUID.
+
+        Any other ends LOST.
+        """
+        if request.id in self._on_the_way:
+            return self._on_the_way[request.id]
         self._forget_old()
         known, _ = self._remembered.get(request.id, (None, None))
         if known is not None:
@@ -162,6 +169,7 @@ class VirtualClient:
 
     def _deliver(self, goal: VirtualGoal) -> None:
         goal.timer = None
+        self._on_the_way.pop(goal.request.id, None)
         goal.sent_s = self._clock.steady()
         self._in_flight[goal] = None
         if not self._present:

@@ -50,7 +50,7 @@ class TaskStarted(TaskEvent):
 
 @dataclass(frozen=True, kw_only=True)
 class TaskAdopted(TaskEvent):
-    """After a restart the goal in flight is asked for by its UUID (semantics 9.2)."""
+    """After a restart the server has confirmed that it has the goal in flight (semantics 9.2)."""
 
     event: ClassVar[str] = 'task.adopted'
     attempt: int
@@ -59,9 +59,10 @@ class TaskAdopted(TaskEvent):
 
 @dataclass(frozen=True, kw_only=True)
 class TaskResent(TaskEvent):
-    """The server does not know an adopted goal, and it is sent again, with the same UUID.
+    """After a restart the server does not know the goal in flight, and it is sent again.
 
-    The task is repeatable, or the goal is proven never to have arrived (semantics 9.2).
+    The UUID is the same. The task is repeatable, or the goal is proven never to have arrived
+    (semantics 9.2).
     """
 
     event: ClassVar[str] = 'task.resent'

@@ -74,7 +74,7 @@ class Attempt:
     beside: list[AtWork] = field(default_factory=list)
     """What else ran while it ran."""
     adopted: int = 0
-    """How often a node that was started again asked for its result."""
+    """How often a node that was started again found its goal at the controller."""
     resent: int = 0
     """How often its goal was sent again, because the server did not know it."""
     cancelled: str = ''

@@ -230,7 +230,7 @@ def _details(attempt: Attempt) -> Iterator[Detail]:
     if attempt.beside:
         yield Detail('at work at the same time', _at_work(attempt.beside))
     if attempt.adopted:
-        yield Detail('restart', 'its result was asked for after a restart')
+        yield Detail('restart', 'the goal was taken over after a restart')
     if attempt.resent:
         yield Detail('restart', 'its goal was sent again: the server did not know it')
     if attempt.cancelled:

@@ -276,6 +276,74 @@ def test_9_2_a_goal_that_never_arrived_is_sent_with_the_same_uuid() -> None:
     started = [x for x in world.events(e.TaskStarted) if isinstance(x, e.TaskStarted)]
     assert [x.goal for x in started if x.task == 'work'] == [resent.goal]
     assert not world.events(e.TaskFailed)
+    assert not world.events(e.TaskAdopted), 'its server never knew it'
+
+
+def test_9_2_a_goal_is_adopted_once_its_server_has_confirmed_it() -> None:
+    world = World(Line().cell)
+    killed_at_work(world, Line().script(with_section(2, '- {id: work, @a2.TASK_B}')))
+    unheard = world.orchestrator()
+    unheard.settle()
+    assert not world.events(e.TaskAdopted), 'no answer has come yet'
+    unheard.close()
+
+    third = world.orchestrator()
+    third.settle()
+    world.clock.advance()
+    third.settle()
+    (adopted,) = world.events(e.TaskAdopted)
+    assert isinstance(adopted, e.TaskAdopted)
+    assert (adopted.task, adopted.attempt) == ('work', 1)
+    assert [key.task for key in third.state.running] == ['work'], 'it still runs'
+    world.go(third)
+    assert world.events(e.TaskAdopted) == [adopted]
+    assert not third.state.jobs
+
+
+def test_9_2_a_result_confirms_a_goal_too() -> None:
+    world = World(Line().cell)
+    killed_at_work(world, Line().script(with_section(2, '- {id: work, @a2.TASK_B}')))
+    world.clock.sleep(RESULT_TIMEOUT_S / 2)  # it ends meanwhile
+    world.go(world.orchestrator())
+    told = [
+        type(event).__name__
+        for event in world.store.read()
+        if isinstance(event, e.TaskEvent) and event.task == 'work'
+    ]
+    assert told == ['TaskStarted', 'TaskAdopted', 'TaskSucceeded']
+
+
+def test_9_2_killed_again_before_the_server_answers_nothing_is_done_twice() -> None:
+    """The second orchestrator dies before it hears that the goal never arrived."""
+    world = World(Line().cell)
+    first = begun(world, Line().script(with_section(2, '- {id: work, @a2.TASK_B}')), 1)
+    world.gateway.unsent = 'TASK_B'
+    world.go_until_starts(first, 'work')
+    first.close()
+    world.gateway.unsent = None
+    second = world.orchestrator()
+    second.settle()
+    second.close()
+    world.go(world.orchestrator())
+    assert not world.events(e.TaskAdopted)
+    assert len(world.events(e.TaskResent)) == 1
+    assert [item for item, task in work_of(world) if task == 'work'] == ['J/1']
+
+
+def test_9_2_a_goal_that_the_status_topic_lists_has_arrived() -> None:
+    """The server forgets sooner than the cell file says; then its denial is no proof."""
+    line = Line()
+    quick = replace(line.cell.components['a2'], result_timeout_s=1.0)
+    world = World(replace(line.cell, components={**line.cell.components, 'a2': quick}))
+    world.cell = line.cell
+    killed_at_work(world, line.script(with_section(2, '- {id: work, @a2.TASK_B}')))
+    world.clock.sleep(RESULT_TIMEOUT_S / 2)
+    second = world.orchestrator()
+    world.go(second)
+    assert not world.events(e.TaskResent)
+    assert not world.events(e.TaskAdopted), 'its server does not know it any more'
+    (hold,) = second.state.holds.values()
+    assert (hold.reason, hold.topic_says) == ('in_doubt', 'succeeded')
 
 
 def test_9_2_a_server_may_have_forgotten_what_it_did_long_ago() -> None:
