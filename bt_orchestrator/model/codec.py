@@ -15,7 +15,7 @@ import types
 import typing
 from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from enum import Enum
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import compress
 from json.encoder import c_make_encoder, encode_basestring  # type: ignore[attr-defined]
 from operator import itemgetter, ne
@@ -34,7 +34,7 @@ _APART = ('made_from', 'most_items')
 
 _DIGEST = '$digest'
 _TEXT = '$text'
-_SCALARS = (str, int, bool, type(None))
+_SCALARS: tuple[type, ...] = (str, int, bool, type(None))
 """Written unchanged; a float may have no JSON form."""
 _ENCODER = json.JSONEncoder(ensure_ascii=False, allow_nan=False)
 _encode_ascii = json.JSONEncoder(allow_nan=False).encode
@@ -217,10 +217,12 @@ def to_plain(value: Any, *, whole: bool = False) -> Any:
         parts = [p if isinstance(p, str) else to_plain(p, whole=whole) for p in value.parts]
         return {_TEMPLATE: parts}
     if dataclasses.is_dataclass(value):
+        if whole:
+            return plain_but(value)
         return {
-            field.name: to_plain(getattr(value, field.name), whole=whole)
+            field.name: to_plain(getattr(value, field.name))
             for field in dataclasses.fields(value)
-            if whole or not _is_default(field, getattr(value, field.name))
+            if not _is_default(field, getattr(value, field.name))
         }
     if isinstance(value, Enum):
         return value.value
@@ -229,6 +231,42 @@ def to_plain(value: Any, *, whole: bool = False) -> Any:
     if isinstance(value, (list, tuple)):
         return [to_plain(member, whole=whole) for member in value]
     return value
+
+
+def plain_but(fact: Any, *without: str) -> dict[str, Any]:
+    """Return a dataclass with all its fields as plain data, but for some."""
+    return _whole(fact.__class__, without)(fact)
+
+
+@lru_cache(maxsize=256)
+def _whole(kind: type, without: tuple[str, ...]) -> Callable[[Any], dict[str, Any]]:
+    """Compile what makes a dictionary of fields: a status is a hundred facts, every second."""
+    made = [
+        f'{field.name!r}: {_whole_value(hints_of(kind)[field.name], f"it.{field.name}")}'
+        for field in dataclasses.fields(kind)
+        if field.name not in without
+    ]
+    known = {'plain': partial(to_plain, whole=True), 'fact': plain_but, 'is_finite': math.isfinite}
+    make = eval(f'lambda it: {{{", ".join(made)}}}', known)
+    return cast('Callable[[Any], dict[str, Any]]', make)
+
+
+def _whole_value(hint: Any, value: str) -> str:
+    """Return the source text of what makes a value plain."""
+    origin, kinds = typing.get_origin(hint), _kinds(hint)
+    if origin is tuple and Ellipsis in kinds:
+        member = _whole_value(typing.get_args(hint)[0], 'one')
+        return f'list({value})' if member == 'one' else f'[{member} for one in {value}]'
+    if origin is Mapping or not all(isinstance(kind, type) for kind in kinds):
+        return f'plain({value})'
+    if kinds <= set(_SCALARS):
+        return value
+    if kinds <= {float, type(None)}:
+        return f'({value} if {value} is None or is_finite({value}) else plain({value}))'
+    if origin is None and issubclass(hint, Enum):
+        return f'{value}.value'
+    is_fact = origin is None and dataclasses.is_dataclass(hint) and hint is not Template
+    return f'fact({value})' if is_fact else f'plain({value})'
 
 
 def _key(key: Any) -> str:

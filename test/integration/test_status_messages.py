@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import json
 import typing
 from collections.abc import Mapping
+from dataclasses import make_dataclass
 from typing import Any
 
 import pytest
+from bt_orchestrator_interfaces.msg import FlagStatus
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from rclpy.serialization import deserialize_message, serialize_message
 
-from bt_orchestrator.model.codec import hints_of
+from bt_orchestrator.model.codec import from_plain, hints_of, json_of, to_plain
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.jobs.isa95 import JobWord
 from bt_orchestrator.model.jobs.order import RecipeChoice
@@ -28,9 +31,15 @@ from bt_orchestrator.model.status import (
 from bt_orchestrator.model.wish import Wish
 from bt_orchestrator.model.words import Words
 from bt_orchestrator.ros.stamps import from_time, to_time
-from bt_orchestrator.ros.types.description_messages import cell_description, description_message
-from bt_orchestrator.ros.types.job_messages import listed_job, listed_message
-from bt_orchestrator.ros.types.status_messages import StatusWriter, cell_status
+from bt_orchestrator.ros.types.mapping import mapped
+from bt_orchestrator.ros.types.status_messages import (
+    StatusWriter,
+    cell_description,
+    cell_status,
+    description_message,
+    listed_job,
+    listed_message,
+)
 
 TEXTS = st.text(st.characters(exclude_categories=['Cs'], exclude_characters='\0'), max_size=8)
 NAMES = TEXTS.filter(bool)
@@ -107,6 +116,12 @@ def test_a_status_comes_back_as_it_was(status: CellStatus) -> None:
     assert cell_status(sent(StatusWriter().message(status))) == status
 
 
+@given(STATUSES)
+@settings(max_examples=50, deadline=None)
+def test_a_status_comes_back_from_json(status: CellStatus) -> None:
+    assert from_plain(CellStatus, json.loads(json_of(to_plain(status, whole=True)))) == status
+
+
 @given(STATUSES, STATUSES)
 @settings(max_examples=50, deadline=None)
 def test_a_writer_that_wrote_others_before_writes_the_same(
@@ -139,3 +154,17 @@ def test_a_time_keeps_its_nanoseconds(seconds: float) -> None:
 def test_times_of_today_come_back_exactly() -> None:
     times = [1764000000.0 + 0.0771234 * n for n in range(1000)]
     assert [from_time(to_time(seconds)) for seconds in times] == times
+
+
+@pytest.mark.parametrize(
+    ('fields', 'message'),
+    [
+        ({'name': str, 'count': int, 'capacity': int, 'new': str}, 'Fact.new is told in no field'),
+        ({'name': str, 'count': int}, 'no field of Fact is told in capacity'),
+        ({'name': str, 'count': int, 'capacity': float}, 'uint32 holds no float'),
+        ({'name': int, 'count': int, 'capacity': int}, 'string holds no int'),
+    ],
+)
+def test_fact_and_message_must_agree(fields: dict[str, type], message: str) -> None:
+    with pytest.raises(TypeError, match=message):
+        mapped(make_dataclass('Fact', list(fields.items())), FlagStatus)

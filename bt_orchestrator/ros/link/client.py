@@ -20,8 +20,7 @@ from bt_orchestrator.errors import NodeUnreachable
 from bt_orchestrator.model.status import CellDescription, CellStatus
 from bt_orchestrator.ros.identity import LOOK_S, TOPIC, Listener, twins_in_words
 from bt_orchestrator.ros.qos import EVENTS, LATCHED, create_client
-from bt_orchestrator.ros.types.description_messages import cell_description
-from bt_orchestrator.ros.types.status_messages import cell_status
+from bt_orchestrator.ros.types.status_messages import cell_description, cell_status
 
 STEP_S = 0.1
 """Longest time between two looks at whether to stop waiting."""

@@ -23,7 +23,7 @@ from bt_orchestrator.ports import EventPage, Listener, Moment, QueuePage, Watch
 from bt_orchestrator.ros.link.client import NodeClient
 from bt_orchestrator.ros.link.event_fetches import EventFetches
 from bt_orchestrator.ros.link.requests import answer_of, call_of
-from bt_orchestrator.ros.types.job_messages import job_status, listed_job
+from bt_orchestrator.ros.types.status_messages import job_status, listed_job
 
 if TYPE_CHECKING:
     from bt_orchestrator.ros.link.inspection_streams import InspectionStream

@@ -30,8 +30,7 @@ from bt_orchestrator.ros.qos import EVENTS, LATCHED, publisher
 from bt_orchestrator.ros.services.event_message import event_message
 from bt_orchestrator.ros.services.expected_ends import ExpectedEnds
 from bt_orchestrator.ros.stamps import to_time
-from bt_orchestrator.ros.types.description_messages import description_message
-from bt_orchestrator.ros.types.status_messages import StatusWriter
+from bt_orchestrator.ros.types.status_messages import StatusWriter, description_message
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.runtime.overview import Overview, description_of
 

@@ -27,7 +27,7 @@ from bt_orchestrator.model.wish import STOP_AFTER
 from bt_orchestrator.ros.services.order_requests import AskedOrders, asked_change, asked_order
 from bt_orchestrator.ros.services.senders import Senders
 from bt_orchestrator.ros.services.serving import serve, tell
-from bt_orchestrator.ros.types.job_messages import job_message, listed_message
+from bt_orchestrator.ros.types.status_messages import job_message, listed_message
 from bt_orchestrator.runtime import listed_jobs
 from bt_orchestrator.runtime.overview import Overview
 

@@ -40,7 +40,7 @@ from bt_orchestrator.ros.services.goal_server import GoalServer, ServedGoal
 from bt_orchestrator.ros.services.order_requests import asked_order, written_order
 from bt_orchestrator.ros.services.senders import Senders
 from bt_orchestrator.ros.stamps import to_time
-from bt_orchestrator.ros.types.job_messages import job_message
+from bt_orchestrator.ros.types.status_messages import job_message
 from bt_orchestrator.runtime.orchestrator import Orchestrator
 from bt_orchestrator.runtime.overview import Overview
 from bt_orchestrator.script.orders.desk import Reading

@@ -1,51 +1,175 @@
-"""The status of a cell as a message (bt_orchestrator_interfaces/msg/Status), and back."""
+"""The status of a cell as messages, and back: which facts, and what is not one to one."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Hashable, Iterable, Iterator
 from typing import Any, Generic, TypeVar
 
 from bt_orchestrator_interfaces import msg
+from builtin_interfaces.msg import Time
 
-from bt_orchestrator.model.packml import PackmlState
-from bt_orchestrator.model.roles import Role
-from bt_orchestrator.model.state import Hold
+from bt_orchestrator.model.codec import json_of
+from bt_orchestrator.model.frozen import changed
+from bt_orchestrator.model.jobs.counting import good_of
+from bt_orchestrator.model.jobs.isa95 import JobWord
+from bt_orchestrator.model.jobs.made_anew import MadeAnew
+from bt_orchestrator.model.stands import Stands
+from bt_orchestrator.model.state import Hold, PassedTask
 from bt_orchestrator.model.status import (
     BeltStatus,
+    CellDescription,
     CellStatus,
+    ComponentDescription,
     ComponentStatus,
+    FinishedCycle,
     FlagStatus,
+    ItemStatus,
     JobStatus,
+    ListedJob,
     SectionStatus,
+    TaskStatus,
 )
-from bt_orchestrator.model.stop_reason import StopReason
+from bt_orchestrator.model.wait import Wait
 from bt_orchestrator.model.wish import Wish
-from bt_orchestrator.ros.stamps import from_time, to_time
-from bt_orchestrator.ros.types.fact_messages import (
-    job_facts_message,
-    stands_message,
-    stands_of,
-    with_facts,
-    words_message,
-    words_of,
-)
-from bt_orchestrator.ros.types.job_messages import job_message, job_status
-from bt_orchestrator.ros.types.part_messages import (
-    component_message,
-    component_status,
-    hold_message,
-    hold_of,
-    section_message,
-    section_status,
-)
-from bt_orchestrator.ros.types.task_messages import (
-    task_message,
-    task_status,
-    wait_message,
-    wait_of,
-)
+from bt_orchestrator.model.words import Words
+from bt_orchestrator.ros.types.choice_messages import choice_fields, choice_from
+from bt_orchestrator.ros.types.mapping import Codec, Mapped, flat, mapped, supplement
 
 _Fact = TypeVar('_Fact')
+
+
+def _nothing(_: object) -> dict[str, Any]:
+    return {}
+
+
+# --- parts ------------------------------------------------------------------------------------
+
+for _kind in (Words, PassedTask, TaskStatus, Wait, Stands, FinishedCycle, FlagStatus):
+    mapped(_kind, getattr(msg, _kind.__name__))
+
+
+def _item(place: str) -> Codec:
+    """Return the codec of an item whose fields begin with a word."""
+    empty = f'{place}_empty_position'
+    present = Codec(
+        (empty,), lambda present: {empty: not present}, lambda it: not getattr(it, empty)
+    )
+    others = {name: f'{place}_{name}' for name in ('rejected', 'nonconforming')}
+    return flat(ItemStatus, msg.SectionStatus, {'id': place, 'present': present, **others})
+
+
+_SECTION = mapped(
+    SectionStatus,
+    msg.SectionStatus,
+    {'number': 'section', 'slot': _item('slot'), 'item': _item('item')},
+)
+_COMPONENT = mapped(ComponentStatus, msg.ComponentStatus)
+_HOLD = mapped(Hold, msg.HoldStatus)
+mapped(ComponentDescription, msg.ComponentDescription, {'durations_s': 'durations'})
+_DESCRIPTION = mapped(CellDescription, msg.CellDescription)
+
+description_message = _DESCRIPTION.write
+cell_description = _DESCRIPTION.read
+
+# --- jobs -------------------------------------------------------------------------------------
+
+_JOB_WORDS = {word: {'state': word.state, 'substate': word.substate} for word in JobWord}
+
+
+def _by_hand(message: msg.JobStatus) -> int:
+    """Derive how many items were taken off the belt by hand; of a job at work 1 may be lacking."""
+    if message.ended_at != Time():
+        return int(message.placed - message.packed - message.rejected)
+    return max(int(message.missing + message.placed - message.started), 0)
+
+
+_JOB = mapped(
+    JobStatus,
+    msg.JobStatus,
+    {
+        'state': Codec(
+            ('state', 'substate'),
+            _JOB_WORDS.__getitem__,
+            lambda it: JobWord(f'{it.state}/{it.substate}'.rstrip('/')),
+        ),
+        'anew': flat(
+            MadeAnew,
+            msg.JobStatus,
+            {
+                'without': 'made_without',
+                'back': 'made_with',
+                'per_item_s': 'made_per_item_s',
+                'before_s': 'made_before_s',
+            },
+            told_by='made_anew',
+        ),
+        'good': Codec((), _nothing, lambda it: good_of(it.packed, it.nonconforming)),
+        'by_hand': Codec((), _nothing, _by_hand),
+        'end_unknown': Codec((), _nothing, lambda _: ''),
+    },
+)
+_JOB_FACTS = supplement(JobStatus, msg.JobFacts, {'id': 'job'})
+"""What the message about a job cannot carry, since it never changes."""
+_LISTED = mapped(
+    ListedJob,
+    msg.ListedJob,
+    {
+        'status': 'job',
+        'details': Codec(
+            ('details',),
+            lambda details: {'details': json_of(details) if details else ''},
+            lambda it: json.loads(it.details or '{}'),
+        ),
+        'choice': Codec(('recipes', 'version', 'bind'), choice_fields, choice_from),
+    },
+)
+
+job_message, job_status = _JOB.write, _JOB.read
+listed_message, listed_job = _LISTED.write, _LISTED.read
+
+# --- the cell ---------------------------------------------------------------------------------
+
+
+def _part(field: str, part: Mapped[Any]) -> Codec:
+    """Return the codec of parts that a `StatusWriter` writes."""
+    return Codec((field,), _nothing, lambda it: tuple(map(part.read, getattr(it, field))))
+
+
+def _jobs(message: msg.Status) -> Iterator[JobStatus]:
+    for job, facts in zip(message.jobs, message.job_facts, strict=True):
+        yield changed(_JOB.read(job), **_JOB_FACTS.read(facts))
+
+
+_STATUS = mapped(
+    CellStatus,
+    msg.Status,
+    {
+        'wish': flat(
+            Wish,
+            msg.Status,
+            {
+                'command': 'stopped_with',
+                'who': 'stopped_by',
+                'reason': 'stopped_why',
+                'time': 'stopped_at',
+                'known': 'stopped_known',
+            },
+        ),
+        'belt': flat(
+            BeltStatus,
+            msg.Status,
+            {name: f'belt_{name}' for name in ('moving', 'running', 'waits')},
+        ),
+        'initialization': 'initialization_waits',
+        'sections': _part('sections', _SECTION),
+        'components': _part('components', _COMPONENT),
+        'jobs': Codec(('jobs', 'job_facts'), _nothing, lambda it: tuple(_jobs(it))),
+        'holds': _part('holds', _HOLD),
+    },
+)
+
+cell_status = _STATUS.read
 
 
 class _Parts(Generic[_Fact]):
@@ -75,115 +199,20 @@ class StatusWriter:
     """
 
     def __init__(self) -> None:
-        self._sections = _Parts[SectionStatus](lambda section: section.number, section_message)
-        self._components = _Parts[ComponentStatus](lambda one: one.name, component_message)
-        self._jobs = _Parts[JobStatus](lambda job: job.id, _job_messages)
-        self._holds = _Parts[Hold](lambda hold: hold.id, hold_message)
+        self._sections = _Parts[SectionStatus](lambda section: section.number, _SECTION.write)
+        self._components = _Parts[ComponentStatus](lambda one: one.name, _COMPONENT.write)
+        self._jobs = _Parts[JobStatus](
+            lambda job: job.id, lambda job: (_JOB.write(job), _JOB_FACTS.write(job))
+        )
+        self._holds = _Parts[Hold](lambda hold: hold.id, _HOLD.write)
 
     def message(self, status: CellStatus) -> msg.Status:
         """Return the message with all that a status says."""
-        wish, jobs = status.wish or Wish(''), self._jobs.messages(status.jobs)
-        return msg.Status(
-            stamp=to_time(status.stamp),
-            seq=status.seq,
-            history=status.history,
-            cell=status.cell,
-            state=status.state.value,
-            stop_after=status.stop_after,
-            stopped_by=wish.who,
-            stopped_known=wish.known,
-            stopped_with=wish.command,
-            stopped_why=wish.reason,
-            stopped_at=to_time(wish.time),
-            waits_for=status.waits_for,
-            journal_failure=status.journal_failure,
-            disk_wait=status.disk_wait,
-            state_since=to_time(status.state_since),
-            state_times=[
-                msg.StateTime(state=state.value, seconds=seconds)
-                for state, seconds in status.state_times.items()
-            ],
-            stop_reason=status.stop_reason.value if status.stop_reason else '',
-            stop_message=status.stop_message,
-            stop_words=words_message(status.stop_words),
-            stands=stands_message(status.stands),
-            unauthenticated_role=(
-                status.unauthenticated_role.value if status.unauthenticated_role else ''
-            ),
-            commands=status.commands,
-            belt_moving=status.belt.moving,
-            belt_running=[task_message(task) for task in status.belt.running],
-            belt_waits=[wait_message(wait) for wait in status.belt.waits],
-            initialization_waits=[wait_message(wait) for wait in status.initialization],
-            sections=self._sections.messages(status.sections),
-            components=self._components.messages(status.components),
-            jobs=[job for job, _ in jobs],
-            job_facts=[facts for _, facts in jobs],
-            queued=status.queued,
-            flags=[
-                msg.FlagStatus(name=flag.name, count=flag.count, capacity=flag.capacity)
-                for flag in status.flags
-            ],
-            holds=self._holds.messages(status.holds),
-        )
-
-
-def _job_messages(job: JobStatus) -> tuple[msg.JobStatus, msg.JobFacts]:
-    return job_message(job), job_facts_message(job)
-
-
-def cell_status(message: msg.Status) -> CellStatus:
-    """Return all that a message says."""
-    return CellStatus(
-        cell=message.cell,
-        stamp=from_time(message.stamp),
-        seq=message.seq,
-        history=message.history,
-        state=PackmlState(message.state),
-        state_since=from_time(message.state_since),
-        state_times={PackmlState(one.state): one.seconds for one in message.state_times},
-        stop_reason=StopReason(message.stop_reason) if message.stop_reason else None,
-        stop_message=message.stop_message,
-        stop_words=words_of(message.stop_words),
-        stands=stands_of(message.stands),
-        stop_after=message.stop_after,
-        wish=_wish(message),
-        waits_for=message.waits_for,
-        unauthenticated_role=_role(message.unauthenticated_role),
-        commands=tuple(message.commands),
-        journal_failure=message.journal_failure,
-        disk_wait=message.disk_wait,
-        belt=BeltStatus(
-            moving=message.belt_moving,
-            running=tuple(map(task_status, message.belt_running)),
-            waits=tuple(map(wait_of, message.belt_waits)),
-        ),
-        initialization=tuple(map(wait_of, message.initialization_waits)),
-        sections=tuple(map(section_status, message.sections)),
-        components=tuple(map(component_status, message.components)),
-        jobs=tuple(_jobs(message)),
-        queued=message.queued,
-        flags=tuple(FlagStatus(one.name, one.count, one.capacity) for one in message.flags),
-        holds=tuple(map(hold_of, message.holds)),
-    )
-
-
-def _jobs(message: msg.Status) -> Iterator[JobStatus]:
-    for job, facts in zip(message.jobs, message.job_facts, strict=True):
-        yield with_facts(job_status(job), facts)
-
-
-def _wish(message: msg.Status) -> Wish | None:
-    if not message.stopped_with:
-        return None
-    return Wish(
-        message.stopped_with,
-        message.stopped_by,
-        message.stopped_why,
-        from_time(message.stopped_at),
-        message.stopped_known,
-    )
-
-
-def _role(word: str) -> Role | None:
-    return Role(word) if word else None
+        message: msg.Status = _STATUS.write(status)
+        message.sections = self._sections.messages(status.sections)
+        message.components = self._components.messages(status.components)
+        jobs = self._jobs.messages(status.jobs)
+        message.jobs = [job for job, _ in jobs]
+        message.job_facts = [facts for _, facts in jobs]
+        message.holds = self._holds.messages(status.holds)
+        return message

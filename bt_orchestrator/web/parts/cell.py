@@ -1,10 +1,10 @@
-"""The cell as a whole, its holds and its flags as parts."""
+"""The cell as a whole and its holds as parts."""
 
 from __future__ import annotations
 
 from bt_orchestrator.model.alike import together
 from bt_orchestrator.model.by import named
-from bt_orchestrator.model.codec import to_plain
+from bt_orchestrator.model.codec import plain_but, to_plain
 from bt_orchestrator.model.hold_words import hold_words
 from bt_orchestrator.model.packml import PackmlState
 from bt_orchestrator.model.stands import StandCause
@@ -70,12 +70,7 @@ def cell_part(status: CellStatus, description: CellDescription, node: str) -> di
 
 
 def _wish_part(wish: Wish) -> dict[str, object]:
-    return {
-        'command': wish.command,
-        'who': named(wish.who, wish.known),
-        'reason': wish.reason,
-        'time': wish.time,
-    }
+    return {**plain_but(wish, 'known'), 'who': named(wish.who, wish.known)}
 
 
 def _kind(status: CellStatus) -> str:
@@ -95,40 +90,15 @@ def now_part(status: CellStatus) -> dict[str, object]:
     return {'seq': status.seq, 'history': status.history, 'stamp': status.stamp}
 
 
-def flags_part(status: CellStatus) -> dict[str, object]:
-    """Return the flags."""
-    return {
-        'flags': [
-            {'name': flag.name, 'count': flag.count, 'capacity': flag.capacity}
-            for flag in status.flags
-        ]
-    }
-
-
 def hold_part(hold: Hold) -> dict[str, object]:
     """Return a hold with the answers that are possible."""
     return {
-        'id': hold.id,
-        'section': hold.section,
-        'component': hold.component,
-        'action': hold.action,
+        **plain_but(hold, 'answers', 'message_words'),
         'task': hold.task or '',
-        'name': hold.name,
         'label': task_label(hold.task or '', hold.name),
         'item': hold.item or '',
         'job': hold.job or '',
-        'reason': hold.reason,
-        'message': hold.message,
-        'attempt': hold.attempt,
-        'attempts': hold.attempts,
-        'round': hold.round,
-        'controller_said': hold.controller_said,
-        'last_feedback': hold.last_feedback,
-        'topic_says': hold.topic_says,
-        'answers_why': hold.answers_why,
         'together': list(together(hold)),
-        'since': hold.since,
-        'owner': hold.owner,
         'words': hold_words(hold),
         'is_pause': hold.is_pause,
         'offers': hold_offers(hold),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bt_orchestrator.doors.known import Ordered
-from bt_orchestrator.model.codec import to_plain
+from bt_orchestrator.model.codec import plain_but, to_plain
 from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.jobs.made_anew import MadeAnew
 from bt_orchestrator.model.script import Script
@@ -28,40 +28,14 @@ def job_part(
     """
     listed = tasks.of_initialization(job, script, status.initialization) if script else []
     return {
-        'id': job.id,
-        'script': job.script,
-        'recipe': job.recipe,
-        'recipe_version': job.recipe_version,
-        'rest_of': job.rest_of,
+        **plain_but(job, *_LEFT_OUT),
         'anew': _anew(job.anew),
-        'digest': job.digest,
         'state': job.state.state,
         'substate': job.state.substate,
         'is_over': job.state in OVER,
-        'position': job.position,
-        'ending': job.ending,
-        'quantity': job.quantity,
-        'started': job.started,
-        'placed': job.placed,
-        'processed': job.processed,
-        'packed': job.packed,
-        'good': job.good,
-        'by_hand': job.by_hand,
-        'rejected': job.rejected,
-        'nonconforming': job.nonconforming,
-        'missing': job.missing,
         'left': job.left,
         'on_line': job.on_line,
-        'priority': job.priority,
-        'start': job.start,
-        'awaits_start': job.awaits_start,
-        'awaits_release': job.awaits_release,
-        'held': job.held,
-        'unavailable': list(job.unavailable),
-        'due': job.due,
         'ends': _ends(job, status),
-        'end_unknown': job.end_unknown,
-        'initialization': list(job.initialization),
         'tasks': listed,
         'params': to_plain(ordered.params),
         'choice': to_plain(ordered.choice, whole=True),
@@ -69,9 +43,21 @@ def job_part(
     }
 
 
+_LEFT_OUT = (
+    'by_recipe',
+    'expected_end_s',
+    'queued_at',
+    'started_at',
+    'ended_at',
+    'running',
+    'passed',
+)
+"""What the page reads elsewhere, or never: a part that is as before is not sent again."""
+
+
 def _anew(anew: MadeAnew | None) -> dict[str, object] | None:
     """Return why it was made anew, and the pace since; None: it was not."""
-    return None if anew is None else {**to_plain(anew, whole=True), 'slower': anew.slower}
+    return None if anew is None else {**plain_but(anew), 'slower': anew.slower}
 
 
 def _ends(job: JobStatus, status: CellStatus) -> float | None:

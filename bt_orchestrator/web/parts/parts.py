@@ -6,10 +6,11 @@ from collections.abc import Mapping
 
 from bt_orchestrator.doors.known import Ordered
 from bt_orchestrator.drawing.task_marks import held_tasks
+from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.model.status import CellDescription, CellStatus
-from bt_orchestrator.web.parts.cell import cell_part, flags_part, hold_part, now_part
-from bt_orchestrator.web.parts.components import component_part, line_part
+from bt_orchestrator.web.parts.cell import cell_part, hold_part, now_part
+from bt_orchestrator.web.parts.components import component_part
 from bt_orchestrator.web.parts.jobs import NOT_KNOWN, job_part
 from bt_orchestrator.web.parts.sections import belt_part, section_part
 from bt_orchestrator.web.parts.tasks import TaskParts
@@ -36,8 +37,8 @@ def parts_of(
         'cell': cell_part(status, description, node),
         'now': now_part(status),
         'belt': belt_part(status, tasks),
-        'flags': flags_part(status),
-        'line': line_part(description),
+        'flags': {'flags': to_plain(status.flags, whole=True)},
+        'line': to_plain(description, whole=True),
         'why': why_part(status),
     }
     jobs = {job.id: job for job in status.jobs}

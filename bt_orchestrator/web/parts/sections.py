@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from bt_orchestrator.model.codec import to_plain
 from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.jobs.isa95 import OVER
 from bt_orchestrator.model.script import Script
-from bt_orchestrator.model.status import CellStatus, ItemStatus, JobStatus, SectionStatus
+from bt_orchestrator.model.status import CellStatus, JobStatus, SectionStatus
 from bt_orchestrator.web.offers import item_offers
 from bt_orchestrator.web.parts.tasks import Part, TaskParts
 from bt_orchestrator.web.parts.waits import wait_parts
@@ -34,8 +35,8 @@ def section_part(
 
     return {
         'number': section.number,
-        'slot': item_part(section.slot),
-        'item': item_part(section.item),
+        'slot': to_plain(section.slot, whole=True),
+        'item': to_plain(section.item, whole=True),
         'job': section.job,
         'holds': [hold.id for hold in status.holds if hold.section == section.number],
         'waits': wait_parts(section.waits),
@@ -62,18 +63,6 @@ def belt_part(status: CellStatus, tasks: TaskParts) -> dict[str, object]:
         'moving': belt.moving,
         'running': tasks.in_flight(belt.running),
         'waits': wait_parts(belt.waits),
-    }
-
-
-def item_part(item: ItemStatus | None) -> dict[str, object] | None:
-    """Return an item, or the empty position where one should be."""
-    if item is None:
-        return None
-    return {
-        'id': item.id,
-        'present': item.present,
-        'rejected': item.rejected,
-        'nonconforming': list(item.nonconforming),
     }
 
 

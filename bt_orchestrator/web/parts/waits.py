@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from bt_orchestrator.model.codec import plain_but
 from bt_orchestrator.model.hold_words import several_holds
 from bt_orchestrator.model.status import CellStatus
 from bt_orchestrator.model.wait import Wait, WaitKind
@@ -32,12 +33,8 @@ def wait_parts(waits: Iterable[Wait]) -> list[dict[str, object]]:
 
 def _wait_part(wait: Wait) -> dict[str, object]:
     return {
+        **plain_but(wait, 'reason'),
         'words': wait.reason,
-        'kind': wait.kind.value,
-        'name': wait.name,
-        'sections': list(wait.sections),
-        'task': wait.task,
-        'components': list(wait.components),
         'holds': list(several_holds(wait.reason)),
         'is_ordinary': wait.kind in _ORDINARY,
     }
