@@ -61,6 +61,7 @@ class Inbox:
 
     def take(self, command: Command) -> Answer:
         """Carry out a command, or refuse it and say why."""
+        self._ledger.look_at_clock()
         if isinstance(command, Shutdown):
             self._refusals.tell()
         if isinstance(command, (Shutdown, FoundTwin)):

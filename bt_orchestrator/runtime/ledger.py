@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from typing import Any
 
 from bt_orchestrator.model.events import ClockStepped, Event, TaskKey
 from bt_orchestrator.model.fold import apply
@@ -10,6 +11,20 @@ from bt_orchestrator.model.state import CellState
 from bt_orchestrator.ports import Clock, Servers, Timer
 from bt_orchestrator.runtime.delays import Delays
 from bt_orchestrator.runtime.wall_clock import WallClock
+
+Notice = Callable[[Any], None]
+
+
+class _Noticing(dict[type[Event], tuple[Notice, ...]]):
+    """What is called with the events of each class, made at the first of them."""
+
+    def __init__(self, notices: Callable[[type[Event]], Iterable[Notice]]) -> None:
+        super().__init__()
+        self._notices = notices
+
+    def __missing__(self, kind: type[Event]) -> tuple[Notice, ...]:
+        found = self[kind] = tuple(self._notices(kind))
+        return found
 
 
 class Ledger:
@@ -23,19 +38,19 @@ class Ledger:
         self,
         state: CellState,
         clock: Clock,
-        follow: Callable[[Event], None],
+        notices: Callable[[type[Event]], Iterable[Notice]],
         new_goal_id: Callable[[], str],
         servers: Servers,
         on_time: Callable[[], None],
     ) -> None:
         """Open a ledger.
 
-        :param follow: called with each event once it is applied
+        :param notices: returns what is called with each event of a class once it is applied
         :param on_time: called at a time requested by `wake_at`
         """
         self.state = state
         self._clock = clock
-        self._follow = follow
+        self._noticing = _Noticing(notices)
         self._new_goal_id = new_goal_id
         self._servers = servers
         self._on_time = on_time
@@ -62,16 +77,19 @@ class Ledger:
 
     def record(self, events: Iterable[Event]) -> None:
         """Stamp and apply events, in order, each before the next one is taken."""
-        self.look_at_clock()
-        now, state = self._wall.now, self.state
+        state, now = self.state, self._wall.now
         for event in events:
             stamped = event.stamped(state.seq + 1, now)
             apply(state, stamped)
             self._pending.append(stamped)
-            self._follow(stamped)
+            for notice in self._noticing[type(event)]:
+                notice(stamped)
 
     def look_at_clock(self) -> None:
-        """Record it if the wall clock was set, before the events stamped by it."""
+        """Read the time that stamps events from now on; record it if the wall clock was set.
+
+        Called at the beginning of each settle and of each command.
+        """
         step_s = self._wall.step_s()
         if step_s:
             self.record([ClockStepped(seconds=step_s)])

@@ -41,20 +41,22 @@ def is_still(state: CellState, is_delayed: Callable[[e.TaskKey], bool], *, quiet
     return quiet and not state.running and not _will_retry(state, is_delayed)
 
 
-_LAST_OF_A_JOB = (
+LAST_OF_A_JOB = {
     e.CycleCompleted,
     e.ItemRemoved,
     e.PositionEnded,
     e.JobStopping,
     e.JobAborting,
-)
+}
+"""Events that may end a job, besides those of its initialization tasks."""
 
-
-def may_end_a_job(event: e.Event) -> bool:
-    """Tell whether `jobs_ended` may yield anything after an event."""
-    if isinstance(event, e.TaskEvent):
-        return event.section is None and event.job is not None  # initialization
-    return isinstance(event, _LAST_OF_A_JOB)
+OF_THE_LINE = {
+    *(e.TaskStarted, e.TaskSucceeded, e.FlagRaised, e.FlagLowered),
+    *(e.CycleStarted, e.TurnCompleted, e.CycleCompleted),
+    *(e.BeatStarted, e.BeltIndexStarted, e.BeltIndexed),
+    *(e.ItemPlaced, e.ItemMoved, e.ItemRemoved, e.ItemIdentified),
+}
+"""Events after which the state of the cell stays the same while a goal is in flight."""
 
 
 def jobs_ended(state: CellState) -> Iterator[e.JobCompleted | e.JobAborted]:

@@ -28,9 +28,9 @@ from bt_orchestrator.replies import begin
 from bt_orchestrator.runtime import job_queue, lifecycle
 from bt_orchestrator.runtime.breakdown import Breakdown
 from bt_orchestrator.runtime.commits import PATIENCE_S, Commits
-from bt_orchestrator.runtime.flights import Flights
+from bt_orchestrator.runtime.flights import CARRIED_OUT, Flights
 from bt_orchestrator.runtime.inbox import Inbox
-from bt_orchestrator.runtime.ledger import Ledger
+from bt_orchestrator.runtime.ledger import Ledger, Notice
 from bt_orchestrator.runtime.recovery import restore, take_over
 from bt_orchestrator.runtime.requested import not_allowed
 from bt_orchestrator.runtime.starts import Starts
@@ -81,11 +81,13 @@ class Orchestrator:
             script.work_out()
             text_of(script)
         self._store = store
-        self._sinks = list(sinks)
-        self._auto_start = auto_start
         self._projection = BlackboardProjection(_space(cell), self.state)
+        self._sinks: list[EventSink] = [self._projection, *sinks]
+        self._auto_start = auto_start
         self._wake = wake
-        self._ledger = Ledger(self.state, clock, self._follow, new_goal_id, gateway, self._on_time)
+        self._ledger = Ledger(
+            self.state, clock, self._notices, new_goal_id, gateway, self._on_time
+        )
         self._inbox = Inbox(self._ledger)
         self._starts = Starts(self._ledger)
         self._starvation = Starvation(self._ledger)
@@ -96,6 +98,8 @@ class Orchestrator:
         self._settling = False
         self._look_for_ends = True
         """An event has occurred that may have ended a job."""
+        self._look_at_mode = True
+        """An event has occurred that may change the state of the cell, or the cell is still."""
         self.breakdown: Breakdown | None = None
         """The remaining functions once the journal could not be written."""
         gateway.listen(wake)
@@ -201,11 +205,25 @@ class Orchestrator:
             return Answer(accepted=False, message=why_not)
         return self.breakdown.answer(command)
 
-    def _follow(self, event: e.Event) -> None:
-        self._projection.follow(event)
-        self.tree.notice(event)
-        if lifecycle.may_end_a_job(event):
+    def _notices(self, kind: type[e.Event]) -> Iterator[Notice]:
+        """Yield what takes note of each event of a class."""
+        yield from self.tree.notices(kind)
+        if issubclass(kind, e.TaskEvent):
+            yield self._note_task
+        elif kind in lifecycle.LAST_OF_A_JOB:
+            yield self._note_end
+        if kind not in lifecycle.OF_THE_LINE:
+            yield self._note_mode
+
+    def _note_task(self, event: e.TaskEvent) -> None:
+        if event.section is None and event.job is not None:  # initialization
             self._look_for_ends = True
+
+    def _note_end(self, _: e.Event) -> None:
+        self._look_for_ends = True
+
+    def _note_mode(self, _: e.Event) -> None:
+        self._look_at_mode = True
 
     def _on_time(self) -> None:
         self.tree.notice_time()
@@ -229,9 +247,13 @@ class Orchestrator:
             for ended in lifecycle.jobs_ended(self.state):
                 self._ledger.record([*lifecycle.clear_oldest(self.state), ended])
                 self.tree.prune(ended.job)
-        if lifecycle.is_still(self.state, self._ledger.is_delayed, quiet=quiet):
+        if self.state.running and not self._look_at_mode:
+            return
+        is_still = lifecycle.is_still(self.state, self._ledger.is_delayed, quiet=quiet)
+        self._look_at_mode = is_still
+        if is_still:
             self._ledger.record(job_queue.stop_when_empty(self.state))
-        outlook = self._outlook(quiet=quiet)
+        outlook = self._outlook(is_still=is_still)
         reason = lifecycle.stop_reason_change(self.state, outlook)
         if reason is not None:
             self._ledger.record([reason])
@@ -239,8 +261,8 @@ class Orchestrator:
         if due is not None:
             self._ledger.record([due])
 
-    def _outlook(self, *, quiet: bool) -> lifecycle.Outlook:
-        if not lifecycle.is_still(self.state, self._ledger.is_delayed, quiet=quiet):
+    def _outlook(self, *, is_still: bool) -> lifecycle.Outlook:
+        if not is_still:
             return lifecycle.Outlook(still=False, unready=False, starved=self._starvation.look(()))
         waits = list(self._waits_for_readiness())
         waited_for = () if self.state.holds else waits
@@ -285,7 +307,8 @@ class Orchestrator:
             self._break_off(failed, events)
             return True
         for event in events:
-            self.flights.follow(event)
+            if type(event) in CARRIED_OUT:
+                self.flights.follow(event)
         for sink in self._sinks:
             self._hand_on(sink, events)
         return True

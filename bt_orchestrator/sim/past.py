@@ -19,7 +19,6 @@ from bt_orchestrator.runtime.ledger import Ledger
 from bt_orchestrator.runtime.overview import Overview
 from bt_orchestrator.runtime.recovery import begin_with
 from bt_orchestrator.sim.clock import VirtualClock
-from bt_orchestrator.tree.blackboard import BlackboardProjection
 from bt_orchestrator.tree.compile import CellTree
 
 MOST_TICKS = 1000
@@ -135,11 +134,15 @@ class StillEngine:
         plain = json.loads(json.dumps(state_to_plain(state)))
         copied = state_from_plain(state.cell, plain)
         clock = VirtualClock(state.time)
-        self._projection = BlackboardProjection('/past', copied)
         self._ledger = Ledger(
-            copied, clock, self._follow, lambda: 'none', self.gateway, lambda: None
+            copied,
+            clock,
+            lambda kind: self.tree.notices(kind),  # noqa: PLW0108 - the tree is made below
+            lambda: 'none',
+            self.gateway,
+            lambda: None,
         )
-        self.tree = CellTree(self._ledger, self._projection.space)
+        self.tree = CellTree(self._ledger, '/past')
         for _ in range(MOST_TICKS):
             self.tree.tick()
             if not self.tree.is_due:
@@ -150,8 +153,3 @@ class StillEngine:
         """Give the tree up."""
         self._ledger.close()
         self.tree.close()
-        self._projection.close()
-
-    def _follow(self, event: e.Event) -> None:
-        self._projection.follow(event)
-        self.tree.notice(event)

@@ -7,26 +7,29 @@ everything is ticked again, from its first child.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from heapq import heappop, heappush
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
 
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.events.tasks import TASK_EVENTS
 from bt_orchestrator.model.state import CellState
-from bt_orchestrator.tree.sharing import Part, Sharing
+from bt_orchestrator.tree.sharing import Concern, Part, Parts, Sharing
 from bt_orchestrator.tree.turns import Turns
+
+Notice = Callable[[Any], None]
+"""Takes note of an event of one class that was applied to the state."""
 
 _OF_NO_PART = (
     *(e.JobQueued, e.JobMoved, e.JobHeld, e.JobReleased, e.JobMayStart, e.JobRemoved),
     *(e.JobCleared, e.ScriptLoaded, e.OperatorDecided, e.OperatorRefused),
-    *(e.ItemNonconforming, e.ItemIdentified),
+    *(e.ItemNonconforming, e.ItemIdentified, e.ClockStepped, e.ItemMoved),
 )
-"""Events that affect no part; if they change which jobs are at work, branches are added."""
+"""Events that affect no part. If they change which jobs are at work, branches are added; after
+`item.moved` `belt.indexed` follows at once and affects all parts."""
 
 
 class Attention:
-    """The parts that are due in the next tick, by their places in a tick, from 0."""
+    """The parts that are due in the next tick, as bits: the first part has the lowest."""
 
     def __init__(self, state: CellState, turns: Turns, order: Iterable[Part]) -> None:
         """Mark everything as due.
@@ -35,37 +38,18 @@ class Attention:
         """
         self._state = state
         self._turns = turns
-        self._place = {part: place for place, part in enumerate(order)}
-        self._all = range(len(self._place))
-        self._due: set[int] = set()
-        self._stale: set[int] = set()
-        self._ahead: list[int] = []
-        """A heap of the parts that are due and not yet passed in the current tick."""
+        self._bits = {part: 1 << place for place, part in enumerate(order)}
+        self._all: Parts = (1 << len(self._bits)) - 1
+        self.due: Parts = 0
+        self.stale: Parts = 0
+        """The parts that restart from their first child."""
         self._idle: list[int] = []
-        self._at = math.inf
-        self._concerns = self._table()
-        self.sharing = Sharing(state.cell, self._place)
+        self._notices = self._table()
+        self.sharing = Sharing(state.cell, self._bits)
         """Updated by the code that compiles branches."""
+        self._concerns: dict[tuple[str | None, str], Concern] = {}
+        """Cache by job and task."""
         self.again()
-
-    def __bool__(self) -> bool:
-        """Tell whether anything is due."""
-        return bool(self._due)
-
-    def walk(self) -> Iterator[tuple[int, bool]]:
-        """Yield the due parts in order, and whether to restart each from its first child.
-
-        Parts that become due behind the present place belong to this tick, others to the next.
-        """
-        self._ahead = sorted(self._due)
-        while self._ahead:
-            self._at = place = heappop(self._ahead)
-            self._due.remove(place)
-            stale = bool(self._stale) and place in self._stale
-            if stale:
-                self._stale.remove(place)
-            yield place, stale
-        self._at = math.inf
 
     def take_idle(self) -> Sequence[int]:
         """Return the sections for which only the belt's state, moving or at rest, has changed.
@@ -77,42 +61,24 @@ class Attention:
 
     def everywhere(self) -> None:
         """Mark every part as due: a deadline has come, or the feedback of all changes."""
-        self._mark(self._all)
+        self.due = self._all
 
-    def again(self) -> None:
+    def again(self, _: e.Event | None = None) -> None:
         """Mark every part as due from its first child, whatever it has passed already."""
         self._turns.touch_all()
-        self._stale.update(self._all)
-        self._mark(self._all)
+        self._concerns.clear()
+        self.due = self.stale = self._all
 
-    def start_over(self) -> None:
-        """Discard an interrupted tick."""
-        self._ahead.clear()
-        self._at = math.inf
-        self.again()
-
-    def notice(self, event: e.Event) -> None:
-        """Take note of an event that was applied to the state."""
-        concern = self._concerns.get(type(event))
-        if concern is not None:
-            concern(event)
-        else:
-            self.again()
-
-    def _mark(self, places: Iterable[int]) -> None:
-        fresh = set(places).difference(self._due)
-        self._due.update(fresh)
-        if fresh and self._at is not math.inf:  # within a tick
-            for place in fresh:
-                if place > self._at:
-                    heappush(self._ahead, place)
+    def notice_of(self, kind: type[e.Event]) -> Notice | None:
+        """Return what takes note of a class of events; None: they affect no part."""
+        return self._notices.get(kind, self.again)
 
     # --- the parts affected by an event ------------------------------------------------------
 
-    def _table(self) -> Mapping[type[e.Event], Callable[..., None]]:
+    def _table(self) -> Mapping[type[e.Event], Notice | None]:
         """Return the handler of each event class; for any other class everything is due."""
         return {
-            **dict.fromkeys(_OF_NO_PART, lambda _: None),
+            **dict.fromkeys(_OF_NO_PART),
             **dict.fromkeys((e.FlagRaised, e.FlagLowered), self._flag),
             **dict.fromkeys(TASK_EVENTS, self._task),
             **dict.fromkeys((e.CycleStarted, e.TurnCompleted, e.CycleCompleted), self._cycle),
@@ -121,38 +87,35 @@ class Attention:
                 (e.ItemPlaced, e.ItemMissing, e.ItemRemoved, e.PositionEnded), self._slot
             ),
             e.TaskStarted: self._started,
-            e.ClockStepped: lambda _: None,
-            e.ItemMoved: self._moved,
             **dict.fromkeys((e.ComponentStateChanged, e.ComponentContested), self._component),
         }
 
     def _task(self, event: e.TaskEvent) -> None:
-        self._mark_some(
-            self.sharing.move()
-            if event.job is None
-            else self.sharing.task(self._state.jobs[event.job].digest, event.task)
-        )
+        concern = self._concerns.get((event.job, event.task))
+        self.due |= (concern or self._concern(event)).all
 
     def _started(self, event: e.TaskStarted) -> None:
-        """Mark the other parts: the task's own leaf already shows the start."""
-        self._mark_some(
-            self.sharing.beside_move()
-            if event.job is None
-            else self.sharing.beside_task(self._state.jobs[event.job].digest, event.task)
-        )
+        concern = self._concerns.get((event.job, event.task))
+        self.due |= (concern or self._concern(event)).beside
 
-    def _mark_some(self, places: Iterable[int] | None) -> None:
-        self._mark(self._all if places is None else places)
+    def _concern(self, event: e.TaskEvent) -> Concern:
+        if event.job is None:
+            found: Concern | None = self.sharing.move()
+        else:
+            found = self.sharing.task(self._state.jobs[event.job].digest, event.task)
+        concern = Concern(self._all, self._all) if found is None else found
+        self._concerns[event.job, event.task] = concern
+        return concern
 
     def _flag(self, event: e.FlagEvent) -> None:
-        self._mark(self.sharing.flag(event.flag))
+        self.due |= self.sharing.flag(event.flag)
 
     def _component(self, event: e.ComponentStateChanged | e.ComponentContested) -> None:
-        self._mark(self.sharing.component(event.component))
+        self.due |= self.sharing.component(event.component)
 
     def _cycle(self, event: e.CycleEvent) -> None:
         self._turns.touch(event.section)
-        self._mark((self._place[event.section], *self.sharing.ends))
+        self.due |= self._bits[event.section] | self.sharing.ends
 
     def _belt(self, _: e.Event) -> None:
         """Mark parts with possible work for an item; all others just wait for the belt."""
@@ -162,20 +125,17 @@ class Attention:
             there = section.slot is not None
             if self.sharing.works(number) and (there or coming or section.cycle is not None):
                 self._turns.touch(number)
-                self._mark((self._place[number],))
+                self.due |= self._bits[number]
             else:
                 self._idle.append(number)
             coming = there
-        self._mark(self.sharing.ends)
-
-    def _moved(self, _: e.ItemMoved) -> None:
-        """Do nothing: `belt.indexed` follows at once and affects all parts."""
+        self.due |= self.sharing.ends
 
     def _slot(self, event: e.ItemPlaced | e.ItemMissing | e.ItemRemoved | e.PositionEnded) -> None:
         assert event.section is not None
         self._turns.touch(event.section)
-        sections = self._state.sections.items()
-        working = [n for n, s in sections if s.cycle is not None and s.cycle.item == event.item]
-        around = (n for n in (event.section, event.section + 1) if n in self._place)
-        self._mark(self._place[number] for number in (*around, *working))
-        self._mark(self.sharing.ends)
+        self.due |= self.sharing.ends | self._bits[event.section]
+        self.due |= self._bits.get(event.section + 1, 0)
+        for number, section in self._state.sections.items():
+            if section.cycle is not None and section.cycle.item == event.item:
+                self.due |= self._bits[number]

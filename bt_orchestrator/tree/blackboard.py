@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from py_trees.behaviour import Behaviour
@@ -10,7 +10,6 @@ from py_trees.blackboard import Blackboard, Client
 from py_trees.common import Access
 
 from bt_orchestrator.model import events as e
-from bt_orchestrator.model.events.tasks import TASK_EVENTS
 from bt_orchestrator.model.state import CellState
 
 AT_REST = 'at rest'
@@ -25,7 +24,7 @@ def name_keys(behaviour: Behaviour, namespace: str, *keys: str) -> None:
 
 
 class BlackboardProjection:
-    """The only writer of a cell's keys, all below `space`.
+    """The only writer of a cell's keys, all below `space`. Implements `ports.EventSink`.
 
     `belt`, `beat`, `cell`; `flags/NAME`: the count; `zones/NAME` and `components/NAME`: the task
     that has it, or nothing; `ready/COMPONENT`; `slots/N`: the item there, or nothing.
@@ -38,14 +37,18 @@ class BlackboardProjection:
         self._names: dict[str, str] = {}
         """The full name of every key that was set."""
         self._zones = {z.name for script in state.scripts.values() for z in script.zones}
+        self._taken: tuple[dict[str, e.TaskKey], dict[str, e.TaskKey]] = {}, {}
+        """The components and zones that are shown as taken."""
         self._acts = self._table()
         self._everything()
 
-    def follow(self, event: e.Event) -> None:
-        """Set the keys that an event, already applied to the state, has changed."""
-        act = self._acts.get(type(event))
-        if act is not None:
-            act(event)
+    def publish(self, events: Sequence[e.Event]) -> None:
+        """Set the keys that events, already applied to the state, have changed."""
+        for event in events:
+            act = self._acts.get(type(event))
+            if act is not None:
+                act(event)
+        self._show_taken()
 
     def close(self) -> None:
         """Remove the keys from the blackboard, which is global to the process."""
@@ -57,7 +60,7 @@ class BlackboardProjection:
         if key not in self._names:
             self._client.register_key(key=key, access=Access.EXCLUSIVE_WRITE)
             self._names[key] = self._client.absolute_name(key)
-        # # A py_trees client checks name and permission in every access, 8 us; it is used only
+        # A py_trees client checks name and permission in every access, 8 us; it is used only
         # while a viewer watches, for the activity record.
         if Blackboard.activity_stream is None:
             Blackboard.storage[self._names[key]] = value
@@ -71,7 +74,6 @@ class BlackboardProjection:
         moves = (e.ItemPlaced, e.ItemMissing, e.ItemMoved, e.ItemRemoved, e.PositionEnded)
         scripts, holds = (e.JobQueued, e.JobUpdated), (e.HoldRaised, e.HoldReleased)
         return {
-            **dict.fromkeys(TASK_EVENTS, self._task),
             **dict.fromkeys((e.FlagRaised, e.FlagLowered), self._flag),
             **dict.fromkeys((e.BeltIndexStarted, e.BeltIndexed, e.BeatStarted), self._belt),
             **dict.fromkeys(moves, self._slots_around),
@@ -96,7 +98,9 @@ class BlackboardProjection:
 
     def _script(self, digest: str) -> None:
         """Set the keys of a script's flags and zones; it may reset a flag."""
-        script = self._state.scripts[digest]
+        script = self._state.scripts.get(digest)
+        if script is None:
+            return
         for dependency in script.dependencies:
             self._set(f'flags/{dependency.flag}', self._state.flags[dependency.flag].count)
         for zone in script.zones:
@@ -106,15 +110,13 @@ class BlackboardProjection:
     def _flag(self, event: e.FlagEvent) -> None:
         self._set(f'flags/{event.flag}', event.count)
 
-    def _task(self, event: e.TaskEvent) -> None:
-        task = self._state.task(event.key)
-        if task is None:
-            self._component(self._state.cell.conveyor.component.name)
-            return
-        self._component(task.component)
-        assert event.job is not None
-        for zone in self._state.script(event.job).zones_of.get(task.id, ()):
-            self._zone(zone)
+    def _show_taken(self) -> None:
+        state, (components, zones) = self._state, self._taken
+        for name, _ in state.reserved.items() ^ components.items():
+            self._component(name)
+        for name, _ in state.zones.items() ^ zones.items():
+            self._zone(name)
+        self._taken = dict(state.reserved), dict(state.zones)
 
     def _belt(self, _: e.Event | None = None) -> None:
         self._set('belt', MOVING if self._state.indexing else AT_REST)

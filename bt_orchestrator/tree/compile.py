@@ -12,7 +12,7 @@ The order of the children decides ties: initialization first, then the downstrea
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 
 from py_trees.common import Status
@@ -21,7 +21,7 @@ from py_trees.composites import Composite
 from bt_orchestrator.model import events as e
 from bt_orchestrator.model.script import SectionList, Step, Task, index_task
 from bt_orchestrator.model.state import JobState
-from bt_orchestrator.tree.attention import Attention
+from bt_orchestrator.tree.attention import Attention, Notice
 from bt_orchestrator.tree.belt import TurnsComplete
 from bt_orchestrator.tree.guards import (
     ConveyorGuard,
@@ -88,7 +88,7 @@ class CellTree:
     @property
     def is_due(self) -> bool:
         """Tell whether a change requires another tick."""
-        return bool(self._attention)
+        return self._attention.due != 0
 
     def tick(self) -> None:
         """Tick every part that is affected by a change since its last tick."""
@@ -96,14 +96,16 @@ class CellTree:
         try:
             self.root.tick_once()
         except BaseException:
-            self._attention.start_over()
+            self._attention.again()
             raise
 
-    def notice(self, event: e.Event) -> None:
-        """Take note of an event that was applied to the state."""
-        self._attention.notice(event)
-        if type(event) in _AT_WORK:
-            self._to_follow = True
+    def notices(self, kind: type[e.Event]) -> Iterator[Notice]:
+        """Yield what takes note of each event of a class, once it is applied to the state."""
+        notice = self._attention.notice_of(kind)
+        if notice is not None:
+            yield notice
+        if kind in _AT_WORK:
+            yield self._note_jobs
 
     def notice_time(self) -> None:
         """Note that a wake-up time requested by a part has come."""
@@ -158,6 +160,9 @@ class CellTree:
         """Release the tree and its blackboard clients."""
         for behaviour in self.root.iterate():
             detach(behaviour)
+
+    def _note_jobs(self, _: e.Event) -> None:
+        self._to_follow = True
 
     def _arrange(self, jobs: list[str]) -> None:
         """Sort the branches by the order of the jobs; those without a job stay last."""

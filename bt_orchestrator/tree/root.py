@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from py_trees.common import Status
 
@@ -29,23 +29,32 @@ class CellRoot(AtOnce):
         self._recorder = recorder
         self._sections = sections
         self._attention = attention
+        self._parts = {1 << place: part for place, part in enumerate(self.children)}
 
     def run(self) -> Status:
-        """Tick the due parts, in order."""
-        self._tell_idle()
-        for place, is_stale in self._attention.walk():
-            part = self.children[place]
-            if is_stale:
+        """Tick the due parts, in order.
+
+        Parts that become due behind the present one belong to this tick, others to the next.
+        """
+        attention, ahead = self._attention, -1
+        idle = attention.take_idle()
+        if idle:
+            self._tell(idle)
+        while todo := attention.due & ahead:
+            bit = todo & -todo
+            ahead = -bit << 1
+            attention.due ^= bit
+            part = self._parts[bit]
+            if attention.stale & bit:
+                attention.stale ^= bit
                 part.stop(Status.INVALID)
             part.run()
         self.current_child = self.children[-1]
         self.status = Status.RUNNING
         return self.status
 
-    def _tell_idle(self) -> None:
-        idle = self._attention.take_idle()
-        if idle:
-            state = self._recorder.state
-            waits = [waits_without_work(state, has_item=has_item) for has_item in (False, True)]
-            for number in idle:
-                self._sections[number].tell(waits[state.sections[number].slot is not None])
+    def _tell(self, idle: Sequence[int]) -> None:
+        state = self._recorder.state
+        waits = [waits_without_work(state, has_item=has_item) for has_item in (False, True)]
+        for number in idle:
+            self._sections[number].tell(waits[state.sections[number].slot is not None])

@@ -9,7 +9,7 @@ from bt_orchestrator.model.line import next_cycle
 from bt_orchestrator.model.state import Cycle, SectionState
 from bt_orchestrator.model.wait import Wait
 from bt_orchestrator.tree.subject import Recorder
-from bt_orchestrator.tree.ticking import FirstOf, Ticked
+from bt_orchestrator.tree.ticking import FirstOf, Ticked, invalidate
 from bt_orchestrator.tree.waiter import Waiter
 
 
@@ -31,6 +31,7 @@ class Section(FirstOf):
             assert isinstance(self.current_child, Ticked)
             return self.current_child.run()
         self._cycle = cycle
+        invalidate(self.children)
         return super().run()
 
     def tell(self, wait: Wait) -> None:
@@ -59,9 +60,7 @@ class _OfSection(Ticked):
 
 
 class CycleOf(_OfSection):
-    """Condition: the cycle in progress is for this job."""
-
-    lasting = False
+    """Condition: the cycle in progress is for this job; the section restarts with each cycle."""
 
     def __init__(self, recorder: Recorder, section: int, job: str) -> None:
         super().__init__(f'works on {job}', recorder, section)

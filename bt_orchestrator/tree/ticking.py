@@ -15,6 +15,13 @@ from py_trees import composites, decorators
 from py_trees.behaviour import Behaviour
 from py_trees.common import ParallelPolicy, Status
 
+SUCCESS, FAILURE, RUNNING, INVALID = (
+    Status.SUCCESS,
+    Status.FAILURE,
+    Status.RUNNING,
+    Status.INVALID,
+)
+
 
 class Ticked(Behaviour):
     """A behaviour that is ticked by `run`. A leaf defines `update`, as in py_trees."""
@@ -45,7 +52,7 @@ class Ticked(Behaviour):
 
     def stop(self, new_status: Status) -> None:
         """Set the status; INVALID: abandon the branch. This never cancels goals in flight."""
-        if new_status is Status.INVALID and self.children:
+        if new_status is INVALID and self.children:
             invalidate(self.children)
         self.status = new_status
 
@@ -67,7 +74,7 @@ class _Composite(Ticked, composites.Composite):
 
     def stop(self, new_status: Status = Status.INVALID) -> None:
         """Set the status; INVALID: abandon the branch."""
-        if new_status is Status.INVALID:
+        if new_status is INVALID:
             self.current_child = None
         super().stop(new_status)
 
@@ -77,21 +84,27 @@ class InOrder(_Composite, composites.Sequence):
 
     def __init__(self, name: str, children: Sequence[Ticked]) -> None:
         super().__init__(name, memory=False, children=children)
+        self._all_last = all(child.lasting for child in children)
+        self._at = 0
+        """The last child that was ticked; those behind it are INVALID."""
 
     def run(self) -> Status:
         """Tick the children without a lasting success, until one has to wait."""
-        if self.status is not Status.RUNNING:
-            invalidate(self.children)
-        children = self.children
-        child = children[-1]
-        status = success = Status.SUCCESS
-        for number, child in enumerate(children):
-            if child.status is success and child.lasting:
-                continue
-            status = child.run()
-            if status is not success:
-                invalidate(children[number + 1 :])
-                break
+        children, before = self.children, self._at
+        if self.status is not RUNNING:
+            before = 0
+            if self.status is not INVALID:
+                invalidate(children)
+        status = SUCCESS
+        for at in range(before if self._all_last else 0, len(children)):
+            child = children[at]
+            if child.status is not SUCCESS or not child.lasting:
+                status = child.run()
+                if status is not SUCCESS:
+                    break
+        if at < before:
+            invalidate(children[at + 1 : before + 1])
+        self._at = at
         self.current_child = child
         self.status = status
         return status
@@ -106,20 +119,22 @@ class AtOnce(_Composite, composites.Parallel):
 
     def run(self) -> Status:
         """Tick every child without a lasting success."""
-        if self.status is not Status.RUNNING:
-            invalidate(self.children)
-        for child in self.children:
-            if child.status is not Status.SUCCESS or not child.lasting:
-                child.run()
-        found = [child.status for child in self.children]
-        self.current_child = self.children[-1]
-        if Status.FAILURE in found:
-            self.current_child = self.children[found.index(Status.FAILURE)]
-            self.status = Status.FAILURE
-            invalidate(child for child in self.children if child.status is Status.RUNNING)
-        else:
-            self.status = Status.RUNNING if Status.RUNNING in found else Status.SUCCESS
-        return self.status
+        children = self.children
+        if self.status is not RUNNING and self.status is not INVALID:
+            invalidate(children)
+        status, current = SUCCESS, children[-1]
+        for child in children:
+            if child.status is SUCCESS and child.lasting:
+                continue
+            found = child.run()
+            if found is FAILURE and status is not FAILURE:
+                status, current = FAILURE, child
+            elif found is RUNNING and status is SUCCESS:
+                status = RUNNING
+        self.current_child, self.status = current, status
+        if status is FAILURE:
+            invalidate(child for child in children if child.status is RUNNING)
+        return status
 
 
 class FirstOf(_Composite, composites.Selector):
@@ -130,11 +145,11 @@ class FirstOf(_Composite, composites.Selector):
 
     def run(self) -> Status:
         """Tick one child after the other until one does not fail."""
-        status = Status.FAILURE
+        status = FAILURE
         for number, child in enumerate(self.children):
             self.current_child = child
             status = child.run()
-            if status is not Status.FAILURE:
+            if status is not FAILURE:
                 invalidate(self.children[number + 1 :])
                 break
         self.status = status
@@ -143,7 +158,6 @@ class FirstOf(_Composite, composites.Selector):
 
 def invalidate(behaviours: Iterable[Ticked]) -> None:
     """Stop branches that are not ticked now."""
-    invalid = Status.INVALID
     for one in behaviours:
-        if one.status is not invalid:
-            one.stop(invalid)
+        if one.status is not INVALID:
+            one.stop(INVALID)

@@ -221,6 +221,7 @@ class VirtualRun:
             orchestrator.tree.close()
             space = orchestrator._projection.space
             orchestrator.tree = CellTree(orchestrator._ledger, space)
+            orchestrator._ledger._noticing.clear()
 
     def _check_reasons(self) -> None:
         """Whoever does not work says why (semantics 7.4)."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple, TypeVar
 
-from bt_orchestrator.model.frozen import changed
 from bt_orchestrator.model.script import INDEX
 
 
@@ -45,4 +44,6 @@ class Event:
 
     def stamped(self: _E, seq: int, time: float) -> _E:
         """Return a copy that is recorded."""
-        return changed(self, seq=seq, time=time)
+        copy = object.__new__(type(self))
+        object.__setattr__(copy, '__dict__', {**vars(self), 'seq': seq, 'time': time})
+        return copy

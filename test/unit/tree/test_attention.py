@@ -47,6 +47,7 @@ def _pair(cell: Cell, script: Script) -> tuple[VirtualRun, VirtualRun]:
     orchestrator = runs[1].sim.orchestrator
     orchestrator.tree.close()
     orchestrator.tree = FullTree(orchestrator._ledger, orchestrator._projection.space)
+    orchestrator._ledger._noticing.clear()
     for run in runs:
         run.submit('J', script, 4)
         run.submit('K', script, 2)

@@ -5,6 +5,8 @@ Counted in calls and behaviours, which are the same on every machine.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import pytest
 from fakes.calls import calls
 from fakes.line import THREE, Line, with_initialization, with_section
@@ -17,7 +19,7 @@ from bt_orchestrator.model.script import Script
 from bt_orchestrator.sim.simulation import Simulation
 from bt_orchestrator.store.memory import MemoryStore
 from bt_orchestrator.tree.section import Section
-from bt_orchestrator.tree.sharing import Sharing
+from bt_orchestrator.tree.sharing import Part, Parts, uses_of
 
 LINE = Line()
 BY = ann('a test')
@@ -94,16 +96,15 @@ def test_a_command_costs_the_same_with_many_jobs_that_wait(
 
 
 def test_the_index_follows_scripts_and_not_jobs(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Which parts share what is worked out when a script comes to the line, or leaves it."""
+    """Which parts share what is worked out when a script comes to the line."""
     simulation = waiting_line(FEW)
     counted: list[Script] = []
-    count = Sharing._count
 
-    def noted(sharing: Sharing, script: Script, number: int) -> None:
+    def noted(script: Script, bits: Mapping[Part, int]) -> dict[tuple[str, str | int], Parts]:
         counted.append(script)
-        count(sharing, script, number)
+        return uses_of(script, bits)
 
-    monkeypatch.setattr(Sharing, '_count', noted)
+    monkeypatch.setattr('bt_orchestrator.tree.sharing.uses_of', noted)
     go_on(simulation, 30)
     assert not counted
     other = LINE.script(with_section(2, '- {id: other, @b2}'))
@@ -111,7 +112,7 @@ def test_the_index_follows_scripts_and_not_jobs(monkeypatch: pytest.MonkeyPatch)
     assert not counted
     while simulation.state.jobs:
         go_on(simulation, 1)
-    assert counted == [other, LINE.script(ZONED), other]
+    assert counted == [other]
 
 
 def test_a_job_gets_its_branches_when_it_is_the_next_one() -> None:
