@@ -29,6 +29,7 @@ from bt_orchestrator.ports import (
 from bt_orchestrator.script.admission import admitted
 from bt_orchestrator.script.cell_file import read_cell
 from bt_orchestrator.script.lookup import find_script
+from bt_orchestrator.script.orders.duplicates import refuse_duplicates
 from bt_orchestrator.script.orders.order_file import (
     OrderFile,
     OrderPlaces,
@@ -198,7 +199,7 @@ def load_jobs(
     cell = findings.of(partial(load_cell, cell_file, types))
     read = [findings.of(partial(draft_order, path)) for path in orders]
     files = [file for file in read if file is not None]
-    findings.of(partial(_refuse_duplicates, files))
+    findings.of(partial(refuse_duplicates, files))
     for file in files:
         findings.add(file.places.findings)
     jobs = None
@@ -310,20 +311,3 @@ def _job(file: OrderFile, job_id: str, shelf: _ScriptShelf) -> Job:
 
 def _free_ids(taken: set[str | None]) -> Iterator[str]:
     return (name for n in itertools.count(1) if (name := f'WO-{n}') not in taken)
-
-
-def _refuse_duplicates(files: Sequence[OrderFile]) -> None:
-    """Refuse orders with the id of an order in front of them (formats: work order)."""
-    first: dict[str, OrderPlaces] = {}
-    findings = []
-    for file in files:
-        name, places = file.order.order, file.places
-        if name is not None and first.setdefault(name, places) is not places:
-            place = places.place('order')
-            before = f'{first[name].file}:{first[name].place("order").line}'
-            what = f'the order `{name}` was given before, in {before}'
-            findings.append(
-                Finding(places.file, place.line, place.column, what, 'choose another id')
-            )
-    if findings:
-        raise Refused(findings)

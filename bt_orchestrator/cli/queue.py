@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from bt_orchestrator.cli.asked_verbs import in_one_line
-from bt_orchestrator.cli.door import answer_within_s, ask_and_print, asked, open_door
+from bt_orchestrator.cli.door import ask_and_print, open_door
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options
 from bt_orchestrator.cli.numbers import whole_32
-from bt_orchestrator.cli.ordering.order_request import orders_in, script_name, show_orders
+from bt_orchestrator.cli.ordering.order_request import give_orders, script_name
 from bt_orchestrator.cli.ordering.order_terms import (
     add_recipe_options,
     add_term_options,
@@ -211,11 +211,8 @@ def _has_ended(job: JobStatus) -> bool:
 def _add(args: argparse.Namespace) -> int:
     if not args.what:
         raise WrongUse('queue add: name at least one order')
-    orders = orders_in([Path(name) for name in args.what])
-    request = asked(args, 'queue.add', orders=orders, position=args.at or None, held=args.held)
-    with open_door(args.node, args.timeout, answer_s=answer_within_s(request)) as door:
-        answer = door.ask(request)
-    return show_orders(answer, as_json=args.json)
+    files = [Path(name) for name in args.what]
+    return give_orders(args, files, position=args.at or None, held=args.held)
 
 
 def _move(args: argparse.Namespace) -> int:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from bt_orchestrator.cli.door import answer_within_s, asked, open_door
 from bt_orchestrator.cli.node_options import add_node_options, add_who_options
-from bt_orchestrator.cli.ordering.order_request import orders_in, show_orders
+from bt_orchestrator.cli.ordering.order_request import give_orders
 
 DESCRIPTION = """\
 Give a running tree node work orders, in the order named: all are queued, or none. The node looks
-scripts up by name in its own folders; a path is made absolute here. `queue add` can do more."""
+scripts up by name in its own folders; a path is made absolute here. All mistakes are printed as
+`check` prints them, as far as the node answers. `queue add` can do more."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -25,7 +25,4 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Carry out the verb; returns 1 when the orders were refused."""
-    request = asked(args, 'queue.add', orders=orders_in(args.orders))
-    with open_door(args.node, args.timeout, answer_s=answer_within_s(request)) as door:
-        answer = door.ask(request)
-    return show_orders(answer, as_json=args.json)
+    return give_orders(args, args.orders)

@@ -31,7 +31,7 @@ def find_script(
     if path is not None and _is_file(path):
         return path
     what, hint = _missing_path(path) if path else _missing_name(name_or_path, folders, unlike_any)
-    raise Refused([Finding(asked_in or name_or_path, place.line, place.column, what, hint)])
+    raise Refused([_missing(asked_in or name_or_path, place, what, hint)])
 
 
 def find_below(name_or_path: str, folders: Sequence[Path], option: str) -> Path:
@@ -47,8 +47,12 @@ def find_below(name_or_path: str, folders: Sequence[Path], option: str) -> Path:
         where = ', '.join(map(str, folders)) or 'none'
         what = f'the path {quoted(name_or_path)} is in none of the folders of this node ({where})'
         hint = f'put the script there, or start the node with {option}'
-        raise Refused([Finding(name_or_path, START.line, START.column, what, hint)])
+        raise Refused([_missing(name_or_path, START, what, hint)])
     return find_script(name_or_path, folders, unlike_any='check the name')
+
+
+def _missing(file: str, place: Place, what: str, hint: str) -> Finding:
+    return Finding(file, place.line, place.column, what, hint, 'script')
 
 
 def _is_below(path: Path, folders: Sequence[Path]) -> bool:

@@ -52,13 +52,10 @@ def _check(
     return True
 
 
-def check_order_id(text: str, place: Place, report: Report) -> bool:
-    """Report an order id that cannot be one: it begins the ids of the items, `<order>/<n>`."""
+def wrong_order_id(text: str) -> tuple[str, str] | None:
+    """Say what is wrong with an order id, and what to do; it begins the item ids `<order>/<n>`."""
     fault = order_id_fault(text)
     if fault is None:
-        return True
+        return None
     legal = re.sub(r'[^\w .-]+', '-', text).strip(' -')[:LONGEST_NAME] or 'WO-1001'
-    report.add(
-        place, f'{quoted(text)} cannot be an order id: {fault}', f'write for instance `{legal}`'
-    )
-    return False
+    return f'{quoted(text)} cannot be an order id: {fault}', f'write for instance `{legal}`'

@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 from bisect import bisect
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from bt_orchestrator.errors import Finding, Refused
@@ -46,10 +46,17 @@ class Report:
 
         :raises Refused: there are so many of them that reading on is of no use
         """
-        self._findings.add(Finding(self.file, place.line, place.column, what, hint))
+        self.keep(Finding(self.file, place.line, place.column, what, hint))
+
+    def keep(self, finding: Finding) -> None:
+        """Report a mistake that has its place.
+
+        :raises Refused: there are so many of them that reading on is of no use
+        """
+        self._findings.add(finding)
         if len(self._findings) >= MOST_FINDINGS:
             words = f'reading ended here, with {MOST_FINDINGS} mistakes'
-            end = Finding(self.file, place.line, place.column, words, 'mend these first')
+            end = replace(finding, file=self.file, what=words, hint='mend these first')
             raise Refused([*self.findings, end])
 
     @property

@@ -2,34 +2,45 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
-from bt_orchestrator.errors import Finding, Refused
-from bt_orchestrator.model.commands import Answer
-from bt_orchestrator.model.jobs.order import WorkOrder
+from bt_orchestrator.cli.door import answer_within_s, asked, open_door
+from bt_orchestrator.errors import CommandRefused, Finding, NodeUnreachable, Refused
+from bt_orchestrator.model.commands import Answer, OrderAnswer
+from bt_orchestrator.model.jobs.order import NO_TERMS, WorkOrder
 from bt_orchestrator.script.lookup import is_path
-from bt_orchestrator.script.orders.order_file import read_order
+from bt_orchestrator.script.orders.duplicates import refuse_duplicates
+from bt_orchestrator.script.orders.order_file import OrderFile, OrderPlaces, draft_order
+from bt_orchestrator.script.orders.pointing import pointed
+
+_HAS_MISTAKES = '/the file has mistakes'
+"""Follows the id of an order that must not be queued: a node refuses ids with a slash."""
+
+_CHOICE = ('script', 'recipe', 'version', 'bind')
 
 
-def orders_in(files: Sequence[Path]) -> list[WorkOrder]:
-    """Return the orders in some files, for a node.
+def give_orders(args: argparse.Namespace, paths: Sequence[Path], **given: Any) -> int:
+    """Give a node the orders in some files, and print the answer; 1: it refused them.
 
-    :raises Refused: with every mistake in all files
+    If a file has mistakes of its own, nothing is queued. The node still reads the orders, for
+    the mistakes that only it can find, so that the sender is told all of them at once.
+
+    :raises Refused: with every mistake in all files, if one has mistakes of its own
     """
-    findings: list[Finding] = []
-    orders = []
-    for file in files:
-        try:
-            orders.append(for_node(read_order(file).order))
-        except Refused as refused:
-            findings += refused.findings
+    files, findings = _drafts(paths)
     if findings:
-        raise Refused(findings)
-    return orders
+        raise Refused(sorted({*findings, *_found_by_node(args, files, given)}))
+    answer = _ask(args, [for_node(file.order) for file in files], given)
+    if not answer.accepted:
+        pairs = zip(answer.orders, files, strict=False)
+        answer = replace(answer, orders=tuple(_with_lines(one, file) for one, file in pairs))
+    return _show(answer, as_json=args.json)
 
 
 def for_node(order: WorkOrder) -> WorkOrder:
@@ -42,8 +53,64 @@ def script_name(name: str) -> str:
     return str(Path(name).absolute()) if name and is_path(name) else name
 
 
-def show_orders(answer: Answer, *, as_json: bool) -> int:
-    """Print what became of orders; returns 1 if they were refused."""
+def _drafts(paths: Iterable[Path]) -> tuple[list[OrderFile], list[Finding]]:
+    """Return the orders in some files, and the mistakes that are there without a script."""
+    files: list[OrderFile] = []
+    findings: list[Finding] = []
+    for path in paths:
+        try:
+            file = draft_order(path)
+        except Refused as refused:
+            findings += refused.findings
+        else:
+            files.append(file)
+            findings += file.places.findings
+    try:
+        refuse_duplicates(files)
+    except Refused as refused:
+        findings += refused.findings
+    return files, findings
+
+
+def _found_by_node(
+    args: argparse.Namespace, files: Sequence[OrderFile], given: dict[str, Any]
+) -> Iterator[Finding]:
+    """Yield the mistakes that only the node can find; none if it does not answer."""
+    readable = [file for file in files if all(map(file.places.is_sure, _CHOICE))]
+    if not readable:
+        return
+    try:
+        answer = _ask(args, [_not_to_be_queued(file.order) for file in readable], given)
+    except (CommandRefused, NodeUnreachable):
+        return
+    for one, file in zip(answer.orders, readable, strict=False):
+        doubted = file.places.doubted | {('order',)}
+        yield from _in_file(one, replace(file.places, doubted=doubted))
+
+
+def _not_to_be_queued(order: WorkOrder) -> WorkOrder:
+    name = f'{order.order or ""}{_HAS_MISTAKES}'
+    params = {name: value for name, value in order.params.items() if value is not None}
+    return replace(for_node(order), order=name, params=params, terms=NO_TERMS)
+
+
+def _with_lines(answer: OrderAnswer, file: OrderFile) -> OrderAnswer:
+    return replace(answer, findings=tuple(map(str, _in_file(answer, file.places))))
+
+
+def _in_file(answer: OrderAnswer, places: OrderPlaces) -> list[Finding]:
+    """Return the node's findings about an order, in the order of its file."""
+    told = (pointed(text, places) for text in answer.findings)
+    return sorted(one for one in told if one is not None)
+
+
+def _ask(args: argparse.Namespace, orders: list[WorkOrder], given: dict[str, Any]) -> Answer:
+    request = asked(args, 'queue.add', orders=orders, **given)
+    with open_door(args.node, args.timeout, answer_s=answer_within_s(request)) as door:
+        return door.ask(request)
+
+
+def _show(answer: Answer, *, as_json: bool) -> int:
     if as_json:
         for one in answer.orders:
             plain = {'accepted': answer.accepted, 'job': one.job, 'message': one.message}

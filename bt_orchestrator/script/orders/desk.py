@@ -272,7 +272,8 @@ class OrderDesk:
         if wrong is not None:
             return Refused([places.finding(wrong)])
         if order.recipe is None:
-            return named(order.script)
+            script = named(order.script)
+            return _in_order(script, places) if isinstance(script, Refused) else script
         made = next((made for choice, made in scripts if choice == order.recipe), None)
         if made is None:
             return NotMadeYet([places.finding(NOT_MADE_HERE)], order.recipe)
@@ -321,6 +322,16 @@ class OrderDesk:
             return admitted(text, str(path), self._cell, self._types)
         except Refused as refused:
             return refused
+
+
+def _in_order(refused: Refused, places: OrderPlaces) -> Refused:
+    """Return mistakes, with those in a key of the order where it stands."""
+    return Refused(
+        [
+            places.finding(Wrong(one.key, one.what, one.hint)) if one.key else one
+            for one in refused.findings
+        ]
+    )
 
 
 class _Scripts:

@@ -16,7 +16,7 @@ from bt_orchestrator.script.composing import compose
 from bt_orchestrator.script.field_types import PARAMETER_TYPES, misfit
 from bt_orchestrator.script.fields import Fields, file_fields
 from bt_orchestrator.script.keys import LARGEST_WHOLE
-from bt_orchestrator.script.names import check_order_id
+from bt_orchestrator.script.names import wrong_order_id
 from bt_orchestrator.script.orders.choice import read_choice
 from bt_orchestrator.script.orders.terms import Wrong, read_terms, wrong_terms
 from bt_orchestrator.script.parameter_uses import misfitting_uses
@@ -30,7 +30,18 @@ from bt_orchestrator.script.yaml_nodes import (
     found_value,
     plain_value,
     quoted,
+    shortened,
 )
+
+
+def path_of(key: str) -> tuple[str, ...]:
+    """Return the path of a key: params.lot is `lot` in `params`."""
+    return tuple(key.split('.', 1))
+
+
+def key_in(key: str) -> str:
+    """Return a key as findings name it: without colons, which separate line and column."""
+    return shortened(key).replace(':', '_')
 
 
 @dataclass(frozen=True)
@@ -53,9 +64,10 @@ class OrderPlaces:
         return self.places.get(path, START)
 
     def finding(self, wrong: Wrong) -> Finding:
-        """Return a mistake in one of the keys."""
-        place = self.place(*wrong.key.split('.'))
-        return Finding(self.file, place.line, place.column, wrong.what, wrong.hint, wrong.key)
+        """Return a mistake in one of the keys, which is named where there is no file."""
+        place = self.place(*path_of(wrong.key))
+        file = self.file if self.places or not wrong.key else f'{self.file}, {key_in(wrong.key)}'
+        return Finding(file, place.line, place.column, wrong.what, wrong.hint, wrong.key)
 
     def is_sure(self, *path: str) -> bool:
         """Tell whether a key, and all around it, has been read as it was meant."""
@@ -105,8 +117,9 @@ def parse_draft(text: str, file: str) -> OrderFile:
     doubted: set[tuple[str, ...]] = set()
     params = _params(fields, places, doubted, report)
     order_id = fields.text('order')
-    if order_id is not None:
-        check_order_id(order_id, fields.place('order'), report)
+    wrong_id = None if order_id is None else wrong_order_id(order_id)
+    if wrong_id is not None:
+        report.add(fields.place('order'), *wrong_id)
     script, quantity = fields.text('script') or '', fields.optional_whole('quantity')
     recipe = read_choice(fields)
     order = WorkOrder(script, order_id, quantity, params, read_terms(fields), recipe)
@@ -154,8 +167,9 @@ def bind_order(
     places = places or named_places(order.order or job_id)
     report = Report(places.file)
     report.take(places.findings)
-    if order.order is not None:
-        check_order_id(order.order, places.place('order'), report)
+    wrong_id = None if order.order is None else wrong_order_id(order.order)
+    if wrong_id is not None:
+        report.keep(places.finding(Wrong('order', *wrong_id)))
     quantity = _quantity(order, script, places, most_items, report)
     misspelt = _check_names(order, script, places, report)
     params = {
@@ -165,10 +179,10 @@ def bind_order(
     }
     for wrong in wrong_terms(order.terms):
         if places.is_sure(wrong.key):
-            report.add(places.place(wrong.key), wrong.what, wrong.hint)
+            report.keep(places.finding(wrong))
     if types is not None:
         for use in misfitting_uses(script, order.order or job_id, quantity, params, types):
-            report.add(places.place(*use.path), use.what, use.hint)
+            report.keep(places.finding(Wrong('.'.join(use.path), use.what, use.hint)))
     report.refuse()
     return Job(job_id, script, quantity, params, order.terms, order.recipe)
 
@@ -239,16 +253,16 @@ def _quantity(
         return 1
     if quantity is None:
         what = f'the order names no quantity, and the script `{script.name}` has no default'
-        report.add(places.place('quantity'), what, 'add for instance `quantity: 12`')
+        report.keep(places.finding(Wrong('quantity', what, 'add for instance `quantity: 12`')))
         return 1
     if type(quantity) is not int or not 1 <= quantity <= LARGEST_WHOLE:
         what = f'`quantity` must be from 1 to {LARGEST_WHOLE}, not {found_value(quantity)}'
-        report.add(places.place('quantity'), what, 'order at least one item')
+        report.keep(places.finding(Wrong('quantity', what, 'order at least one item')))
         return 1
     if quantity > most:
         what = f'`quantity` is {quantity}, and an order of this cell has at most {most} items'
         hint = 'order less at a time, or raise `most_items` in the cell file'
-        report.add(places.place('quantity'), what, hint)
+        report.keep(places.finding(Wrong('quantity', what, hint)))
         return 1
     return quantity
 
@@ -264,7 +278,7 @@ def _check_names(
             otherwise = f'its parameters are {known}' if known else 'it has none; remove this'
             hint = did_you_mean(name, script.params, otherwise)
             what = f'the script `{script.name}` has no parameter {quoted(name)}'
-            report.add(places.place('params', name), what, hint)
+            report.keep(places.finding(Wrong(f'params.{name}', what, hint)))
             meant.add(nearest(name, script.params) or '')
     return meant - set(order.params)
 
@@ -278,12 +292,12 @@ def _bound(parameter: Parameter, order: WorkOrder, places: OrderPlaces, report: 
         if parameter.required:
             what = f'the parameter `{name}` is missing'
             hint = f'add `{name}`, of type {parameter.type}, to `params`'
-            report.add(places.place('params', name), what, hint)
+            report.keep(places.finding(Wrong(f'params.{name}', what, hint)))
         return parameter.default
     value = order.params[name]
     problem = misfit(value, PARAMETER_TYPES[parameter.type])
     if problem is not None:
         what = f'the parameter `{name}` must be {problem.needed}, not {found_value(value)}'
-        report.add(places.place('params', name), what, problem.hint)
+        report.keep(places.finding(Wrong(f'params.{name}', what, problem.hint)))
         return None
     return float(value) if parameter.type == 'float' else value

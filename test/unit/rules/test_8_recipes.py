@@ -192,7 +192,7 @@ def test_8_6_a_job_by_script_has_no_version_and_no_binding(
     (key,) = change
     (finding,) = of_job.findings
     assert finding.startswith(
-        f'order A:1:1: `{key}` is about a recipe, and the order names none; '
+        f'order A, {key}:1:1: `{key}` is about a recipe, and the order names none; '
     )
 
 

@@ -71,26 +71,26 @@ def test_findings_of_an_order_without_a_file_name_the_order() -> None:
         bind_order(order, SCRIPT, 'J1')
     assert [str(one) for one in caught.value.findings] == [
         (
-            'order WO/1:1:1: `WO/1` cannot be an order id: a slash separates the order from the '
-            'number of the item; write for instance `WO-1`'
+            'order WO/1, order:1:1: `WO/1` cannot be an order id: a slash separates the order '
+            'from the number of the item; write for instance `WO-1`'
         ),
         (
-            'order WO/1:1:1: `quantity` must be from 1 to 2147483647, not the number 0; '
-            'order at least one item'
+            'order WO/1, params.lot:1:1: the parameter `lot` must be text (str), not the number '
+            '3; put it in quotes'
         ),
         (
-            'order WO/1:1:1: the parameter `lot` must be text (str), not the number 3; '
-            'put it in quotes'
-        ),
-        (
-            'order WO/1:1:1: the script `test` has no parameter `zz`; '
+            'order WO/1, params.zz:1:1: the script `test` has no parameter `zz`; '
             'its parameters are `lot`, `n`, `x`, `b`'
+        ),
+        (
+            'order WO/1, quantity:1:1: `quantity` must be from 1 to 2147483647, not the number 0; '
+            'order at least one item'
         ),
     ]
 
 
 def test_findings_of_an_order_without_an_id_name_the_job() -> None:
-    with pytest.raises(Refused, match=r'^order J7:1:1: the order names no quantity'):
+    with pytest.raises(Refused, match=r'^order J7, quantity:1:1: the order names no quantity'):
         bind_order(WorkOrder('test', params={'lot': 'A'}), SCRIPT, 'J7')
 
 
