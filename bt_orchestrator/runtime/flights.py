@@ -26,13 +26,8 @@ GRACE_S = 5.0
 """Seconds that a cancelled goal has to reach its terminal status (semantics 2.4)."""
 
 
-<<<<<<< HEAD
-_CARRIED_OUT = {e.OrchestratorStarted, e.TaskStarted, e.TaskResent, e.TaskCancelRequested}
+CARRIED_OUT = {e.OrchestratorStarted, e.TaskStarted, e.TaskResent, e.TaskCancelRequested}
 """Events that ask for goals of an earlier orchestrator, send a goal or cancel one."""
-=======
-CARRIED_OUT = {e.TaskStarted, e.TaskAdopted, e.TaskResent, e.TaskCancelRequested}
-"""Events that send a goal, take one over or cancel one."""
->>>>>>> 17a80f1a (The engine touches less a task: parts of the tree as bits, notices by table, one look at the clock a settle)
 
 
 class Flights:
