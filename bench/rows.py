@@ -68,7 +68,7 @@ TARGETS = {
     'recipe_pace': Target(
         'pace of a generated script, 60 operations / of the best one there is', 1.01, 1.0
     ),
-    'recipe_time': Target('generating it, two candidates for each operation, s', 5, 1),
+    'recipe_time': Target('generating it, four candidates for each operation, s', 5, 1),
     'recipe_load': Target('dispatch p50, the node generates scripts of recipes / none', 1.2, 1.05),
     'readers': Target('dispatch p50, the journal is read all the time / not', 1.1, 1.02),
     'readers_cpu': Target('CPU of the node a task, the journal is read / not', 1.1, 1.02),

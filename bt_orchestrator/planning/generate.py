@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
+from dataclasses import dataclass
 
 from bt_orchestrator.model.cell import Cell
 from bt_orchestrator.model.recipe import Overrides, Recipe
 from bt_orchestrator.model.script import Script
-from bt_orchestrator.planning.bound import Bound
+from bt_orchestrator.planning.line_model import LineModel, Solution
 from bt_orchestrator.planning.outcome import (
     LIMITS,
+    SAME_S,
     Claim,
     Generated,
     Impossible,
@@ -17,21 +18,12 @@ from bt_orchestrator.planning.outcome import (
     Limits,
     NotFound,
 )
-from bt_orchestrator.planning.plans import Plan
 from bt_orchestrator.planning.problem import Problem
-from bt_orchestrator.planning.reasons import made
+from bt_orchestrator.planning.reasons import Reasons
 from bt_orchestrator.planning.scripts import chosen
-from bt_orchestrator.planning.search import Search
-from bt_orchestrator.planning.starts import starts
-from bt_orchestrator.planning.windows import Windows
-from bt_orchestrator.proof.pace import pace
+from bt_orchestrator.proof.pace import Pace, pace
 
 NO_OVERRIDES = Overrides()
-
-_FOR_EVER_US = 10**18
-
-_SAME_S = 1e-6
-"""Runs of the engine that differ by less are equally fast."""
 
 
 def generate(
@@ -56,104 +48,85 @@ def generate(
     return _Generator(problem, judge, limits).run()
 
 
+@dataclass(frozen=True)
+class _Judged:
+    """A plan as a script, with the time that it takes."""
+
+    solution: Solution
+    script: Script
+    pace: Pace
+    judged_s: float | None
+
+    @property
+    def per_item_s(self) -> float:
+        return self.pace.per_item_s if self.judged_s is None else self.judged_s
+
+
 class _Generator:
     def __init__(self, problem: Problem, judge: Judge, limits: Limits) -> None:
         self._problem, self._judge, self._limits = problem, judge, limits
+        self._model = LineModel(problem.plans)
 
     def run(self) -> Generated:
-        plans = self._problem.plans
-        search = Search(plans)
-        search.run(starts(plans), self._limits.kicks)
-        if search.best is None:
-            search.run([self._any()], self._limits.kicks)
-        if search.best is None:
-            raise NotFound([_not_found(self._limits)])
-        cost, plan = search.best
-        if plans.shares:
-            return self._judged(cost.moved)
-        if self._problem.keep is not None:
-            return self._generated(plan)
-        is_fastest = self._proven(search)
-        if not is_fastest and not plans.has_flags:
-            limits = self._limits
-            plan = Windows(plans).better(search.best[1], limits.windows, limits.window_nodes)
-            search.run([plan], 0)
-            is_fastest = self._proven(search)
-        return self._generated(search.best[1], is_fastest=is_fastest)
-
-    def _proven(self, search: Search) -> bool:
-        """Prove that no binding is faster than the best one, or go on from a faster one."""
-        assert search.best is not None
-        bound = Bound(self._problem.plans, self._limits.nodes)
-        bound.look(search.best[0].us)
-        if bound.faster is not None:
-            search.run([bound.faster], 0)  # of equally fast ones the one that spreads best
-        return bound.is_proven
-
-    def _any(self) -> Plan:
-        """Return any plan, because the search has found none: devices keep too little.
-
-        :raises Impossible: it is proven that there is none
-        :raises NotFound: there was none among those that were tried
-        """
-        bound = Bound(self._problem.plans, self._limits.nodes)
-        bound.look(_FOR_EVER_US)
-        if bound.faster is not None:
-            return bound.faster
-        givers = ', '.join(f'`{one.giver}`' for one in self._problem.plans.reach.held)
-        why = (
-            f'no device could keep what each of {givers} gives: one keeps it for one operation, '
-            'for so many sections as it has room, and not in a repeat'
-        )
-        if bound.is_proven:
-            raise Impossible([why])
-        raise NotFound([f'{_not_found(self._limits)}; of those that were tried, {why}; {_NEARER}'])
-
-    def _judged(self, moved: int) -> Generated:
-        """Return the best of the finalists by the engine.
-
-        :param moved: operations that have to be elsewhere than in the script that is kept
-        """
-        plans, best = self._problem.plans, None
-        for cost, plan in plans.best(self._limits.finalists):
-            at_best_s = float(cost.us / 1_000_000)
-            if cost.moved > moved or (best is not None and best[0] <= at_best_s):
-                break  # the others are no better
-            script = self._problem.script(plan)
-            found = pace(script, self._problem.cell)
-            waits = found is not None and found.not_counted
-            judged_s = self._judge.pace_s(script) if waits else at_best_s
-            if judged_s is not None and (best is None or judged_s < best[0] - _SAME_S):
-                best = judged_s, plan
+        first = self._model.best(self._limits.nodes)
+        if first is None:
+            raise Impossible([self._not_kept()])
+        best = self._best(first)
         if best is None:
-            raise NotFound(
-                [f'the engine gets to the end with none of the best plans; {_OTHERWISE}']
-            )
-        judged_s, plan = best
-        if self._problem.keep is not None:
-            return self._generated(plan, judged_s=judged_s)
-        bound = Bound(plans, self._limits.nodes)
-        bound.look(Fraction(round(judged_s * 1_000_000)))
-        is_fastest = bound.is_proven and bound.faster is None
-        return self._generated(plan, judged_s=judged_s, is_fastest=is_fastest)
-
-    def _generated(
-        self, plan: Plan, *, judged_s: float | None = None, is_fastest: bool = False
-    ) -> Generated:
-        problem = self._problem
-        script = problem.script(plan)
-        found = pace(script, problem.cell)
-        assert found is not None, 'a plan that gets stuck has no cost'
+            raise NotFound([f'the engine gets to the end with none of the best plans; {_BIND}'])
+        bound_s = first.bound_us / 1_000_000
+        is_known = self._problem.keep is None and bound_s <= best.per_item_s + SAME_S
+        problem, plan = self._problem, best.solution.plan
         moved = tuple(
             name for name, one in chosen(plan, problem.plans).items() if problem.is_moved(one)
         )
-        claim = Claim(found, judged_s if found.not_counted else None, is_fastest, moved)
-        return Generated(script, made(plan, problem.plans, problem.overrides, script), claim)
+        claim = Claim(best.pace, best.judged_s, bound_s if is_known else None, moved)
+        us = round(best.per_item_s * 1_000_000)
+        reasons = Reasons(problem, LineModel(problem.plans), self._limits.nodes)
+        facts = reasons.made(best.solution, us, best.script)
+        return Generated(best.script, facts, claim)
+
+    def _best(self, solution: Solution | None) -> _Judged | None:
+        """Return the best of the next plans: what the model says of them is only a bound."""
+        best: _Judged | None = None
+        moved = solution.moved if solution is not None else 0
+        for _ in range(self._limits.finalists):
+            if solution is None or solution.moved > moved:
+                break
+            if best is not None and best.per_item_s <= solution.bound_us / 1_000_000 + SAME_S:
+                break  # the others are no better
+            judged = self._judged(solution)
+            if judged is not None and (
+                best is None or judged.per_item_s < best.per_item_s - SAME_S
+            ):
+                best = judged
+            self._model.exclude(solution.plan)
+            solution = self._next()
+        return best
+
+    def _next(self) -> Solution | None:
+        try:
+            return self._model.best(self._limits.nodes)
+        except NotFound:
+            return None
+
+    def _judged(self, solution: Solution) -> _Judged | None:
+        """Compute the pace of a plan anew; None: it gets stuck."""
+        script = self._problem.script(solution.plan)
+        found = pace(script, self._problem.cell)
+        if found is None:
+            return None
+        if not (found.not_counted and self._problem.plans.shared):
+            return _Judged(solution, script, found, None)
+        judged_s = self._judge.pace_s(script)
+        return None if judged_s is None else _Judged(solution, script, found, judged_s)
+
+    def _not_kept(self) -> str:
+        givers = ', '.join(f'`{one.giver}`' for one in self._problem.plans.reach.held)
+        return (
+            f'no device could keep what each of {givers} gives: one keeps it for one operation, '
+            'for so many sections as it has room, and not in a repeat'
+        )
 
 
-_NEARER = '`bind` what needs it nearer to it, in the overrides'
-_OTHERWISE = '`bind` operations that share a zone or a component otherwise, in the overrides'
-
-
-def _not_found(limits: Limits) -> str:
-    return f'not found within {limits.nodes:,} steps; not proven impossible'
+_BIND = '`bind` operations that share a zone or a component otherwise, in the overrides'

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
@@ -23,19 +24,16 @@ class Judge(Protocol):
 class Limits:
     """How much is tried. Counts, never times: equal inputs give equal scripts."""
 
-    kicks: int = 40
-    """Times that the search is begun again from near the best plan."""
-    windows: int = 400
-    """Times that some sections are taken apart, where it is not proven that nothing is faster."""
-    window_nodes: int = 500_000
-    """Choices that may be tried for that."""
-    nodes: int = 40_000
-    """Choices that the proof of the fastest binding may look at."""
+    nodes: int = 1_000
+    """Of the tree that the solver may search, for each stage of a plan."""
     finalists: int = 16
     """Plans that are run by the engine where sections share something."""
 
 
 LIMITS = Limits()
+
+SAME_S = 1e-6
+"""Times that differ by less are equal."""
 
 
 class Why(Enum):
@@ -46,7 +44,8 @@ class Why(Enum):
     KEPT = 'as before'
     PACE = 'any other makes the line slower'
     SPREAD = 'spreads the load best'
-    DECLARED = 'as good as others, and declared first'
+    EQUAL = 'as good as others'
+    FOUND = 'in the best plan that was found'
 
 
 @dataclass(frozen=True)
@@ -73,8 +72,8 @@ class Claim:
     """In closed form."""
     judged_s: float | None = None
     """Seconds for each item by the engine, where sections share something."""
-    is_fastest: bool = False
-    """It is proven that no other binding is faster."""
+    bound_s: float | None = None
+    """No other binding takes less time for each item; None: this is not known."""
     moved: tuple[str, ...] = ()
     """Operations that are done elsewhere than in the script that was to be kept."""
 
@@ -83,9 +82,30 @@ class Claim:
         """Seconds from one item to the next."""
         return self.pace.per_item_s if self.judged_s is None else self.judged_s
 
+    @property
+    def is_fastest(self) -> bool:
+        """Tell whether it is proven that no other binding is faster."""
+        return self.gap == 0
+
+    @property
+    def gap(self) -> float | None:
+        """By which part of its time another binding may be faster; None: this is not known."""
+        if self.bound_s is None:
+            return None
+        shorter_s = self.per_item_s - self.bound_s
+        return shorter_s / self.per_item_s if shorter_s > SAME_S else 0.0
+
     def __str__(self) -> str:
-        sure = 'no faster binding exists' if self.is_fastest else 'not proven to be the fastest'
-        return f'{self.per_item_s:.1f} s for each item, {sure}'
+        return f'{self.per_item_s:.1f} s for each item, {self._sure}'
+
+    @property
+    def _sure(self) -> str:
+        if self.gap is None:
+            return 'not proven to be the fastest'
+        if not self.gap:
+            return 'proven fastest'
+        percent = math.ceil(self.gap * 1000) / 10
+        return f'within {percent:.1f} % of the fastest: at least {self.bound_s:.1f} s'
 
 
 @dataclass(frozen=True)

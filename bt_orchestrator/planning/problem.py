@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from fractions import Fraction
 from functools import cached_property
 
 from bt_orchestrator.model.cell import Cell
@@ -17,7 +16,6 @@ from bt_orchestrator.planning.pieces import Pieces
 from bt_orchestrator.planning.plans import Plan, Plans
 from bt_orchestrator.planning.reach import Held, Reach
 from bt_orchestrator.planning.scripts import script_of
-from bt_orchestrator.proof.pace import PacedLine
 
 
 @dataclass(frozen=True)
@@ -38,19 +36,11 @@ class Problem:
 
         :raises Impossible: there are none
         """
-        reach = self._reach()
-        may_hold = any(
-            one.is_kept_by(member)
-            for one in reach.held
-            for way in reach.pieces.choices[reach.pieces.number_of[one.giver]]
-            for member in way.members
-        )
         belt = self.cell.conveyor
         return Plans(
-            reach,
+            self._reach(),
             round(belt.component.duration_s(belt.task) * 1_000_000),
             moved=lambda choice: sum(map(self.is_moved, choice.members)),
-            closed_us=self._closed_us if may_hold else None,
         )
 
     def script(self, plan: Plan) -> Script:
@@ -67,10 +57,6 @@ class Problem:
             or before.component != one.component.name
             or self.keep.section_of(before.id) != one.section
         )
-
-    def _closed_us(self, plan: Plan) -> Fraction | None:
-        line = PacedLine(self.script(plan), self.cell)
-        return None if line.gets_stuck else line.limit(line.durations(self.cell)).per_item_us
 
     def _reach(self) -> Reach:
         able = candidates(self.cell, self.recipe, self.overrides, self.without)

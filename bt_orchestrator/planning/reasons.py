@@ -1,63 +1,75 @@
-"""Why each component does what it does."""
+"""Why each component does what it does; what is said is proven by the model."""
 
 from __future__ import annotations
 
-from bt_orchestrator.model.recipe import Overrides
+from collections.abc import Mapping
+
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.planning.candidates import Candidate
+from bt_orchestrator.planning.line_model import LineModel, Solution
 from bt_orchestrator.planning.outcome import Made, Why
-from bt_orchestrator.planning.plans import Plan, Plans
+from bt_orchestrator.planning.problem import Problem
 from bt_orchestrator.planning.scripts import chosen
 
 
-def made(plan: Plan, plans: Plans, overrides: Overrides, script: Script) -> dict[str, Made]:
-    """Return where each task came from, in the order of the script."""
-    found = chosen(plan, plans)
-    facts = {
-        task.id: Made(task.id, '', task.component, 0, Why.ONLY) for task in script.initialization
-    }
-    for section in script.sections.values():
-        for task in section.tasks:
-            facts[task.id] = _made(found[task.id], plan, plans, overrides)
-    return facts
+class Reasons:
+    """The reasons of one script."""
 
+    def __init__(self, problem: Problem, model: LineModel, nodes: int) -> None:
+        self._problem, self._model, self._nodes = problem, model, nodes
 
-def _made(one: Candidate, plan: Plan, plans: Plans, overrides: Overrides) -> Made:
-    name = one.operation.id
-    piece = plans.pieces.number_of[name]
-    others = dict.fromkeys(
-        member.component.name
-        for choice in plans.choices[piece]
-        for member in choice.members
-        if member.operation.id == name and member.component is not one.component
-    )
-    why = Why.ONLY
-    if name in overrides.bind:
-        why = Why.OVERRIDE
-    elif others:
-        why = _why(piece, plan, plans)
-    return Made(
-        operation=name,
-        capability=one.capability.name,
-        component=one.component.name,
-        section=one.section,
-        why=why,
-        alternatives=tuple(others),
-    )
+    def made(self, solution: Solution, us: int, script: Script) -> dict[str, Made]:
+        """Return where each task came from, in the order of the script.
 
+        :param us: microseconds that the script takes for each item
+        """
+        plans, bind = self._problem.plans, self._problem.overrides.bind
+        found = chosen(solution.plan, plans)
+        others = {name: self._others(one) for name, one in found.items()}
+        whys = {name: Why.OVERRIDE if name in bind else Why.ONLY for name in found}
+        asked = {name for name in found if others[name] and name not in bind}
+        whys.update(self._whys({name: found[name] for name in asked}, solution, us))
+        facts = {
+            task.id: Made(task.id, '', task.component, 0, Why.ONLY)
+            for task in script.initialization
+        }
+        for task in (task for one in script.sections.values() for task in one.tasks):
+            one = found[task.id]
+            facts[task.id] = Made(
+                operation=task.id,
+                capability=one.capability.name,
+                component=one.component.name,
+                section=one.section,
+                why=whys[task.id],
+                alternatives=others[task.id],
+            )
+        return facts
 
-def _why(piece: int, plan: Plan, plans: Plans) -> Why:
-    here = plans.cost(plan)
-    others = [
-        plans.cost(plans.with_choice(plan, piece, number))
-        for number in range(len(plans.choices[piece]))
-        if number != plan[piece]
-    ]
-    known = [one for one in others if one is not None]
-    if here is None or not known or all(one.us > here.us for one in known):
-        return Why.PACE
-    if all(one.moved > here.moved for one in known):
-        return Why.KEPT
-    if all((one.us, one.spread) > (here.us, here.spread) for one in known):
-        return Why.SPREAD
-    return Why.DECLARED
+    def _others(self, one: Candidate) -> tuple[str, ...]:
+        plans, name = self._problem.plans, one.operation.id
+        ways = plans.choices[plans.pieces.number_of[name]]
+        members = (member for choice in ways for member in choice.members)
+        same = [member.component.name for member in members if member.operation.id == name]
+        return tuple(other for other in dict.fromkeys(same) if other != one.component.name)
+
+    def _whys(
+        self, asked: Mapping[str, Candidate], solution: Solution, us: int
+    ) -> Mapping[str, Why]:
+        if not asked:
+            return {}
+        if self._problem.keep is not None:
+            moved = {name for name, one in asked.items() if self._problem.is_moved(one)}
+            return {name: Why.FOUND if name in moved else Why.KEPT for name in asked}
+        fast, is_proven = self._model.elsewhere(asked, self._nodes, us=us)
+        slower = Why.PACE if is_proven else Why.FOUND
+        whys = {name: slower for name in asked if name not in fast}
+        if not fast:
+            return whys
+        asked = {name: one for name, one in asked.items() if name in fast}
+        good, is_proven = self._model.elsewhere(
+            asked, self._nodes, us=us, spread_us=solution.spread_us
+        )
+        worse = Why.SPREAD if is_proven else Why.FOUND
+        for name in asked:
+            whys[name] = Why.EQUAL if name in good and self._model.is_exact else worse
+        return whys

@@ -6,6 +6,7 @@ Steps, each skipped when nothing it reads has changed since it last ended well:
     variables     what ROS 2 expects to find in os.environ
     builds        bindings of every package in interfaces/ and of the user's own ones, and
                   bt_orchestrator, installed as a user would have it
+    recipes       HiGHS, which plans the scripts of recipes
     browser       only if asked for: Chromium, and playwright, which steers it
     parquet       only if asked for: pyarrow
     node          only if asked for: Node, and packages of npm
@@ -41,6 +42,7 @@ def main() -> None:
         install_missing_packages(environment.folder.with_suffix('.apt.log'))
         if environment.refresh():
             say(f'{environment.folder} is ready after {time.monotonic() - started:.0f} s')
+        environment.add_planner()
         if options.browser:
             install_missing_browser(environment.folder.with_suffix('.apt.log'))
             environment.add_browser_driver()

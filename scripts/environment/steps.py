@@ -20,6 +20,7 @@ SCRIPTS = Path(__file__).resolve().parents[1]
 REQUIREMENTS = SCRIPTS / 'requirements'
 INSTALLERS = REQUIREMENTS / 'installers.txt'
 BROWSER = REQUIREMENTS / 'browser.txt'
+RECIPES = REQUIREMENTS / 'recipes.txt'
 PARQUET = REQUIREMENTS / 'parquet.txt'
 NODE = REQUIREMENTS / 'node.txt'
 NODE_PACKAGES = REQUIREMENTS / 'node'
@@ -85,6 +86,10 @@ class Environment:
             with step(f'{number}, {_names(due)}', self._logs):
                 self._build(due)
         return new or bool(due)
+
+    def add_planner(self) -> None:
+        """Install what plans the scripts of recipes; after `refresh`."""
+        self._add('recipes', 'what plans scripts', RECIPES)
 
     def add_browser_driver(self) -> None:
         """Install what steers a browser, which one gate alone needs; after `refresh`."""

@@ -64,6 +64,8 @@ def plain(made: Made, inputs: Inputs, kept: Kept | None, file: str | None) -> Ma
         'text': made.text,
         'per_item_s': claim.per_item_s,
         'is_fastest': claim.is_fastest,
+        'bound_s': claim.bound_s,
+        'gap': claim.gap,
         'pace': script_pace(script, inputs.cell).plain(),
         'tasks': [_task(task, one) for task, one in made.generated.made.items()],
     }

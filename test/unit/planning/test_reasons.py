@@ -10,7 +10,7 @@ from fakes.planned import ENDS, cell_of, made_of, recipe_of
 from bt_orchestrator.model.recipe import Overrides
 from bt_orchestrator.model.script import Script
 from bt_orchestrator.planning.generate import generate
-from bt_orchestrator.planning.outcome import Impossible, Limits, NotFound
+from bt_orchestrator.planning.outcome import Impossible
 
 LINE = {
     **ENDS,
@@ -112,16 +112,6 @@ def test_8_5_what_is_out_of_service_is_named(without: str, reason: str) -> None:
     with pytest.raises(Impossible) as why:
         made_of(LINE, steps(BORE, FIT), without=without)
     assert why.value.reasons == (reason,)
-
-
-def test_8_5_what_is_not_proven_is_not_called_impossible() -> None:
-    with pytest.raises(NotFound) as why:
-        made_of({**LINE, 'gauge_b': LINE['gauge_a']}, measured(3), limits=Limits(nodes=3))
-    (reason,) = why.value.reasons
-    assert reason == (
-        f'not found within 3 steps; not proven impossible; of those that were tried, {NOT_KEPT}; '
-        '`bind` what needs it nearer to it, in the overrides'
-    )
 
 
 def test_8_5_a_component_that_cannot_do_what_is_bound_to_it_is_named() -> None:
